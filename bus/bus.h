@@ -1,0 +1,22 @@
+// What a role's runner sees of a bus: publish, take, wait. DdsBus and SimulatedBus::Port both are one.
+#pragma once
+
+#include <concepts>
+#include <vector>
+
+#include "bus/messages.h"
+
+namespace coppice {
+
+/// Who takes part in the bus: decides which topics are written and read (topics.h).
+enum class Role : unsigned char { broker, agent, service, observer };
+
+template <class B>
+concept Bus = requires(B bus, const Message& message, double seconds) {
+  /// Hands a message to the bus; never blocks on a reader.
+  bus.publish(message);
+  /// All that arrived since the last call, checked (validation.h), in order for each sender and topic.
+  { bus.take() } -> std::same_as<std::vector<Message>>;
+};
+
+}  // namespace coppice

@@ -1,0 +1,178 @@
+// What travels between the processes, as plain structs: one for each topic of topics.h.
+//
+// Units: metres in the map frame, seconds, metres per second. Times named `stamp`, `expiry` or `..._time` are
+// fleet time (fleet_clock.h). Nothing here is trusted when it comes off a bus: validation.h checks it first.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "bus/fleet_clock.h"
+#include "planning/geometry.h"
+#include "planning/occupancy_map.h"
+
+namespace coppice {
+
+using RobotName = std::string;
+
+/// Names a disjointed tree: which broker froze it, and its number there.
+struct TreeId {
+  std::uint64_t broker = 0;
+  std::uint32_t number = 0;
+  auto operator<=>(const TreeId&) const = default;
+};
+
+/// map: service -> all.
+struct MapMessage {
+  std::string map_id;
+  OccupancyMap map;
+  bool operator==(const MapMessage&) const = default;
+};
+
+/// mission: service -> agents, broker. One for each robot; a newer one for the same robot replaces the older.
+struct Mission {
+  RobotName robot;
+  std::uint32_t number = 0;  ///< grows with each mission of the run; statuses name it
+  std::string map_id;
+  Point2 start = Point2::Zero();
+  Point2 goal = Point2::Zero();
+  double radius = 0;
+  double max_speed = 0;
+  double max_acceleration = 0;
+  double goal_tolerance = 0;
+  std::uint64_t seed = 0;
+  bool sharing = true;     ///< false: agents take no inactive trees (to measure what sharing brings)
+  bool cancelled = false;  ///< the run has ended: stop planning, brake and stand
+  FleetClock clock;
+  bool operator==(const Mission&) const = default;
+};
+
+/// The two root trees of a group.
+enum class Side : std::uint8_t { start, goal };
+
+/// root_nodes: agent -> broker. Nodes that joined a root tree since the last batch.
+struct RootNodes {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  struct Node {
+    Side side = Side::start;
+    Point2 position = Point2::Zero();
+    std::int32_t parent = -1;  ///< index among the root nodes that this agent sent for this mission; -1: a root
+    bool operator==(const Node&) const = default;
+  };
+  std::uint32_t first_index = 0;  ///< of nodes[0] among all that this agent sent for this mission
+  std::vector<Node> nodes;
+  bool operator==(const RootNodes&) const = default;
+};
+
+/// inactive_tree: broker -> agents. Never changes once published.
+struct InactiveTreeMessage {
+  TreeId tree;
+  std::string map_id;
+  double radius = 0;  ///< every node and edge keeps at least this clearance
+  struct Node {
+    Point2 position = Point2::Zero();
+    std::int32_t parent = -1;    ///< index in nodes, always below the node's own; -1: the root (node 0)
+    double edge_clearance = 0;   ///< of the edge to the parent; of the node itself for the root
+    bool operator==(const Node&) const = default;
+  };
+  std::vector<Node> nodes;
+  bool operator==(const InactiveTreeMessage&) const = default;
+};
+
+enum class Phase : std::uint8_t {
+  waiting,   ///< no map or no mission yet
+  planning,  ///< has a mission, looks for a path
+  driving,   ///< follows its path
+  arrived,   ///< stands within the tolerance of its goal
+  no_path,   ///< proved that no path exists, or gave up at a limit; stands at its start
+  stopped,   ///< the run has ended: stands
+};
+
+/// What a robot binds itself to: until `expiry` it moves linearly from (stamp, position) to (expiry, position
+/// here); from then on only its limits on speed and acceleration bound it.
+struct Promise {
+  double expiry = 0;
+  Point2 position = Point2::Zero();
+  Point2 velocity = Point2::Zero();  ///< at expiry
+  bool parked = false;               ///< stands at `position` and stays until it says otherwise
+  bool operator==(const Promise&) const = default;
+};
+
+/// robot_state: agent -> all agents, monitor. Once a control step.
+struct RobotState {
+  RobotName robot;
+  std::uint32_t sequence = 0;
+  double stamp = 0;
+  Point2 position = Point2::Zero();
+  Point2 velocity = Point2::Zero();
+  double radius = 0;
+  double max_speed = 0;
+  double max_acceleration = 0;
+  Phase phase = Phase::waiting;
+  Promise promise;
+  RobotName waits_for;  ///< empty: for nobody
+  bool operator==(const RobotState&) const = default;
+};
+
+/// path: agent -> agents, service, monitor.
+struct PathMessage {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  Path waypoints;  ///< from start to goal; empty: none
+  bool operator==(const PathMessage&) const = default;
+};
+
+/// track: agent -> service, recorder. Every control step, in batches, so that a report can be checked.
+struct TrackMessage {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  struct Point {
+    double time = 0;
+    Point2 position = Point2::Zero();
+    Point2 velocity = Point2::Zero();
+    bool operator==(const Point&) const = default;
+  };
+  std::uint32_t first_index = 0;  ///< of points[0] among all of this mission: gaps show
+  std::vector<Point> points;
+  bool operator==(const TrackMessage&) const = default;
+};
+
+/// agent_status: agent -> service, monitor. On every change and at a slow beat.
+struct AgentStatus {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  Phase phase = Phase::waiting;
+  std::string reason;        ///< why not, for no_path
+  double mission_time = 0;   ///< when the mission and its map were there
+  double path_time = 0;      ///< when the path was found (or given up); 0: not yet
+  double arrival_time = 0;   ///< 0: not yet
+  double plan_seconds = 0;   ///< wall-clock seconds between mission and path
+  double driven_length = 0;
+  std::uint32_t nodes_valid = 0;
+  std::uint32_t nodes_invalid = 0;
+  std::uint32_t trees_received = 0;
+  std::uint32_t trees_grafted = 0;
+  std::uint32_t track_points = 0;  ///< how many the agent has sent in all
+  std::uint32_t rejected = 0;      ///< messages dropped as invalid
+  bool operator==(const AgentStatus&) const = default;
+};
+
+/// broker_status: broker -> service, monitor.
+struct BrokerStatus {
+  std::uint64_t broker = 0;
+  std::uint32_t nodes_valid = 0;
+  std::uint32_t nodes_invalid = 0;
+  std::uint32_t trees_active = 0;
+  std::uint32_t trees_published = 0;
+  std::uint32_t rejected = 0;
+  bool operator==(const BrokerStatus&) const = default;
+};
+
+using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState, PathMessage,
+                             TrackMessage, AgentStatus, BrokerStatus>;
+
+}  // namespace coppice

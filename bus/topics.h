@@ -1,0 +1,55 @@
+// The one table of topics: name, message, who writes, who reads, and how it is delivered.
+//
+// Used by every bus and by the tests; a topic is declared nowhere else.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "bus/bus.h"
+
+namespace coppice {
+
+enum class Reliability : unsigned char { best_effort, reliable };
+enum class Durability : unsigned char { volatile_, transient_local };
+
+struct TopicInfo {
+  std::string_view name;
+  Reliability reliability;
+  Durability durability;
+  int depth;  ///< samples kept for each key; 0: all
+};
+
+/// Specialised for each message type: `info`, and whether a role writes or reads the topic.
+template <class M>
+struct Topic;
+
+#define COPPICE_TOPIC(MESSAGE, NAME, RELIABILITY, DURABILITY, DEPTH, WRITERS, READERS)                    \
+  template <>                                                                                             \
+  struct Topic<MESSAGE> {                                                                                 \
+    static constexpr TopicInfo info{NAME, Reliability::RELIABILITY, Durability::DURABILITY, DEPTH};       \
+    static constexpr bool written_by(Role role) { return ((WRITERS) >> static_cast<unsigned>(role)) & 1; } \
+    static constexpr bool read_by(Role role) { return ((READERS) >> static_cast<unsigned>(role)) & 1; }    \
+  }
+
+namespace topic_roles {
+inline constexpr unsigned broker = 1u << static_cast<unsigned>(Role::broker);
+inline constexpr unsigned agent = 1u << static_cast<unsigned>(Role::agent);
+inline constexpr unsigned service = 1u << static_cast<unsigned>(Role::service);
+inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer);
+}  // namespace topic_roles
+
+//            message              name             reliability  durability       depth  written by            read by
+COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
+COPPICE_TOPIC(Mission,             "mission",       reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
+COPPICE_TOPIC(RootNodes,           "root_nodes",    reliable,    volatile_,       0,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(InactiveTreeMessage, "inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(RobotState,          "robot_state",   best_effort, volatile_,       1,     topic_roles::agent,   topic_roles::agent | topic_roles::observer);
+COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::service | topic_roles::observer);
+
+#undef COPPICE_TOPIC
+
+}  // namespace coppice

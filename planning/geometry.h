@@ -1,0 +1,38 @@
+// Points, discs and polygonal paths.
+//
+// Units: metres in the map frame. Shapes: a point is a column vector of D doubles; the plane is D = 2.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace coppice {
+
+template <int D>
+using Point = Eigen::Matrix<double, D, 1>;
+
+using Point2 = Point<2>;
+
+/// A polygonal chain, from first to last point; at least two points when it leads anywhere.
+template <int D>
+using PathOf = std::vector<Point<D>>;
+
+using Path = PathOf<2>;
+
+/// Axis-aligned box, both corners included.
+template <int D>
+struct Box {
+  Point<D> lower;
+  Point<D> upper;
+};
+
+/// Sum of the lengths of the segments, in metres; 0 for fewer than two points.
+template <int D>
+double length_of(const std::vector<Point<D>>& path) {
+  double sum = 0;
+  for (std::size_t i = 1; i < path.size(); ++i) sum += (path[i] - path[i - 1]).norm();
+  return sum;
+}
+
+}  // namespace coppice

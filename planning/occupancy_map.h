@@ -1,0 +1,38 @@
+// A grid of square cells, each blocked or free: the map as it is known.
+//
+// Frame: cell (i, j) covers origin + [i, i+1] x [j, j+1] times the resolution. In Moving AI maps the
+// resolution is 1 m, the origin is (0, 0) and y grows downwards, so j is the line of the file; in ROS maps
+// y grows upwards, so row 0 is the image's last line. Blocked cells are closed squares, and all that lies
+// outside of the grid is blocked.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "planning/geometry.h"
+
+namespace coppice {
+
+/// Which way y grows on a picture of the map; of no consequence for planning.
+enum class YAxis : std::uint8_t { down, up };
+
+struct OccupancyMap {
+  int width = 0;            ///< cells along x, at least 1
+  int height = 0;           ///< cells along y, at least 1
+  double resolution = 1.0;  ///< metres a cell, above 0
+  Point2 origin = Point2::Zero();  ///< lower corner of cell (0, 0), metres
+  YAxis y_axis = YAxis::down;
+  std::vector<std::uint8_t> blocked;  ///< row by row, width * height entries, 1 = blocked
+
+  bool is_blocked(int i, int j) const {
+    return i < 0 || j < 0 || i >= width || j >= height ||
+           blocked[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0;
+  }
+  /// The rectangle that the cells cover, metres.
+  Box<2> bounds() const { return {origin, origin + resolution * Point2(width, height)}; }
+
+  bool operator==(const OccupancyMap&) const = default;
+};
+
+}  // namespace coppice
