@@ -1,0 +1,32 @@
+// A scenario with every default filled in and every check passed: what a run is made from.
+//
+// Metres in the map frame, seconds, metres per second.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "planning/geometry.h"
+#include "planning/occupancy_map.h"
+
+namespace coppice {
+
+struct RobotTask {
+  std::string name;
+  Point2 start = Point2::Zero();
+  Point2 goal = Point2::Zero();
+  double radius = 0;            ///< above 0
+  double max_speed = 0;         ///< above 0
+  double max_acceleration = 0;  ///< above 0
+  double goal_tolerance = 0;    ///< above 0
+};
+
+struct Scenario {
+  std::string map_name;  ///< as the scenario names it
+  OccupancyMap map;
+  std::uint32_t seed = 1;
+  std::vector<RobotTask> robots;  ///< at least one; names differ; starts and goals are free and apart
+};
+
+}  // namespace coppice
