@@ -2,14 +2,22 @@
 //
 // The clearance of a point is its distance, in metres, to the nearest blocked cell (a closed square) or to
 // the outside of the grid, whichever is nearer; 0 inside of blocked cells. A disc of radius r at p is free
-// where clearance(p) >= r: touching is allowed, overlapping is not.
+// where clearance(p) >= r: touching is allowed, overlapping is not. A point (r = 0) on an obstacle's edge
+// is not free. Touching is decided to within 1e-9 m, for neither p nor r is exact: a disc that is told to be
+// free overlaps by less than that.
 //
-// The distance at the cells' centres is computed once, in time linear in the cells (Felzenszwalb and
-// Huttenlocher, "Distance Transforms of Sampled Functions", 2012, on distances to squares). A query first
-// asks a lower bound interpolated from these; only where the bound leaves the answer open does it look at
-// the cells themselves. So every answer is exact: a "free" never touches, and no free place is refused.
+// The squared distance at the cells' centres is computed once, in time linear in the cells (Felzenszwalb and
+// Huttenlocher, "Distance Transforms of Sampled Functions", 2012, on the squares' edges). A query first asks
+// bounds interpolated from these; only where the bounds leave the answer open does it look at the cells
+// themselves. So every answer is exact: a "free" never overlaps, and no free place is refused.
+//
+// Why the bounds hold: with f the distance to a closed set O, f(p)^2 - |p|^2 = min over q in O of
+// |q|^2 - 2 p.q is a least of affine functions, hence concave, whatever O is. Jensen's inequality then gives
+// a lower bound between known places and an upper bound beyond them, with the weights' variance as the error.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "planning/geometry.h"
@@ -26,25 +34,44 @@ class ClearanceField {
   const OccupancyMap& map() const { return map_; }
   Box<2> bounds() const { return map_.bounds(); }
 
-  /// Never above the clearance at p, and close to it; cheap. Negative or 0 where p is not known to be free.
+  /// Never above the clearance at p, and close to it; cheap. 0 where p is not known to be free.
   double lower_bound(const Point2& p) const;
 
-  /// The exact clearance at p, metres.
+  /// The exact clearance at p, metres; 0 for points outside or NaN.
   double clearance(const Point2& p) const;
 
   /// Whether a disc of `radius` (metres, >= 0) at p overlaps nothing. Exact. False for points outside or NaN.
   bool is_free(const Point2& p, double radius) const;
 
-  /// Whether a disc of `radius` that moves straight from a to b overlaps nothing on its way. Exact.
+  /// Whether a disc of `radius` that moves straight from a to b overlaps nothing on its way. Exact. False if
+  /// an end is outside or NaN.
   bool segment_free(const Point2& a, const Point2& b, double radius) const;
 
   /// The least clearance on the segment from a to b, metres, to within `tolerance` and never above the truth.
   double segment_clearance(const Point2& a, const Point2& b, double tolerance = 0.01) const;
 
  private:
+  // Within this class, points and lengths called `cell`-something or q are in cells from the map's origin.
+  struct Piece;
+
+  Point2 to_cells(const Point2& p) const { return (p - map_.origin) * cells_per_metre_; }
+  bool contains(const Point2& q) const;
+  std::int32_t at(std::ptrdiff_t i, std::ptrdiff_t j) const {
+    return centre_squared_[static_cast<std::size_t>((j + 1) * stride_ + i + 1)];
+  }
+
+  double lower_squared(const Point2& q) const;
+  double upper_squared(const Point2& q) const;
+  double border_distance(const Point2& q) const;
+  double least_squared(const Point2& a, const Point2& b, double limit_squared) const;
+  bool piece_free(const Piece& piece, double needed_squared) const;
+
   OccupancyMap map_;
-  /// Distance from each cell's centre to the nearest blocked square or the border, in cells; row by row.
-  std::vector<float> centre_distance_;
+  double cells_per_metre_;
+  std::ptrdiff_t stride_;
+  /// Squared distance from each cell's centre to the nearest blocked square or the border, in quarters of a
+  /// squared cell, which makes it a whole number; row by row, with a ring of blocked cells around the grid.
+  std::vector<std::int32_t> centre_squared_;
 };
 
 }  // namespace coppice

@@ -1,0 +1,306 @@
+#include "planning/clearance_field.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace coppice {
+namespace {
+
+// Half of the 1e-9 m that touching is decided to; the other half is room for rounding.
+constexpr double contact_slack = 5e-10;
+
+// Relative rounding error of the interpolated squares, generously.
+constexpr double rounding = 1e-14;
+
+// A piece of a segment at most this long, in cells, is looked at cell by cell rather than cut further: where
+// the bound fails in its middle, cutting rarely helps; where it holds there, it mostly does.
+constexpr double doubtful_piece = 8;
+constexpr double short_piece = 2;
+
+/// The least clearance, in cells, at which a disc counts as free.
+double needed_clearance(double radius, double cells_per_metre) {
+  return std::max(radius - contact_slack, contact_slack) * cells_per_metre;
+}
+
+/// Steps to the nearest blocked cell of each column, 0 in blocked cells; the ring counts as blocked.
+std::vector<std::int32_t> vertical_steps(const OccupancyMap& map, std::size_t stride, std::size_t rows) {
+  std::vector<std::int32_t> steps(stride * rows, 0);
+  for (std::size_t j = 1; j + 1 < rows; ++j) {
+    const std::uint8_t* blocked = map.blocked.data() + (j - 1) * (stride - 2);
+    std::int32_t* row = steps.data() + j * stride + 1;
+    const std::int32_t* before = row - stride;
+    for (std::size_t i = 0; i + 2 < stride; ++i) row[i] = blocked[i] != 0 ? 0 : before[i] + 1;
+  }
+  for (std::size_t j = rows - 2; j > 0; --j) {
+    std::int32_t* row = steps.data() + j * stride + 1;
+    const std::int32_t* after = row + stride;
+    for (std::size_t i = 0; i + 2 < stride; ++i) row[i] = std::min(row[i], after[i] + 1);
+  }
+  return steps;
+}
+
+/// Turns steps along the columns into squared distances, one row at a time.
+///
+/// Lengths are in half cells: centres stand at even places, edges between cells at odd ones. The nearest
+/// point of a blocked square that is not straight above or below lies on one of its upright edges, so the
+/// squares' own transform is that of points on edges, joined with the column's own value.
+class RowTransform {
+ public:
+  explicit RowTransform(std::size_t cells) : own_(cells), hull_(cells) {}
+
+  void operator()(std::int32_t* row) {
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+      const double distance = std::max(2.0 * row[i] - 1, 0.0);
+      own_[i] = distance * distance;
+    }
+    build_hull();
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < own_.size(); ++i) {
+      const double place = 2.0 * static_cast<double>(i);
+      while (k + 1 < hull_size_ && hull_[k + 1].from < place) ++k;
+      const double offset = place - hull_[k].place;
+      row[i] = static_cast<std::int32_t>(std::min(own_[i], hull_[k].value + offset * offset));
+    }
+  }
+
+ private:
+  struct Parabola {
+    double place;
+    double value;
+    double from;  // where it becomes the lowest
+  };
+
+  void build_hull() {
+    hull_size_ = 0;
+    for (std::size_t i = 0; i + 1 < own_.size(); ++i) {
+      const double place = 2.0 * static_cast<double>(i) + 1;
+      const double value = std::min(own_[i], own_[i + 1]);
+      double from = -std::numeric_limits<double>::infinity();
+      while (hull_size_ > 0) {
+        const Parabola& top = hull_[hull_size_ - 1];
+        const double gap = place - top.place;
+        from = ((value - top.value) / gap + place + top.place) / 2;
+        if (from > top.from) break;
+        --hull_size_;
+        from = -std::numeric_limits<double>::infinity();
+      }
+      hull_[hull_size_++] = {place, value, from};
+    }
+  }
+
+  std::vector<double> own_;
+  std::vector<Parabola> hull_;
+  std::size_t hull_size_ = 0;
+};
+
+/// Distance from x to the interval [lower, lower + 1].
+double outside_unit(double x, double lower) {
+  return std::max({lower - x, x - lower - 1, 0.0});
+}
+
+double square_distance_squared(const Point2& p, const Point2& corner) {
+  const double dx = outside_unit(p.x(), corner.x());
+  const double dy = outside_unit(p.y(), corner.y());
+  return dx * dx + dy * dy;
+}
+
+/// The part [from, to] of [0, 1] where start + t * step lies in [lower, upper]; from > to where there is
+/// none.
+struct Interval {
+  double from = 0;
+  double to = 1;
+  void cut(double start, double step, double lower, double upper) {
+    if (step == 0) {
+      if (start < lower || start > upper) to = -1;
+      return;
+    }
+    const double t0 = (lower - start) / step;
+    const double t1 = (upper - start) / step;
+    from = std::max(from, std::min(t0, t1));
+    to = std::min(to, std::max(t0, t1));
+  }
+};
+
+/// Squared distance between the segment ab and the closed unit square whose lower corner is `corner`.
+double square_distance_squared(const Point2& a, const Point2& b, const Point2& corner) {
+  const Point2 d = b - a;
+  double least = square_distance_squared(a, corner);
+  if (d.isZero(0)) return least;
+  Interval inside;
+  inside.cut(a.x(), d.x(), corner.x(), corner.x() + 1);
+  inside.cut(a.y(), d.y(), corner.y(), corner.y() + 1);
+  if (inside.from <= inside.to) return 0;
+  // Apart, two convex polygons are nearest at a vertex of one of them.
+  least = std::min(least, square_distance_squared(b, corner));
+  const double squared = d.squaredNorm();
+  for (int k = 0; k < 4; ++k) {
+    const Point2 c = corner + Point2(k & 1, k >> 1) - a;
+    const double t = std::clamp(c.dot(d) / squared, 0.0, 1.0);
+    least = std::min(least, (c - t * d).squaredNorm());
+  }
+  return least;
+}
+
+}  // namespace
+
+/// Part of a segment, with lower bounds on the squared clearance at its ends.
+struct ClearanceField::Piece {
+  Point2 a;
+  double at_a;
+  Point2 b;
+  double at_b;
+
+  /// By concavity the square at a + t (b - a) is at least (1 - t) at_a + t at_b - t (1 - t) |b - a|^2, a
+  /// parabola in t; whether its least value on [0, 1] is `needed` or more.
+  bool certified(double needed) const {
+    if (!(at_a >= needed && at_b >= needed)) return false;
+    const double length_squared = (b - a).squaredNorm();
+    const double slope = length_squared + at_a - at_b;
+    if (slope <= 0 || slope >= 2 * length_squared) return true;  // least at an end
+    return slope * slope <= 4 * length_squared * (at_a - needed);
+  }
+};
+
+ClearanceField::ClearanceField(OccupancyMap map)
+    : map_(std::move(map)), cells_per_metre_(1 / map_.resolution), stride_(map_.width + 2) {
+  assert(map_.width >= 1 && map_.height >= 1 && map_.resolution > 0);
+  assert(map_.blocked.size() == static_cast<std::size_t>(map_.width) * static_cast<std::size_t>(map_.height));
+  const auto stride = static_cast<std::size_t>(stride_);
+  const auto rows = static_cast<std::size_t>(map_.height) + 2;
+  centre_squared_ = vertical_steps(map_, stride, rows);
+  RowTransform transform(stride);
+  for (std::size_t j = 0; j < rows; ++j) transform(centre_squared_.data() + j * stride);
+}
+
+bool ClearanceField::contains(const Point2& q) const {
+  return q.x() >= 0 && q.y() >= 0 && q.x() <= map_.width && q.y() <= map_.height;  // false for NaN
+}
+
+double ClearanceField::lower_squared(const Point2& q) const {
+  // Padded cell k has its centre at q = k - 0.5; q lies among four centres, at (x, y) from the first.
+  const double u = q.x() + 0.5;
+  const double v = q.y() + 0.5;
+  const auto i = static_cast<std::ptrdiff_t>(u);
+  const auto j = static_cast<std::ptrdiff_t>(v);
+  const double x = u - static_cast<double>(i);
+  const double y = v - static_cast<double>(j);
+  const std::int32_t* low = centre_squared_.data() + j * stride_ + i;
+  const std::int32_t* high = low + stride_;
+  const double along_low = low[0] + x * (low[1] - low[0]);
+  const double along_high = high[0] + x * (high[1] - high[0]);
+  const double mean = 0.25 * (along_low + y * (along_high - along_low));
+  return mean - x * (1 - x) - y * (1 - y) - rounding * (1 + mean);
+}
+
+double ClearanceField::upper_squared(const Point2& q) const {
+  // The centre c of q's cell is a mean of q and the two centres on the side of c away from q.
+  const std::ptrdiff_t i = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), map_.width - 1);
+  const std::ptrdiff_t j = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), map_.height - 1);
+  const double dx = q.x() - static_cast<double>(i) - 0.5;
+  const double dy = q.y() - static_cast<double>(j) - 0.5;
+  const double x = std::abs(dx);
+  const double y = std::abs(dy);
+  const double here = 0.25 * at(i, j);
+  const double gain_x = here - 0.25 * at(dx < 0 ? i + 1 : i - 1, j);
+  const double gain_y = here - 0.25 * at(i, dy < 0 ? j + 1 : j - 1);
+  const double upper = here + x * (gain_x + 1) + y * (gain_y + 1) + x * x + y * y;
+  return upper + rounding * (1 + here);
+}
+
+double ClearanceField::border_distance(const Point2& q) const {
+  return std::min({q.x(), q.y(), map_.width - q.x(), map_.height - q.y()});
+}
+
+/// The least squared distance between the segment ab and what is blocked, or the limit where that is less.
+double ClearanceField::least_squared(const Point2& a, const Point2& b, double limit_squared) const {
+  const double border = std::min(border_distance(a), border_distance(b));
+  double least = std::min(limit_squared, border * border);
+  const Point2 d = b - a;
+  const double top = std::max(a.y(), b.y());
+  double reach = std::sqrt(least);
+  const auto first_row = std::max(std::floor(std::min(a.y(), b.y()) - reach), 0.0);
+  for (auto j = static_cast<std::ptrdiff_t>(first_row);
+       j < map_.height && static_cast<double>(j) <= top + reach; ++j) {
+    // Only the part of the segment within reach of the row counts for it.
+    const auto row = static_cast<double>(j);
+    Interval near;
+    near.cut(a.y(), d.y(), row - reach, row + 1 + reach);
+    if (near.from > near.to) continue;
+    const double x0 = a.x() + near.from * d.x();
+    const double x1 = a.x() + near.to * d.x();
+    const double last = std::min(std::max(x0, x1) + reach, map_.width - 1.0);
+    auto i = static_cast<std::ptrdiff_t>(std::max(std::min(x0, x1) - reach, 0.0));
+    while (static_cast<double>(i) <= last) {
+      const std::int32_t squared = at(i, j);
+      if (squared == 0) {
+        least = std::min(least, square_distance_squared(a, b, Point2(static_cast<double>(i), row)));
+        ++i;
+      } else {
+        // A square k cells on is k - 1/2 from this centre, and none is nearer than the centre's distance.
+        i += static_cast<std::ptrdiff_t>((std::sqrt(static_cast<double>(squared)) + 1) / 2);
+      }
+    }
+    reach = std::sqrt(least);
+  }
+  return least;
+}
+
+double ClearanceField::lower_bound(const Point2& p) const {
+  const Point2 q = to_cells(p);
+  if (!contains(q)) return 0;
+  return std::sqrt(std::max(lower_squared(q), 0.0)) * map_.resolution;
+}
+
+double ClearanceField::clearance(const Point2& p) const {
+  return segment_clearance(p, p, 0);
+}
+
+bool ClearanceField::is_free(const Point2& p, double radius) const {
+  const Point2 q = to_cells(p);
+  if (!contains(q) || !std::isfinite(radius)) return false;
+  const double needed = needed_clearance(radius, cells_per_metre_);
+  const double needed_squared = needed * needed;
+  if (lower_squared(q) >= needed_squared) return true;
+  if (upper_squared(q) < needed_squared) return false;
+  return least_squared(q, q, needed_squared) >= needed_squared;
+}
+
+bool ClearanceField::segment_free(const Point2& a, const Point2& b, double radius) const {
+  const Piece whole{to_cells(a), 0, to_cells(b), 0};
+  if (!contains(whole.a) || !contains(whole.b) || !std::isfinite(radius)) return false;
+  const double needed = needed_clearance(radius, cells_per_metre_);
+  const double needed_squared = needed * needed;
+  const Piece bounded{whole.a, lower_squared(whole.a), whole.b, lower_squared(whole.b)};
+  if (bounded.at_a < needed_squared && upper_squared(bounded.a) < needed_squared) return false;
+  if (bounded.at_b < needed_squared && upper_squared(bounded.b) < needed_squared) return false;
+  return piece_free(bounded, needed_squared);
+}
+
+bool ClearanceField::piece_free(const Piece& piece, double needed_squared) const {
+  if (piece.certified(needed_squared)) return true;
+  const double length_squared = (piece.b - piece.a).squaredNorm();
+  const Point2 middle = 0.5 * (piece.a + piece.b);
+  const double at_middle = lower_squared(middle);
+  const bool doubtful = at_middle < needed_squared;
+  if (doubtful && upper_squared(middle) < needed_squared) return false;
+  const double indivisible = doubtful ? doubtful_piece : short_piece;
+  if (length_squared <= indivisible * indivisible) {
+    return least_squared(piece.a, piece.b, needed_squared) >= needed_squared;
+  }
+  return piece_free({piece.a, piece.at_a, middle, at_middle}, needed_squared) &&
+         piece_free({middle, at_middle, piece.b, piece.at_b}, needed_squared);
+}
+
+double ClearanceField::segment_clearance(const Point2& a, const Point2& b, double tolerance) const {
+  const Point2 from = to_cells(a);
+  const Point2 to = to_cells(b);
+  if (!contains(from) || !contains(to)) return 0;
+  const double limit = std::min({upper_squared(from), upper_squared(to), upper_squared(0.5 * (from + to))});
+  const double least = std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * map_.resolution;
+  return std::max(least - tolerance, 0.0);
+}
+
+}  // namespace coppice

@@ -1,0 +1,83 @@
+// Chained directed sampling: each direction follows from the last successful one.
+//
+// RRdT* (Lai, Ramos, Francis, "Balancing Global Exploration and Local-connectivity Exploitation with
+// Rapidly-exploring Random disjointed-Trees", 2019) and its use in MA-RRdT*: the next direction is drawn from
+// a von Mises-Fisher distribution around the last successful direction; the density near a direction that
+// failed is suppressed by a periodic kernel until a direction succeeds. The first direction is uniform.
+//
+// Directions are unit vectors in R^D. The density is exp(kappa d.m) times the product of
+// 1 - exp(-(1 - d.f) / width^2) over the failed directions f; exact rejection sampling from the uniform
+// direction serves every dimension, and at kappa = 2 accepts a third of the draws in the plane.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "planning/geometry.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+/// Uniform on the unit sphere of R^D.
+template <int D>
+Point<D> random_direction(Random& random) {
+  while (true) {
+    Point<D> d;
+    for (int i = 0; i < D; ++i) d[i] = random.uniform(-1, 1);
+    const double squared = d.squaredNorm();
+    if (squared <= 1 && squared > 1e-12) return d / std::sqrt(squared);
+  }
+}
+
+template <int D>
+class DirectedSampler {
+ public:
+  static constexpr double kappa = 2.0;                       // concentration of the von Mises-Fisher density
+  static constexpr double kernel_width = 0.31415926535897931;  // pi / 10, of the suppression
+
+  Point<D> draw(Random& random) const {
+    // With every direction suppressed the last draw is as good as any: it fails and the weight falls.
+    Point<D> d = random_direction<D>(random);
+    for (int tries = 0; tries < max_tries && random.uniform() >= acceptance(d); ++tries) {
+      d = random_direction<D>(random);
+    }
+    return d;
+  }
+
+  void succeeded(const Point<D>& direction) {
+    mean_ = direction;
+    chained_ = true;
+    failures_ = 0;
+  }
+
+  void failed(const Point<D>& direction) {
+    failed_[failures_ % max_failures] = direction;  // the oldest makes room
+    ++failures_;
+  }
+
+  /// Forgets the chain: the next direction is uniform again.
+  void reset() {
+    chained_ = false;
+    failures_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t max_failures = 16;  // more than a weight lasts from full to restart
+  static constexpr int max_tries = 64;
+
+  double acceptance(const Point<D>& d) const {
+    double a = chained_ ? std::exp(kappa * (d.dot(mean_) - 1)) : 1.0;
+    const std::size_t n = failures_ < max_failures ? failures_ : max_failures;
+    for (std::size_t i = 0; i < n; ++i) {
+      a *= 1 - std::exp(-(1 - d.dot(failed_[i])) / (kernel_width * kernel_width));
+    }
+    return a;
+  }
+
+  Point<D> mean_ = Point<D>::Zero();
+  bool chained_ = false;
+  std::size_t failures_ = 0;
+  Point<D> failed_[max_failures];
+};
+
+}  // namespace coppice

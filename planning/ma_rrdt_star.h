@@ -1,0 +1,203 @@
+// MA-RRdT*: paths for many robots from trees that they share.
+//
+// Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random Disjointed-Trees", 2023,
+// Algorithm 2; with one group it is Algorithm 1, RRdT* (after Lai, Ramos, Francis, 2019). What the paper leaves
+// open, and what was chosen, is in docs/planning.md.
+//
+// A *group* is one robot's problem: two root trees, from its start and from its goal. *Disjointed* trees are
+// rooted anywhere in free space. One that comes within epsilon and in sight of a root tree becomes *inactive*:
+// it never changes again, and every group may graft it, to one of its two root trees. When the two root trees of
+// a group meet, also through what they grafted, the group is solved: it stops growing and is left out of merging.
+//
+// Grafting is by reference. A group only marks the tree; trees that see each other are linked once, and a mark
+// spreads along the links, so what one group explored costs the next one next to nothing. Costs-to-come inside of
+// grafted trees are computed by the one search that matters, for the path (path_search.h).
+//
+// Which trees grow *here* is up to the caller, so the same code is the whole planner in one process, the broker
+// (disjointed trees here, root trees elsewhere) and an agent (its own root trees here, disjointed trees elsewhere).
+//
+// Metres. No clock: `step` is one iteration. Not thread-safe.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "planning/directed_sampler.h"
+#include "planning/frozen_tree.h"
+#include "planning/path_search.h"
+#include "planning/random.h"
+#include "planning/space.h"
+#include "planning/trees.h"
+
+namespace coppice {
+
+struct MaRrdtStarSettings {
+  double epsilon = 0;  ///< longest step and largest distance over which trees meet, metres, above 0
+  /// Disjointed trees that grow here at a time; 0: they grow elsewhere.
+  std::size_t disjointed_trees = 16;
+};
+
+struct SampleCounts {
+  std::uint32_t valid = 0;    ///< nodes that joined a tree
+  std::uint32_t invalid = 0;  ///< samples that hit an obstacle
+};
+
+template <Space S>
+class MaRrdtStar {
+ public:
+  static constexpr int D = S::dimension;
+  using P = Point<D>;
+
+  MaRrdtStar(const S& space, const MaRrdtStarSettings& settings, Random random)
+      : space_(space), settings_(settings), random_(random), trees_(space.bounds(), settings.epsilon) {}
+
+  /// A group whose root trees grow here. Start and goal are free for `radius`.
+  GroupIndex add_group(const P& start, const P& goal, double radius) {
+    const GroupIndex g = add_group(radius);
+    groups_[g].grows_here = true;
+    groups_[g].root_node[index(Root::start)] = add_root_node(g, Root::start, start, no_node);
+    groups_[g].root_node[index(Root::goal)] = add_root_node(g, Root::goal, goal, no_node);
+    connect_greedily(g, Root::start, goal);
+    connect_greedily(g, Root::goal, start);
+    for (const Root side : {Root::start, Root::goal}) arms_.push_back(Arm{root(g, side), g, side});
+    return g;
+  }
+
+  /// A group whose root trees grow elsewhere: add_remote_node tells of their nodes, close of their success.
+  GroupIndex add_remote_group(double radius) { return add_group(radius); }
+
+  void add_remote_node(GroupIndex g, Root side, const P& p) {
+    if (is_open(g)) compare_root_node(trees_.add_node(groups_[g].tree[index(side)], p), g, side);
+  }
+
+  /// The group needs no more trees: solved elsewhere, or given up.
+  void close(GroupIndex g) {
+    if (!is_open(g)) return;
+    groups_[g].state = State::closed;
+    leave(g);
+  }
+
+  /// Takes up an inactive tree that was grown elsewhere; parents come before their children.
+  TreeIndex add_inactive_tree(const FrozenTree<D>& frozen);
+
+  /// From now on this many disjointed trees grow here at a time; never fewer than before.
+  void grow_disjointed_trees(std::size_t count) { settings_.disjointed_trees = std::max(settings_.disjointed_trees, count); }
+
+  /// One iteration of Algorithm 2. False if nothing grows here or every group is solved.
+  bool step();
+
+  bool solved(GroupIndex g) const { return groups_[g].state == State::solved; }
+  bool is_open(GroupIndex g) const { return groups_[g].state == State::open; }
+  std::size_t open_groups() const { return open_.size(); }
+
+  /// Start to goal along the trees' edges; empty while the group is not solved.
+  std::vector<P> path(GroupIndex g);
+
+  std::uint32_t grafted_trees(GroupIndex g) const { return groups_[g].grafted; }
+  SampleCounts group_counts(GroupIndex g) const { return groups_[g].counts; }
+  SampleCounts disjointed_counts() const { return disjointed_counts_; }
+  std::size_t active_trees() const;
+
+  /// Trees that became inactive since the last call, for publication.
+  std::vector<TreeIndex> take_frozen() { return std::exchange(frozen_, {}); }
+  FrozenTree<D> frozen_tree(TreeIndex t) const { return freeze_copy(trees_, t); }
+
+  /// Nodes that joined a group's root trees here since the last call.
+  std::vector<NodeId> take_root_nodes(GroupIndex g) { return std::exchange(groups_[g].fresh, {}); }
+
+  const Trees<D>& trees() const { return trees_; }
+
+ private:
+  enum class State : std::uint8_t { open, solved, closed };
+  enum class Mark : std::uint8_t { none, start, goal };
+
+  struct Group {
+    double radius = 0;
+    State state = State::open;
+    bool grows_here = false;
+    std::array<TreeIndex, 2> tree{};
+    std::array<NodeId, 2> root_node{no_node, no_node};
+    std::vector<Mark> marks;  ///< for each tree: which root tree grafted it
+    std::uint32_t grafted = 0;
+    SampleCounts counts;
+    std::vector<NodeId> fresh;
+  };
+
+  /// Where a tree grows: the node that the next sample starts from, and how promising that is.
+  struct Arm {
+    NodeId node = no_node;
+    GroupIndex group = no_group;  ///< of a root tree
+    Root side = Root::start;
+    double weight = full_weight;
+    DirectedSampler<D> sampler{};
+  };
+
+  static constexpr GroupIndex no_group = std::numeric_limits<GroupIndex>::max();
+  static constexpr double full_weight = 10;
+  static constexpr double failure_factor = 0.7;
+  static constexpr double restart_weight = 0.1;
+  /// A sample that near (in epsilon) to a node of its own tree, and in sight of it, teaches nothing.
+  static constexpr double least_spacing = 0.3;
+  static constexpr int free_point_tries = 1000;  // a map with less free room than that restarts later
+
+  static constexpr std::size_t index(Root side) { return static_cast<std::size_t>(side); }
+  static constexpr Mark mark_of(Root side) { return side == Root::start ? Mark::start : Mark::goal; }
+  NodeId root(GroupIndex g, Root side) const { return groups_[g].root_node[index(side)]; }
+
+  GroupIndex add_group(double radius);
+  void solve(GroupIndex g);
+  void leave(GroupIndex g);
+
+  // --- the iteration ---
+  Arm& pick_tree();
+  bool failing(const Arm& arm) const;
+  void restart(Arm& arm);
+  void restart_root(Arm& arm);
+  void grow(Arm& arm);
+  NodeId nearest_in_tree(const P& p, TreeIndex t, NodeId otherwise) const;
+  bool is_known_ground(NodeId nearest, const P& p, double radius) const;
+  bool extends_from(NodeId& from, const Arm& arm, const P& proposal, double radius) const;
+  std::optional<P> random_free_point(double radius);
+  P random_point();
+
+  // --- merging within epsilon ---
+  void compare_disjointed_node(NodeId q);
+  void compare_root_node(NodeId q, GroupIndex g, Root side);
+  NodeId add_root_node(GroupIndex g, Root side, const P& p, NodeId from);
+  void choose_parent_and_rewire(NodeId q, NodeId from);
+  void propagate_cost(NodeId n);
+  void connect_greedily(GroupIndex g, Root side, const P& target);
+  void freeze(TreeIndex t);
+  void link(TreeIndex a, TreeIndex b);
+  void graft(GroupIndex g, Root side, TreeIndex t);
+  Mark mark(const Group& group, TreeIndex t) const { return t < group.marks.size() ? group.marks[t] : Mark::none; }
+  bool linked(TreeIndex a, TreeIndex b) const;
+  bool visible(NodeId a, NodeId b, double radius) const {
+    return space_.segment_free(trees_.position(a), trees_.position(b), radius);
+  }
+  std::span<const NodeId> near(NodeId q);
+
+  const S& space_;
+  MaRrdtStarSettings settings_;
+  Random random_;
+  Trees<D> trees_;
+  std::vector<Group> groups_;
+  std::vector<GroupIndex> open_;
+  std::vector<Arm> arms_;
+  std::size_t disjointed_arms_ = 0;  ///< of arms_
+  bool some_group_left_ = false;  // its arms are still in arms_
+  SampleCounts disjointed_counts_;
+  std::vector<TreeIndex> frozen_;
+  std::vector<NodeId> near_;  // scratch of near()
+  SearchScratch search_;
+};
+
+}  // namespace coppice
+
+#include "planning/ma_rrdt_star_impl.h"

@@ -1,0 +1,149 @@
+// One uniform grid over the nodes of all trees: who is near a point, whatever tree it belongs to.
+//
+// Cells are at least `reach` wide, so that everything within `reach` of a point lies in the 3^D cells around
+// it: a look-up costs the same for any number of trees, and merging trees moves nothing.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "planning/geometry.h"
+
+namespace coppice {
+
+using NodeId = std::uint32_t;
+inline constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
+
+template <int D>
+class NeighbourGrid {
+ public:
+  /// `reach` in metres, above 0: the largest distance that for_each_near is asked for.
+  NeighbourGrid(const Box<D>& bounds, double reach) : lower_(bounds.lower), cell_(reach) {
+    const Point<D> extent = (bounds.upper - bounds.lower).cwiseMax(0.0);
+    // Coarser cells only make a look-up slower; a map far larger than its reach must not exhaust the memory.
+    while (cells_for(extent) > max_cells) cell_ *= 2;
+    std::size_t total = 1;
+    for (int d = 0; d < D; ++d) {
+      size_[d] = static_cast<int>(extent[d] / cell_) + 1;
+      total *= static_cast<std::size_t>(size_[d]);
+    }
+    head_.assign(total, no_node);
+  }
+
+  /// Nodes are numbered 0, 1, 2, ... in the order in which they are inserted.
+  void insert(const Point<D>& p) {
+    NodeId& head = head_[offset(cell_of(p))];
+    next_.push_back(head);
+    head = static_cast<NodeId>(next_.size() - 1);
+  }
+
+  /// Calls fn(node) for every node in the cells around p: all within `reach` of p, and some beyond.
+  template <class Fn>
+  void for_each_near(const Point<D>& p, Fn&& fn) const {
+    const auto [lo, hi] = around(cell_of(p), 1);
+    for_each_cell(lo, hi, [&](const Cell& cell) { visit(offset(cell), fn); });
+  }
+
+  /// The node nearest to p for which `wanted(node)` holds, or no_node. `position(node)` gives a node's place.
+  template <class Position, class Wanted>
+  NodeId nearest(const Point<D>& p, Position&& position, Wanted&& wanted) const {
+    NodeId best = no_node;
+    double best_squared = std::numeric_limits<double>::infinity();
+    const Cell centre = cell_of(p);
+    const int rings = *std::max_element(size_.begin(), size_.end());
+    for (int ring = 0; ring < rings; ++ring) {
+      // Whatever lies in this ring or beyond is at least ring - 1 cells away.
+      const double nearest_possible = std::max(0, ring - 1) * cell_;
+      if (nearest_possible * nearest_possible > best_squared) break;
+      for_each_in_ring(centre, ring, [&](NodeId n) {
+        if (!wanted(n)) return;
+        const double squared = (position(n) - p).squaredNorm();
+        if (squared < best_squared) {
+          best_squared = squared;
+          best = n;
+        }
+      });
+    }
+    return best;
+  }
+
+ private:
+  using Cell = std::array<int, D>;
+  static constexpr double max_cells = 1 << 22;  // 16 MiB of list heads
+
+  double cells_for(const Point<D>& extent) const {
+    double total = 1;
+    for (int d = 0; d < D; ++d) total *= std::floor(extent[d] / cell_) + 1;
+    return total;
+  }
+
+  Cell cell_of(const Point<D>& p) const {
+    Cell cell;
+    for (int d = 0; d < D; ++d) {
+      cell[d] = static_cast<int>(std::clamp((p[d] - lower_[d]) / cell_, 0.0, static_cast<double>(size_[d] - 1)));
+    }
+    return cell;
+  }
+
+  std::size_t offset(const Cell& cell) const {
+    std::size_t index = 0;
+    for (int d = D - 1; d >= 0; --d) {
+      index = index * static_cast<std::size_t>(size_[d]) + static_cast<std::size_t>(cell[d]);
+    }
+    return index;
+  }
+
+  template <class Fn>
+  void visit(std::size_t cell, Fn&& fn) const {
+    for (NodeId n = head_[cell]; n != no_node; n = next_[n]) fn(n);
+  }
+
+  template <class Fn>
+  static void for_each_cell(const Cell& lo, const Cell& hi, Fn&& fn) {
+    Cell cell = lo;
+    while (true) {
+      fn(cell);
+      int d = 0;
+      while (d < D && ++cell[d] > hi[d]) {
+        cell[d] = lo[d];
+        ++d;
+      }
+      if (d == D) return;
+    }
+  }
+
+  template <class Fn>
+  void for_each_in_ring(const Cell& centre, int ring, Fn&& fn) const {
+    const auto [lo, hi] = around(centre, ring);
+    for_each_cell(lo, hi, [&](const Cell& cell) {
+      int distance = 0;
+      for (int d = 0; d < D; ++d) distance = std::max(distance, std::abs(cell[d] - centre[d]));
+      if (distance == ring) visit(offset(cell), fn);
+    });
+  }
+
+  /// Corners of the block of cells within `reach` cells of the centre, cut off at the grid's edge.
+  std::pair<Cell, Cell> around(const Cell& centre, int reach) const {
+    Cell lo;
+    Cell hi;
+    for (int d = 0; d < D; ++d) {
+      lo[d] = std::max(centre[d] - reach, 0);
+      hi[d] = std::min(centre[d] + reach, size_[d] - 1);
+    }
+    return {lo, hi};
+  }
+
+  Point<D> lower_;
+  double cell_;
+  Cell size_{};
+  std::vector<NodeId> head_;
+  std::vector<NodeId> next_;
+};
+
+}  // namespace coppice
