@@ -255,7 +255,7 @@ double ClearanceField::lower_bound(const Point2& p) const {
 }
 
 double ClearanceField::clearance(const Point2& p) const {
-  return segment_clearance(p, p, 0);
+  return segment_clearance(p, p);
 }
 
 bool ClearanceField::is_free(const Point2& p, double radius) const {
@@ -294,13 +294,12 @@ bool ClearanceField::piece_free(const Piece& piece, double needed_squared) const
          piece_free({middle, at_middle, piece.b, piece.at_b}, needed_squared);
 }
 
-double ClearanceField::segment_clearance(const Point2& a, const Point2& b, double tolerance) const {
+double ClearanceField::segment_clearance(const Point2& a, const Point2& b) const {
   const Point2 from = to_cells(a);
   const Point2 to = to_cells(b);
   if (!contains(from) || !contains(to)) return 0;
   const double limit = std::min({upper_squared(from), upper_squared(to), upper_squared(0.5 * (from + to))});
-  const double least = std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * map_.resolution;
-  return std::max(least - tolerance, 0.0);
+  return std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * map_.resolution;
 }
 
 }  // namespace coppice

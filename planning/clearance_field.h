@@ -47,8 +47,8 @@ class ClearanceField {
   /// an end is outside or NaN.
   bool segment_free(const Point2& a, const Point2& b, double radius) const;
 
-  /// The least clearance on the segment from a to b, metres, to within `tolerance` and never above the truth.
-  double segment_clearance(const Point2& a, const Point2& b, double tolerance = 0.01) const;
+  /// The least clearance on the segment from a to b, metres; exact. 0 if an end is outside or NaN.
+  double segment_clearance(const Point2& a, const Point2& b) const;
 
  private:
   // Within this class, points and lengths called `cell`-something or q are in cells from the map's origin.
