@@ -36,6 +36,7 @@ struct MapMessage {
 struct Mission {
   RobotName robot;
   std::uint32_t number = 0;  ///< grows with each mission of the run; statuses name it
+  std::uint32_t fleet_size = 1;  ///< robots in this run: none sets off before it has heard of all of them
   std::string map_id;
   Point2 start = Point2::Zero();
   Point2 goal = Point2::Zero();
@@ -92,13 +93,13 @@ enum class Phase : std::uint8_t {
   stopped,   ///< the run has ended: stands
 };
 
-/// What a robot binds itself to: until `expiry` it moves linearly from (stamp, position) to (expiry, position
-/// here); from then on only its limits on speed and acceleration bound it.
+/// What a robot binds itself to (motion/promise.h): it keeps the state's velocity until `turn`, then moves with the
+/// velocity given here until `expiry`; from then on only its limits bound it.
 struct Promise {
+  double turn = 0;
+  Point2 velocity = Point2::Zero();
   double expiry = 0;
-  Point2 position = Point2::Zero();
-  Point2 velocity = Point2::Zero();  ///< at expiry
-  bool parked = false;               ///< stands at `position` and stays until it says otherwise
+  bool parked = false;  ///< stands, and stays until it says otherwise
   bool operator==(const Promise&) const = default;
 };
 
@@ -107,8 +108,8 @@ struct RobotState {
   RobotName robot;
   std::uint32_t sequence = 0;
   double stamp = 0;
-  Point2 position = Point2::Zero();
-  Point2 velocity = Point2::Zero();
+  Point2 position = Point2::Zero();  ///< at stamp
+  Point2 velocity = Point2::Zero();  ///< from stamp on
   double radius = 0;
   double max_speed = 0;
   double max_acceleration = 0;

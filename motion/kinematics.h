@@ -1,0 +1,56 @@
+// How a robot's disc moves: velocity constant within each control period, changed by at most max_acceleration
+// times the period from one to the next.
+//
+// Metres in the map frame, seconds, metres per second, metres per second squared.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "planning/geometry.h"
+
+namespace coppice {
+
+struct Limits {
+  double max_speed = 0;         ///< above 0
+  double max_acceleration = 0;  ///< above 0
+};
+
+/// The velocity after one period of braking in a straight line.
+inline Point2 braked(const Point2& velocity, const Limits& limits, double period) {
+  const double speed = velocity.norm();
+  const double drop = limits.max_acceleration * period;
+  return speed <= drop ? Point2::Zero() : Point2(velocity * ((speed - drop) / speed));
+}
+
+/// How far a robot still travels that brakes from now on, its speed falling by a period's worth at once:
+/// the sum over the periods of (speed - k drop) period for k = 1, 2, ...
+inline double braking_distance(double speed, const Limits& limits, double period) {
+  const double drop = limits.max_acceleration * period;
+  const double periods = std::floor(speed / drop);
+  return period * (periods * speed - drop * periods * (periods + 1) / 2);
+}
+
+/// Number of periods after which a robot that brakes from now on stands.
+inline int braking_periods(double speed, const Limits& limits, double period) {
+  return static_cast<int>(std::ceil(speed / (limits.max_acceleration * period)));
+}
+
+/// The highest speed from which braking over `distance` ends in standstill (continuous-time bound, with room for
+/// the period before braking begins).
+inline double speed_to_stop_within(double distance, const Limits& limits, double period) {
+  const double lag = limits.max_acceleration * period;
+  return std::max(0.0, std::sqrt(lag * lag + 2 * limits.max_acceleration * distance) - lag);
+}
+
+/// The velocity nearest to `wanted` that `limits` allow one period after `current`.
+inline Point2 within_limits(const Point2& wanted, const Point2& current, const Limits& limits, double period) {
+  const double reach = limits.max_acceleration * period;
+  Point2 target = wanted;
+  if (const double speed = target.norm(); speed > limits.max_speed) target *= limits.max_speed / speed;
+  const Point2 change = target - current;
+  const double size = change.norm();
+  return size <= reach ? target : Point2(current + change * (reach / size));
+}
+
+}  // namespace coppice

@@ -1,0 +1,126 @@
+#include "motion/promise.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace coppice {
+
+namespace {
+
+/// Least distance between two points that move linearly over the same interval.
+double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
+  const Point2 gap = a0 - b0;
+  const Point2 change = (a1 - b1) - gap;
+  const double squared = change.squaredNorm();
+  const double share = squared == 0 ? 0 : std::clamp(-gap.dot(change) / squared, 0.0, 1.0);
+  return (gap + share * change).norm();
+}
+
+/// Whether a disc moving from a0 to a1 between the times t0 and t1 stays clear of a neighbour.
+class NeighbourRegion {
+ public:
+  NeighbourRegion(const Neighbour& neighbour, double own_radius, double period)
+      : n_(neighbour), period_(period), reach_(own_radius + neighbour.radius),
+        at_turn_(n_.commitment.position_at_turn()), at_expiry_(n_.commitment.position_at_expiry()) {}
+
+  bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {
+    if (n_.commitment.parked) return closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_;
+    // The commitment bends at `turn` and ends at `expiry`: look at each part of the interval by itself.
+    double begin = t0;
+    Point2 from = a0;
+    for (const double cut : {n_.commitment.turn, n_.commitment.expiry, t1}) {
+      const double end = std::clamp(cut, begin, t1);
+      const Point2 to = t1 > t0 ? Point2(a0 + (a1 - a0) * ((end - t0) / (t1 - t0))) : a1;
+      if (end > begin && !clear_part(from, to, begin, end)) return false;
+      begin = std::max(begin, end);
+      from = to;
+    }
+    return true;
+  }
+
+ private:
+  bool clear_part(const Point2& a0, const Point2& a1, double t0, double t1) const {
+    const Commitment& c = n_.commitment;
+    if (t1 <= c.expiry) return closest_approach(a0, a1, committed(t0), committed(t1)) >= reach_;
+    if (n_.silent) return clear_of_braking(a0, a1);
+    const double since = t1 - c.expiry;
+    const double free_reach = n_.limits.max_speed * since;
+    if (closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach) return true;
+    const double drift = n_.limits.max_acceleration * since * (since + period_) / 2;
+    return closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift;
+  }
+
+  /// The straight line from the end of the commitment to where braking ends, at any time.
+  bool clear_of_braking(const Point2& a0, const Point2& a1) const {
+    const double speed = n_.commitment.next_velocity.norm();
+    const Point2 direction = speed > 0 ? Point2(n_.commitment.next_velocity / speed) : Point2::Zero();
+    const Point2 stop = at_expiry_ + direction * braking_distance(speed, n_.limits, period_);
+    // Least distance of two segments: it is at an end of one of them unless they cross.
+    const double least = std::min({to_segment(a0, at_expiry_, stop), to_segment(a1, at_expiry_, stop),
+                                   to_segment(at_expiry_, a0, a1), to_segment(stop, a0, a1)});
+    return least >= reach_ && !cross(a0, a1, at_expiry_, stop);
+  }
+
+  static double to_segment(const Point2& p, const Point2& a, const Point2& b) {
+    return closest_approach(p, p, a, b);
+  }
+
+  static double turn_of(const Point2& a, const Point2& b, const Point2& c) {
+    return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
+  }
+
+  static bool cross(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
+    return turn_of(a, b, c) * turn_of(a, b, d) < 0 && turn_of(c, d, a) * turn_of(c, d, b) < 0;
+  }
+
+  Point2 committed(double t) const {
+    const Commitment& c = n_.commitment;
+    return t <= c.turn ? Point2(c.position + (t - c.stamp) * c.velocity)
+                       : Point2(at_turn_ + (t - c.turn) * c.next_velocity);
+  }
+  Point2 ballistic(double t) const {
+    return at_expiry_ + (t - n_.commitment.expiry) * n_.commitment.next_velocity;
+  }
+
+  const Neighbour& n_;
+  double period_;
+  double reach_;
+  Point2 at_turn_;
+  Point2 at_expiry_;
+};
+
+}  // namespace
+
+bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
+                         const Limits& limits, double period, std::span<const Neighbour> neighbours) {
+  const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
+  const int periods = 1 + braking_periods(velocity.norm(), limits, period);
+  for (const Neighbour& neighbour : neighbours) {
+    const double horizon = from + periods * period - neighbour.commitment.stamp;
+    const double far = radius + neighbour.radius + travel + neighbour.limits.max_speed * std::max(0.0, horizon);
+    if (!neighbour.silent && (position - neighbour.commitment.position).norm() > far) continue;
+
+    const NeighbourRegion region(neighbour, radius, period);
+    Point2 here = position;
+    Point2 v = velocity;
+    double t = from;
+    for (int k = 0; k < periods; ++k) {
+      const Point2 next = here + period * v;
+      if (!region.clear(here, next, t, t + period)) return false;
+      here = next;
+      t += period;
+      v = braked(v, limits, period);
+    }
+  }
+  return true;
+}
+
+bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,
+                        double period, const ClearanceField& field) {
+  const double speed = velocity.norm();
+  if (speed == 0) return true;
+  const double travel = speed * period + braking_distance(speed, limits, period);
+  return field.segment_free(position, position + velocity * (travel / speed), radius);
+}
+
+}  // namespace coppice

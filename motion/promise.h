@@ -1,0 +1,55 @@
+// What a robot binds itself to in every state that it sends, and what follows for the others.
+//
+// A robot decides one control period ahead: at the time `stamp` it moves with `velocity`, and has already chosen
+// the velocity of the period after that. So everybody who hears the state knows its motion until `expiry`; beyond
+// that, only its limits bound it. Two bounds hold at a time s after the expiry, and a robot lies within both:
+//   - it is at most max_speed * s from where it was at the expiry;
+//   - it is at most max_acceleration * s * (s + period) / 2 from where its velocity at the expiry would have
+//     taken it (velocities change in steps, at the period's beginning).
+// A parked robot stays where it is.
+//
+// Metres in the map frame, seconds (one time base for everything that is compared), metres per second.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "motion/kinematics.h"
+#include "planning/clearance_field.h"
+#include "planning/geometry.h"
+
+namespace coppice {
+
+struct Commitment {
+  double stamp = 0;
+  Point2 position = Point2::Zero();  ///< at stamp
+  Point2 velocity = Point2::Zero();  ///< from stamp to turn
+  double turn = 0;
+  Point2 next_velocity = Point2::Zero();  ///< from turn to expiry
+  double expiry = 0;
+  bool parked = false;
+
+  Point2 position_at_turn() const { return position + (turn - stamp) * velocity; }
+  Point2 position_at_expiry() const { return position_at_turn() + (expiry - turn) * next_velocity; }
+};
+
+/// Another robot as far as this one knows.
+struct Neighbour {
+  Commitment commitment;
+  double radius = 0;
+  Limits limits;
+  /// Nothing was heard of it for so long that it counts as dead: it stands, at the latest, where braking in a
+  /// straight line after its last commitment took it.
+  bool silent = false;
+};
+
+/// Where this robot will be if it executes `velocity` for one period from `from` on and then brakes in a straight
+/// line: whether it overlaps nothing that a neighbour may cover until it stands.
+bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
+                         const Limits& limits, double period, std::span<const Neighbour> neighbours);
+
+/// The same for obstacles: the straight line until standstill keeps `radius` clear.
+bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,
+                        double period, const ClearanceField& field);
+
+}  // namespace coppice

@@ -1,0 +1,126 @@
+#include "tree_broker/tree_broker.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "planning/step_length.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr int iterations_a_step = 500;        // about half a millisecond: roots that come near are seen soon
+constexpr std::size_t least_trees = 16;       // docs/planning.md: max(16, 2 n)
+constexpr WallTime status_period = 0.5;       // seconds
+constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
+
+}  // namespace
+
+TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, std::size_t trees, Random random)
+    : field(map), planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = trees}, random) {}
+
+void TreeBroker::on(const Message& message, WallTime now) {
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { receive(m); }) receive(m);
+      },
+      message);
+  next_wake_ = now;
+}
+
+void TreeBroker::receive(const MapMessage& message) {
+  if (map_ && map_->map_id == message.map_id) return;
+  map_ = message;
+  forest_.reset();
+  groups_.clear();
+  for (const auto& [robot, mission] : std::exchange(waiting_missions_, {})) receive(mission);
+}
+
+/// Every mission that is not over is a group; a newer one of the same robot ends the older.
+void TreeBroker::receive(const Mission& mission) {
+  if (!map_ || map_->map_id != mission.map_id) {
+    waiting_missions_[mission.robot] = mission;
+    return;
+  }
+  const auto known = groups_.find(mission.robot);
+  if (known != groups_.end() && known->second.mission == mission.number && !mission.cancelled) return;
+  end_group(mission.robot);
+  if (mission.cancelled || !mission.sharing) return;
+  if (!forest_) {
+    forest_ = std::make_unique<Forest>(map_->map, mission.radius, least_trees, Random(seed_));
+  }
+  groups_[mission.robot] = {mission.number, forest_->planner.add_remote_group(mission.radius), 0};
+  forest_->planner.grow_disjointed_trees(std::max(least_trees, 2 * groups_.size()));
+}
+
+void TreeBroker::receive(const RootNodes& batch) {
+  const auto known = groups_.find(batch.robot);
+  if (known == groups_.end() || known->second.mission != batch.mission) return;
+  for (std::size_t i = 0; i < batch.nodes.size(); ++i) {
+    // A batch that is delivered again brings nothing new.
+    if (batch.first_index + i < known->second.nodes_received) continue;
+    const RootNodes::Node& node = batch.nodes[i];
+    forest_->planner.add_remote_node(known->second.index, node.side == Side::start ? Root::start : Root::goal,
+                                     node.position);
+    ++known->second.nodes_received;
+  }
+}
+
+void TreeBroker::receive(const AgentStatus& status) {
+  const auto known = groups_.find(status.robot);
+  if (known == groups_.end() || known->second.mission != status.mission) return;
+  if (status.phase != Phase::waiting && status.phase != Phase::planning) end_group(status.robot);
+}
+
+void TreeBroker::end_group(const RobotName& robot) {
+  const auto known = groups_.find(robot);
+  if (known == groups_.end()) return;
+  forest_->planner.close(known->second.index);
+  groups_.erase(known);
+}
+
+std::vector<Message> TreeBroker::step(WallTime now) {
+  std::vector<Message> out;
+  bool grows = false;
+  if (forest_ && forest_->planner.trees().node_count() < most_nodes) {
+    for (int i = 0; i < iterations_a_step; ++i) {
+      grows = forest_->planner.step();
+      if (!grows) break;
+    }
+  }
+  if (forest_) {
+    for (const TreeIndex tree : forest_->planner.take_frozen()) out.emplace_back(describe(tree));
+  }
+  if (now >= next_status_ || !out.empty()) {
+    out.emplace_back(status());
+    next_status_ = now + status_period;
+  }
+  next_wake_ = grows ? now : next_status_;
+  return out;
+}
+
+InactiveTreeMessage TreeBroker::describe(TreeIndex tree) {
+  const FrozenTree<2> frozen = forest_->planner.frozen_tree(tree);
+  InactiveTreeMessage message{.tree = {id_, published_++}, .map_id = map_->map_id, .radius = frozen.radius,
+                              .nodes = {}};
+  for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
+    const std::int32_t parent = frozen.parents[i];
+    const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];
+    // The bound may lie a hair below what the exact check, made when the edge was added, has shown.
+    const double clearance = std::max(frozen.radius, forest_->field.segment_clearance(from, frozen.nodes[i]));
+    message.nodes.push_back({frozen.nodes[i], parent, clearance});
+  }
+  return message;
+}
+
+BrokerStatus TreeBroker::status() const {
+  BrokerStatus status{.broker = id_, .trees_published = published_};
+  if (forest_) {
+    status.nodes_valid = forest_->planner.disjointed_counts().valid;
+    status.nodes_invalid = forest_->planner.disjointed_counts().invalid;
+    status.trees_active = static_cast<std::uint32_t>(forest_->planner.active_trees());
+  }
+  return status;
+}
+
+}  // namespace coppice
