@@ -1,0 +1,211 @@
+#include "robot_agent/robot_agent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+constexpr double period = 0.05;             // seconds of fleet time: control at 20 Hz
+constexpr WallTime status_beat = 0.5;       // seconds: at least this often, for liveliness
+constexpr WallTime silence = 0.5;           // seconds without a state: the robot counts as dead
+constexpr WallTime longest_muster = 10;     // seconds to wait for the others' first states before setting off
+constexpr std::size_t track_batch = 20;     // points: one second of fleet time
+// Two robots that meet head-on see no reason to prefer a side; all lean a little to their right.
+constexpr double lean = 0.05;               // radians
+
+Point2 leaning_right(const Point2& v) {
+  return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
+}
+
+Limits limits_of(const Mission& mission) { return {mission.max_speed, mission.max_acceleration}; }
+
+}  // namespace
+
+void RobotAgent::on(const Message& message, WallTime now) {
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { receive(m); }) receive(m);
+      },
+      message);
+  next_wake_ = std::min(next_wake_, now);
+}
+
+void RobotAgent::receive(const MapMessage& message) {
+  if (map_ && map_->map_id == message.map_id) return;
+  map_ = message;
+  field_ = std::make_unique<ClearanceField>(message.map);
+  std::erase_if(trees_, [&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
+}
+
+void RobotAgent::receive(const Mission& mission) { missions_[mission.robot] = mission; }
+
+void RobotAgent::receive(const InactiveTreeMessage& tree) {
+  if (map_ && tree.map_id != map_->map_id) return;
+  trees_.push_back(tree);
+  if (finder_ && status_.phase == Phase::planning) finder_->take(tree);
+}
+
+void RobotAgent::receive(const RobotState& state) {
+  const auto known = heard_.find(state.robot);
+  // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
+  if (known != heard_.end() && state.stamp < known->second.stamp) return;
+  heard_[state.robot] = state;
+}
+
+/// Takes up the mission once its map is there; a cancelled one ends what was going on.
+void RobotAgent::begin_mission(WallTime now) {
+  const auto own = missions_.find(name_);
+  if (own == missions_.end() || !map_ || own->second.map_id != map_->map_id) return;
+  const Mission& mission = own->second;
+  if (mission.cancelled) {
+    if (mission_ && status_.phase != Phase::stopped) {
+      follower_.reset();
+      finder_.reset();
+      enter(Phase::stopped);
+    }
+    return;
+  }
+  if (mission_ && mission_->number == mission.number) return;
+
+  const double fleet_now = mission.clock.fleet_time(now);
+  if (!body_) {
+    const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
+    body_.emplace(mission.start, begin, mission.radius, limits_of(mission), period);
+  }
+  mission_ = mission;
+  mission_wall_ = now;
+  follower_.reset();
+  finder_ = std::make_unique<PathFinder>(*field_, mission, body_->position());
+  for (const InactiveTreeMessage& tree : trees_) {
+    if (tree.map_id == map_->map_id) finder_->take(tree);
+  }
+  status_ = AgentStatus{.robot = name_, .mission = mission.number, .reason = {}, .mission_time = fleet_now,
+                        .track_points = status_.track_points};
+  enter(Phase::planning);
+}
+
+std::vector<Message> RobotAgent::step(WallTime now) {
+  std::vector<Message> out;
+  begin_mission(now);
+  if (body_) control(mission_->clock.fleet_time(now), out);
+  if (status_.phase == Phase::planning) plan(now, out);
+  report(now, out);
+  next_wake_ = next_status_;
+  if (body_) next_wake_ = std::min(next_wake_, mission_->clock.wall_time(body_->time() + period));
+  if (status_.phase == Phase::planning) next_wake_ = now;
+  return out;
+}
+
+void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
+  const auto result = finder_->step();
+  if (const auto batch = finder_->take_root_nodes(); batch && mission_->sharing) out.emplace_back(*batch);
+  if (!result) return;
+
+  status_.nodes_valid = finder_->counts().valid;
+  status_.nodes_invalid = finder_->counts().invalid;
+  status_.trees_received = finder_->received_trees();
+  status_.trees_grafted = finder_->grafted_trees();
+  status_.path_time = mission_->clock.fleet_time(now);
+  status_.plan_seconds = now - mission_wall_;
+  if (const auto* failure = std::get_if<NoPath>(&*result)) {
+    status_.reason = failure->reason;
+    enter(Phase::no_path);
+  } else {
+    const Path& path = std::get<Path>(*result);
+    out.emplace_back(PathMessage{name_, mission_->number, path});
+    follower_.emplace(path, mission_->radius);
+    enter(Phase::driving);
+  }
+  finder_.reset();
+}
+
+/// Brings the body up to the present, and decides once for the newest period.
+void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
+  bool due = std::exchange(first_control_, false);
+  while (body_->time() + period <= fleet_now) {
+    track_.push_back({body_->time(), body_->position(), body_->velocity()});
+    status_.driven_length += period * body_->velocity().norm();
+    body_->advance();
+    due = true;
+  }
+  if (!due) return;
+
+  if (status_.phase == Phase::driving && heard_everyone(fleet_now)) {
+    body_->choose(preferred_velocity(), neighbours(fleet_now), *field_);
+    const double to_goal = (body_->position() - mission_->goal).norm();
+    if (body_->stands() && to_goal <= mission_->goal_tolerance / 2) {
+      status_.arrival_time = body_->time();
+      enter(Phase::arrived);
+    }
+  } else if (body_ && !body_->stands()) {
+    body_->choose(Point2::Zero(), neighbours(fleet_now), *field_);
+  }
+  out.emplace_back(state());
+  ++sequence_;
+}
+
+Point2 RobotAgent::preferred_velocity() {
+  return leaning_right(follower_->preferred_velocity(body_->position() + period * body_->velocity(), *field_,
+                                                     body_->limits(), period));
+}
+
+void RobotAgent::enter(Phase phase) {
+  status_.phase = phase;
+  status_changed_ = true;
+}
+
+/// A robot sets off when it knows where all others are. The missions say how many there are; one that stays silent
+/// for long counts as standing at its start.
+bool RobotAgent::heard_everyone(double fleet_now) const {
+  if (fleet_now - status_.mission_time > longest_muster * mission_->clock.scale) return true;
+  if (missions_.size() < mission_->fleet_size) return false;
+  return std::ranges::all_of(missions_, [&](const auto& entry) {
+    return entry.first == name_ || entry.second.cancelled || heard_.contains(entry.first);
+  });
+}
+
+std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
+  std::vector<Neighbour> all;
+  for (const auto& [robot, mission] : missions_) {
+    if (robot == name_ || heard_.contains(robot)) continue;
+    all.push_back({.commitment = {.position = mission.start}, .radius = mission.radius,
+                   .limits = limits_of(mission), .silent = true});
+  }
+  for (const auto& [robot, s] : heard_) {
+    all.push_back({.commitment = {.stamp = s.stamp, .position = s.position, .velocity = s.velocity,
+                                  .turn = s.promise.turn, .next_velocity = s.promise.velocity,
+                                  .expiry = s.promise.expiry, .parked = s.promise.parked},
+                   .radius = s.radius, .limits = {s.max_speed, s.max_acceleration},
+                   .silent = fleet_now - s.stamp > silence * mission_->clock.scale});
+  }
+  return all;
+}
+
+RobotState RobotAgent::state() const {
+  const bool parked = status_.phase == Phase::arrived || status_.phase == Phase::no_path ||
+                      status_.phase == Phase::stopped;
+  const Commitment c = body_->commitment(parked);
+  return {.robot = name_, .sequence = sequence_, .stamp = c.stamp, .position = c.position, .velocity = c.velocity,
+          .radius = body_->radius(), .max_speed = body_->limits().max_speed,
+          .max_acceleration = body_->limits().max_acceleration, .phase = status_.phase,
+          .promise = {c.turn, c.next_velocity, c.expiry, c.parked}, .waits_for = {}};
+}
+
+/// Track points go out in batches, and all of them with a change of phase, so that the record is complete.
+void RobotAgent::report(WallTime now, std::vector<Message>& out) {
+  const bool beat = status_changed_ || now >= next_status_;
+  if (!track_.empty() && (beat || track_.size() >= track_batch)) {
+    TrackMessage batch{name_, status_.mission, status_.track_points, std::exchange(track_, {})};
+    status_.track_points += static_cast<std::uint32_t>(batch.points.size());
+    out.emplace_back(std::move(batch));
+  }
+  if (!beat) return;
+  out.emplace_back(status_);
+  status_changed_ = false;
+  next_status_ = now + status_beat;
+}
+
+}  // namespace coppice

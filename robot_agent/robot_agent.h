@@ -1,0 +1,68 @@
+// One robot: finds its path with what the broker's trees teach, drives, and keeps clear of the others.
+//
+// A state machine: messages and the time go in, messages come out; no clock, thread or I/O. The body (driver.h)
+// exists from the first mission on, whatever the robot is doing.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/messages.h"
+#include "motion/driver.h"
+#include "motion/path_follower.h"
+#include "planning/clearance_field.h"
+#include "robot_agent/path_finder.h"
+
+namespace coppice {
+
+class RobotAgent {
+ public:
+  explicit RobotAgent(RobotName name) : name_(std::move(name)) { status_.robot = name_; }
+
+  void on(const Message& message, WallTime now);
+  /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
+  std::vector<Message> step(WallTime now);
+  /// When `step` has something to do even if nothing arrives.
+  WallTime next_wake() const { return next_wake_; }
+
+ private:
+  void receive(const MapMessage& message);
+  void receive(const Mission& mission);
+  void receive(const InactiveTreeMessage& tree);
+  void receive(const RobotState& state);
+
+  void begin_mission(WallTime now);
+  void plan(WallTime now, std::vector<Message>& out);
+  void control(double fleet_now, std::vector<Message>& out);
+  Point2 preferred_velocity();
+  void enter(Phase phase);
+  bool heard_everyone(double fleet_now) const;
+  std::vector<Neighbour> neighbours(double fleet_now) const;
+  RobotState state() const;
+  void report(WallTime now, std::vector<Message>& out);
+
+  RobotName name_;
+  std::optional<MapMessage> map_;
+  std::unique_ptr<ClearanceField> field_;
+  std::map<RobotName, Mission> missions_;          ///< everybody's, its own too
+  std::vector<InactiveTreeMessage> trees_;         ///< of this map
+  std::map<RobotName, RobotState> heard_;          ///< the others' last states
+
+  std::optional<Mission> mission_;                 ///< the one that is being carried out
+  std::unique_ptr<PathFinder> finder_;
+  std::optional<Driver> body_;
+  std::optional<PathFollower> follower_;
+  std::vector<TrackMessage::Point> track_;         ///< not yet sent
+  AgentStatus status_;
+  bool status_changed_ = true;
+  std::uint32_t sequence_ = 0;
+  bool first_control_ = true;
+  WallTime mission_wall_ = 0;
+  WallTime next_status_ = 0;
+  WallTime next_wake_ = 0;
+};
+
+}  // namespace coppice

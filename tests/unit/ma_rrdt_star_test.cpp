@@ -1,0 +1,256 @@
+#include "planning/ma_rrdt_star.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "planning/clearance_field.h"
+#include "planning/line_of_sight.h"
+#include "planning/reachability.h"
+
+namespace coppice {
+namespace {
+
+using Planner = MaRrdtStar<ClearanceField>;
+
+/// A map from its picture: '#' is blocked; each character is a block of `scale` x `scale` cells.
+OccupancyMap picture(const std::vector<std::string>& rows, int scale = 1) {
+  OccupancyMap map;
+  map.width = static_cast<int>(rows.front().size()) * scale;
+  map.height = static_cast<int>(rows.size()) * scale;
+  for (int j = 0; j < map.height; ++j) {
+    for (int i = 0; i < map.width; ++i) {
+      map.blocked.push_back(rows[static_cast<std::size_t>(j / scale)][static_cast<std::size_t>(i / scale)] == '#');
+    }
+  }
+  return map;
+}
+
+/// Two rooms with a door between them, 20 m wide.
+OccupancyMap two_rooms() {
+  return picture({"..........#.........", "..........#.........", "..........#.........", "....................",
+                  "..........#.........", "..........#........."},
+                 20);
+}
+
+void run(Planner& planner, int most = 200'000) {
+  for (int i = 0; i < most && planner.step(); ++i) {
+  }
+}
+
+void expect_valid_path(const Path& path, const Point2& start, const Point2& goal, double radius,
+                       const ClearanceField& field) {
+  ASSERT_GE(path.size(), 2u);
+  EXPECT_EQ(path.front(), start);
+  EXPECT_EQ(path.back(), goal);
+  for (std::size_t i = 1; i < path.size(); ++i) EXPECT_TRUE(field.segment_free(path[i - 1], path[i], radius));
+}
+
+TEST(MaRrdtStar, StraightWayNeedsNoDisjointedTree) {
+  const ClearanceField field(picture({"....", "....", "...."}, 50));
+  Planner planner(field, {.epsilon = 20, .disjointed_trees = 16}, Random(1));
+  const GroupIndex g = planner.add_group({10, 10}, {180, 140}, 5);
+  EXPECT_TRUE(planner.solved(g));
+  EXPECT_EQ(planner.disjointed_counts().valid, 0u);
+  EXPECT_NEAR(length_of(planner.path(g)), std::hypot(170, 130), 1e-6);
+}
+
+TEST(MaRrdtStar, EveryGroupFindsAPathThroughTheDoor) {
+  const ClearanceField field(two_rooms());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Planner planner(field, {.epsilon = 40, .disjointed_trees = 16}, Random(seed));
+    const std::vector<std::pair<Point2, Point2>> tasks{
+        {{20, 20}, {380, 20}}, {{380, 100}, {20, 100}}, {{100, 20}, {300, 110}}};
+    for (const auto& [start, goal] : tasks) planner.add_group(start, goal, 8);
+    run(planner);
+    for (GroupIndex g = 0; g < tasks.size(); ++g) {
+      ASSERT_TRUE(planner.solved(g)) << "seed " << seed;
+      expect_valid_path(planner.path(g), tasks[g].first, tasks[g].second, 8, field);
+      expect_valid_path(optimise_line_of_sight(field, planner.path(g), 8), tasks[g].first, tasks[g].second, 8, field);
+    }
+  }
+}
+
+TEST(MaRrdtStar, SameSeedSamePaths) {
+  const ClearanceField field(two_rooms());
+  std::vector<Path> paths;
+  for (int k = 0; k < 2; ++k) {
+    Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(7));
+    const GroupIndex g = planner.add_group({20, 20}, {380, 20}, 8);
+    run(planner);
+    paths.push_back(planner.path(g));
+  }
+  EXPECT_EQ(paths[0], paths[1]);
+}
+
+TEST(MaRrdtStar, SolvedGroupGrowsNoMore) {
+  const ClearanceField field(two_rooms());
+  Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(3));
+  const GroupIndex quick = planner.add_group({20, 20}, {60, 20}, 8);
+  const GroupIndex slow = planner.add_group({20, 20}, {380, 20}, 8);
+  ASSERT_TRUE(planner.solved(quick));
+  const std::uint32_t before = planner.group_counts(quick).valid;
+  const std::uint32_t grafted = planner.grafted_trees(quick);
+  run(planner);
+  ASSERT_TRUE(planner.solved(slow));
+  EXPECT_EQ(planner.group_counts(quick).valid, before);
+  EXPECT_EQ(planner.grafted_trees(quick), grafted);
+}
+
+TEST(MaRrdtStar, NothingToDoOnceAllAreSolved) {
+  const ClearanceField field(picture({"...."}, 50));
+  Planner planner(field, {.epsilon = 20, .disjointed_trees = 4}, Random(1));
+  EXPECT_FALSE(planner.step());
+  planner.add_group({10, 10}, {190, 40}, 5);
+  EXPECT_FALSE(planner.step());
+}
+
+TEST(MaRrdtStar, TreesThatOneGroupPaidForServeTheNext) {
+  const ClearanceField field(two_rooms());
+  Planner planner(field, {.epsilon = 40, .disjointed_trees = 16}, Random(5));
+  planner.add_group({20, 20}, {380, 20}, 8);
+  run(planner);
+  const SampleCounts before = planner.disjointed_counts();
+  const GroupIndex second = planner.add_group({30, 100}, {370, 100}, 8);
+  run(planner);
+  ASSERT_TRUE(planner.solved(second));
+  EXPECT_GT(planner.grafted_trees(second), 0u);
+  EXPECT_LE(planner.disjointed_counts().valid - before.valid, before.valid / 2 + 5);
+}
+
+// The broker's and the agent's halves, with the messages between them replaced by calls.
+TEST(MaRrdtStar, GrowsInTwoPlacesAsInOne) {
+  const ClearanceField field(two_rooms());
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Planner broker(field, {.epsilon = 40, .disjointed_trees = 16}, Random(seed));
+    Planner agent(field, {.epsilon = 40, .disjointed_trees = 0}, Random(seed + 100));
+    const GroupIndex there = broker.add_remote_group(8);
+    const GroupIndex here = agent.add_group({20, 20}, {380, 20}, 8);
+    for (int round = 0; round < 2000 && !agent.solved(here); ++round) {
+      for (const NodeId n : agent.take_root_nodes(here)) {
+        const Tree& tree = agent.trees().tree(agent.trees().tree_of(n));
+        broker.add_remote_node(there, tree.side, agent.trees().position(n));
+      }
+      for (int i = 0; i < 50; ++i) broker.step();
+      for (const TreeIndex t : broker.take_frozen()) agent.add_inactive_tree(broker.frozen_tree(t));
+      agent.step();
+    }
+    ASSERT_TRUE(agent.solved(here)) << "seed " << seed;
+    EXPECT_GT(agent.grafted_trees(here), 0u);
+    expect_valid_path(agent.path(here), {20, 20}, {380, 20}, 8, field);
+    broker.close(there);
+    EXPECT_FALSE(broker.step());
+  }
+}
+
+TEST(MaRrdtStar, SmallRobotsUseTheTreesOfLargeOnesAndNotTheOtherWayRound) {
+  const ClearanceField field(two_rooms());
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(seed));
+    const GroupIndex small = planner.add_group({20, 20}, {380, 20}, 2);
+    const GroupIndex large = planner.add_group({20, 100}, {380, 100}, 9);
+    run(planner);
+    ASSERT_TRUE(planner.solved(small) && planner.solved(large));
+    expect_valid_path(planner.path(small), {20, 20}, {380, 20}, 2, field);
+    expect_valid_path(planner.path(large), {20, 100}, {380, 100}, 9, field);
+  }
+}
+
+TEST(MaRrdtStar, FrozenTreeListsParentsBeforeChildrenAndKeepsClear) {
+  const ClearanceField field(two_rooms());
+  Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(2));
+  planner.add_group({20, 20}, {380, 20}, 8);
+  run(planner);
+  const auto frozen = planner.take_frozen();
+  ASSERT_FALSE(frozen.empty());
+  for (const TreeIndex t : frozen) {
+    const FrozenTree<2> tree = planner.frozen_tree(t);
+    ASSERT_EQ(tree.nodes.size(), planner.trees().tree(t).size);
+    ASSERT_EQ(tree.nodes.size(), tree.parents.size());
+    EXPECT_EQ(tree.parents.front(), -1);
+    for (std::size_t i = 1; i < tree.nodes.size(); ++i) {
+      ASSERT_GE(tree.parents[i], 0);
+      ASSERT_LT(tree.parents[i], static_cast<std::int32_t>(i));
+      EXPECT_TRUE(field.segment_free(tree.nodes[static_cast<std::size_t>(tree.parents[i])], tree.nodes[i], 8));
+    }
+  }
+}
+
+TEST(MaRrdtStar, RootTreesKeepCostsAsSumsOfEdges) {
+  const ClearanceField field(two_rooms());
+  Planner planner(field, {.epsilon = 15, .disjointed_trees = 0}, Random(4));
+  const GroupIndex g = planner.add_group({20, 20}, {380, 20}, 8);
+  run(planner, 3000);
+  const auto& trees = planner.trees();
+  int checked = 0;
+  for (const NodeId n : planner.take_root_nodes(g)) {
+    const NodeId parent = trees.parent(n);
+    if (parent == no_node) continue;
+    EXPECT_EQ(trees.tree_of(parent), trees.tree_of(n));
+    EXPECT_NEAR(trees.cost(n), trees.cost(parent) + (trees.position(n) - trees.position(parent)).norm(), 1e-9);
+    EXPECT_TRUE(field.segment_free(trees.position(parent), trees.position(n), 8));
+    ++checked;
+  }
+  EXPECT_GT(checked, 10);
+}
+
+/// Boxes in space: the 3-D counterpart of a map, for the planner that assumes nothing of the plane.
+struct BoxWorld {
+  static constexpr int dimension = 3;
+  Box<3> box{{0, 0, 0}, {100, 100, 100}};
+  std::vector<Box<3>> obstacles;
+
+  Box<3> bounds() const { return box; }
+  bool is_free(const Point<3>& p, double radius) const {
+    if (((p.array() - radius) < box.lower.array()).any() || ((p.array() + radius) > box.upper.array()).any()) {
+      return false;
+    }
+    for (const Box<3>& o : obstacles) {
+      if ((p - p.cwiseMax(o.lower).cwiseMin(o.upper)).norm() < radius) return false;
+    }
+    return true;
+  }
+  bool segment_free(const Point<3>& a, const Point<3>& b, double radius) const {
+    const int steps = std::max(1, static_cast<int>((b - a).norm() / 0.25));
+    for (int i = 0; i <= steps; ++i) {
+      if (!is_free(a + (b - a) * (static_cast<double>(i) / steps), radius)) return false;
+    }
+    return true;
+  }
+};
+
+TEST(MaRrdtStar, PlansInThreeDimensions) {
+  // Two walls, each with a window at another corner.
+  BoxWorld world;
+  world.obstacles = {{{30, 0, 0}, {35, 100, 75}},  {{30, 0, 75}, {35, 75, 100}},
+                     {{65, 0, 25}, {70, 100, 100}}, {{65, 25, 0}, {70, 100, 25}}};
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    MaRrdtStar<BoxWorld> planner(world, {.epsilon = 15, .disjointed_trees = 16}, Random(seed));
+    const GroupIndex a = planner.add_group({10, 10, 10}, {90, 90, 90}, 3);
+    const GroupIndex b = planner.add_group({10, 90, 10}, {90, 10, 90}, 3);
+    for (int i = 0; i < 400'000 && planner.step(); ++i) {
+    }
+    for (const GroupIndex g : {a, b}) {
+      ASSERT_TRUE(planner.solved(g)) << "seed " << seed;
+      const auto path = planner.path(g);
+      ASSERT_GE(path.size(), 2u);
+      for (std::size_t i = 1; i < path.size(); ++i) EXPECT_TRUE(world.segment_free(path[i - 1], path[i], 3));
+    }
+  }
+}
+
+TEST(Reachability, ProvesThatAWallIsClosed) {
+  const ClearanceField closed(picture({"..#..", "..#..", "..#.."}, 10));
+  EXPECT_TRUE(provably_unreachable(closed, {5, 15}, {45, 15}, 2));
+  EXPECT_FALSE(provably_unreachable(closed, {5, 5}, {15, 25}, 2));
+}
+
+TEST(Reachability, ProvesThatADoorIsTooNarrow) {
+  const ClearanceField field(picture({"..#..", ".....", "..#.."}, 10));
+  EXPECT_FALSE(provably_unreachable(field, {5, 5}, {45, 5}, 4.9));
+  EXPECT_FALSE(provably_unreachable(field, {5, 5}, {45, 5}, 5.0));
+  EXPECT_TRUE(provably_unreachable(field, {5, 5}, {45, 5}, 5.3));
+}
+
+}  // namespace
+}  // namespace coppice
