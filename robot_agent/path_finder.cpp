@@ -10,7 +10,11 @@ namespace coppice {
 
 namespace {
 
-constexpr int iterations_a_step = 300;
+constexpr int iterations_a_step = 20;
+constexpr double pause_between_steps = 0.0005;  // seconds; about what a tree needs to come over the bus
+// No tree for so many steps: there is no broker, or it has nothing for this robot.
+constexpr int patience = 40;
+constexpr int iterations_alone = 300;
 // A search that has not ended by then may have no end: worth the milliseconds of a flood fill.
 constexpr std::uint64_t doubt = 20'000;
 // With no proof either way: more than a hundred times what the hardest of the tried maps needed.
@@ -30,6 +34,7 @@ PathFinder::PathFinder(const ClearanceField& field, const Mission& mission, cons
 void PathFinder::take(const InactiveTreeMessage& message) {
   ++received_;
   if (!mission_.sharing) return;
+  steps_without_news_ = 0;
   FrozenTree<2> tree{.radius = message.radius, .nodes = {}, .parents = {}};
   for (const InactiveTreeMessage::Node& node : message.nodes) {
     tree.nodes.push_back(node.position);
@@ -39,7 +44,9 @@ void PathFinder::take(const InactiveTreeMessage& message) {
 }
 
 std::optional<std::variant<Path, NoPath>> PathFinder::step() {
-  for (int i = 0; i < iterations_a_step && planner_.step(); ++i) ++iterations_;
+  const int most = pause() > 0 ? iterations_a_step : iterations_alone;
+  for (int i = 0; i < most && planner_.step(); ++i) ++iterations_;
+  ++steps_without_news_;
   if (planner_.solved(group_)) return straightened();
   if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
       provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {
@@ -47,6 +54,10 @@ std::optional<std::variant<Path, NoPath>> PathFinder::step() {
   }
   if (iterations_ >= most_iterations) return NoPath{"no path found: the limit of iterations is reached"};
   return std::nullopt;
+}
+
+double PathFinder::pause() const {
+  return mission_.sharing && steps_without_news_ < patience ? pause_between_steps : 0;
 }
 
 Path PathFinder::straightened() {

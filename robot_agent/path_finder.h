@@ -26,8 +26,12 @@ class PathFinder {
 
   void take(const InactiveTreeMessage& tree);
 
-  /// A bounded amount of growing, about half a millisecond. The result, once there is one.
+  /// A bounded amount of growing. The result, once there is one.
   std::optional<std::variant<Path, NoPath>> step();
+
+  /// Seconds to leave to the broker before the next step. The root trees get their share of the samples, as in one
+  /// process, and the disjointed trees that serve everybody the rest; without news from the broker, no pause.
+  double pause() const;
 
   /// Root-tree nodes that joined since the last call, for the broker; none: nullopt.
   std::optional<RootNodes> take_root_nodes();
@@ -45,6 +49,7 @@ class PathFinder {
   MaRrdtStar<ClearanceField> planner_;
   GroupIndex group_;
   std::uint64_t iterations_ = 0;
+  int steps_without_news_ = 0;
   bool reachability_checked_ = false;
   std::uint32_t received_ = 0;
   std::uint32_t sent_ = 0;

@@ -49,6 +49,7 @@ void RobotAgent::receive(const InactiveTreeMessage& tree) {
 }
 
 void RobotAgent::receive(const RobotState& state) {
+  if (state.robot == name_) return;
   const auto known = heard_.find(state.robot);
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (known != heard_.end() && state.stamp < known->second.stamp) return;
@@ -95,7 +96,7 @@ std::vector<Message> RobotAgent::step(WallTime now) {
   report(now, out);
   next_wake_ = next_status_;
   if (body_) next_wake_ = std::min(next_wake_, mission_->clock.wall_time(body_->time() + period));
-  if (status_.phase == Phase::planning) next_wake_ = now;
+  if (status_.phase == Phase::planning) next_wake_ = std::min(next_wake_, now + finder_->pause());
   return out;
 }
 
