@@ -17,8 +17,8 @@ constexpr double rounding = 1e-14;
 
 // A piece of a segment at most this long, in cells, is looked at cell by cell rather than cut further: where
 // the bound fails in its middle, cutting rarely helps; where it holds there, it mostly does.
-constexpr double doubtful_piece = 8;
-constexpr double short_piece = 2;
+constexpr double doubtful_piece = 16;
+constexpr double short_piece = 4;
 
 /// The least clearance, in cells, at which a disc counts as free.
 double needed_clearance(double radius, double cells_per_metre) {
@@ -165,7 +165,10 @@ struct ClearanceField::Piece {
 };
 
 ClearanceField::ClearanceField(OccupancyMap map)
-    : map_(std::move(map)), cells_per_metre_(1 / map_.resolution), stride_(map_.width + 2) {
+    : map_(std::move(map)),
+      extent_(map_.width, map_.height),
+      cells_per_metre_(1 / map_.resolution),
+      stride_(map_.width + 2) {
   assert(map_.width >= 1 && map_.height >= 1 && map_.resolution > 0);
   assert(map_.blocked.size() == static_cast<std::size_t>(map_.width) * static_cast<std::size_t>(map_.height));
   const auto stride = static_cast<std::size_t>(stride_);
@@ -173,18 +176,28 @@ ClearanceField::ClearanceField(OccupancyMap map)
   centre_squared_ = vertical_steps(map_, stride, rows);
   RowTransform transform(stride);
   for (std::size_t j = 0; j < rows; ++j) transform(centre_squared_.data() + j * stride);
+  mark_edges();
 }
 
-bool ClearanceField::contains(const Point2& q) const {
-  return q.x() >= 0 && q.y() >= 0 && q.x() <= map_.width && q.y() <= map_.height;  // false for NaN
+void ClearanceField::mark_edges() {
+  const auto height = static_cast<std::size_t>(map_.height);
+  words_per_row_ = (static_cast<std::size_t>(map_.width) + 63) / 64;
+  edges_.assign(words_per_row_ * height, 0);
+  for (std::ptrdiff_t j = 0; j < map_.height; ++j) {
+    std::uint64_t* row = edges_.data() + static_cast<std::size_t>(j) * words_per_row_;
+    for (std::ptrdiff_t i = 0; i < map_.width; ++i) {
+      const bool at_free = (at(i - 1, j) | at(i + 1, j) | at(i, j - 1) | at(i, j + 1)) != 0;
+      row[i / 64] |= std::uint64_t{at(i, j) == 0 && at_free} << (i % 64);
+    }
+  }
 }
 
-double ClearanceField::lower_squared(const Point2& q) const {
+inline double ClearanceField::lower_squared(const Point2& q) const {
   // Padded cell k has its centre at q = k - 0.5; q lies among four centres, at (x, y) from the first.
   const double u = q.x() + 0.5;
   const double v = q.y() + 0.5;
-  const auto i = static_cast<std::ptrdiff_t>(u);
-  const auto j = static_cast<std::ptrdiff_t>(v);
+  const auto i = static_cast<int>(u);
+  const auto j = static_cast<int>(v);
   const double x = u - static_cast<double>(i);
   const double y = v - static_cast<double>(j);
   const std::int32_t* low = centre_squared_.data() + j * stride_ + i;
@@ -210,20 +223,17 @@ double ClearanceField::upper_squared(const Point2& q) const {
   return upper + rounding * (1 + here);
 }
 
-double ClearanceField::border_distance(const Point2& q) const {
-  return std::min({q.x(), q.y(), map_.width - q.x(), map_.height - q.y()});
-}
-
 /// The least squared distance between the segment ab and what is blocked, or the limit where that is less.
 double ClearanceField::least_squared(const Point2& a, const Point2& b, double limit_squared) const {
+  if (in_blocked_cell(a) || in_blocked_cell(b)) return 0;
   const double border = std::min(border_distance(a), border_distance(b));
   double least = std::min(limit_squared, border * border);
   const Point2 d = b - a;
   const double top = std::max(a.y(), b.y());
   double reach = std::sqrt(least);
-  const auto first_row = std::max(std::floor(std::min(a.y(), b.y()) - reach), 0.0);
-  for (auto j = static_cast<std::ptrdiff_t>(first_row);
-       j < map_.height && static_cast<double>(j) <= top + reach; ++j) {
+  const double first_row = std::max(std::min(a.y(), b.y()) - reach, 0.0);
+  for (auto j = static_cast<std::size_t>(first_row);
+       static_cast<double>(j) < std::min(top + reach, extent_.y()); ++j) {
     // Only the part of the segment within reach of the row counts for it.
     const auto row = static_cast<double>(j);
     Interval near;
@@ -231,18 +241,11 @@ double ClearanceField::least_squared(const Point2& a, const Point2& b, double li
     if (near.from > near.to) continue;
     const double x0 = a.x() + near.from * d.x();
     const double x1 = a.x() + near.to * d.x();
-    const double last = std::min(std::max(x0, x1) + reach, map_.width - 1.0);
-    auto i = static_cast<std::ptrdiff_t>(std::max(std::min(x0, x1) - reach, 0.0));
-    while (static_cast<double>(i) <= last) {
-      const std::int32_t squared = at(i, j);
-      if (squared == 0) {
-        least = std::min(least, square_distance_squared(a, b, Point2(static_cast<double>(i), row)));
-        ++i;
-      } else {
-        // A square k cells on is k - 1/2 from this centre, and none is nearer than the centre's distance.
-        i += static_cast<std::ptrdiff_t>((std::sqrt(static_cast<double>(squared)) + 1) / 2);
-      }
-    }
+    const double first = std::max(std::min(x0, x1) - reach, 0.0);
+    const double last = std::min(std::max(x0, x1) + reach, extent_.x() - 1);
+    for_each_edge(j, static_cast<std::size_t>(first), static_cast<std::size_t>(last), [&](std::size_t i) {
+      least = std::min(least, square_distance_squared(a, b, Point2(static_cast<double>(i), row)));
+    });
     reach = std::sqrt(least);
   }
   return least;

@@ -16,6 +16,8 @@
 // a lower bound between known places and an upper bound beyond them, with the weights' variance as the error.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -50,28 +52,71 @@ class ClearanceField {
   /// The least clearance on the segment from a to b, metres; exact. 0 if an end is outside or NaN.
   double segment_clearance(const Point2& a, const Point2& b) const;
 
+  /// Calls fn(square) with a Box<2>, metres, for each blocked cell at the edge of an obstacle (with a free
+  /// cell at its side) that lies within `distance` of p, and for some beyond. What is outside of the grid has
+  /// no cells.
+  template <class Fn>
+  void for_each_edge_near(const Point2& p, double distance, Fn&& fn) const {
+    const Point2 q = to_cells(p);
+    if (!contains(q) || !(distance >= 0)) return;
+    const Point2 last = extent_ - Point2::Ones();
+    const Point2 from = (q.array() - distance * cells_per_metre_).max(0.0).min(last.array());
+    const Point2 to = (q.array() + distance * cells_per_metre_).min(last.array());
+    for (auto j = static_cast<std::size_t>(from.y()); j <= static_cast<std::size_t>(to.y()); ++j) {
+      for_each_edge(j, static_cast<std::size_t>(from.x()), static_cast<std::size_t>(to.x()),
+                    [&](std::size_t i) {
+                      const Point2 corner(static_cast<double>(i), static_cast<double>(j));
+                      fn(Box<2>{map_.origin + map_.resolution * corner,
+                                map_.origin + map_.resolution * (corner + Point2::Ones())});
+                    });
+    }
+  }
+
  private:
-  // Within this class, points and lengths called `cell`-something or q are in cells from the map's origin.
+  // In what follows, points are in cells from the map's origin and distances in cells.
   struct Piece;
 
   Point2 to_cells(const Point2& p) const { return (p - map_.origin) * cells_per_metre_; }
-  bool contains(const Point2& q) const;
+  bool contains(const Point2& q) const {  // false for NaN
+    return q.x() >= 0 && q.y() >= 0 && q.x() <= extent_.x() && q.y() <= extent_.y();
+  }
+  bool in_blocked_cell(const Point2& q) const {
+    return at(std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), map_.width - 1),
+              std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), map_.height - 1)) == 0;
+  }
   std::int32_t at(std::ptrdiff_t i, std::ptrdiff_t j) const {
     return centre_squared_[static_cast<std::size_t>((j + 1) * stride_ + i + 1)];
   }
 
   double lower_squared(const Point2& q) const;
   double upper_squared(const Point2& q) const;
-  double border_distance(const Point2& q) const;
+  double border_distance(const Point2& q) const { return std::min(q.minCoeff(), (extent_ - q).minCoeff()); }
   double least_squared(const Point2& a, const Point2& b, double limit_squared) const;
   bool piece_free(const Piece& piece, double needed_squared) const;
+  void mark_edges();
+
+  /// Calls fn(i) for the edge cells of row j from column `first` to `last`, both inside of the grid.
+  template <class Fn>
+  void for_each_edge(std::size_t j, std::size_t first, std::size_t last, Fn&& fn) const {
+    for (std::size_t word = first / 64; word <= last / 64; ++word) {
+      std::uint64_t bits = edges_[j * words_per_row_ + word];
+      if (word == first / 64) bits &= ~std::uint64_t{0} << (first % 64);
+      if (word == last / 64) bits &= ~std::uint64_t{0} >> (63 - last % 64);
+      for (; bits != 0; bits &= bits - 1) fn(word * 64 + static_cast<std::size_t>(std::countr_zero(bits)));
+    }
+  }
 
   OccupancyMap map_;
+  Point2 extent_;  ///< width and height, in cells
   double cells_per_metre_;
   std::ptrdiff_t stride_;
   /// Squared distance from each cell's centre to the nearest blocked square or the border, in quarters of a
   /// squared cell, which makes it a whole number; row by row, with a ring of blocked cells around the grid.
   std::vector<std::int32_t> centre_squared_;
+  /// A bit for each blocked cell with a free one at its side: no other is ever the nearest. Rows begin a
+  /// word.
+  std::vector<std::uint64_t> edges_;
+  std::size_t words_per_row_;
 };
 
 }  // namespace coppice
