@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "planning/line_of_sight.h"
+#include "planning/path_shortening.h"
 #include "planning/reachability.h"
 #include "planning/step_length.h"
 
@@ -80,7 +80,7 @@ FleetPlan plan_fleet(const ClearanceField& field, std::span<const PlanningProble
 
   for (GroupIndex g = 0; g < problems.size(); ++g) {
     RobotPlan& robot = plan.robots[g];
-    robot.path = optimise_line_of_sight(field, planner.path(g), problems[g].radius);
+    robot.path = shorten(field, planner.path(g), problems[g].radius);
     robot.counts = planner.group_counts(g);
     robot.grafted_trees = planner.grafted_trees(g);
     if (robot.path.empty() && robot.reason.empty()) robot.reason = "no path found before the time was over";

@@ -8,9 +8,12 @@
 
 namespace coppice {
 
-/// The path with every detour between two of its points that see each other cut short; the shortest such
-/// selection of its points (dynamic programming over all pairs costs too much for long paths, so from each
-/// point on the furthest visible one is taken). Ends stay; it never becomes longer.
+/// Points in a row that are out of sight before the search for the furthest visible one ends: sight past a pillar comes
+/// back after a few points, and asking all of a long path costs quadratic time for next to nothing.
+inline constexpr std::size_t line_of_sight_misses = 8;
+
+/// The path without the points that lie between two that see each other: from each point on to the furthest visible
+/// one. Ends stay; it never becomes longer.
 template <Space S>
 std::vector<Point<S::dimension>> optimise_line_of_sight(const S& space,
                                                         const std::vector<Point<S::dimension>>& path,
@@ -18,8 +21,10 @@ std::vector<Point<S::dimension>> optimise_line_of_sight(const S& space,
   if (path.size() < 3) return path;
   std::vector<Point<S::dimension>> straight{path.front()};
   for (std::size_t here = 0; here + 1 < path.size();) {
-    std::size_t furthest = path.size() - 1;
-    while (furthest > here + 1 && !space.segment_free(path[here], path[furthest], radius)) --furthest;
+    std::size_t furthest = here + 1;
+    for (std::size_t i = here + 2; i < path.size() && i <= furthest + line_of_sight_misses; ++i) {
+      if (space.segment_free(path[here], path[i], radius)) furthest = i;
+    }
     straight.push_back(path[furthest]);
     here = furthest;
   }

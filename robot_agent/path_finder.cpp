@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "planning/line_of_sight.h"
+#include "planning/path_shortening.h"
 #include "planning/reachability.h"
 #include "planning/step_length.h"
 
@@ -47,7 +47,7 @@ std::optional<std::variant<Path, NoPath>> PathFinder::step() {
   const int most = pause() > 0 ? iterations_a_step : iterations_alone;
   for (int i = 0; i < most && planner_.step(); ++i) ++iterations_;
   ++steps_without_news_;
-  if (planner_.solved(group_)) return straightened();
+  if (planner_.solved(group_)) return shortened();
   if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
       provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {
     return NoPath{"no path: the goal cannot be reached from the start with this radius"};
@@ -60,8 +60,8 @@ double PathFinder::pause() const {
   return mission_.sharing && steps_without_news_ < patience ? pause_between_steps : 0;
 }
 
-Path PathFinder::straightened() {
-  return optimise_line_of_sight(field_, planner_.path(group_), mission_.radius);
+Path PathFinder::shortened() {
+  return shorten(field_, planner_.path(group_), mission_.radius);
 }
 
 SampleCounts PathFinder::counts() const {

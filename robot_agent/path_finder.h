@@ -41,7 +41,7 @@ class PathFinder {
   std::uint32_t received_trees() const { return received_; }
 
  private:
-  Path straightened();
+  Path shortened();
 
   const ClearanceField& field_;
   Mission mission_;
