@@ -1,0 +1,229 @@
+#include "bus/dds_bus.h"
+
+#include <chrono>
+#include <stdexcept>
+#include <tuple>
+
+#include <fastdds/dds/core/condition/StatusCondition.hpp>
+#include <fastdds/dds/core/condition/WaitSet.hpp>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <spdlog/spdlog.h>
+
+#include "bus/dds_conversion.h"
+#include "bus/topics.h"
+#include "bus/validation.h"
+#include "fleetTypeObject.h"
+
+namespace coppice {
+
+namespace dds = eprosima::fastdds::dds;
+using eprosima::fastrtps::Duration_t;
+
+namespace {
+
+// Of each process's shared memory: holds the fragments of a large map while its readers copy them. Pages that are
+// never written take no memory.
+constexpr std::uint32_t shared_memory_segment = 8u << 20;
+// How soon a lost sample of a reliable topic is asked for again; the default of 3 s is longer than a plan takes.
+constexpr std::uint32_t heartbeat_nanoseconds = 20'000'000;
+constexpr std::size_t rejections_logged = 10;  // then every thousandth
+
+template <class T>
+T* required(T* created, const char* what) {
+  if (created == nullptr) throw std::runtime_error(std::string("DDS could not create ") + what);
+  return created;
+}
+
+dds::DomainParticipantQos participant_qos(const std::string& sender) {
+  dds::DomainParticipantQos qos;
+  qos.name(sender);
+  qos.transport().use_builtin_transports = false;
+  auto shared_memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
+  shared_memory->segment_size(shared_memory_segment);
+  qos.transport().user_transports.push_back(shared_memory);
+  qos.transport().user_transports.push_back(std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+  return qos;
+}
+
+/// What a topic's row in the table means for a writer and for a reader alike.
+template <class Qos>
+void apply(const TopicInfo& info, Qos& qos) {
+  qos.reliability().kind = info.reliability == Reliability::reliable ? dds::RELIABLE_RELIABILITY_QOS
+                                                                     : dds::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind = info.durability == Durability::transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS
+                                                                         : dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = info.depth > 0 ? dds::KEEP_LAST_HISTORY_QOS : dds::KEEP_ALL_HISTORY_QOS;
+  qos.history().depth = info.depth > 0 ? info.depth : 1;
+  // 0 is no limit; the defaults (10 instances, 5000 samples) would silently lose trees and robots.
+  qos.resource_limits().max_samples = 0;
+  qos.resource_limits().max_instances = 0;
+  qos.resource_limits().max_samples_per_instance = 0;
+  // Samples differ in size by orders of magnitude: memory as needed, not for the largest.
+  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
+  qos.data_sharing().off();
+}
+
+dds::DataWriterQos writer_qos(const TopicInfo& info) {
+  dds::DataWriterQos qos;
+  apply(info, qos);
+  // Fragments of a large sample leave in DDS's own thread; a small one need not wait for that.
+  qos.publish_mode().kind =
+      info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE : dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, heartbeat_nanoseconds);
+  qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
+  return qos;
+}
+
+dds::DataReaderQos reader_qos(const TopicInfo& info) {
+  dds::DataReaderQos qos;
+  apply(info, qos);
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = Duration_t(0, 0);
+  return qos;
+}
+
+/// The ends of one topic in this process; either may be missing.
+template <class M>
+struct Ends {
+  dds::DataWriter* writer = nullptr;
+  dds::DataReader* reader = nullptr;
+};
+
+}  // namespace
+
+struct DdsBus::Implementation {
+  Role role;
+  dds::DomainParticipant* participant = nullptr;
+  dds::Publisher* publisher = nullptr;
+  dds::Subscriber* subscriber = nullptr;
+  std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
+             Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>, Ends<BrokerStatus>>
+      topics;
+  dds::WaitSet wait_set;
+  std::size_t rejected = 0;
+  std::size_t lost = 0;
+
+  Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
+      : role(role_of_process) {
+    registerfleetTypes();
+    participant = required(dds::DomainParticipantFactory::get_instance()->create_participant(
+                               static_cast<std::uint32_t>(settings.domain), participant_qos(sender)),
+                           "a participant (is the domain between 0 and 232?)");
+    publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
+    subscriber = required(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
+    std::apply([&](auto&... ends) { (open(ends), ...); }, topics);
+  }
+
+  ~Implementation() {
+    std::apply([&](auto&... ends) { (detach(ends), ...); }, topics);
+    participant->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+  }
+
+  template <class M>
+  void open(Ends<M>& ends) {
+    using T = Topic<M>;
+    if (!T::written_by(role) && !T::read_by(role)) return;
+    dds::TypeSupport type(new typename DdsType<M>::Support());
+    type->auto_fill_type_information(false);
+    type.register_type(participant);
+    dds::Topic* topic = required(
+        participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT), "a topic");
+    if (T::written_by(role)) {
+      ends.writer = required(publisher->create_datawriter(topic, writer_qos(T::info)), "a writer");
+    }
+    if (T::read_by(role)) {
+      ends.reader = required(subscriber->create_datareader(topic, reader_qos(T::info)), "a reader");
+      ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
+      wait_set.attach_condition(ends.reader->get_statuscondition());
+    }
+  }
+
+  template <class M>
+  void detach(Ends<M>& ends) {
+    if (ends.reader != nullptr) wait_set.detach_condition(ends.reader->get_statuscondition());
+  }
+
+  template <class M>
+  void drain(Ends<M>& ends, std::vector<Message>& out) {
+    if (ends.reader == nullptr) return;
+    typename DdsType<M>::Type sample;
+    dds::SampleInfo info;
+    while (ends.reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      Message message = from_dds(sample);
+      if (const auto problem = problem_with(message)) {
+        reject(Topic<M>::info.name, *problem);
+      } else {
+        out.push_back(std::move(message));
+      }
+    }
+  }
+
+  void reject(std::string_view topic, const std::string& problem) {
+    ++rejected;
+    if (rejected <= rejections_logged || rejected % 1000 == 0) {
+      spdlog::warn("dropped a sample of topic {}: {} ({} dropped so far)", topic, problem, rejected);
+    }
+  }
+};
+
+DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender)
+    : implementation_(std::make_unique<Implementation>(settings, role, sender)) {}
+
+DdsBus::~DdsBus() = default;
+
+void DdsBus::publish(const Message& message) {
+  std::visit(
+      [&]<class M>(const M& m) {
+        dds::DataWriter* writer = std::get<Ends<M>>(implementation_->topics).writer;
+        if (writer == nullptr) throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
+        auto sample = to_dds(m);
+        if (!writer->write(&sample)) {
+          ++implementation_->lost;
+          spdlog::warn("could not write a sample of topic {}", Topic<M>::info.name);
+        }
+      },
+      message);
+}
+
+std::vector<Message> DdsBus::take() {
+  std::vector<Message> out;
+  std::apply([&](auto&... ends) { (implementation_->drain(ends, out), ...); }, implementation_->topics);
+  return out;
+}
+
+bool DdsBus::wait(double seconds) {
+  if (seconds <= 0) return true;
+  dds::ConditionSeq active;
+  const auto whole = static_cast<std::int32_t>(seconds);
+  const Duration_t timeout(whole, static_cast<std::uint32_t>((seconds - whole) * 1e9));
+  return implementation_->wait_set.wait(active, timeout) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+}
+
+std::size_t DdsBus::rejected() const { return implementation_->rejected; }
+std::size_t DdsBus::lost() const { return implementation_->lost; }
+
+template <class M>
+std::size_t DdsBus::matched_readers() const {
+  const dds::DataWriter* writer = std::get<Ends<M>>(implementation_->topics).writer;
+  if (writer == nullptr) return 0;
+  dds::PublicationMatchedStatus status;
+  writer->get_publication_matched_status(status);
+  return static_cast<std::size_t>(status.current_count);
+}
+
+template std::size_t DdsBus::matched_readers<MapMessage>() const;
+template std::size_t DdsBus::matched_readers<Mission>() const;
+template std::size_t DdsBus::matched_readers<RobotState>() const;
+template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
+
+}  // namespace coppice

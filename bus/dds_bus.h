@@ -1,0 +1,52 @@
+// The bus over Fast DDS: one participant a process, and a writer or reader for each topic that the role takes part in.
+//
+// Shared memory between processes of one machine and UDP beyond, found by multicast: nothing needs to be configured.
+// Nothing is done in DDS's own threads: `take` polls the readers in the caller's loop.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/bus.h"
+#include "bus/messages.h"
+
+namespace coppice {
+
+struct DdsSettings {
+  int domain = 0;  ///< 0..232; fleets on different domains do not see each other
+};
+
+class DdsBus {
+ public:
+  /// `sender` names the participant to tools. Throws std::runtime_error if DDS refuses.
+  DdsBus(const DdsSettings& settings, Role role, const std::string& sender);
+  ~DdsBus();
+  DdsBus(const DdsBus&) = delete;
+  DdsBus& operator=(const DdsBus&) = delete;
+
+  /// Writes to the message's topic, which the role must be a writer of. Waits at most 100 ms where a reliable
+  /// reader lags so far behind that its history is full; then the sample is lost and counted.
+  void publish(const Message& message);
+
+  /// Everything that arrived since the last call and passed validation.
+  std::vector<Message> take();
+
+  /// Until something arrives or `seconds` are over; true if something arrived.
+  bool wait(double seconds);
+
+  /// Samples that were dropped because they failed validation.
+  std::size_t rejected() const;
+  /// Samples that could not be written.
+  std::size_t lost() const;
+  /// Readers of other processes (and its own) that are matched with this bus's writer of message type M.
+  template <class M>
+  std::size_t matched_readers() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace coppice

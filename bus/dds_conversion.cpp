@@ -1,0 +1,245 @@
+#include "bus/dds_conversion.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace coppice {
+
+namespace {
+
+idl::Position to_dds(const Point2& p) {
+  idl::Position q;
+  q.x(p.x());
+  q.y(p.y());
+  return q;
+}
+
+Point2 from_dds(const idl::Position& p) { return {p.x(), p.y()}; }
+
+template <class E>
+std::uint8_t octet(E value) {
+  return static_cast<std::uint8_t>(value);
+}
+
+std::string text(const auto& fixed) { return fixed.to_string(); }
+
+std::vector<std::uint8_t> packed(const std::vector<std::uint8_t>& blocked) {
+  std::vector<std::uint8_t> bits((blocked.size() + 7) / 8, 0);
+  for (std::size_t i = 0; i < blocked.size(); ++i) {
+    if (blocked[i] != 0) bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
+  }
+  return bits;
+}
+
+/// As many cells as the size says and the bits hold: validation sees a difference.
+std::vector<std::uint8_t> unpacked(const std::vector<std::uint8_t>& bits, std::int32_t width, std::int32_t height) {
+  const auto said = static_cast<std::size_t>(std::max(width, 0)) * static_cast<std::size_t>(std::max(height, 0));
+  std::vector<std::uint8_t> blocked(std::min(said, bits.size() * 8));
+  for (std::size_t i = 0; i < blocked.size(); ++i) blocked[i] = (bits[i / 8] >> (i % 8)) & 1;
+  return blocked;
+}
+
+}  // namespace
+
+idl::OccupancyMap to_dds(const MapMessage& m) {
+  idl::OccupancyMap d;
+  d.map_id(m.map_id);
+  d.width(m.map.width);
+  d.height(m.map.height);
+  d.resolution(m.map.resolution);
+  d.origin(to_dds(m.map.origin));
+  d.y_axis(octet(m.map.y_axis));
+  d.packed_occupancy(packed(m.map.blocked));
+  return d;
+}
+
+MapMessage from_dds(const idl::OccupancyMap& d) {
+  return {text(d.map_id()),
+          {d.width(), d.height(), d.resolution(), from_dds(d.origin()), static_cast<YAxis>(d.y_axis()),
+           unpacked(d.packed_occupancy(), d.width(), d.height())}};
+}
+
+idl::Mission to_dds(const Mission& m) {
+  idl::Mission d;
+  d.robot(m.robot);
+  d.number(m.number);
+  d.fleet_size(m.fleet_size);
+  d.map_id(m.map_id);
+  d.start(to_dds(m.start));
+  d.goal(to_dds(m.goal));
+  d.radius(m.radius);
+  d.max_speed(m.max_speed);
+  d.max_acceleration(m.max_acceleration);
+  d.goal_tolerance(m.goal_tolerance);
+  d.seed(m.seed);
+  d.sharing(m.sharing);
+  d.cancelled(m.cancelled);
+  d.clock_epoch(m.clock.epoch);
+  d.clock_scale(m.clock.scale);
+  return d;
+}
+
+Mission from_dds(const idl::Mission& d) {
+  return {.robot = text(d.robot()), .number = d.number(), .fleet_size = d.fleet_size(), .map_id = text(d.map_id()),
+          .start = from_dds(d.start()), .goal = from_dds(d.goal()), .radius = d.radius(),
+          .max_speed = d.max_speed(), .max_acceleration = d.max_acceleration(),
+          .goal_tolerance = d.goal_tolerance(), .seed = d.seed(), .sharing = d.sharing(),
+          .cancelled = d.cancelled(), .clock = {d.clock_epoch(), d.clock_scale()}};
+}
+
+idl::RootNodes to_dds(const RootNodes& m) {
+  idl::RootNodes d;
+  d.robot(m.robot);
+  d.mission(m.mission);
+  d.first_index(m.first_index);
+  for (const RootNodes::Node& node : m.nodes) {
+    idl::RootNode& n = d.nodes().emplace_back();
+    n.side(octet(node.side));
+    n.position(to_dds(node.position));
+    n.parent(node.parent);
+  }
+  return d;
+}
+
+RootNodes from_dds(const idl::RootNodes& d) {
+  RootNodes m{.robot = text(d.robot()), .mission = d.mission(), .first_index = d.first_index(), .nodes = {}};
+  for (const idl::RootNode& n : d.nodes()) {
+    m.nodes.push_back({static_cast<Side>(n.side()), from_dds(n.position()), n.parent()});
+  }
+  return m;
+}
+
+idl::InactiveTree to_dds(const InactiveTreeMessage& m) {
+  idl::InactiveTree d;
+  d.broker(m.tree.broker);
+  d.number(m.tree.number);
+  d.map_id(m.map_id);
+  d.radius(m.radius);
+  for (const InactiveTreeMessage::Node& node : m.nodes) {
+    idl::TreeNode& n = d.nodes().emplace_back();
+    n.position(to_dds(node.position));
+    n.parent(node.parent);
+    n.edge_clearance(node.edge_clearance);
+  }
+  return d;
+}
+
+InactiveTreeMessage from_dds(const idl::InactiveTree& d) {
+  InactiveTreeMessage m{.tree = {d.broker(), d.number()}, .map_id = text(d.map_id()), .radius = d.radius(),
+                        .nodes = {}};
+  for (const idl::TreeNode& n : d.nodes()) {
+    m.nodes.push_back({from_dds(n.position()), n.parent(), n.edge_clearance()});
+  }
+  return m;
+}
+
+idl::RobotState to_dds(const RobotState& m) {
+  idl::RobotState d;
+  d.robot(m.robot);
+  d.sequence_number(m.sequence);
+  d.stamp(m.stamp);
+  d.position(to_dds(m.position));
+  d.velocity(to_dds(m.velocity));
+  d.radius(m.radius);
+  d.max_speed(m.max_speed);
+  d.max_acceleration(m.max_acceleration);
+  d.phase(octet(m.phase));
+  d.promise_turn(m.promise.turn);
+  d.promise_velocity(to_dds(m.promise.velocity));
+  d.promise_expiry(m.promise.expiry);
+  d.promise_parked(m.promise.parked);
+  d.waits_for(m.waits_for);
+  return d;
+}
+
+RobotState from_dds(const idl::RobotState& d) {
+  return {.robot = text(d.robot()), .sequence = d.sequence_number(), .stamp = d.stamp(),
+          .position = from_dds(d.position()), .velocity = from_dds(d.velocity()), .radius = d.radius(),
+          .max_speed = d.max_speed(), .max_acceleration = d.max_acceleration(),
+          .phase = static_cast<Phase>(d.phase()),
+          .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry(), d.promise_parked()},
+          .waits_for = text(d.waits_for())};
+}
+
+idl::Path to_dds(const PathMessage& m) {
+  idl::Path d;
+  d.robot(m.robot);
+  d.mission(m.mission);
+  for (const Point2& p : m.waypoints) d.waypoints().push_back(to_dds(p));
+  return d;
+}
+
+PathMessage from_dds(const idl::Path& d) {
+  PathMessage m{.robot = text(d.robot()), .mission = d.mission(), .waypoints = {}};
+  for (const idl::Position& p : d.waypoints()) m.waypoints.push_back(from_dds(p));
+  return m;
+}
+
+idl::Track to_dds(const TrackMessage& m) {
+  idl::Track d;
+  d.robot(m.robot);
+  d.mission(m.mission);
+  d.first_index(m.first_index);
+  for (const TrackMessage::Point& point : m.points) {
+    idl::TrackPoint& p = d.points().emplace_back();
+    p.time(point.time);
+    p.position(to_dds(point.position));
+    p.velocity(to_dds(point.velocity));
+  }
+  return d;
+}
+
+TrackMessage from_dds(const idl::Track& d) {
+  TrackMessage m{.robot = text(d.robot()), .mission = d.mission(), .first_index = d.first_index(), .points = {}};
+  for (const idl::TrackPoint& p : d.points()) {
+    m.points.push_back({p.time(), from_dds(p.position()), from_dds(p.velocity())});
+  }
+  return m;
+}
+
+idl::AgentStatus to_dds(const AgentStatus& m) {
+  idl::AgentStatus d;
+  d.robot(m.robot);
+  d.mission(m.mission);
+  d.phase(octet(m.phase));
+  d.reason(m.reason);
+  d.mission_time(m.mission_time);
+  d.path_time(m.path_time);
+  d.arrival_time(m.arrival_time);
+  d.plan_seconds(m.plan_seconds);
+  d.driven_length(m.driven_length);
+  d.nodes_valid(m.nodes_valid);
+  d.nodes_invalid(m.nodes_invalid);
+  d.trees_received(m.trees_received);
+  d.trees_grafted(m.trees_grafted);
+  d.track_points(m.track_points);
+  d.rejected(m.rejected);
+  return d;
+}
+
+AgentStatus from_dds(const idl::AgentStatus& d) {
+  return {.robot = text(d.robot()), .mission = d.mission(), .phase = static_cast<Phase>(d.phase()),
+          .reason = text(d.reason()), .mission_time = d.mission_time(), .path_time = d.path_time(),
+          .arrival_time = d.arrival_time(), .plan_seconds = d.plan_seconds(), .driven_length = d.driven_length(),
+          .nodes_valid = d.nodes_valid(), .nodes_invalid = d.nodes_invalid(),
+          .trees_received = d.trees_received(), .trees_grafted = d.trees_grafted(),
+          .track_points = d.track_points(), .rejected = d.rejected()};
+}
+
+idl::BrokerStatus to_dds(const BrokerStatus& m) {
+  idl::BrokerStatus d;
+  d.broker(m.broker);
+  d.nodes_valid(m.nodes_valid);
+  d.nodes_invalid(m.nodes_invalid);
+  d.trees_active(m.trees_active);
+  d.trees_published(m.trees_published);
+  d.rejected(m.rejected);
+  return d;
+}
+
+BrokerStatus from_dds(const idl::BrokerStatus& d) {
+  return {.broker = d.broker(), .nodes_valid = d.nodes_valid(), .nodes_invalid = d.nodes_invalid(),
+          .trees_active = d.trees_active(), .trees_published = d.trees_published(), .rejected = d.rejected()};
+}
+
+}  // namespace coppice
