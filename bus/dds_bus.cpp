@@ -19,9 +19,9 @@
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_conversion.h"
+#include "bus/dds_type_objects.h"
 #include "bus/topics.h"
 #include "bus/validation.h"
-#include "fleetTypeObject.h"
 
 namespace coppice {
 
@@ -113,7 +113,7 @@ struct DdsBus::Implementation {
 
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
       : role(role_of_process) {
-    registerfleetTypes();
+    register_type_objects();
     participant = required(dds::DomainParticipantFactory::get_instance()->create_participant(
                                static_cast<std::uint32_t>(settings.domain), participant_qos(sender)),
                            "a participant (is the domain between 0 and 232?)");
@@ -133,7 +133,6 @@ struct DdsBus::Implementation {
     using T = Topic<M>;
     if (!T::written_by(role) && !T::read_by(role)) return;
     dds::TypeSupport type(new typename DdsType<M>::Support());
-    type->auto_fill_type_information(false);
     type.register_type(participant);
     dds::Topic* topic = required(
         participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT), "a topic");

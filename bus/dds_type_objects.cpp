@@ -1,0 +1,9 @@
+#include "bus/dds_type_objects.h"
+
+#include "fleetTypeObject.h"
+
+namespace coppice {
+
+void register_type_objects() { registerfleetTypes(); }
+
+}  // namespace coppice

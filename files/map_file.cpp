@@ -1,0 +1,103 @@
+#include "files/map_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "files/input_error.h"
+#include "files/ros_map_file.h"
+#include "files/text_file.h"
+
+namespace coppice {
+
+namespace {
+
+/// The lines of a text, numbered from 1, without their ends (\n or \r\n).
+class Lines {
+ public:
+  Lines(std::string_view text, const std::filesystem::path& path) : rest_(text), path_(path) {}
+
+  bool at_end() const { return rest_.empty(); }
+
+  std::string_view next(const char* expected) {
+    ++number_;
+    if (rest_.empty()) fail(fmt::format("the file ends here, expected {}", expected));
+    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    return line;
+  }
+
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw InputError(fmt::format("{}:{}: {}", path_.string(), number_, problem));
+  }
+
+ private:
+  std::string_view rest_;
+  const std::filesystem::path& path_;
+  int number_ = 0;
+};
+
+int read_size(Lines& lines, std::string_view name) {
+  const std::string expected = fmt::format("\"{} N\" with N from 1 to {}", name, largest_map_file_side);
+  const std::string_view line = lines.next(expected.c_str());
+  int value = 0;
+  if (line.starts_with(name) && line.size() > name.size() + 1 && line[name.size()] == ' ') {
+    const char* begin = line.data() + name.size() + 1;
+    const char* end = line.data() + line.size();
+    const auto [rest, problem] = std::from_chars(begin, end, value);
+    if (problem != std::errc{} || rest != end) value = 0;
+  }
+  if (value < 1 || value > largest_map_file_side) lines.fail(fmt::format("expected {}, found \"{}\"", expected, line));
+  return value;
+}
+
+OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path& path) {
+  Lines lines(text, path);
+  if (const auto line = lines.next("\"type octile\""); !line.starts_with("type ")) {
+    lines.fail(fmt::format("expected \"type octile\", found \"{}\"", line.substr(0, 40)));
+  }
+  OccupancyMap map;
+  map.height = read_size(lines, "height");
+  map.width = read_size(lines, "width");
+  if (const auto line = lines.next("\"map\""); line != "map") {
+    lines.fail(fmt::format("expected \"map\", found \"{}\"", line.substr(0, 40)));
+  }
+  map.blocked.reserve(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
+  for (int j = 0; j < map.height; ++j) {
+    const std::string_view row = lines.next(fmt::format("row {} of {}", j + 1, map.height).c_str());
+    if (row.size() != static_cast<std::size_t>(map.width)) {
+      lines.fail(fmt::format("expected {} cells, found {}", map.width, row.size()));
+    }
+    for (const char c : row) map.blocked.push_back(c == '.' || c == 'G' || c == 'S' ? 0 : 1);
+  }
+  while (!lines.at_end()) {
+    if (!lines.next("").empty()) lines.fail(fmt::format("more than the {} rows of the header", map.height));
+  }
+  return map;
+}
+
+}  // namespace
+
+OccupancyMap read_map(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending == ".map") return parse_moving_ai(read_file(path), path);
+  if (ending == ".yaml" || ending == ".yml") return read_ros_map(path);
+  throw InputError(fmt::format("{}: unknown kind of map, expected .map (Moving AI) or .yaml (ROS map_server)",
+                               path.string()));
+}
+
+void write_map(const std::filesystem::path& path, const OccupancyMap& map) {
+  std::string text = fmt::format("type octile\nheight {}\nwidth {}\nmap\n", map.height, map.width);
+  for (int j = 0; j < map.height; ++j) {
+    for (int i = 0; i < map.width; ++i) text += map.is_blocked(i, j) ? '@' : '.';
+    text += '\n';
+  }
+  write_file(path, text);
+}
+
+}  // namespace coppice

@@ -1,0 +1,21 @@
+// Map files: Moving AI `.map`, and ROS map_server YAML with a PGM or PNG picture.
+#pragma once
+
+#include <filesystem>
+
+#include "planning/occupancy_map.h"
+
+namespace coppice {
+
+/// Reads a `.map` (https://movingai.com/benchmarks/formats.html: `.`, `G` and `S` are free, all else is blocked; one
+/// cell is one metre, y grows downwards) or a `.yaml` (ROS map_server: resolution, origin, negate, thresholds; y grows
+/// upwards; what is not known to be free is blocked). Throws InputError, which names the file and the line or field.
+OccupancyMap read_map(const std::filesystem::path& path);
+
+/// Writes a Moving AI `.map`; resolution, origin and the direction of y are not part of that format.
+void write_map(const std::filesystem::path& path, const OccupancyMap& map);
+
+/// Largest map that is read, cells a side; the bus carries no larger one.
+inline constexpr int largest_map_file_side = 16384;
+
+}  // namespace coppice

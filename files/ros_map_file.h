@@ -1,0 +1,13 @@
+// ROS map_server maps: a YAML file that names a picture (PGM or PNG) and says what its shades mean.
+#pragma once
+
+#include <filesystem>
+
+#include "planning/occupancy_map.h"
+
+namespace coppice {
+
+/// Throws InputError, which names the file and the field.
+OccupancyMap read_ros_map(const std::filesystem::path& path);
+
+}  // namespace coppice

@@ -1,0 +1,221 @@
+#include "files/scenario_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <google/protobuf/util/json_util.h>
+
+#include "files/input_error.h"
+#include "files/map_file.h"
+#include "files/text_file.h"
+#include "planning/clearance_field.h"
+#include "scenario.pb.h"
+
+namespace coppice {
+
+namespace {
+
+// Defaults in cells of the map, so that they suit a map in metres as well as one in centimetres.
+constexpr double default_radius_cells = 5;
+constexpr double default_speed_cells = 20;
+constexpr double default_tolerance_cells = 1;
+constexpr double speeds_a_second = 2;  // default acceleration: full speed within half a second
+constexpr std::size_t longest_robot_name = 64;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& field, const std::string& problem) {
+  throw InputError(fmt::format("{}: {}: {}", path.string(), field, problem));
+}
+
+double checked_positive(std::optional<double> value, double otherwise, const std::filesystem::path& path,
+                        const std::string& field) {
+  const double chosen = value.value_or(otherwise);
+  if (!std::isfinite(chosen) || chosen <= 0) {
+    fail(path, field, fmt::format("{} is not allowed, expected a number above 0", chosen));
+  }
+  return chosen;
+}
+
+template <class Message>
+std::optional<double> optional_field(bool there, const Message& value) {
+  return there ? std::optional<double>(value) : std::nullopt;
+}
+
+proto::Scenario parse_json(const std::filesystem::path& path) {
+  proto::Scenario scenario;
+  const auto status = google::protobuf::util::JsonStringToMessage(read_file(path), &scenario);
+  if (!status.ok()) {
+    // One line, whatever the parser quotes of the file.
+    std::string text(status.message());
+    std::ranges::replace(text, '\n', ' ');
+    throw InputError(fmt::format("{}: {}", path.string(), text));
+  }
+  return scenario;
+}
+
+/// `.scen`: version line, then bucket, map, width, height, start x y, goal x y, optimal length.
+proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& height) {
+  proto::Scenario scenario;
+  std::istringstream lines(read_file(path));
+  std::string line;
+  int number = 1;
+  if (!std::getline(lines, line) || !line.starts_with("version")) {
+    throw InputError(fmt::format("{}:1: expected \"version 1\"", path.string()));
+  }
+  while (std::getline(lines, line)) {
+    ++number;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty()) continue;
+    std::istringstream fields(line);
+    std::string bucket;
+    std::string map;
+    int w = 0;
+    int h = 0;
+    int sx = 0;
+    int sy = 0;
+    int gx = 0;
+    int gy = 0;
+    if (!(fields >> bucket >> map >> w >> h >> sx >> sy >> gx >> gy)) {
+      throw InputError(fmt::format(
+          "{}:{}: expected bucket, map, width, height, start x, start y, goal x, goal y, length", path.string(), number));
+    }
+    if (!scenario.map().empty() && (scenario.map() != map || w != width || h != height)) {
+      throw InputError(fmt::format("{}:{}: names another map or size than the lines before", path.string(), number));
+    }
+    scenario.set_map(map);
+    width = w;
+    height = h;
+    auto* robot = scenario.add_robots();
+    robot->set_name(fmt::format("r{}", scenario.robots_size()));
+    robot->mutable_start()->set_x(sx + 0.5);
+    robot->mutable_start()->set_y(sy + 0.5);
+    robot->mutable_goal()->set_x(gx + 0.5);
+    robot->mutable_goal()->set_y(gy + 0.5);
+  }
+  return scenario;
+}
+
+void check_name(const std::string& name, std::set<std::string>& names, const std::filesystem::path& path,
+                const std::string& field) {
+  const auto allowed = [](char c) { return c > ' ' && c < 127 && c != '/'; };
+  if (name.empty() || name.size() > longest_robot_name || !std::ranges::all_of(name, allowed)) {
+    fail(path, field, fmt::format("expected 1 to {} printable characters without spaces and slashes", longest_robot_name));
+  }
+  if (!names.insert(name).second) fail(path, field, fmt::format("\"{}\" is the name of another robot too", name));
+}
+
+Point2 checked_place(bool there, const proto::Position& place, const ClearanceField& field, double radius,
+                     const OccupancyMap& map, const std::filesystem::path& path, const std::string& name) {
+  if (!there) fail(path, name, "is missing, expected {\"x\": ..., \"y\": ...}");
+  const Point2 p(place.x(), place.y());
+  if (!p.allFinite()) fail(path, name, "is not finite, expected numbers");
+  const Box<2> box = map.bounds();
+  if ((p.array() < box.lower.array()).any() || (p.array() > box.upper.array()).any()) {
+    fail(path, name, fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
+                                 box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
+  }
+  if (!field.is_free(p, radius)) {
+    fail(path, name, fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
+                                 p.x(), p.y(), field.clearance(p), radius));
+  }
+  return p;
+}
+
+void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place, const char* what,
+                 const std::filesystem::path& path) {
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double distance = (robots[i].*place - robots[j].*place).norm();
+      if (distance >= robots[i].radius + robots[j].radius) continue;
+      fail(path, fmt::format("robots[{}].{}", i, what),
+           fmt::format("{} and {} would overlap there: distance {:.3f}, radii {} and {}", robots[i].name,
+                       robots[j].name, distance, robots[i].radius, robots[j].radius));
+    }
+  }
+}
+
+}  // namespace
+
+Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options) {
+  int said_width = 0;
+  int said_height = 0;
+  const bool is_scen = path.extension() == ".scen";
+  const proto::Scenario file = is_scen ? parse_scen(path, said_width, said_height) : parse_json(path);
+
+  if (file.map().empty()) fail(path, "map", "is missing, expected the path of a map relative to this file");
+  Scenario scenario{.map_name = file.map(), .map = read_map(path.parent_path() / file.map()),
+                    .seed = options.seed.value_or(file.has_seed() ? file.seed() : 1), .robots = {}};
+  const OccupancyMap& map = scenario.map;
+  if (is_scen && (said_width != map.width || said_height != map.height)) {
+    fail(path, "map", fmt::format("is {} x {} cells, but this file says {} x {}", map.width, map.height, said_width,
+                                  said_height));
+  }
+  if (file.robots_size() == 0) fail(path, "robots", "is empty, expected at least one robot");
+  const int count = options.robots.value_or(file.robots_size());
+  if (count < 1 || count > file.robots_size()) {
+    fail(path, "robots", fmt::format("{} were asked for, expected 1 to {}", count, file.robots_size()));
+  }
+
+  const ClearanceField field(map);
+  const double cell = map.resolution;
+  const double radius = checked_positive(options.radius ? options.radius : optional_field(file.has_radius(), file.radius()),
+                                         default_radius_cells * cell, path, "radius");
+  const double speed =
+      checked_positive(options.max_speed ? options.max_speed : optional_field(file.has_max_speed(), file.max_speed()),
+                       default_speed_cells * cell, path, "max_speed");
+  const double tolerance = checked_positive(optional_field(file.has_goal_tolerance(), file.goal_tolerance()),
+                                            default_tolerance_cells * cell, path, "goal_tolerance");
+  std::set<std::string> names;
+  for (int i = 0; i < count; ++i) {
+    const proto::Scenario::Robot& robot = file.robots(i);
+    const std::string at = fmt::format("robots[{}]", i);
+    check_name(robot.name(), names, path, at + ".name");
+    RobotTask task;
+    task.name = robot.name();
+    // What the command line says holds for every robot.
+    task.radius = options.radius.value_or(
+        checked_positive(optional_field(robot.has_radius(), robot.radius()), radius, path, at + ".radius"));
+    task.max_speed = options.max_speed.value_or(
+        checked_positive(optional_field(robot.has_max_speed(), robot.max_speed()), speed, path, at + ".max_speed"));
+    task.max_acceleration =
+        checked_positive(optional_field(file.has_max_acceleration(), file.max_acceleration()),
+                         speeds_a_second * task.max_speed, path, "max_acceleration");
+    task.goal_tolerance = tolerance;
+    task.start = checked_place(robot.has_start(), robot.start(), field, task.radius, map, path, at + ".start");
+    task.goal = checked_place(robot.has_goal(), robot.goal(), field, task.radius, map, path, at + ".goal");
+    scenario.robots.push_back(std::move(task));
+  }
+  check_apart(scenario.robots, &RobotTask::start, "start", path);
+  check_apart(scenario.robots, &RobotTask::goal, "goal", path);
+  return scenario;
+}
+
+void write_scenario(const std::filesystem::path& path, const Scenario& scenario) {
+  proto::Scenario file;
+  file.set_map(scenario.map_name);
+  file.set_seed(scenario.seed);
+  for (const RobotTask& task : scenario.robots) {
+    file.set_goal_tolerance(task.goal_tolerance);
+    auto* robot = file.add_robots();
+    robot->set_name(task.name);
+    robot->mutable_start()->set_x(task.start.x());
+    robot->mutable_start()->set_y(task.start.y());
+    robot->mutable_goal()->set_x(task.goal.x());
+    robot->mutable_goal()->set_y(task.goal.y());
+    robot->set_radius(task.radius);
+    robot->set_max_speed(task.max_speed);
+  }
+  google::protobuf::util::JsonPrintOptions options;
+  options.add_whitespace = true;
+  options.preserve_proto_field_names = true;
+  std::string json;
+  if (!google::protobuf::util::MessageToJsonString(file, &json, options).ok()) {
+    throw InputError(fmt::format("{}: the scenario cannot be written as JSON", path.string()));
+  }
+  write_file(path, json);
+}
+
+}  // namespace coppice

@@ -1,0 +1,44 @@
+#include "files/text_file.h"
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "files/input_error.h"
+
+namespace coppice {
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) {
+    throw InputError(fmt::format("{}: cannot be read: no such file, or no right to read it", path.string()));
+  }
+  std::string content{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) throw InputError(fmt::format("{}: reading failed", path.string()));
+  return content;
+}
+
+void write_file(const std::filesystem::path& path, std::string_view content) {
+  const std::filesystem::path temporary = path.string() + fmt::format(".{}.tmp", ::getpid());
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(content.data(), static_cast<std::streamsize>(content.size()));
+    out.close();
+    if (!out) {
+      std::remove(temporary.c_str());
+      throw InputError(fmt::format("{}: cannot be written (does the folder exist, is there room?)", path.string()));
+    }
+  }
+  std::error_code problem;
+  std::filesystem::rename(temporary, path, problem);
+  if (problem) {
+    std::remove(temporary.c_str());
+    throw InputError(fmt::format("{}: cannot be written: {}", path.string(), problem.message()));
+  }
+}
+
+}  // namespace coppice
