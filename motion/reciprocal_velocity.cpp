@@ -182,12 +182,11 @@ struct Tangent {
   }
 };
 
+/// Not to reach the tangent with the disc's edge. Of a tangent that cuts the disc it would ask to back off.
 HalfPlane half_plane_of(const Tangent& tangent, double radius, double horizon) {
-  const double speed = std::max(tangent.distance - radius, 0.0) / horizon;
-  return {speed * tangent.normal, left_of(tangent.normal)};
+  return {(tangent.distance - radius) / horizon * tangent.normal, left_of(tangent.normal)};
 }
 
-/// The tangent that a half plane was made of, but at `radius` where it overlapped.
 Tangent tangent_of(const HalfPlane& plane, double radius, double horizon) {
   const Point2 normal = right_of(plane.direction);
   return {normal, radius + horizon * plane.point.dot(normal)};
@@ -262,12 +261,14 @@ void obstacle_half_planes(const ClearanceField& field, const Point2& p, double r
   const std::size_t first = out.size();
   append_border(field.bounds(), p, radius, range, horizon, out);
   Candidate last{-1, 0, {}};
-  while (true) {
-    const std::span planes(out.begin() + static_cast<std::ptrdiff_t>(first), out.end());
-    const std::optional<Candidate> next = next_unhidden(field, p, radius, range, horizon, last, planes);
-    if (!next) return;
+  const auto planes = [&] { return std::span(out).subspan(first); };
+  while (const auto next = next_unhidden(field, p, radius, range, horizon, last, planes())) {
     out.push_back(half_plane_of(tangent_at(next->square, p), radius, horizon));
     last = *next;
+  }
+  // Standing still is always allowed.
+  for (HalfPlane& plane : planes()) {
+    if (violation(plane, Point2::Zero()) > 0) plane.point.setZero();
   }
 }
 
