@@ -1,0 +1,135 @@
+#include "files/picture.h"
+
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "files/text_file.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double largest_side_pixels = 1000;
+
+/// Hues a golden angle apart: neighbours in the list differ clearly, and no number of robots runs out of colours.
+std::string colour_of(std::size_t robot) {
+  const double hue = std::fmod(205 + 137.508 * static_cast<double>(robot), 360);
+  const int lightness = robot % 2 == 0 ? 42 : 56;  // for eyes that do not tell the hues apart
+  return fmt::format("hsl({:.0f},75%,{}%)", hue, lightness);
+}
+
+class Svg {
+ public:
+  explicit Svg(const OccupancyMap& map) : map_(map), flip_(map.y_axis == YAxis::up) {}
+
+  Point2 place(const Point2& p) const {
+    const Point2 cell = (p - map_.origin) / map_.resolution;
+    return {cell.x(), flip_ ? map_.height - cell.y() : cell.y()};
+  }
+  double size(double metres) const { return metres / map_.resolution; }
+
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(body_), format, std::forward<Args>(args)...);
+  }
+
+  /// Blocked cells, a rectangle for each run in a row.
+  void add_map() {
+    add("<path fill=\"#3b3f46\" d=\"");
+    for (int j = 0; j < map_.height; ++j) {
+      for (int i = 0; i < map_.width;) {
+        if (!map_.is_blocked(i, j)) {
+          ++i;
+          continue;
+        }
+        int end = i;
+        while (end < map_.width && map_.is_blocked(end, j)) ++end;
+        add("M{} {}h{}v1h-{}z", i, flip_ ? map_.height - 1 - j : j, end - i, end - i);
+        i = end;
+      }
+    }
+    add("\"/>\n");
+  }
+
+  void add_line(const Path& path, const std::string& style) {
+    if (path.size() < 2) return;
+    add("<polyline fill=\"none\" {} points=\"", style);
+    for (const Point2& p : path) {
+      const Point2 q = place(p);
+      add("{:.2f},{:.2f} ", q.x(), q.y());
+    }
+    add("\"/>\n");
+  }
+
+  std::string finish() const {
+    const double scale = largest_side_pixels / std::max(map_.width, map_.height);
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"0 0 {} {}\">\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{}</svg>\n",
+        map_.width * scale, map_.height * scale, map_.width, map_.height, body_);
+  }
+
+ private:
+  const OccupancyMap& map_;
+  bool flip_;
+  std::string body_;
+};
+
+void add_edges(Svg& svg, const PictureContent& content, int robot, double width) {
+  const std::string colour = robot < 0 ? "#b8bcc4" : colour_of(static_cast<std::size_t>(robot));
+  svg.add("<path fill=\"none\" stroke=\"{}\" stroke-opacity=\"0.7\" stroke-width=\"{:.2f}\" d=\"", colour, width);
+  for (const PictureContent::Edge& edge : content.edges) {
+    if (edge.robot != robot) continue;
+    const Point2 a = svg.place(edge.from);
+    const Point2 b = svg.place(edge.to);
+    svg.add("M{:.1f} {:.1f}L{:.1f} {:.1f}", a.x(), a.y(), b.x(), b.y());
+  }
+  svg.add("\"/>\n");
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return out;
+}
+
+}  // namespace
+
+std::string picture_svg(const PictureContent& content) {
+  Svg svg(content.map);
+  // Lines as on paper: as wide for a large map as for a small one.
+  const double unit = std::max(content.map.width, content.map.height) / largest_side_pixels;
+  svg.add_map();
+  for (int robot = -1; robot < static_cast<int>(content.robots.size()); ++robot) {
+    add_edges(svg, content, robot, (robot < 0 ? 0.6 : 1.0) * unit);
+  }
+  for (std::size_t i = 0; i < content.robots.size(); ++i) {
+    const PictureContent::Robot& robot = content.robots[i];
+    const std::string colour = colour_of(i);
+    svg.add_line(robot.path, fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{:.1f} {:.1f}\"",
+                                         colour, 1.6 * unit, 6 * unit, 4 * unit));
+    svg.add_line(robot.track, fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-linejoin=\"round\"", colour,
+                                          3 * unit));
+    const Point2 start = svg.place(robot.start);
+    const Point2 goal = svg.place(robot.goal);
+    const double radius = svg.size(robot.radius);
+    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", start.x(), start.y(), radius, colour);
+    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"{:.2f}\"/>\n",
+            goal.x(), goal.y(), radius, colour, 2.5 * unit);
+    svg.add("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.1f}\" font-family=\"sans-serif\">{}</text>\n",
+            start.x() + radius, start.y() - radius, 14 * unit, escaped(robot.name));
+  }
+  svg.add("<text x=\"{0:.1f}\" y=\"{1:.1f}\" font-size=\"{2:.1f}\" font-family=\"sans-serif\" stroke=\"#ffffff\" "
+          "stroke-width=\"{3:.1f}\" paint-order=\"stroke\">disc: start, ring: goal, dashed: path, solid: driven, "
+          "thin: trees (grey: shared)</text>\n",
+          8 * unit, content.map.height - 8 * unit, 13 * unit, 3 * unit);
+  return svg.finish();
+}
+
+void write_picture(const std::filesystem::path& path, const PictureContent& content) {
+  write_file(path, picture_svg(content));
+}
+
+}  // namespace coppice

@@ -1,0 +1,151 @@
+#include "motion/separation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace coppice {
+
+namespace {
+
+constexpr double window = 1.0;  // seconds; pairs that are far apart throughout one are passed over as a whole
+// Below this clearance the tolerance of the field's measure shows; it is far below the millimetre of a report.
+constexpr double clearance_tolerance = 1e-4;
+
+/// A track with a place to go on from: times are asked in growing order.
+class Cursor {
+ public:
+  explicit Cursor(const Track& track) : points_(track.points) {}
+
+  Point2 at(double time) {
+    while (next_ < points_.size() && points_[next_].time <= time) ++next_;
+    if (next_ == 0) return points_.front().position;
+    if (next_ == points_.size()) return points_.back().position;
+    const TrackPoint& a = points_[next_ - 1];
+    const TrackPoint& b = points_[next_];
+    return a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));
+  }
+
+  /// The first stamp after `time`, infinity if there is none.
+  double stamp_after(double time) const {
+    std::size_t i = next_;
+    while (i < points_.size() && points_[i].time <= time) ++i;
+    return i < points_.size() ? points_[i].time : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const std::vector<TrackPoint>& points_;
+  std::size_t next_ = 0;
+};
+
+/// What a track covers in each window of time: a box around its positions.
+std::vector<Box<2>> boxes(const Track& track, double begin, std::size_t windows) {
+  std::vector<Box<2>> result;
+  Cursor cursor(track);
+  for (std::size_t w = 0; w < windows; ++w) {
+    const double from = begin + static_cast<double>(w) * window;
+    Point2 p = cursor.at(from);
+    Box<2> box{p, p};
+    for (double t = cursor.stamp_after(from); t < from + window; t = cursor.stamp_after(t)) {
+      p = cursor.at(t);
+      box = {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+    }
+    Cursor end = cursor;
+    p = end.at(from + window);
+    result.push_back({box.lower.cwiseMin(p), box.upper.cwiseMax(p)});
+  }
+  return result;
+}
+
+double distance(const Box<2>& a, const Box<2>& b) {
+  return (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0).norm();
+}
+
+/// Least distance of two points that move linearly from a0 to a1 and from b0 to b1 in the same time.
+double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
+  const Point2 gap = a0 - b0;
+  const Point2 change = (a1 - b1) - gap;
+  const double squared = change.squaredNorm();
+  const double share = squared == 0 ? 0 : std::clamp(-gap.dot(change) / squared, 0.0, 1.0);
+  return (gap + share * change).norm();
+}
+
+double least_distance(const Track& a, const Track& b, double from, double to) {
+  Cursor ca(a);
+  Cursor cb(b);
+  double t = from;
+  Point2 pa = ca.at(t);
+  Point2 pb = cb.at(t);
+  double least = (pa - pb).norm();
+  while (t < to) {
+    const double next = std::min({ca.stamp_after(t), cb.stamp_after(t), to});
+    const Point2 qa = ca.at(next);
+    const Point2 qb = cb.at(next);
+    least = std::min(least, closest_approach(pa, qa, pb, qb));
+    t = next;
+    pa = qa;
+    pb = qb;
+  }
+  return least;
+}
+
+}  // namespace
+
+std::optional<Separation> separation_of(std::span<const Track> tracks) {
+  std::vector<const Track*> there;
+  double begin = std::numeric_limits<double>::infinity();
+  double end = -begin;
+  for (const Track& track : tracks) {
+    if (track.points.empty()) continue;
+    there.push_back(&track);
+    begin = std::min(begin, track.points.front().time);
+    end = std::max(end, track.points.back().time);
+  }
+  if (there.size() < 2) return std::nullopt;
+
+  const auto windows = static_cast<std::size_t>((end - begin) / window) + 1;
+  std::vector<std::vector<Box<2>>> covered;
+  for (const Track* track : there) covered.push_back(boxes(*track, begin, windows));
+
+  Separation result{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double radii = there[i]->radius + there[j]->radius;
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t w = 0; w < windows; ++w) {
+        // A window that can neither be an overlap nor the least of all needs no closer look.
+        const double bound = distance(covered[i][w], covered[j][w]) - radii;
+        if (bound > std::min(least, result.least) && bound > 0) continue;
+        const double from = begin + static_cast<double>(w) * window;
+        least = std::min(least, least_distance(*there[i], *there[j], from, from + window) - radii);
+      }
+      result.least = std::min(result.least, least);
+      result.overlapping += least < -overlap_tolerance;
+    }
+  }
+  return result;
+}
+
+std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, const ClearanceField& field) {
+  ObstacleClearance result{std::numeric_limits<double>::infinity(), 0};
+  bool any = false;
+  for (const Track& track : tracks) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < track.points.size(); ++i) {
+      const Point2& from = track.points[i == 0 ? 0 : i - 1].position;
+      const Point2& to = track.points[i].position;
+      if (i > 0 && from == to) continue;
+      // Where the segment cannot come nearer than what is known, its bound is enough.
+      if (field.lower_bound(from) - (to - from).norm() - track.radius > std::min(least, result.least)) continue;
+      least = std::min(least, field.segment_clearance(from, to, clearance_tolerance) - track.radius);
+    }
+    if (track.points.empty()) continue;
+    any = true;
+    result.least = std::min(result.least, least);
+    // The measure lies below the truth by up to its tolerance; an overlap is one beyond both.
+    result.overlapping += least < -overlap_tolerance - clearance_tolerance;
+  }
+  return any ? std::optional(result) : std::nullopt;
+}
+
+}  // namespace coppice
