@@ -11,14 +11,14 @@
 namespace coppice {
 namespace {
 
-constexpr int side = 512;
+constexpr std::size_t side = 512;
 constexpr double radius = 5;
 constexpr std::size_t samples = 1 << 12;
 
 OccupancyMap blank() {
   OccupancyMap map;
-  map.width = map.height = side;
-  map.blocked.assign(static_cast<std::size_t>(side) * side, 0);
+  map.width = map.height = static_cast<int>(side);
+  map.blocked.assign(side * side, 0);
   return map;
 }
 

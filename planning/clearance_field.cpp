@@ -186,8 +186,9 @@ void ClearanceField::mark_edges() {
   for (std::ptrdiff_t j = 0; j < map_.height; ++j) {
     std::uint64_t* row = edges_.data() + static_cast<std::size_t>(j) * words_per_row_;
     for (std::ptrdiff_t i = 0; i < map_.width; ++i) {
+      if (at(i, j) != 0) continue;
       const bool at_free = (at(i - 1, j) | at(i + 1, j) | at(i, j - 1) | at(i, j + 1)) != 0;
-      row[i / 64] |= std::uint64_t{at(i, j) == 0 && at_free} << (i % 64);
+      row[i / 64] |= std::uint64_t{at_free} << (i % 64);
     }
   }
 }

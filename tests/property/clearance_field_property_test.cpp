@@ -31,7 +31,8 @@ OccupancyMap random_map(Random& random) {
     const int high = static_cast<int>(random.index(random.uniform() < 0.5 ? 2 : 12));
     for (int y = j; y <= std::min(j + high, map.height - 1); ++y) {
       for (int x = i; x <= std::min(i + wide, map.width - 1); ++x) {
-        map.blocked[static_cast<std::size_t>(y * map.width + x)] = 1;
+        map.blocked[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
+                    static_cast<std::size_t>(x)] = 1;
       }
     }
   }
@@ -111,8 +112,8 @@ RC_GTEST_PROP(ClearanceField, LowerBoundIsCloseBesideOneObstacle, (std::uint64_t
   Random random(seed);
   OccupancyMap map;
   map.width = map.height = 101;
-  map.blocked.assign(101 * 101, 0);
-  map.blocked[50 * 101 + 50] = 1;
+  map.blocked.assign(10201, 0);
+  map.blocked[5100] = 1;  // the cell in the middle
   const ClearanceField field(map);
   const Point2 p(random.uniform(30, 71), random.uniform(30, 71));
   const double truth = true_clearance(map, p, p);

@@ -51,20 +51,24 @@ TEST(OrcaHalfPlane, HoldsTheCurrentVelocityWhereNothingIsInTheWay) {
   }
 }
 
-TEST(OrcaHalfPlane, ShortHorizonOnlyLimitsTheSpeedOfApproach) {
-  // The gap is 30 m: nothing may close it in 2 s, so each closes at 7.5 m/s at most.
-  const MovingDisc self{{0, 0}, {10, 0}, 5};
+// The gap is 30 m and the horizon 2 s: they may approach at 15 m/s, and do at 16.
+TEST(OrcaHalfPlane, HeadOnTheCloserWayOutIsToSlowDown) {
+  const MovingDisc self{{0, 0}, {6, 0}, 5};
   const MovingDisc other{{40, 0}, {-10, 0}, 5};
-  // Relative velocity 20 ahead is beyond the cap's disc of radius 5 around 20: the nearer way out is over a
-  // leg.
-  const MovingDisc slow{{0, 0}, {6, 0}, 5};
-  const MovingDisc slow_other{{40, 0}, {-10, 0}, 5};
-  const HalfPlane plane = orca_half_plane(slow, slow_other, horizon, time_step);
-  EXPECT_NEAR((inward(plane) - Point2(-1, 0)).norm(), 0, 1e-12);
-  EXPECT_NEAR(violation(plane, {5.5, 0}), 0, 1e-12);  // 16 is 1 above 15: half of the change each
-  const HalfPlane full = orca_half_plane(slow, slow_other, horizon, time_step, 1.0);
-  EXPECT_NEAR(violation(full, {5, 0}), 0, 1e-12);
-  EXPECT_GT(violation(orca_half_plane(self, other, horizon, time_step), self.velocity), 0);
+  const HalfPlane half = orca_half_plane(self, other, horizon, time_step);
+  EXPECT_NEAR((inward(half) - Point2(-1, 0)).norm(), 0, 1e-12);
+  EXPECT_NEAR(violation(half, {5.5, 0}), 0, 1e-12);
+  const HalfPlane all = orca_half_plane(self, other, horizon, time_step, 1.0);
+  EXPECT_NEAR(violation(all, {5, 0}), 0, 1e-12);
+}
+
+// At 40 m/s the way round is the smaller change: over the right leg, whose sine is 10 m of 40 m.
+TEST(OrcaHalfPlane, HeadOnAndFastTheCloserWayOutIsToTheRight) {
+  const MovingDisc self{{0, 0}, {20, 0}, 5};
+  const MovingDisc other{{40, 0}, {-20, 0}, 5};
+  const HalfPlane plane = orca_half_plane(self, other, horizon, time_step);
+  EXPECT_NEAR((inward(plane) - Point2(-0.25, -std::sqrt(1 - 0.0625))).norm(), 0, 1e-12);
+  EXPECT_NEAR(violation(plane, self.velocity), 5, 1e-12);  // half of 40 / 4
 }
 
 // Whatever velocities both take within their half planes, they do not touch within the horizon.
@@ -224,7 +228,7 @@ OccupancyMap open_map(int width, int height) {
   OccupancyMap map;
   map.width = width;
   map.height = height;
-  map.blocked.assign(static_cast<std::size_t>(width * height), 0);
+  map.blocked.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
   return map;
 }
 
@@ -234,13 +238,15 @@ std::vector<HalfPlane> planes_at(const ClearanceField& field, const Point2& p, d
   return planes;
 }
 
+constexpr std::size_t wall_row = 6000;  // row 60 of a map 100 wide
+
 TEST(ObstacleHalfPlanes, AreNoneInOpenSpace) {
   EXPECT_TRUE(planes_at(ClearanceField(open_map(100, 100)), {50, 50}, 5, 20).empty());
 }
 
 TEST(ObstacleHalfPlanes, OneForAWallAndOneForEachSideOfTheMap) {
   OccupancyMap map = open_map(100, 100);
-  for (std::size_t i = 0; i < 100; ++i) map.blocked[60 * 100 + i] = 1;
+  for (std::size_t i = 0; i < 100; ++i) map.blocked[wall_row + i] = 1;
   const ClearanceField field(map);
   const auto wall = planes_at(field, {50, 50}, 5, 20);
   ASSERT_EQ(wall.size(), 1u);
@@ -251,7 +257,7 @@ TEST(ObstacleHalfPlanes, OneForAWallAndOneForEachSideOfTheMap) {
 
 TEST(ObstacleHalfPlanes, TouchingAllowsSlidingAndLeavingOnly) {
   OccupancyMap map = open_map(100, 100);
-  for (std::size_t i = 0; i < 100; ++i) map.blocked[60 * 100 + i] = 1;
+  for (std::size_t i = 0; i < 100; ++i) map.blocked[wall_row + i] = 1;
   const ClearanceField field(map);
   for (const double y : {55.0, 55.5}) {  // touching, and half a metre too near
     const auto planes = planes_at(field, {50, y}, 5, 10);
