@@ -9,8 +9,6 @@ namespace coppice {
 namespace {
 
 constexpr double window = 1.0;  // seconds; pairs that are far apart throughout one are passed over as a whole
-// Below this clearance the tolerance of the field's measure shows; it is far below the millimetre of a report.
-constexpr double clearance_tolerance = 1e-4;
 
 /// A track with a place to go on from: times are asked in growing order.
 class Cursor {
@@ -137,13 +135,12 @@ std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, con
       if (i > 0 && from == to) continue;
       // Where the segment cannot come nearer than what is known, its bound is enough.
       if (field.lower_bound(from) - (to - from).norm() - track.radius > std::min(least, result.least)) continue;
-      least = std::min(least, field.segment_clearance(from, to, clearance_tolerance) - track.radius);
+      least = std::min(least, field.segment_clearance(from, to) - track.radius);
     }
     if (track.points.empty()) continue;
     any = true;
     result.least = std::min(result.least, least);
-    // The measure lies below the truth by up to its tolerance; an overlap is one beyond both.
-    result.overlapping += least < -overlap_tolerance - clearance_tolerance;
+    result.overlapping += least < -overlap_tolerance;
   }
   return any ? std::optional(result) : std::nullopt;
 }

@@ -1,0 +1,37 @@
+// What the processes' mains share: the wall's clock, the wish to stop, and the loop that runs a role on a bus.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <concepts>
+
+#include "bus/dds_bus.h"
+#include "bus/fleet_clock.h"
+
+namespace coppice {
+
+inline WallTime wall_now() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+/// SIGINT and SIGTERM ask a process to stop; asking again does no more than that. Call once, before other threads.
+void install_stop_signals();
+bool stop_requested();
+
+/// Logs to standard error at the level that is named (trace ... off); false for an unknown name.
+bool set_up_logging(const std::string& name, const std::string& level);
+
+/// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
+inline constexpr double longest_wait = 0.1;
+
+/// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
+template <class R>
+void run_role_once(DdsBus& bus, R& role) {
+  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
+  const WallTime now = wall_now();
+  for (const Message& message : bus.take()) role.on(message, now);
+  if (role.next_wake() > now) return;
+  for (const Message& message : role.step(now)) bus.publish(message);
+}
+
+}  // namespace coppice

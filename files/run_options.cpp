@@ -1,0 +1,47 @@
+#include "files/run_options.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "files/report_file.h"
+
+namespace coppice {
+
+namespace {
+
+/// Above 0 and finite: what radii, speeds, scales and times have in common.
+const CLI::Validator above_zero(
+    [](std::string& text) {
+      double value = 0;
+      const bool fine = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
+      return fine ? std::string() : fmt::format("{} is not allowed, expected a number above 0", text);
+    },
+    "NUMBER>0");
+
+}  // namespace
+
+void add_run_options(CLI::App& command, RunOptions& options) {
+  command.add_option("scenario", options.scenario, "scenario (.json) or Moving AI scenario (.scen)")->required();
+  command.add_option("--robots", options.overrides.robots, "only the first N robots")->check(CLI::Range(1, 100000));
+  command.add_option("--radius", options.overrides.radius, "of every robot, metres")->check(above_zero);
+  command.add_option("--max-speed", options.overrides.max_speed, "of every robot, m/s")->check(above_zero);
+  command.add_option("--seed", options.overrides.seed, "of every random choice");
+  command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")->check(above_zero);
+  command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")->check(above_zero);
+  command.add_option("--report", options.report, "write the report (JSON)");
+  command.add_option("--trajectory", options.trajectory, "write every control step (CSV)");
+  command.add_option("--picture", options.picture, "write a picture (SVG)");
+  command.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 232));
+  command.add_flag("--no-sharing", options.no_sharing, "every robot plans alone, without the broker's trees");
+  command.add_flag("--quiet", options.quiet, "do not print the report");
+}
+
+void write_results(const RunOptions& options, const proto::Report& report, const std::vector<NamedTrack>& tracks,
+                   const PictureContent& picture) {
+  if (!options.report.empty()) write_report(options.report, report);
+  if (!options.trajectory.empty()) write_trajectory(options.trajectory, tracks);
+  if (!options.picture.empty()) write_picture(options.picture, picture);
+}
+
+}  // namespace coppice

@@ -1,0 +1,283 @@
+#include "planner_service/planner_service.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "planning/clearance_field.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr WallTime beat = 0.1;               // seconds between looks at what has changed
+constexpr WallTime agent_lease = 5;          // seconds without a status: the agent counts as lost
+constexpr WallTime first_sign_lease = 30;    // seconds until an agent must have appeared at all
+constexpr WallTime longest_wait_for_tracks = 3;
+constexpr std::uint32_t mission_number = 1;
+// A picture with more edges than that shows nothing but ink.
+constexpr std::size_t most_picture_edges = 100'000;
+
+/// Names a map by its content (FNV-1a), so that two runs on one domain cannot mix up their trees.
+std::string content_id(const OccupancyMap& map) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3u; };
+  for (const char c : fmt::format("{} {} {} {} {}", map.width, map.height, map.resolution, map.origin.x(),
+                                  map.origin.y())) {
+    add(static_cast<std::uint8_t>(c));
+  }
+  for (const std::uint8_t cell : map.blocked) add(cell);
+  return fmt::format("{:016x}", hash);
+}
+
+}  // namespace
+
+/// By the record: stands at the end within the tolerance of the goal.
+bool PlannerService::Robot::at_goal() const {
+  return !track.points.empty() && (track.points.back().position - task.goal).norm() <= task.goal_tolerance;
+}
+
+bool PlannerService::Robot::done() const {
+  return lost || (status && (status->phase == Phase::arrived || status->phase == Phase::no_path));
+}
+
+PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now)
+    : scenario_(std::move(scenario)), settings_(settings), map_id_(content_id(scenario_.map)),
+      clock_{now, settings.time_scale} {
+  for (const RobotTask& task : scenario_.robots) {
+    Robot robot;
+    robot.task = task;
+    robot.last_heard = now;
+    robot.track.radius = task.radius;
+    robots_.emplace(task.name, std::move(robot));
+    order_.push_back(task.name);
+  }
+}
+
+void PlannerService::on(const Message& message, WallTime now) {
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { receive(m, now); }) receive(m, now);
+      },
+      message);
+}
+
+void PlannerService::receive(const AgentStatus& status, WallTime now) {
+  const auto known = robots_.find(status.robot);
+  if (known == robots_.end()) return;
+  known->second.last_heard = now;
+  if (status.mission != mission_number) return;
+  known->second.lost = false;
+  known->second.status = status;
+}
+
+void PlannerService::receive(const BrokerStatus& status, WallTime) { brokers_[status.broker] = status; }
+
+void PlannerService::receive(const PathMessage& path, WallTime) {
+  const auto known = robots_.find(path.robot);
+  if (known != robots_.end() && path.mission == mission_number) known->second.path = path.waypoints;
+}
+
+void PlannerService::receive(const TrackMessage& batch, WallTime) {
+  const auto known = robots_.find(batch.robot);
+  if (known == robots_.end() || batch.mission != mission_number) return;
+  auto& points = known->second.track.points;
+  for (std::size_t i = 0; i < batch.points.size(); ++i) {
+    // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in the count.
+    if (batch.first_index + i < points.size()) continue;
+    points.push_back({batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
+  }
+}
+
+void PlannerService::receive(const RootNodes& batch, WallTime) {
+  const auto known = robots_.find(batch.robot);
+  if (known == robots_.end() || batch.mission != mission_number) return;
+  auto& nodes = known->second.root_nodes;
+  if (batch.first_index == nodes.size()) nodes.insert(nodes.end(), batch.nodes.begin(), batch.nodes.end());
+}
+
+void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
+  if (tree.map_id != map_id_ || !trees_seen_.emplace(tree.tree, true).second) return;
+  for (const InactiveTreeMessage::Node& node : tree.nodes) {
+    if (node.parent < 0 || shared_edges_.size() >= most_picture_edges) continue;
+    shared_edges_.push_back({tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position, -1});
+  }
+}
+
+Mission PlannerService::mission_of(const Robot& robot) const {
+  const auto place = std::ranges::find(order_, robot.task.name) - order_.begin();
+  return {.robot = robot.task.name, .number = mission_number,
+          .fleet_size = static_cast<std::uint32_t>(robots_.size()), .map_id = map_id_, .start = robot.task.start,
+          .goal = robot.task.goal, .radius = robot.task.radius, .max_speed = robot.task.max_speed,
+          .max_acceleration = robot.task.max_acceleration, .goal_tolerance = robot.task.goal_tolerance,
+          .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place), .sharing = settings_.sharing,
+          .cancelled = ended_.has_value(), .clock = clock_};
+}
+
+std::vector<Message> PlannerService::step(WallTime now) {
+  std::vector<Message> out;
+  const auto publish_missions = [&] {
+    for (const RobotName& name : order_) out.emplace_back(mission_of(robots_.at(name)));
+  };
+  if (!std::exchange(published_, true)) {
+    out.emplace_back(MapMessage{map_id_, scenario_.map});
+    publish_missions();
+  }
+  watch_liveliness(now);
+  if (!ended_ && run_is_over(now)) {
+    ended_ = now;
+    publish_missions();  // as cancelled
+  }
+  if (ended_) finished_ = tracks_complete() || now - *ended_ > longest_wait_for_tracks;
+  next_wake_ = now + beat;
+  return out;
+}
+
+void PlannerService::watch_liveliness(WallTime now) {
+  if (ended_) return;
+  for (auto& [name, robot] : robots_) {
+    robot.lost = now - robot.last_heard > (robot.status ? agent_lease : first_sign_lease);
+  }
+}
+
+bool PlannerService::run_is_over(WallTime now) {
+  timed_out_ = clock_.fleet_time(now) > settings_.timeout;
+  return interrupted_ || timed_out_ ||
+         std::ranges::all_of(robots_, [](const auto& entry) { return entry.second.done(); });
+}
+
+/// After the end every living agent says in its last status how many points there are in all.
+bool PlannerService::tracks_complete() const {
+  return std::ranges::all_of(robots_, [](const auto& entry) {
+    const Robot& robot = entry.second;
+    return robot.lost || !robot.status ||
+           (robot.status->phase == Phase::stopped && robot.track.points.size() >= robot.status->track_points);
+  });
+}
+
+bool PlannerService::everybody_arrived() const {
+  return std::ranges::all_of(robots_, [](const auto& entry) { return entry.second.at_goal(); });
+}
+
+Progress PlannerService::progress(WallTime now) const {
+  Progress progress{.robots = static_cast<int>(robots_.size()), .elapsed = clock_.fleet_time(now)};
+  for (const auto& [name, robot] : robots_) {
+    progress.planned += !robot.path.empty();
+    progress.arrived += robot.status && robot.status->arrival_time > 0;
+    if (robot.status) progress.nodes += robot.status->nodes_valid;
+  }
+  for (const auto& [id, broker] : brokers_) progress.nodes += broker.nodes_valid;
+  return progress;
+}
+
+std::string PlannerService::reason_of(const Robot& robot) const {
+  if (robot.at_goal()) return {};
+  if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
+  if (!robot.status->reason.empty()) return robot.status->reason;
+  if (robot.track.points.size() < robot.status->track_points) return "the record of its track is not complete";
+  if (robot.lost) return "the agent has fallen silent";
+  if (interrupted_) return "interrupted";
+  if (robot.path.empty()) return "no path found before the time was over";
+  return "did not reach its goal before the time was over";
+}
+
+/// From the moment that the last agent had its mission until the last path, seconds of the wall's clock.
+double PlannerService::plan_time() const {
+  double last_mission = 0;
+  double last_path = 0;
+  for (const auto& [name, robot] : robots_) {
+    if (!robot.status) continue;
+    last_mission = std::max(last_mission, robot.status->mission_time);
+    last_path = std::max(last_path, robot.status->path_time);
+  }
+  return std::max(0.0, last_path - last_mission) / settings_.time_scale;
+}
+
+std::vector<NamedTrack> PlannerService::tracks() const {
+  std::vector<NamedTrack> tracks;
+  for (const RobotName& name : order_) tracks.push_back({name, robots_.at(name).track});
+  return tracks;
+}
+
+proto::Report PlannerService::report() const {
+  proto::Report report;
+  double path_sum = 0;
+  int planned = 0;
+  for (const RobotName& name : order_) {
+    const Robot& robot = robots_.at(name);
+    auto* row = report.add_robots();
+    row->set_name(name);
+    row->set_planned(!robot.path.empty());
+    row->set_arrived(robot.at_goal());
+    row->set_reason(reason_of(robot));
+    for (const Point2& p : robot.path) {
+      row->add_path()->set_x(p.x());
+      row->mutable_path()->rbegin()->set_y(p.y());
+    }
+    row->set_path_length(length_of(robot.path));
+    const auto& points = robot.track.points;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      row->set_driven_length(row->driven_length() + (points[i].position - points[i - 1].position).norm());
+    }
+    if (!robot.path.empty()) {
+      path_sum += row->path_length();
+      ++planned;
+    }
+    if (!robot.status) continue;
+    row->set_plan_time(robot.status->plan_seconds);
+    if (row->arrived()) row->set_run_time(robot.status->arrival_time);
+    row->set_nodes_valid(robot.status->nodes_valid);
+    row->set_nodes_invalid(robot.status->nodes_invalid);
+    row->set_grafted_trees(robot.status->trees_grafted);
+    report.set_run_time(std::max(report.run_time(), row->run_time()));
+    report.set_nodes_valid(report.nodes_valid() + row->nodes_valid());
+    report.set_nodes_invalid(report.nodes_invalid() + row->nodes_invalid());
+    report.set_trees_grafted(report.trees_grafted() + row->grafted_trees());
+  }
+  for (const auto& [id, broker] : brokers_) {
+    report.set_nodes_valid(report.nodes_valid() + broker.nodes_valid);
+    report.set_nodes_invalid(report.nodes_invalid() + broker.nodes_invalid);
+    report.set_trees_published(report.trees_published() + broker.trees_published);
+  }
+  report.set_outcome(everybody_arrived() ? "arrived"
+                     : interrupted_      ? "interrupted"
+                     : timed_out_        ? "timeout"
+                                         : "incomplete");
+  report.set_plan_time(plan_time());
+  report.set_path_length(planned > 0 ? path_sum / planned : 0);
+  report.set_seed(scenario_.seed);
+  report.set_map(scenario_.map_name);
+
+  std::vector<Track> all;
+  for (const auto& [name, robot] : robots_) all.push_back(robot.track);
+  if (const auto separation = separation_of(all)) {
+    report.set_least_separation(separation->least);
+    report.set_collisions(static_cast<std::uint32_t>(separation->overlapping));
+  }
+  if (const auto clearance = clearance_of(all, ClearanceField(scenario_.map))) {
+    report.set_least_clearance(clearance->least);
+    report.set_collisions(report.collisions() + static_cast<std::uint32_t>(clearance->overlapping));
+  }
+  return report;
+}
+
+PictureContent PlannerService::picture() const {
+  PictureContent content{.map = scenario_.map, .edges = shared_edges_, .robots = {}};
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Robot& robot = robots_.at(order_[i]);
+    Path track;
+    for (const TrackPoint& point : robot.track.points) track.push_back(point.position);
+    content.robots.push_back({robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, track});
+    for (const RootNodes::Node& node : robot.root_nodes) {
+      if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
+      content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position, node.position,
+                               static_cast<int>(i)});
+    }
+  }
+  return content;
+}
+
+}  // namespace coppice

@@ -1,0 +1,100 @@
+// The planner service: a mission in, progress and a report out.
+//
+// It hands out the map and the missions, follows what the roles say, ends the run, and makes the report from the
+// recorded tracks rather than from anybody's word. A state machine: messages and the time go in, messages come out.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/messages.h"
+#include "files/picture.h"
+#include "files/scenario.h"
+#include "files/trajectory_file.h"
+#include "report.pb.h"
+
+namespace coppice {
+
+struct ServiceSettings {
+  double time_scale = 1;      ///< fleet seconds a wall second
+  double timeout = 600;       ///< fleet seconds after which the run ends whoever is still under way
+  bool sharing = true;        ///< false: agents plan alone
+};
+
+struct Progress {
+  int robots = 0;
+  int planned = 0;
+  int arrived = 0;
+  double elapsed = 0;          ///< fleet seconds
+  std::uint64_t nodes = 0;     ///< valid nodes of the broker and of the robots that have finished planning
+};
+
+class PlannerService {
+ public:
+  /// The run begins at `now`; fleet time is 0 then.
+  PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now);
+
+  void on(const Message& message, WallTime now);
+  std::vector<Message> step(WallTime now);
+  WallTime next_wake() const { return next_wake_; }
+
+  /// Ends the run early, as Ctrl-C does.
+  void interrupt() { interrupted_ = true; }
+  /// The run has ended and all tracks are there, or nobody sends them any more.
+  bool finished() const { return finished_; }
+  bool everybody_arrived() const;
+
+  Progress progress(WallTime now) const;
+  proto::Report report() const;
+  std::vector<NamedTrack> tracks() const;
+  PictureContent picture() const;
+
+ private:
+  /// What is known of one robot.
+  struct Robot {
+    RobotTask task;
+    std::optional<AgentStatus> status;
+    WallTime last_heard = 0;
+    bool lost = false;
+    Path path;
+    Track track;
+    std::vector<RootNodes::Node> root_nodes;
+    bool at_goal() const;
+    bool done() const;
+  };
+
+  void receive(const AgentStatus& status, WallTime now);
+  void receive(const BrokerStatus& status, WallTime now);
+  void receive(const PathMessage& path, WallTime now);
+  void receive(const TrackMessage& batch, WallTime now);
+  void receive(const RootNodes& batch, WallTime now);
+  void receive(const InactiveTreeMessage& tree, WallTime now);
+
+  Mission mission_of(const Robot& robot) const;
+  void watch_liveliness(WallTime now);
+  bool run_is_over(WallTime now);
+  bool tracks_complete() const;
+  std::string reason_of(const Robot& robot) const;
+  double plan_time() const;
+
+  Scenario scenario_;
+  ServiceSettings settings_;
+  std::string map_id_;
+  FleetClock clock_;
+  std::map<RobotName, Robot> robots_;
+  std::vector<RobotName> order_;  ///< as in the scenario
+  std::map<std::uint64_t, BrokerStatus> brokers_;
+  std::vector<PictureContent::Edge> shared_edges_;
+  std::map<TreeId, bool> trees_seen_;
+  bool published_ = false;
+  bool interrupted_ = false;
+  bool timed_out_ = false;
+  bool finished_ = false;
+  std::optional<WallTime> ended_;
+  WallTime next_wake_ = 0;
+};
+
+}  // namespace coppice

@@ -1,0 +1,34 @@
+#include "planner_service/progress.h"
+
+#include <fmt/format.h>
+
+namespace coppice {
+
+namespace {
+
+constexpr WallTime redraw = 0.1;  // seconds, on a terminal
+constexpr WallTime plain_line = 1;
+
+}  // namespace
+
+std::string progress_line(const Progress& p) {
+  const double rate = p.elapsed > 0 ? static_cast<double>(p.nodes) / p.elapsed : 0;
+  return fmt::format("paths found {}/{}, arrived {}/{}, elapsed {:.1f} s, {:.0f} nodes/s", p.planned, p.robots,
+                     p.arrived, p.robots, p.elapsed, rate);
+}
+
+void ProgressDisplay::show(const Progress& progress, WallTime now) {
+  if (now < next_) return;
+  next_ = now + (terminal_ ? redraw : plain_line);
+  if (terminal_) {
+    out_ << "\r\x1b[K" << progress_line(progress) << std::flush;
+  } else {
+    out_ << progress_line(progress) << std::endl;
+  }
+}
+
+void ProgressDisplay::finish(const Progress& progress) {
+  out_ << (terminal_ ? "\r\x1b[K" : "") << progress_line(progress) << std::endl;
+}
+
+}  // namespace coppice

@@ -1,0 +1,28 @@
+// Progress of a run on the terminal.
+#pragma once
+
+#include <ostream>
+#include <string>
+
+#include "planner_service/planner_service.h"
+
+namespace coppice {
+
+/// One line: paths found, robots arrived, elapsed fleet time, and nodes that joined trees a second of fleet time.
+std::string progress_line(const Progress& progress);
+
+/// Shows progress: on a terminal one line that is redrawn, elsewhere a plain line each second.
+class ProgressDisplay {
+ public:
+  ProgressDisplay(std::ostream& out, bool terminal) : out_(out), terminal_(terminal) {}
+  void show(const Progress& progress, WallTime now);
+  /// Shows the last state and ends the line.
+  void finish(const Progress& progress);
+
+ private:
+  std::ostream& out_;
+  bool terminal_;
+  WallTime next_ = 0;
+};
+
+}  // namespace coppice

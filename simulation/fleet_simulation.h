@@ -1,0 +1,54 @@
+// All roles of a fleet in one process, on the simulated bus and a virtual clock: the same seed gives the same run, bit
+// for bit.
+//
+// The roles are the ones that run over DDS, unchanged. Each may step once a millisecond of virtual time, about what
+// its planning takes on a real machine, and has all the time that it needs for that.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "bus/simulated_bus.h"
+#include "files/scenario.h"
+#include "planner_service/planner_service.h"
+#include "robot_agent/robot_agent.h"
+#include "tree_broker/tree_broker.h"
+
+namespace coppice {
+
+struct SimulationSettings {
+  double timeout = 600;    ///< virtual seconds
+  bool sharing = true;
+};
+
+class FleetSimulation {
+ public:
+  FleetSimulation(const Scenario& scenario, const SimulationSettings& settings);
+
+  /// Runs to the end; `watch` is called about every tenth of a virtual second and may ask to stop by returning false.
+  void run(const std::function<bool(const PlannerService&, double)>& watch);
+
+  const PlannerService& service() const { return service_.role; }
+
+ private:
+  template <class R>
+  struct Participant {
+    R role;
+    SimulatedBus::Port& port;
+    double earliest = 0;  ///< of its next step
+    double next_event() const;
+  };
+
+  template <class R>
+  void turn(Participant<R>& participant);
+  double next_event() const;
+
+  SimulatedBus bus_;
+  double now_ = 0;
+  Participant<PlannerService> service_;
+  Participant<TreeBroker> broker_;
+  std::vector<Participant<RobotAgent>> agents_;
+};
+
+}  // namespace coppice
