@@ -1,0 +1,35 @@
+// The subcommands of `coppice`. Each returns the exit code: 0 all well, 1 not every robot arrived (for plan: has a
+// path). Bad input throws InputError.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "files/run_options.h"
+
+namespace coppice {
+
+/// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
+int run_command(const RunOptions& options, const std::string& program);
+
+/// All roles in this process, on a virtual clock.
+int simulate_command(const RunOptions& options);
+
+/// Algorithm 2 in this process: paths only, no bus and no motion.
+int plan_command(const RunOptions& options);
+
+struct MapOptions {
+  std::string kind;
+  int width = 512;
+  int height = 512;
+  std::uint32_t seed = 1;
+  int robots = 8;
+  double radius = 5;
+  double max_speed = 20;
+  std::string output;  ///< scenario (.json); the map is written beside it
+};
+
+/// Generates a map and a scenario on it.
+int map_command(const MapOptions& options);
+
+}  // namespace coppice

@@ -1,0 +1,51 @@
+// coppice: run, simulate or plan a scenario, or generate one.
+
+#include <exception>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "bus/process.h"
+#include "coppice/commands.h"
+#include "files/run_options.h"
+
+int main(int argc, char** argv) {
+  using namespace coppice;
+  CLI::App app{"Coppice: multi-robot path planning and driving"};
+  app.set_version_flag("--version", COPPICE_VERSION);
+  app.require_subcommand(1);
+  RunOptions options;
+  MapOptions map;
+  int exit_code = 0;
+
+  auto* run = app.add_subcommand("run", "a fleet of processes over DDS on this machine");
+  add_run_options(*run, options);
+  run->callback([&] { exit_code = run_command(options, "/proc/self/exe"); });
+  auto* simulate = app.add_subcommand("simulate", "the same roles in one process on a virtual clock");
+  add_run_options(*simulate, options);
+  simulate->callback([&] { exit_code = simulate_command(options); });
+  auto* plan = app.add_subcommand("plan", "paths only: MA-RRdT* in one process");
+  add_run_options(*plan, options);
+  plan->callback([&] { exit_code = plan_command(options); });
+  auto* generate = app.add_subcommand("map", "generate a map and a scenario on it");
+  generate->add_option("kind", map.kind, "blank, dense, maze or room")->required();
+  generate->add_option("output", map.output, "scenario to write (.json); the map goes beside it")->required();
+  generate->add_option("--width", map.width, "cells");
+  generate->add_option("--height", map.height, "cells");
+  generate->add_option("--seed", map.seed, "of every random choice");
+  generate->add_option("--robots", map.robots, "robots")->check(CLI::Range(1, 100000));
+  generate->add_option("--radius", map.radius, "of the robots, metres")->check(CLI::PositiveNumber);
+  generate->add_option("--max-speed", map.max_speed, "of the robots, m/s")->check(CLI::PositiveNumber);
+  generate->callback([&] { exit_code = map_command(map); });
+
+  set_up_logging("coppice", "info");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& problem) {
+    return app.exit(problem) == 0 ? 0 : 2;
+  } catch (const std::exception& problem) {
+    std::cerr << problem.what() << '\n';
+    return 2;
+  }
+  return exit_code;
+}

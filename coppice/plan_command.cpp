@@ -1,0 +1,84 @@
+#include <chrono>
+#include <iostream>
+
+#include "bus/process.h"
+#include "coppice/commands.h"
+#include "files/report_file.h"
+#include "planning/fleet_plan.h"
+
+namespace coppice {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+proto::Report report_of(const Scenario& scenario, const FleetPlan& plan, const std::vector<double>& solved_after) {
+  proto::Report report;
+  report.set_seed(scenario.seed);
+  report.set_map(scenario.map_name);
+  report.set_nodes_valid(plan.disjointed.valid);
+  report.set_nodes_invalid(plan.disjointed.invalid);
+  report.set_trees_published(plan.trees_frozen);
+  double sum = 0;
+  int planned = 0;
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const RobotPlan& robot = plan.robots[i];
+    auto* row = report.add_robots();
+    row->set_name(scenario.robots[i].name);
+    row->set_planned(!robot.path.empty());
+    row->set_reason(robot.reason);
+    row->set_plan_time(solved_after[i]);
+    row->set_path_length(length_of(robot.path));
+    for (const Point2& p : robot.path) {
+      auto* place = row->add_path();
+      place->set_x(p.x());
+      place->set_y(p.y());
+    }
+    row->set_nodes_valid(robot.counts.valid);
+    row->set_nodes_invalid(robot.counts.invalid);
+    row->set_grafted_trees(robot.grafted_trees);
+    report.set_nodes_valid(report.nodes_valid() + robot.counts.valid);
+    report.set_nodes_invalid(report.nodes_invalid() + robot.counts.invalid);
+    report.set_trees_grafted(report.trees_grafted() + robot.grafted_trees);
+    sum += row->path_length();
+    planned += row->planned();
+  }
+  report.set_path_length(planned > 0 ? sum / planned : 0);
+  report.set_outcome(planned == report.robots_size() ? "planned" : "incomplete");
+  return report;
+}
+
+PictureContent picture_of(const Scenario& scenario, const FleetPlan& plan) {
+  PictureContent content{.map = scenario.map, .edges = {}, .robots = {}};
+  for (const FleetPlan::Edge& edge : plan.edges) content.edges.push_back({edge.from, edge.to, edge.robot});
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const RobotTask& task = scenario.robots[i];
+    content.robots.push_back({task.name, task.radius, task.start, task.goal, plan.robots[i].path, {}});
+  }
+  return content;
+}
+
+}  // namespace
+
+int plan_command(const RunOptions& options) {
+  const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  install_stop_signals();
+  const auto begin = Clock::now();
+  const ClearanceField field(scenario.map);
+  std::vector<PlanningProblem> problems;
+  for (const RobotTask& task : scenario.robots) problems.push_back({task.start, task.goal, task.radius});
+  std::vector<double> solved_after(problems.size(), 0);
+  const FleetPlan plan = plan_fleet(
+      field, problems, {}, Random(scenario.seed),
+      [&] { return stop_requested() || seconds_since(begin) > options.timeout; },
+      [&](std::size_t robot) { solved_after[robot] = seconds_since(begin); });
+  proto::Report report = report_of(scenario, plan, solved_after);
+  report.set_plan_time(seconds_since(begin));
+  write_results(options, report, {}, picture_of(scenario, plan));
+  if (!options.quiet) std::cout << report_table(report);
+  return report.outcome() == "planned" ? 0 : 1;
+}
+
+}  // namespace coppice

@@ -1,0 +1,56 @@
+// Child processes that never outlive this one, however it ends.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace coppice {
+
+class ProcessFleet {
+ public:
+  /// Standard output and error of quiet children go to `log_folder`/NAME.log, which exists.
+  explicit ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {}
+  /// Ends and reaps whatever still runs, and removes the shared memory that ended children left behind.
+  ~ProcessFleet();
+  ProcessFleet(const ProcessFleet&) = delete;
+  ProcessFleet& operator=(const ProcessFleet&) = delete;
+
+  enum class Output { terminal, log };
+
+  /// Starts `command` (program and arguments); the kernel ends it when this process is gone. Throws
+  /// std::runtime_error if it cannot be started.
+  void start(const std::string& name, const std::vector<std::string>& command, Output output);
+
+  struct Ended {
+    std::string name;
+    int exit_code = 0;  ///< 128 + signal if one ended it
+    std::string last_words;  ///< the end of its log
+  };
+  /// A child that has ended since the last call, if there is one; does not wait.
+  std::optional<Ended> reap();
+
+  /// Sends SIGTERM to the child, if it still runs.
+  void terminate(const std::string& name);
+  /// SIGTERM to all, SIGKILL to who is not gone after `grace`; all are reaped.
+  void terminate_all(std::chrono::milliseconds grace);
+
+ private:
+  struct Child {
+    std::string name;
+    pid_t pid;
+  };
+  std::string last_words_of(const std::string& name) const;
+
+  std::filesystem::path log_folder_;
+  std::vector<Child> running_;
+};
+
+/// Removes what processes that are gone left of Fast DDS's shared memory; what a living process uses stays.
+void remove_stale_shared_memory();
+
+}  // namespace coppice
