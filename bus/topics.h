@@ -42,7 +42,7 @@ inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer)
 //            message              name             reliability  durability       depth  written by            read by
 COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
 COPPICE_TOPIC(Mission,             "mission",       reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
-COPPICE_TOPIC(RootNodes,           "root_nodes",    reliable,    volatile_,       0,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(RootNodes,           "root_nodes",    reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(InactiveTreeMessage, "inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(RobotState,          "robot_state",   best_effort, volatile_,       1,     topic_roles::agent,   topic_roles::agent | topic_roles::observer);
 COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::service | topic_roles::observer);

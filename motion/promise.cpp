@@ -7,6 +7,9 @@ namespace coppice {
 
 namespace {
 
+// Kept between two robots beyond their radii, metres: more than all rounding between sender, bus and record.
+constexpr double margin = 0.001;
+
 /// Least distance between two points that move linearly over the same interval.
 double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
   const Point2 gap = a0 - b0;
@@ -20,7 +23,7 @@ double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, co
 class NeighbourRegion {
  public:
   NeighbourRegion(const Neighbour& neighbour, double own_radius, double period)
-      : n_(neighbour), period_(period), reach_(own_radius + neighbour.radius),
+      : n_(neighbour), period_(period), reach_(own_radius + neighbour.radius + margin),
         at_turn_(n_.commitment.position_at_turn()), at_expiry_(n_.commitment.position_at_expiry()) {}
 
   bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {

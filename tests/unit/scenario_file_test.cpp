@@ -1,0 +1,158 @@
+#include "files/scenario_file.h"
+
+#include <gtest/gtest.h>
+
+#include "files/input_error.h"
+#include "files/map_file.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using test::TemporaryFolder;
+
+const char* const small_map = "type octile\nheight 4\nwidth 6\nmap\n......\n..@@..\n..@@..\n......\n";
+const char* const two_robots =
+    R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
+                  {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}}])";
+
+/// The message of the error that reading this scenario ends in; empty if it is read.
+std::string error_of(const std::string& json, const std::string& map = small_map, const ScenarioOptions& options = {}) {
+  const TemporaryFolder folder;
+  folder.write("small.map", map);
+  try {
+    read_scenario(folder.write("fleet.json", json), options);
+  } catch (const InputError& problem) {
+    const std::string text = problem.what();
+    EXPECT_EQ(text.find('\n'), std::string::npos) << "one line: " << text;
+    return text;
+  }
+  return {};
+}
+
+std::string scenario(const std::string& fields) {
+  return std::string(R"({"map": "small.map", "radius": 0.5, )") + fields + "}";
+}
+
+TEST(ScenarioFile, ReadsFieldsAndFillsInDefaults) {
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const auto file = folder.write("fleet.json", R"({"map": "small.map", "radius": 0.5, "seed": 7,
+      "robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
+                 {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}, "radius": 0.25, "max_speed": 3}]})");
+  const Scenario s = read_scenario(file, {});
+  ASSERT_EQ(s.robots.size(), 2u);
+  EXPECT_EQ(s.seed, 7u);
+  EXPECT_EQ(s.robots[0].name, "a");
+  EXPECT_EQ(s.robots[0].start, Point2(1, 1));
+  EXPECT_EQ(s.robots[0].goal, Point2(5, 1));
+  EXPECT_EQ(s.robots[0].radius, 0.5);
+  EXPECT_EQ(s.robots[0].max_speed, 20);
+  EXPECT_EQ(s.robots[0].max_acceleration, 40);
+  EXPECT_EQ(s.robots[0].goal_tolerance, 1);
+  EXPECT_EQ(s.robots[1].radius, 0.25);
+  EXPECT_EQ(s.robots[1].max_speed, 3);
+  EXPECT_EQ(s.robots[1].max_acceleration, 6);
+}
+
+TEST(ScenarioFile, CommandLineOverridesTheFile) {
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const auto file = folder.write("fleet.json", scenario(two_robots));
+  const Scenario s = read_scenario(file, {.robots = 1, .radius = 0.1, .max_speed = 2, .seed = 9});
+  ASSERT_EQ(s.robots.size(), 1u);
+  EXPECT_EQ(s.robots[0].radius, 0.1);
+  EXPECT_EQ(s.robots[0].max_speed, 2);
+  EXPECT_EQ(s.seed, 9u);
+}
+
+TEST(ScenarioFile, ReadsScenWithRobotsAtCellCentres) {
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const auto file = folder.write("fleet.scen", "version 1\n0\tsmall.map\t6\t4\t0\t0\t5\t3\t0\n0\tsmall.map\t6\t4\t5\t0\t0\t3\t0\n");
+  const Scenario s = read_scenario(file, {.radius = 0.5});
+  ASSERT_EQ(s.robots.size(), 2u);
+  EXPECT_EQ(s.robots[0].name, "r1");
+  EXPECT_EQ(s.robots[0].start, Point2(0.5, 0.5));
+  EXPECT_EQ(s.robots[1].goal, Point2(0.5, 3.5));
+}
+
+TEST(ScenarioFile, EveryMistakeIsNamed) {
+  const std::vector<std::array<std::string, 2>> cases{
+      {R"({"robots": []})", "map: is missing"},
+      {R"({"map": "other.map", )" + std::string(two_robots) + "}", "other.map: cannot be read"},
+      {scenario(R"("robots": [])"), "robots: is empty"},
+      {scenario(R"("speed": 3, )" + std::string(two_robots)), "speed"},
+      {R"({"map": "small.map", "radius": -1, )" + std::string(two_robots) + "}", "radius: -1 is not allowed"},
+      {R"({"map": "small.map", "radius": "NaN", )" + std::string(two_robots) + "}", "radius: nan is not allowed"},
+      {scenario(R"("max_speed": 0, )" + std::string(two_robots)), "max_speed: 0 is not allowed"},
+      {scenario(R"("max_acceleration": -2, )" + std::string(two_robots)), "max_acceleration: -2 is not allowed"},
+      {scenario(R"("goal_tolerance": 0, )" + std::string(two_robots)), "goal_tolerance: 0 is not allowed"},
+      {scenario(R"("robots": [{"start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"), "robots[0].name"},
+      {scenario(R"("robots": [{"name": "a b", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"), "robots[0].name"},
+      {scenario(R"("robots": [{"name": "a", "goal": {"x": 5, "y": 1}}])"), "robots[0].start: is missing"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}}])"), "robots[0].goal: is missing"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": "NaN", "y": 1}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].start: is not finite"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 3, "y": 2}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].start: (3, 2) is inside of an obstacle"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 9, "y": 1}}])"),
+       "robots[0].goal: (9, 1) is outside of the map"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}, "radius": -1}])"),
+       "robots[0].radius: -1 is not allowed"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
+                              {"name": "a", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}}])"),
+       "robots[1].name: \"a\" is the name of another robot"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
+                              {"name": "b", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 3}}])"),
+       "robots[1].start: b and a would overlap"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
+                              {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 1.5}}])"),
+       "robots[1].goal: b and a would overlap"},
+      {"{\"map\": ", "fleet.json: "},
+      {"[1, 2]", "fleet.json: "}};
+  for (const auto& [json, expected] : cases) {
+    const std::string error = error_of(json);
+    EXPECT_NE(error.find(expected), std::string::npos) << json << "\nsaid: " << error << "\nexpected: " << expected;
+  }
+}
+
+TEST(ScenarioFile, AskingForMoreRobotsThanThereAreIsAnError) {
+  EXPECT_NE(error_of(scenario(two_robots), small_map, {.robots = 3}).find("robots: 3 were asked for"), std::string::npos);
+}
+
+TEST(ScenarioFile, MalformedScenNamesFileAndLine) {
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const auto error = [&](const std::string& content) -> std::string {
+    try {
+      read_scenario(folder.write("fleet.scen", content), {.radius = 0.5});
+    } catch (const InputError& problem) {
+      return problem.what();
+    }
+    return {};
+  };
+  EXPECT_NE(error("0 small.map\n").find("fleet.scen:1: expected \"version 1\""), std::string::npos);
+  EXPECT_NE(error("version 1\n0\tsmall.map\t6\t4\t0\tx\n").find("fleet.scen:2: expected bucket"), std::string::npos);
+  EXPECT_NE(error("version 1\n0\tsmall.map\t7\t4\t0\t0\t5\t3\t0\n").find("map: is 6 x 4 cells"), std::string::npos);
+  EXPECT_NE(error("version 1\n").find("map: is missing"), std::string::npos);
+}
+
+TEST(ScenarioFile, WhatIsWrittenIsReadBack) {
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const Scenario before = read_scenario(folder.write("fleet.json", scenario(two_robots)), {});
+  write_scenario(folder.path() / "again.json", before);
+  const Scenario after = read_scenario(folder.path() / "again.json", {});
+  ASSERT_EQ(after.robots.size(), before.robots.size());
+  EXPECT_EQ(after.map, before.map);
+  for (std::size_t i = 0; i < after.robots.size(); ++i) {
+    EXPECT_EQ(after.robots[i].name, before.robots[i].name);
+    EXPECT_EQ(after.robots[i].start, before.robots[i].start);
+    EXPECT_EQ(after.robots[i].goal, before.robots[i].goal);
+    EXPECT_EQ(after.robots[i].radius, before.robots[i].radius);
+  }
+}
+
+}  // namespace
+}  // namespace coppice
