@@ -11,10 +11,10 @@ namespace coppice {
 
 /// What the command line says, over what the file says.
 struct ScenarioOptions {
-  std::optional<int> robots;  ///< only the first so many
-  std::optional<double> radius;
-  std::optional<double> max_speed;
-  std::optional<std::uint32_t> seed;
+  std::optional<int> robots{};  ///< only the first so many
+  std::optional<double> radius{};
+  std::optional<double> max_speed{};
+  std::optional<std::uint32_t> seed{};
 };
 
 /// Reads a scenario and its map, fills in defaults and checks everything that a run relies on. The robots of a `.scen`

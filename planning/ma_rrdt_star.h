@@ -158,6 +158,7 @@ class MaRrdtStar {
   Arm& pick_tree();
   bool failing(const Arm& arm) const;
   void restart(Arm& arm);
+  bool worth_a_node(const P& p, double radius);
   void restart_root(Arm& arm);
   void grow(Arm& arm);
   NodeId nearest_in_tree(const P& p, TreeIndex t, NodeId otherwise) const;

@@ -49,10 +49,24 @@ template <Space S>
 void MaRrdtStar<S>::restart(Arm& arm) {
   const double radius = groups_[open_[random_.index(open_.size())]].radius;
   const std::optional<P> p = random_free_point(radius);
-  if (!p) return;
+  if (!p || !worth_a_node(*p, radius)) return;
   ++disjointed_counts_.valid;
   arm = Arm{trees_.add_node(trees_.add_tree(TreeKind::active, radius), *p)};
   compare_disjointed_node(arm.node);
+}
+
+/// The more nodes of shared trees a point sees close by, the less it teaches, and the less likely it is to be kept: so
+/// the density of nodes stays bounded, yet no point is excluded for ever, which would break completeness.
+template <Space S>
+bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
+  const double reach = least_spacing * settings_.epsilon;
+  int seen = 0;
+  trees_.grid().for_each_near(p, [&](NodeId n) {
+    const Tree& tree = trees_.tree(trees_.tree_of(n));
+    if (tree.kind == TreeKind::root || tree.radius < radius) return;
+    if ((trees_.position(n) - p).norm() < reach && space_.segment_free(trees_.position(n), p, radius)) ++seen;
+  });
+  return random_.uniform() * (1 + seen) * (1 + seen) < 1;
 }
 
 /// A root tree cannot leave its root: it goes on from the one of its nodes that a random point chooses.

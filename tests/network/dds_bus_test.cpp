@@ -1,0 +1,183 @@
+// The bus over real Fast DDS, within this process and to another vendor's.
+
+#include "bus/dds_bus.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <algorithm>
+#include <future>
+#include <set>
+#include <thread>
+
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Domains of this test alone: tests of one run may overlap with a fleet on the same machine.
+constexpr int domain = 121;
+
+/// Everything that arrives until `enough` says so or the time is over.
+template <class Enough>
+std::vector<Message> receive(DdsBus& bus, Enough&& enough, double seconds = 10) {
+  std::vector<Message> all;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  while (!enough(all) && Clock::now() < end) {
+    bus.wait(0.1);
+    for (Message& message : bus.take()) all.push_back(std::move(message));
+  }
+  return all;
+}
+
+RobotState some_state(std::uint32_t sequence) {
+  return {.robot = "r1", .sequence = sequence, .stamp = 0.05 * sequence, .position = {1.5, 2.5}, .velocity = {1, -1},
+          .radius = 5, .max_speed = 20, .max_acceleration = 40, .phase = Phase::driving,
+          .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1, false}, .waits_for = "r2"};
+}
+
+MapMessage some_map(int side) {
+  MapMessage m{"some-map", {}};
+  m.map.width = side;
+  m.map.height = side - 3;
+  m.map.resolution = 0.5;
+  m.map.origin = {-3, 4};
+  m.map.y_axis = YAxis::up;
+  for (int k = 0; k < side * (side - 3); ++k) m.map.blocked.push_back(static_cast<std::uint8_t>((k * 7 + k / 13) % 5 == 0));
+  return m;
+}
+
+InactiveTreeMessage some_tree(std::uint32_t number, int nodes) {
+  InactiveTreeMessage m{.tree = {77, number}, .map_id = "some-map", .radius = 5, .nodes = {}};
+  for (int i = 0; i < nodes; ++i) m.nodes.push_back({{i * 1.5, number * 2.0}, i == 0 ? -1 : (i - 1) / 2, 5.5 + i});
+  return m;
+}
+
+Mission some_mission() {
+  return {.robot = "r1", .number = 3, .fleet_size = 4, .map_id = "some-map", .start = {1, 2}, .goal = {3, 4},
+          .radius = 5, .max_speed = 20, .max_acceleration = 40, .goal_tolerance = 1, .seed = 1ull << 40,
+          .sharing = false, .cancelled = true, .clock = {1.7e9 + 0.25, 10}};
+}
+
+bool holds(const std::vector<Message>& all, const Message& wanted) { return std::ranges::count(all, wanted) > 0; }
+
+TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
+  DdsBus service({.domain = domain}, Role::service, "service");
+  DdsBus agent({.domain = domain}, Role::agent, "agent");
+  DdsBus broker({.domain = domain}, Role::broker, "broker");
+  DdsBus other({.domain = domain}, Role::agent, "other");
+
+  const Message map = some_map(100);
+  const Message mission = some_mission();
+  const Message nodes = RootNodes{"r1", 3, 7, {{Side::goal, {1, 2}, 5}, {Side::start, {3, 4}, -1}}};
+  const Message tree = some_tree(1, 9);
+  const Message path = PathMessage{"r1", 3, {{0, 0}, {1, 2}, {5, 5}}};
+  const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}};
+  const Message status = AgentStatus{"r1", 3, Phase::no_path, "why not", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  const Message broker_status = BrokerStatus{1ull << 50, 2, 3, 4, 5, 6};
+  service.publish(map);
+  service.publish(mission);
+  for (const Message& m : {nodes, path, track, status}) agent.publish(m);
+  broker.publish(tree);
+  broker.publish(broker_status);
+
+  const auto at_agent = receive(other, [&](const auto& all) { return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, path); });
+  EXPECT_TRUE(holds(at_agent, map) && holds(at_agent, mission) && holds(at_agent, tree) && holds(at_agent, path));
+  const auto at_service = receive(service, [&](const auto& all) { return holds(all, track) && holds(all, status) && holds(all, broker_status) && holds(all, nodes); });
+  EXPECT_TRUE(holds(at_service, track) && holds(at_service, status) && holds(at_service, broker_status) && holds(at_service, nodes));
+  const auto at_broker = receive(broker, [&](const auto& all) { return holds(all, nodes) && holds(all, mission); });
+  EXPECT_TRUE(holds(at_broker, nodes) && holds(at_broker, mission));
+
+  const Message state = some_state(1);
+  std::vector<Message> states;
+  for (int i = 0; i < 100 && !holds(states, state); ++i) {  // best effort: sent again until matched
+    agent.publish(state);
+    for (const Message& m : receive(other, [&](const auto& all) { return holds(all, state); }, 0.1)) states.push_back(m);
+  }
+  EXPECT_TRUE(holds(states, state));
+}
+
+TEST(DdsBus, LateAgentReceivesTheMapItsMissionAndEveryInactiveTree) {
+  DdsBus service({.domain = domain + 1}, Role::service, "service");
+  DdsBus broker({.domain = domain + 1}, Role::broker, "broker");
+  const Message map = some_map(512);
+  service.publish(map);
+  service.publish(some_mission());
+  constexpr std::uint32_t trees = 300;
+  for (std::uint32_t k = 0; k < trees; ++k) broker.publish(some_tree(k, k % 3 == 0 ? 1 : 40));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+
+  DdsBus agent({.domain = domain + 1}, Role::agent, "late");
+  const auto all = receive(agent, [&](const auto& got) { return got.size() >= trees + 2; });
+  EXPECT_TRUE(holds(all, map));
+  EXPECT_TRUE(holds(all, some_mission()));
+  for (std::uint32_t k = 0; k < trees; ++k) EXPECT_TRUE(holds(all, some_tree(k, k % 3 == 0 ? 1 : 40))) << k;
+  EXPECT_EQ(agent.rejected(), 0u);
+}
+
+TEST(DdsBus, CarriesAMapOf4096Cells) {
+  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  DdsBus agent({.domain = domain + 2}, Role::agent, "agent");
+  const Message map = some_map(4096);
+  service.publish(map);
+  const auto all = receive(agent, [](const auto& got) { return !got.empty(); }, 30);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_TRUE(all.front() == map);
+}
+
+TEST(DdsBus, ImpossibleSamplesAreDroppedAndCounted) {
+  DdsBus broker({.domain = domain + 3}, Role::broker, "broker");
+  DdsBus agent({.domain = domain + 3}, Role::agent, "agent");
+  InactiveTreeMessage forged = some_tree(1, 5);
+  forged.nodes[3].parent = 900;
+  broker.publish(forged);
+  const Message good = some_tree(2, 5);
+  broker.publish(good);
+  const auto all = receive(agent, [&](const auto& got) { return holds(got, good) && agent.rejected() > 0; });
+  EXPECT_EQ(all.size(), 1u);
+  EXPECT_TRUE(holds(all, good));
+  EXPECT_EQ(agent.rejected(), 1u);
+}
+
+TEST(DdsBus, LeavesNoSharedMemoryBehind) {
+  const auto segments = [] {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) names.insert(entry.path().filename());
+    return names;
+  };
+  const auto before = segments();
+  {
+    DdsBus service({.domain = domain + 4}, Role::service, "service");
+    DdsBus agent({.domain = domain + 4}, Role::agent, "agent");
+    service.publish(some_mission());
+    receive(agent, [](const auto& got) { return !got.empty(); });
+    EXPECT_NE(segments(), before) << "shared memory is in use by default";
+  }
+  for (const std::string& name : segments()) EXPECT_TRUE(before.contains(name)) << name;
+}
+
+TEST(DdsBus, RefusesWhatTheRoleDoesNotWrite) {
+  DdsBus agent({.domain = domain + 5}, Role::agent, "agent");
+  EXPECT_THROW(agent.publish(some_mission()), std::logic_error);
+}
+
+TEST(DdsBus, AnotherVendorsDdsReceivesTheRobotStates) {
+  const std::string subscriber = std::string(COPPICE_TEST_BIN_DIR) + "/cyclone_subscriber";
+  if (!std::filesystem::exists(subscriber)) GTEST_SKIP() << "Cyclone DDS is not installed";
+  auto heard = std::async(std::launch::async, [&] {
+    return test::shell(subscriber + " " + std::to_string(domain + 6) + " 20 20");
+  });
+  DdsBus agent({.domain = domain + 6}, Role::agent, "agent");
+  for (std::uint32_t k = 1; heard.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready; ++k) {
+    agent.publish(some_state(k));
+  }
+  const test::Outcome outcome = heard.get();
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("r1 "), std::string::npos);
+  EXPECT_NE(outcome.output.find(" 1.500 2.500"), std::string::npos) << outcome.output;
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,88 @@
+#include "simulation/fleet_simulation.h"
+
+#include <gtest/gtest.h>
+
+#include "files/scenario_file.h"
+#include "planning/clearance_field.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+struct Result {
+  std::string report;
+  std::vector<NamedTrack> tracks;
+  proto::Report figures;
+};
+
+Result simulate(const Scenario& scenario, const SimulationSettings& settings = {}) {
+  FleetSimulation simulation(scenario, settings);
+  simulation.run([](const PlannerService&, double) { return true; });
+  return {simulation.service().report().SerializeAsString(), simulation.service().tracks(),
+          simulation.service().report()};
+}
+
+TEST(FleetSimulation, EverybodyArrivesAndNobodyTouchesAnything) {
+  const Scenario scenario = read_scenario(test::scenarios() / "rooms-8.json", {});
+  const Result result = simulate(scenario);
+  EXPECT_EQ(result.figures.outcome(), "arrived");
+  EXPECT_EQ(result.figures.collisions(), 0u);
+  EXPECT_GE(result.figures.least_separation(), 0);
+  EXPECT_GE(result.figures.least_clearance(), -overlap_tolerance);
+  EXPECT_GT(result.figures.trees_published(), 0u);
+  EXPECT_GT(result.figures.trees_grafted(), 0u);
+}
+
+TEST(FleetSimulation, SameSeedSameBytesOtherSeedOthers) {
+  Scenario scenario = read_scenario(test::scenarios() / "rooms-8.json", {.robots = 4});
+  const Result first = simulate(scenario, {.timeout = 30});
+  const Result second = simulate(scenario, {.timeout = 30});
+  EXPECT_EQ(first.report, second.report);
+  ASSERT_EQ(first.tracks.size(), second.tracks.size());
+  for (std::size_t i = 0; i < first.tracks.size(); ++i) {
+    const auto& a = first.tracks[i].track.points;
+    const auto& b = second.tracks[i].track.points;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) ASSERT_EQ(a[k].position, b[k].position);
+  }
+  scenario.seed += 1;
+  EXPECT_NE(simulate(scenario, {.timeout = 30}).report, first.report);
+}
+
+// Limits hold at every recorded step, and the record has no gaps.
+TEST(FleetSimulation, SpeedAndAccelerationStayWithinLimits) {
+  const Scenario scenario = read_scenario(test::scenarios() / "dense-8.json", {});
+  const Result result = simulate(scenario, {.timeout = 60});
+  for (std::size_t i = 0; i < result.tracks.size(); ++i) {
+    const RobotTask& task = scenario.robots[i];
+    const auto& points = result.tracks[i].track.points;
+    ASSERT_GT(points.size(), 100u);
+    EXPECT_EQ(points.front().position, task.start);
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      const double dt = points[k].time - points[k - 1].time;
+      ASSERT_NEAR(dt, 0.05, 1e-6);
+      ASSERT_LE((points[k].position - points[k - 1].position).norm(), task.max_speed * dt * (1 + 1e-6));
+      ASSERT_LE((points[k].velocity - points[k - 1].velocity).norm(), task.max_acceleration * dt * (1 + 1e-6));
+    }
+  }
+}
+
+TEST(FleetSimulation, UnreachableGoalIsReportedAndTheOthersArrive) {
+  Scenario scenario;
+  scenario.map.width = 120;
+  scenario.map.height = 60;
+  scenario.map.blocked.assign(7200, 0);
+  for (int j = 0; j < 60; ++j) scenario.map.blocked[static_cast<std::size_t>(j * 120 + 60)] = 1;
+  const auto task = [](const char* name, Point2 start, Point2 goal) {
+    return RobotTask{name, start, goal, 5, 20, 40, 1};
+  };
+  scenario.robots = {task("walled-off", {20, 20}, {100, 20}), task("free", {10, 45}, {45, 45})};
+  const Result result = simulate(scenario);
+  EXPECT_EQ(result.figures.outcome(), "incomplete");
+  EXPECT_FALSE(result.figures.robots(0).planned());
+  EXPECT_NE(result.figures.robots(0).reason().find("no path"), std::string::npos);
+  EXPECT_TRUE(result.figures.robots(1).arrived());
+}
+
+}  // namespace
+}  // namespace coppice
