@@ -1,6 +1,7 @@
 #include "coppice/process_fleet.h"
 
-#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
@@ -9,12 +10,12 @@
 #include <thread>
 
 #include <fcntl.h>
-#include <sys/file.h>
+#include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <fmt/format.h>
+#include "coppice/shared_memory.h"
 
 namespace coppice {
 
@@ -37,31 +38,52 @@ constexpr std::size_t last_words_length = 300;  // characters
     }
   }
   std::vector<char*> arguments;
-  for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));  // NOLINT
+  for (const std::string& argument : command)
+    arguments.push_back(const_cast<char*>(argument.c_str()));  // NOLINT
   arguments.push_back(nullptr);
   execv(arguments.front(), arguments.data());
   _exit(127);
 }
 
-/// Whether nobody holds the lock file of a segment: Fast DDS's processes hold it for as long as they live.
-bool is_stale(const std::filesystem::path& lock_file) {
-  const int file = open(lock_file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool free = flock(file, LOCK_EX | LOCK_NB) == 0;
-  close(file);
-  return free;
+/// A program that is not run: the rest of this process waits until `lifeline`, whose other end this fleet and
+/// its children hold, is closed by the last of them, however they ended; then it clears up.
+[[noreturn]] void clear_up_after(int lifeline) {
+  setpgid(0, 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);
+  char nothing = 0;
+  while (read(lifeline, &nothing, 1) < 0 && errno == EINTR) continue;
+  remove_stale_shared_memory();
+  _exit(0);
 }
 
 }  // namespace
 
+ProcessFleet::ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) throw std::runtime_error(fmt::format("no new pipe: {}", std::strerror(errno)));
+  caretaker_ = fork();
+  if (caretaker_ == 0) {
+    close(ends[1]);
+    clear_up_after(ends[0]);
+  }
+  close(ends[0]);
+  lifeline_ = ends[1];
+  if (caretaker_ < 0) {
+    close(lifeline_);
+    throw std::runtime_error(fmt::format("no new process: {}", std::strerror(errno)));
+  }
+}
+
 ProcessFleet::~ProcessFleet() {
   terminate_all(last_grace);
-  remove_stale_shared_memory();
+  close(lifeline_);
+  waitpid(caretaker_, nullptr, 0);
 }
 
 void ProcessFleet::start(const std::string& name, const std::vector<std::string>& command, Output output) {
   if (access(command.front().c_str(), X_OK) != 0) {
-    throw std::runtime_error(fmt::format("{}: {} cannot be started: {}", name, command.front(), std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("{}: {} cannot be started: {}", name, command.front(), std::strerror(errno)));
   }
   const std::string log = output == Output::log ? (log_folder_ / (name + ".log")).string() : std::string();
   const pid_t parent = getpid();
@@ -106,23 +128,6 @@ std::string ProcessFleet::last_words_of(const std::string& name) const {
   std::ifstream log(log_folder_ / (name + ".log"));
   const std::string all{std::istreambuf_iterator<char>(log), {}};
   return all.size() > last_words_length ? all.substr(all.size() - last_words_length) : all;
-}
-
-void remove_stale_shared_memory() {
-  std::error_code ignored;  // a file may go while we look: then it is gone
-  const std::filesystem::path folder = "/dev/shm";
-  std::vector<std::filesystem::path> stale;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (!name.starts_with("fastrtps_") || !name.ends_with("_el") || !is_stale(entry.path())) continue;
-    stale.push_back(entry.path());
-  }
-  for (const auto& lock_file : stale) {
-    const std::string segment = lock_file.filename().string().substr(0, lock_file.filename().string().size() - 3);
-    std::filesystem::remove(folder / segment, ignored);
-    std::filesystem::remove(folder / ("sem." + segment + "_mutex"), ignored);
-    std::filesystem::remove(lock_file, ignored);
-  }
 }
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-// Child processes that never outlive this one, however it ends.
+// Child processes that never outlive this one, however it ends, nor leave shared memory behind.
 #pragma once
 
 #include <chrono>
@@ -13,9 +13,12 @@ namespace coppice {
 
 class ProcessFleet {
  public:
-  /// Standard output and error of quiet children go to `log_folder`/NAME.log, which exists.
-  explicit ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {}
-  /// Ends and reaps whatever still runs, and removes the shared memory that ended children left behind.
+  /// Standard output and error of quiet children go to `log_folder`/NAME.log, which exists. Forks a
+  /// caretaker: this process should have no other thread yet, and one fleet at a time. Throws
+  /// std::runtime_error if there is no process or pipe left.
+  explicit ProcessFleet(std::filesystem::path log_folder);
+  /// Ends and reaps whatever still runs; the caretaker removes the shared memory that children left behind,
+  /// also where this process was killed.
   ~ProcessFleet();
   ProcessFleet(const ProcessFleet&) = delete;
   ProcessFleet& operator=(const ProcessFleet&) = delete;
@@ -28,7 +31,7 @@ class ProcessFleet {
 
   struct Ended {
     std::string name;
-    int exit_code = 0;  ///< 128 + signal if one ended it
+    int exit_code = 0;       ///< 128 + signal if one ended it
     std::string last_words;  ///< the end of its log
   };
   /// A child that has ended since the last call, if there is one; does not wait.
@@ -48,9 +51,8 @@ class ProcessFleet {
 
   std::filesystem::path log_folder_;
   std::vector<Child> running_;
+  pid_t caretaker_ = -1;
+  int lifeline_ = -1;  ///< closed when this process and all children are gone: what the caretaker waits for
 };
-
-/// Removes what processes that are gone left of Fast DDS's shared memory; what a living process uses stays.
-void remove_stale_shared_memory();
 
 }  // namespace coppice

@@ -1,16 +1,19 @@
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <thread>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
+#include "coppice/shared_memory.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 
@@ -41,9 +44,32 @@ class RunFolder {
   std::filesystem::path path_;
 };
 
-/// Another domain for each run, so that two on one machine do not meet; above 100 the default ports stay below those
-/// that Linux hands out to others.
-int own_domain() { return 1 + static_cast<int>(static_cast<unsigned>(getpid()) % 99); }
+/// Whether no process of this machine has joined the DDS domain: each participant listens at the domain's
+/// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which they share among themselves, but not with us.
+bool is_unused(int domain) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return false;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_ANY);
+  address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain));
+  const bool unused = bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(socket);
+  return unused;
+}
+
+/// A domain of our own, so that two runs on one machine do not meet: up to 100 the default ports stay below
+/// those that Linux hands out to others. Where to begin follows from the process, as another run may be
+/// looking just now.
+int own_domain() {
+  constexpr int domains = 100;
+  const int first = static_cast<int>(getpid()) % domains;
+  for (int i = 0; i < domains; ++i) {
+    const int domain = 1 + (first + i) % domains;
+    if (is_unused(domain)) return domain;
+  }
+  throw std::runtime_error("every DDS domain from 1 to 100 is in use on this machine; name one by --domain");
+}
 
 std::vector<std::string> service_command(const RunOptions& options, const std::string& program, int domain) {
   std::vector<std::string> command{program, options.scenario, "--domain", std::to_string(domain)};
@@ -73,7 +99,8 @@ void tell_of_end(const ProcessFleet::Ended& ended) {
 }  // namespace
 
 int run_command(const RunOptions& options, const std::string& program) {
-  const Scenario scenario = read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
+  const Scenario scenario =
+      read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
   install_stop_signals();
   remove_stale_shared_memory();
   const std::filesystem::path folder = std::filesystem::canonical(program).parent_path();
@@ -82,14 +109,18 @@ int run_command(const RunOptions& options, const std::string& program) {
   const RunFolder run_folder;
   ProcessFleet fleet(run_folder.path());
 
-  fleet.start("tree_broker", {(folder / "tree_broker").string(), on_domain[0], on_domain[1], "--seed",
-                              std::to_string(scenario.seed)}, ProcessFleet::Output::log);
+  fleet.start("tree_broker",
+              {(folder / "tree_broker").string(), on_domain[0], on_domain[1], "--seed",
+               std::to_string(scenario.seed)},
+              ProcessFleet::Output::log);
   for (const RobotTask& robot : scenario.robots) {
-    fleet.start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name, on_domain[0], on_domain[1]},
+    fleet.start(robot.name,
+                {(folder / "robot_agent").string(), "--name", robot.name, on_domain[0], on_domain[1]},
                 ProcessFleet::Output::log);
   }
   const std::string service = "planner_service";
-  fleet.start(service, service_command(options, (folder / service).string(), domain), ProcessFleet::Output::terminal);
+  fleet.start(service, service_command(options, (folder / service).string(), domain),
+              ProcessFleet::Output::terminal);
 
   bool asked = false;
   while (true) {
@@ -102,6 +133,10 @@ int run_command(const RunOptions& options, const std::string& program) {
       std::this_thread::sleep_for(poll_period);
     } else if (ended->name == service) {
       fleet.terminate_all(grace);
+      if (ended->exit_code > 2) {
+        tell_of_end(*ended);
+        return 1;
+      }
       return ended->exit_code;
     } else {
       tell_of_end(*ended);
