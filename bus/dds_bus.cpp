@@ -133,9 +133,10 @@ struct DdsBus::Implementation {
     using T = Topic<M>;
     if (!T::written_by(role) && !T::read_by(role)) return;
     dds::TypeSupport type(new typename DdsType<M>::Support());
-    // Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and it cannot parse Fast DDS's;
-    // generic tools read the type object, which goes along all the same.
+    // Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and it cannot parse Fast DDS's; and
+    // type objects alone keep Fast DDS 2.9's own endpoints from matching. Names and QoS decide who matches.
     type->auto_fill_type_information(false);
+    type->auto_fill_type_object(false);
     type.register_type(participant);
     dds::Topic* topic = required(
         participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT), "a topic");
