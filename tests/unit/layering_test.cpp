@@ -1,0 +1,143 @@
+// The layers hold: who may include what, by reading every source. The rules are the two tables below.
+
+#include <fstream>
+#include <optional>
+#include <regex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/source_files.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::string_literals;
+
+// An include is written as in the source, with its quotes or brackets; patterns match it as a whole.
+constexpr std::string_view standard = R"(<[a-z_0-9]+>)";
+constexpr std::string_view proto = R"("(scenario|report)\.pb\.h")";
+
+std::string from(std::string_view folders) {
+  return "\"(" + std::string(folders) + ")/.*\"";
+}
+std::string any(const std::vector<std::string>& patterns) {
+  std::string joined;
+  for (const std::string& pattern : patterns) joined += (joined.empty() ? "" : "|") + pattern;
+  return joined;
+}
+
+struct MayInclude {
+  std::string file;     ///< pattern; the first row that matches a file decides
+  std::string include;  ///< all that such a file may include
+};
+
+const std::vector<MayInclude> layers = {
+    {"planning/.*", any({from("planning"), "<Eigen/.*>", std::string(standard)})},
+    {"motion/.*", any({from("planning|motion"), "<Eigen/.*>", std::string(standard)})},
+    {"files/.*", any({from("planning|motion|files"), std::string(proto), "<.*>"})},
+    {"bus/.*", any({from("planning|motion|bus"), R"("fleet[A-Za-z]*\.h")", "<.*>"})},
+    {"tree_broker/.*", any({from("planning|motion|files|bus|tree_broker"), "<.*>"})},
+    {"robot_agent/.*", any({from("planning|motion|files|bus|robot_agent"), "<.*>"})},
+    {"planner_service/.*",
+     any({from("planning|motion|files|bus|planner_service"), std::string(proto), "<.*>"})},
+    {"simulation/.*",
+     any({from("planning|motion|files|bus|tree_broker|robot_agent|planner_service|simulation"), "<.*>"})},
+    {"coppice/.*", any({from("planning|motion|files|bus|planner_service|simulation|coppice"), "<.*>"})},
+    {"(tests|bench)/.*", ".*"},
+};
+
+struct Reserved {
+  std::string include;  ///< pattern
+  std::string file;     ///< pattern of the only files that may include it
+  std::string reason;
+};
+
+const std::string tests_and_benches = "|(tests|bench)/.*";
+const std::string mains = "|(tree_broker|robot_agent|planner_service)/main\\.cpp";
+const std::string commands = "|coppice/.*";
+
+const std::vector<Reserved> reserved = {
+    {"<(fastdds|fastrtps|fastcdr)/.*>|\"fleet[A-Za-z]*\\.h\"", "bus/dds_.*" + tests_and_benches,
+     "DDS is known to the DDS bus alone"},
+    {"\"bus/(dds_.*|process\\.h)\"", "bus/(dds_|process).*" + mains + commands + tests_and_benches,
+     "only a main joins a role to the real bus"},
+    {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
+     "bus/(dds_|process).*" + commands + tests_and_benches,
+     "time is passed in, and nothing below the mains waits"},
+    {"<random>", "planning/random\\.h|tree_broker/main\\.cpp" + tests_and_benches, "chance is passed in"},
+    {"<(iostream|fstream|filesystem)>", "files/.*" + mains + commands + tests_and_benches,
+     "what reads or writes is at the edges"},
+};
+
+bool matches(std::string_view text, const std::string& pattern) {
+  return std::regex_match(text.begin(), text.end(), std::regex(pattern));
+}
+
+/// What is wrong with `file` including `include`, or nothing.
+std::optional<std::string> problem(const std::string& file, const std::string& include) {
+  for (const Reserved& rule : reserved) {
+    if (matches(include, rule.include) && !matches(file, rule.file)) return rule.reason;
+  }
+  for (const MayInclude& rule : layers) {
+    if (!matches(file, rule.file)) continue;
+    return matches(include, rule.include) ? std::nullopt : std::optional("includes point down only"s);
+  }
+  return "a folder that the table of layers does not know";
+}
+
+std::vector<std::string> includes_of(const std::filesystem::path& path) {
+  static const std::regex directive(R"(\s*#\s*include\s*((<|")[^>"]+(>|")).*)");
+  std::vector<std::string> includes;
+  std::ifstream in(path);
+  std::smatch match;
+  for (std::string line; std::getline(in, line);) {
+    if (std::regex_match(line, match, directive)) includes.push_back(match[1]);
+  }
+  return includes;
+}
+
+TEST(Layering, EveryIncludePointsDown) {
+  std::size_t seen = 0;
+  for (const std::string& file : test::source_files()) {
+    for (const std::string& include : includes_of(test::source_folder() / file)) {
+      ++seen;
+      if (const auto wrong = problem(file, include))
+        ADD_FAILURE() << file << ": " << include << ": " << *wrong;
+    }
+  }
+  EXPECT_GT(seen, 200u) << "the sources were not found";
+}
+
+TEST(Layering, WrongDirectionsAreSeen) {
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"planning/trees.h", "\"motion/driver.h\""},
+      {"planning/trees.h", "<thread>"},
+      {"planning/trees.h", "<chrono>"},
+      {"planning/trees.h", "<spdlog/spdlog.h>"},
+      {"planning/trees.cpp", "<fstream>"},
+      {"planning/trees.h", "\"scenario.pb.h\""},
+      {"motion/driver.h", "\"bus/messages.h\""},
+      {"motion/driver.h", "<mutex>"},
+      {"files/map_file.h", "\"bus/messages.h\""},
+      {"bus/messages.h", "\"files/scenario.h\""},
+      {"bus/bus.h", "\"fleet.h\""},
+      {"bus/simulated_bus.h", "<fastdds/dds/topic/Topic.hpp>"},
+      {"robot_agent/robot_agent.h", "\"tree_broker/tree_broker.h\""},
+      {"robot_agent/robot_agent.h", "\"bus/dds_bus.h\""},
+      {"robot_agent/robot_agent.cpp", "<chrono>"},
+      {"planner_service/planner_service.cpp", "\"simulation/fleet_simulation.h\""},
+      {"simulation/fleet_simulation.h", "\"coppice/commands.h\""},
+      {"simulation/fleet_simulation.h", "\"bus/dds_bus.h\""},
+      {"simulation/fleet_simulation.h", "<random>"},
+      {"nowhere/file.h", "<vector>"},
+  };
+  for (const auto& [file, include] : wrong) EXPECT_TRUE(problem(file, include)) << file << ": " << include;
+  EXPECT_FALSE(problem("robot_agent/main.cpp", "\"bus/dds_bus.h\""));
+  EXPECT_FALSE(problem("motion/driver.h", "\"planning/geometry.h\""));
+}
+
+}  // namespace
+}  // namespace coppice
