@@ -1,0 +1,128 @@
+// Bad usage and bad input of the real programs: exit code 2 and an error that names the place, before
+// anything starts.
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+std::string coppice(const std::string& arguments) {
+  return "'" + test::program("coppice") + "' " + arguments;
+}
+std::string rooms() {
+  return "'" + (test::scenarios() / "rooms-8.json").string() + "'";
+}
+
+TEST(CommandLine, BadUsageIsToldWithTheOptionsName) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", "subcommand"},
+      {"fly", "subcommand"},
+      {"run", "scenario"},
+      {"run " + rooms() + " --bogus", "--bogus"},
+      {"run " + rooms() + " --robots x", "--robots"},
+      {"run " + rooms() + " --robots 0", "--robots"},
+      {"run " + rooms() + " --radius -1", "--radius"},
+      {"run " + rooms() + " --radius nan", "--radius"},
+      {"simulate " + rooms() + " --max-speed 0", "--max-speed"},
+      {"run " + rooms() + " --time-scale inf", "--time-scale"},
+      {"plan " + rooms() + " --seed -3", "--seed"},
+      {"run " + rooms() + " --domain 233", "--domain"},
+      {"map castle out.json", "castle"},
+  };
+  for (const auto& [arguments, named] : cases) {
+    const test::Outcome outcome = test::shell(coppice(arguments));
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.output.find(named), std::string::npos) << arguments << ": " << outcome.output;
+  }
+}
+
+/// A scenario of two robots on a map of 40 x 20 free cells, with something changed.
+struct BadInput {
+  std::string name;
+  std::string scenario;
+  std::string named;  ///< what the error must say
+};
+
+std::string free_map(int rows) {
+  std::string map = "type octile\nheight 20\nwidth 40\nmap\n";
+  for (int row = 0; row < rows; ++row)
+    map += (row == 10 ? std::string(10, '@') : std::string(10, '.')) + std::string(30, '.') + "\n";
+  return map;
+}
+
+std::string scenario(const std::string& map, const std::string& first_start,
+                     const std::string& more = R"("radius": 1, )") {
+  return R"({"map": ")" + map + R"(", )" + more + R"("robots": [{"name": "a", "start": )" + first_start +
+         R"(, "goal": {"x": 30, "y": 5}}, {"name": "b", "start": {"x": 20, "y": 15}, "goal": {"x": 35, "y": 15}}]})";
+}
+
+TEST(CommandLine, BadInputIsOneLineThatNamesThePlace) {
+  const test::TemporaryFolder folder;
+  folder.write("good.map", free_map(20));
+  folder.write("short.map", free_map(12));
+  const std::string fine = R"({"x": 5, "y": 5})";
+  ASSERT_EQ(test::shell(coppice("plan --quiet '" +
+                                folder.write("fine.json", scenario("good.map", fine)).string() + "'"))
+                .exit_code,
+            0)
+      << "without a fault it must be accepted";
+  const std::vector<BadInput> cases = {
+      {"missing map", scenario("none.map", fine), "none.map"},
+      {"truncated map", scenario("short.map", fine), "short.map"},
+      {"start in an obstacle", scenario("good.map", R"({"x": 5, "y": 10.5})"), "robots[0].start"},
+      {"two on one spot", scenario("good.map", R"({"x": 20, "y": 15})"), "robots["},
+      {"unknown field", scenario("good.map", fine, R"("radius": 1, "colour": "red", )"), "colour"},
+      {"not a number", scenario("good.map", R"({"x": "NaN", "y": 5})"), "robots[0].start"},
+      {"negative radius", scenario("good.map", fine, R"("radius": -1, )"), "radius"},
+      {"negative tolerance", scenario("good.map", fine, R"("radius": 1, "goal_tolerance": -1, )"),
+       "goal_tolerance"},
+      {"no JSON", "{\"map\": ", "bad.json"},
+      {"empty", "", "bad.json"},
+  };
+  for (const BadInput& bad : cases) {
+    const std::string file = "'" + folder.write("bad.json", bad.scenario).string() + "'";
+    for (const char* command : {"run ", "simulate ", "plan "}) {
+      const test::Outcome outcome = test::shell(coppice(command + file));
+      EXPECT_EQ(outcome.exit_code, 2) << command << bad.name;
+      EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1)
+          << bad.name << ": " << outcome.output;
+      EXPECT_NE(outcome.output.find(bad.named), std::string::npos) << bad.name << ": " << outcome.output;
+    }
+  }
+}
+
+TEST(CommandLine, AnUnreachableGoalIsAReportAndNoEndlessSearch) {
+  const test::TemporaryFolder folder;
+  std::string map = "type octile\nheight 20\nwidth 40\nmap\n";
+  for (int row = 0; row < 20; ++row) map += std::string(12, '.') + "@" + std::string(27, '.') + "\n";
+  folder.write("good.map", map);
+  const std::string file = folder.write("apart.json", scenario("good.map", R"({"x": 5, "y": 5})")).string();
+  const std::string report = (folder.path() / "report.json").string();
+  const test::Outcome outcome = test::shell(coppice("plan '" + file + "' --report '" + report + "'"));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+  EXPECT_NE(test::contents(report).find("no path"), std::string::npos) << test::contents(report);
+}
+
+TEST(CommandLine, EveryProgramTellsItsVersion) {
+  for (const char* name : {"coppice", "tree_broker", "robot_agent", "planner_service"}) {
+    const test::Outcome outcome = test::shell("'" + test::program(name) + "' --version");
+    EXPECT_EQ(outcome.exit_code, 0) << name;
+    EXPECT_EQ(outcome.output, COPPICE_VERSION "\n") << name;
+  }
+}
+
+TEST(CommandLine, TheRolesRefuseBadUsage) {
+  EXPECT_EQ(test::shell("'" + test::program("robot_agent") + "' --domain 7").exit_code, 2);  // without a name
+  EXPECT_EQ(test::shell("'" + test::program("tree_broker") + "' --domain x").exit_code, 2);
+  EXPECT_EQ(test::shell("'" + test::program("tree_broker") + "' --log-level loud").exit_code, 2);
+  EXPECT_EQ(test::shell("'" + test::program("planner_service") + "' --domain 7 none.json").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace coppice
