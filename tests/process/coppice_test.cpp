@@ -1,0 +1,153 @@
+// The commands as a user types them: real processes over DDS, bad input, Ctrl-C.
+
+#include <chrono>
+#include <csignal>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "files/report_file.h"
+#include "files/scenario_file.h"
+#include "planning/clearance_field.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using test::Outcome;
+using test::program;
+using test::shell;
+using test::TemporaryFolder;
+
+std::set<std::string> shared_memory() {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+    names.insert(entry.path().filename());
+  return names;
+}
+
+int count(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+/// Paths begin and end where they should and keep clear, checked here against the map's cells themselves.
+void expect_sound_paths(const Scenario& scenario, const proto::Report& report) {
+  const ClearanceField field(scenario.map);
+  ASSERT_EQ(report.robots_size(), static_cast<int>(scenario.robots.size()));
+  for (int i = 0; i < report.robots_size(); ++i) {
+    const RobotTask& task = scenario.robots[static_cast<std::size_t>(i)];
+    const auto& row = report.robots(i);
+    EXPECT_TRUE(row.planned()) << row.name() << ": " << row.reason();
+    Path path;
+    for (const auto& p : row.path()) path.emplace_back(p.x(), p.y());
+    ASSERT_GE(path.size(), 2u);
+    EXPECT_EQ(path.front(), task.start);
+    EXPECT_EQ(path.back(), task.goal);
+    EXPECT_NEAR(length_of(path), row.path_length(), 1e-6);
+    for (std::size_t k = 1; k < path.size(); ++k)
+      EXPECT_TRUE(field.segment_free(path[k - 1], path[k], task.radius));
+  }
+}
+
+TEST(CoppiceRun, AFleetOfProcessesArrives) {
+  const TemporaryFolder folder;
+  const auto before = shared_memory();
+  const std::string report_file = folder.path() / "report.json";
+  const Outcome outcome =
+      shell(program("coppice") + " run " + (test::scenarios() / "rooms-8.json").string() +
+            " --time-scale 5 --timeout 200 --report " + report_file + " --trajectory " +
+            (folder.path() / "t.csv").string() + " --picture " + (folder.path() / "p.svg").string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("paths found 8/8, arrived 8/8"), std::string::npos) << outcome.output;
+  const proto::Report report = read_report(report_file);
+  expect_sound_paths(read_scenario(test::scenarios() / "rooms-8.json", {}), report);
+  EXPECT_EQ(report.collisions(), 0u);
+  EXPECT_GE(report.least_separation(), 0);
+  EXPECT_GT(report.trees_published(), 0u);
+  EXPECT_EQ(test::contents(folder.path() / "t.csv").substr(0, 21), "time,robot,x,y,vx,vy\n");
+  EXPECT_EQ(count(test::contents(folder.path() / "p.svg"), "<text"), 9);
+  EXPECT_EQ(shared_memory(), before);
+}
+
+TEST(CoppiceRun, InterruptedItEndsInOrderAndLeavesNothing) {
+  const TemporaryFolder folder;
+  const auto before = shared_memory();
+  const std::string report_file = folder.path() / "report.json";
+  const std::string domain = "111";
+  const Outcome outcome =
+      shell("timeout --foreground -s INT 4 " + program("coppice") + " run " +
+            (test::scenarios() / "rooms-8.json").string() + " --domain " + domain + " --report " +
+            report_file + "; echo code $?; pgrep -f -- '--domain " + domain + "' | wc -l");
+  EXPECT_NE(outcome.output.find("interrupted"), std::string::npos) << outcome.output;
+  EXPECT_EQ(read_report(report_file).outcome(), "interrupted");
+  EXPECT_EQ(shared_memory(), before);
+}
+
+TEST(CoppiceRun, KilledItTakesItsProcessesAlong) {
+  const std::string domain = "112";
+  const Outcome outcome = shell(
+      program("coppice") + " run " + (test::scenarios() / "rooms-8.json").string() + " --domain " + domain +
+      " >/dev/null 2>&1 & p=$!; sleep 2; a=$(pgrep -c -f '[b]in/robot_agent .*--domain " + domain +
+      "'); kill -9 $p; sleep 0.5; echo before $a after $(pgrep -c -f '[b]in/robot_agent .*--domain " + domain +
+      "')");
+  EXPECT_NE(outcome.output.find("after 0"), std::string::npos) << outcome.output;
+  EXPECT_EQ(outcome.output.find("before 0"), std::string::npos) << outcome.output;
+}
+
+TEST(CoppicePlan, PlansTheSharedMaps) {
+  const std::filesystem::path maps = std::filesystem::path(COPPICE_SHARED_DIR) / "maps";
+  if (!std::filesystem::exists(maps)) GTEST_SKIP() << "the shared maps are not here";
+  const TemporaryFolder folder;
+  for (const char* name : {"room1-10.scen", "maze1-5.scen", "maze1-20.scen"}) {
+    const std::string report_file = folder.path() / "report.json";
+    const Outcome outcome =
+        shell(program("coppice") + " plan " + (maps / name).string() + " --radius 3 --report " + report_file);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    const proto::Report report = read_report(report_file);
+    expect_sound_paths(read_scenario(maps / name, {.radius = 3}), report);
+    EXPECT_GT(report.trees_grafted(), 0u);
+  }
+}
+
+TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
+  const TemporaryFolder folder;
+  folder.write("small.map", "type octile\nheight 2\nwidth 40\nmap\n" + std::string(40, '.') + "\n");
+  const std::string truncated = folder.write(
+      "a.json",
+      R"({"map": "small.map", "robots": [{"name": "a", "start": {"x":1,"y":1}, "goal": {"x":3,"y":1}}]})");
+  const std::string rooms = test::scenarios() / "rooms-8.json";
+  for (const std::string command : {"run", "simulate", "plan"}) {
+    for (const std::string& arguments :
+         {std::string("none.json"), truncated, rooms + " --radius -1", rooms + " --robots 9",
+          rooms + " --time-scale 0", rooms + " --max-speed nan", rooms + " --fancy", std::string()}) {
+      const Outcome outcome = shell(program("coppice") + " " + command + " " + arguments);
+      EXPECT_EQ(outcome.exit_code, 2) << command << " " << arguments << ": " << outcome.output;
+      EXPECT_FALSE(outcome.output.empty());
+      EXPECT_LE(count(outcome.output, "\n"), 2) << outcome.output;
+    }
+  }
+  EXPECT_EQ(shell(program("coppice")).exit_code, 2);
+  EXPECT_EQ(shell(program("coppice") + " --version").exit_code, 0);
+}
+
+TEST(CoppiceSimulate, TwiceWithOneSeedWritesTheSameBytes) {
+  const TemporaryFolder folder;
+  const auto simulate = [&](const std::string& name) {
+    return shell(program("coppice") + " simulate " + (test::scenarios() / "rooms-8.json").string() +
+                 " --seed 5 --report " + (folder.path() / (name + ".json")).string() + " --trajectory " +
+                 (folder.path() / (name + ".csv")).string());
+  };
+  simulate("one");
+  simulate("two");
+  EXPECT_FALSE(test::contents(folder.path() / "one.csv").empty());
+  EXPECT_EQ(test::contents(folder.path() / "one.json"), test::contents(folder.path() / "two.json"));
+  EXPECT_EQ(test::contents(folder.path() / "one.csv"), test::contents(folder.path() / "two.csv"));
+}
+
+}  // namespace
+}  // namespace coppice
