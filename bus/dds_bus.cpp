@@ -30,10 +30,11 @@ using eprosima::fastrtps::Duration_t;
 
 namespace {
 
-// Of each process's shared memory: holds the fragments of a large map while its readers copy them. Pages that are
-// never written take no memory.
+// Of each process's shared memory: holds the fragments of a large map while its readers copy them. Pages that
+// are never written take no memory.
 constexpr std::uint32_t shared_memory_segment = 8u << 20;
-// How soon a lost sample of a reliable topic is asked for again; the default of 3 s is longer than a plan takes.
+// How soon a lost sample of a reliable topic is asked for again; the default of 3 s is longer than a plan
+// takes.
 constexpr std::uint32_t heartbeat_nanoseconds = 20'000'000;
 constexpr std::size_t rejections_logged = 10;  // then every thousandth
 
@@ -50,7 +51,8 @@ dds::DomainParticipantQos participant_qos(const std::string& sender) {
   auto shared_memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
   shared_memory->segment_size(shared_memory_segment);
   qos.transport().user_transports.push_back(shared_memory);
-  qos.transport().user_transports.push_back(std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+  qos.transport().user_transports.push_back(
+      std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
   return qos;
 }
 
@@ -76,8 +78,8 @@ dds::DataWriterQos writer_qos(const TopicInfo& info) {
   dds::DataWriterQos qos;
   apply(info, qos);
   // Fragments of a large sample leave in DDS's own thread; a small one need not wait for that.
-  qos.publish_mode().kind =
-      info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE : dds::SYNCHRONOUS_PUBLISH_MODE;
+  qos.publish_mode().kind = info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE
+                                                                      : dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, heartbeat_nanoseconds);
   qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
   return qos;
@@ -133,13 +135,15 @@ struct DdsBus::Implementation {
     using T = Topic<M>;
     if (!T::written_by(role) && !T::read_by(role)) return;
     dds::TypeSupport type(new typename DdsType<M>::Support());
-    // Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and it cannot parse Fast DDS's; and
-    // type objects alone keep Fast DDS 2.9's own endpoints from matching. Names and QoS decide who matches.
+    // Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and it cannot parse Fast
+    // DDS's; and type objects alone keep Fast DDS 2.9's own endpoints from matching. Names and QoS decide who
+    // matches.
     type->auto_fill_type_information(false);
     type->auto_fill_type_object(false);
     type.register_type(participant);
     dds::Topic* topic = required(
-        participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT), "a topic");
+        participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT),
+        "a topic");
     if (T::written_by(role)) {
       ends.writer = required(publisher->create_datawriter(topic, writer_qos(T::info)), "a writer");
     }
@@ -160,7 +164,8 @@ struct DdsBus::Implementation {
     if (ends.reader == nullptr) return;
     typename DdsType<M>::Type sample;
     dds::SampleInfo info;
-    while (ends.reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    while (ends.reader->take_next_sample(&sample, &info) ==
+           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
       if (!info.valid_data) continue;
       Message message = from_dds(sample);
       if (const auto problem = problem_with(message)) {
@@ -188,7 +193,8 @@ void DdsBus::publish(const Message& message) {
   std::visit(
       [&]<class M>(const M& m) {
         dds::DataWriter* writer = std::get<Ends<M>>(implementation_->topics).writer;
-        if (writer == nullptr) throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
+        if (writer == nullptr)
+          throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
         auto sample = to_dds(m);
         if (!writer->write(&sample)) {
           ++implementation_->lost;
@@ -209,11 +215,16 @@ bool DdsBus::wait(double seconds) {
   dds::ConditionSeq active;
   const auto whole = static_cast<std::int32_t>(seconds);
   const Duration_t timeout(whole, static_cast<std::uint32_t>((seconds - whole) * 1e9));
-  return implementation_->wait_set.wait(active, timeout) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+  return implementation_->wait_set.wait(active, timeout) ==
+         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }
 
-std::size_t DdsBus::rejected() const { return implementation_->rejected; }
-std::size_t DdsBus::lost() const { return implementation_->lost; }
+std::size_t DdsBus::rejected() const {
+  return implementation_->rejected;
+}
+std::size_t DdsBus::lost() const {
+  return implementation_->lost;
+}
 
 template <class M>
 std::size_t DdsBus::matched_readers() const {

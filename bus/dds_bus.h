@@ -1,7 +1,8 @@
-// The bus over Fast DDS: one participant a process, and a writer or reader for each topic that the role takes part in.
+// The bus over Fast DDS: one participant a process, and a writer or reader for each topic that the role takes
+// part in.
 //
-// Shared memory between processes of one machine and UDP beyond, found by multicast: nothing needs to be configured.
-// Nothing is done in DDS's own threads: `take` polls the readers in the caller's loop.
+// Shared memory between processes of one machine and UDP beyond, found by multicast: nothing needs to be
+// configured. Nothing is done in DDS's own threads: `take` polls the readers in the caller's loop.
 #pragma once
 
 #include <cstddef>

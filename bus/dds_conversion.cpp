@@ -14,14 +14,18 @@ idl::Position to_dds(const Point2& p) {
   return q;
 }
 
-Point2 from_dds(const idl::Position& p) { return {p.x(), p.y()}; }
+Point2 from_dds(const idl::Position& p) {
+  return {p.x(), p.y()};
+}
 
 template <class E>
 std::uint8_t octet(E value) {
   return static_cast<std::uint8_t>(value);
 }
 
-std::string text(const auto& fixed) { return fixed.to_string(); }
+std::string text(const auto& fixed) {
+  return fixed.to_string();
+}
 
 std::vector<std::uint8_t> packed(const std::vector<std::uint8_t>& blocked) {
   std::vector<std::uint8_t> bits((blocked.size() + 7) / 8, 0);
@@ -32,8 +36,10 @@ std::vector<std::uint8_t> packed(const std::vector<std::uint8_t>& blocked) {
 }
 
 /// As many cells as the size says and the bits hold: validation sees a difference.
-std::vector<std::uint8_t> unpacked(const std::vector<std::uint8_t>& bits, std::int32_t width, std::int32_t height) {
-  const auto said = static_cast<std::size_t>(std::max(width, 0)) * static_cast<std::size_t>(std::max(height, 0));
+std::vector<std::uint8_t> unpacked(const std::vector<std::uint8_t>& bits, std::int32_t width,
+                                   std::int32_t height) {
+  const auto said =
+      static_cast<std::size_t>(std::max(width, 0)) * static_cast<std::size_t>(std::max(height, 0));
   std::vector<std::uint8_t> blocked(std::min(said, bits.size() * 8));
   for (std::size_t i = 0; i < blocked.size(); ++i) blocked[i] = (bits[i / 8] >> (i % 8)) & 1;
   return blocked;
@@ -80,11 +86,20 @@ idl::Mission to_dds(const Mission& m) {
 }
 
 Mission from_dds(const idl::Mission& d) {
-  return {.robot = text(d.robot()), .number = d.number(), .fleet_size = d.fleet_size(), .map_id = text(d.map_id()),
-          .start = from_dds(d.start()), .goal = from_dds(d.goal()), .radius = d.radius(),
-          .max_speed = d.max_speed(), .max_acceleration = d.max_acceleration(),
-          .goal_tolerance = d.goal_tolerance(), .seed = d.seed(), .sharing = d.sharing(),
-          .cancelled = d.cancelled(), .clock = {d.clock_epoch(), d.clock_scale()}};
+  return {.robot = text(d.robot()),
+          .number = d.number(),
+          .fleet_size = d.fleet_size(),
+          .map_id = text(d.map_id()),
+          .start = from_dds(d.start()),
+          .goal = from_dds(d.goal()),
+          .radius = d.radius(),
+          .max_speed = d.max_speed(),
+          .max_acceleration = d.max_acceleration(),
+          .goal_tolerance = d.goal_tolerance(),
+          .seed = d.seed(),
+          .sharing = d.sharing(),
+          .cancelled = d.cancelled(),
+          .clock = {d.clock_epoch(), d.clock_scale()}};
 }
 
 idl::RootNodes to_dds(const RootNodes& m) {
@@ -125,8 +140,8 @@ idl::InactiveTree to_dds(const InactiveTreeMessage& m) {
 }
 
 InactiveTreeMessage from_dds(const idl::InactiveTree& d) {
-  InactiveTreeMessage m{.tree = {d.broker(), d.number()}, .map_id = text(d.map_id()), .radius = d.radius(),
-                        .nodes = {}};
+  InactiveTreeMessage m{
+      .tree = {d.broker(), d.number()}, .map_id = text(d.map_id()), .radius = d.radius(), .nodes = {}};
   for (const idl::TreeNode& n : d.nodes()) {
     m.nodes.push_back({from_dds(n.position()), n.parent(), n.edge_clearance()});
   }
@@ -153,12 +168,18 @@ idl::RobotState to_dds(const RobotState& m) {
 }
 
 RobotState from_dds(const idl::RobotState& d) {
-  return {.robot = text(d.robot()), .sequence = d.sequence_number(), .stamp = d.stamp(),
-          .position = from_dds(d.position()), .velocity = from_dds(d.velocity()), .radius = d.radius(),
-          .max_speed = d.max_speed(), .max_acceleration = d.max_acceleration(),
-          .phase = static_cast<Phase>(d.phase()),
-          .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry(), d.promise_parked()},
-          .waits_for = text(d.waits_for())};
+  return {
+      .robot = text(d.robot()),
+      .sequence = d.sequence_number(),
+      .stamp = d.stamp(),
+      .position = from_dds(d.position()),
+      .velocity = from_dds(d.velocity()),
+      .radius = d.radius(),
+      .max_speed = d.max_speed(),
+      .max_acceleration = d.max_acceleration(),
+      .phase = static_cast<Phase>(d.phase()),
+      .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry(), d.promise_parked()},
+      .waits_for = text(d.waits_for())};
 }
 
 idl::Path to_dds(const PathMessage& m) {
@@ -190,7 +211,8 @@ idl::Track to_dds(const TrackMessage& m) {
 }
 
 TrackMessage from_dds(const idl::Track& d) {
-  TrackMessage m{.robot = text(d.robot()), .mission = d.mission(), .first_index = d.first_index(), .points = {}};
+  TrackMessage m{
+      .robot = text(d.robot()), .mission = d.mission(), .first_index = d.first_index(), .points = {}};
   for (const idl::TrackPoint& p : d.points()) {
     m.points.push_back({p.time(), from_dds(p.position()), from_dds(p.velocity())});
   }
@@ -218,12 +240,21 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
 }
 
 AgentStatus from_dds(const idl::AgentStatus& d) {
-  return {.robot = text(d.robot()), .mission = d.mission(), .phase = static_cast<Phase>(d.phase()),
-          .reason = text(d.reason()), .mission_time = d.mission_time(), .path_time = d.path_time(),
-          .arrival_time = d.arrival_time(), .plan_seconds = d.plan_seconds(), .driven_length = d.driven_length(),
-          .nodes_valid = d.nodes_valid(), .nodes_invalid = d.nodes_invalid(),
-          .trees_received = d.trees_received(), .trees_grafted = d.trees_grafted(),
-          .track_points = d.track_points(), .rejected = d.rejected()};
+  return {.robot = text(d.robot()),
+          .mission = d.mission(),
+          .phase = static_cast<Phase>(d.phase()),
+          .reason = text(d.reason()),
+          .mission_time = d.mission_time(),
+          .path_time = d.path_time(),
+          .arrival_time = d.arrival_time(),
+          .plan_seconds = d.plan_seconds(),
+          .driven_length = d.driven_length(),
+          .nodes_valid = d.nodes_valid(),
+          .nodes_invalid = d.nodes_invalid(),
+          .trees_received = d.trees_received(),
+          .trees_grafted = d.trees_grafted(),
+          .track_points = d.track_points(),
+          .rejected = d.rejected()};
 }
 
 idl::BrokerStatus to_dds(const BrokerStatus& m) {
@@ -238,8 +269,12 @@ idl::BrokerStatus to_dds(const BrokerStatus& m) {
 }
 
 BrokerStatus from_dds(const idl::BrokerStatus& d) {
-  return {.broker = d.broker(), .nodes_valid = d.nodes_valid(), .nodes_invalid = d.nodes_invalid(),
-          .trees_active = d.trees_active(), .trees_published = d.trees_published(), .rejected = d.rejected()};
+  return {.broker = d.broker(),
+          .nodes_valid = d.nodes_valid(),
+          .nodes_invalid = d.nodes_invalid(),
+          .trees_active = d.trees_active(),
+          .trees_published = d.trees_published(),
+          .rejected = d.rejected()};
 }
 
 }  // namespace coppice

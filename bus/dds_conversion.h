@@ -11,13 +11,13 @@ namespace coppice {
 template <class M>
 struct DdsType;
 
-#define COPPICE_DDS_TYPE(MESSAGE, TYPE)          \
-  template <>                                    \
-  struct DdsType<MESSAGE> {                      \
-    using Type = idl::TYPE;                      \
-    using Support = idl::TYPE##PubSubType;       \
-  };                                             \
-  idl::TYPE to_dds(const MESSAGE& message);      \
+#define COPPICE_DDS_TYPE(MESSAGE, TYPE)     \
+  template <>                               \
+  struct DdsType<MESSAGE> {                 \
+    using Type = idl::TYPE;                 \
+    using Support = idl::TYPE##PubSubType;  \
+  };                                        \
+  idl::TYPE to_dds(const MESSAGE& message); \
   MESSAGE from_dds(const idl::TYPE& sample)
 
 COPPICE_DDS_TYPE(MapMessage, OccupancyMap);

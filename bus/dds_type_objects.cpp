@@ -4,6 +4,8 @@
 
 namespace coppice {
 
-void register_type_objects() { registerfleetTypes(); }
+void register_type_objects() {
+  registerfleetTypes();
+}
 
 }  // namespace coppice

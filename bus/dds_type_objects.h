@@ -1,5 +1,5 @@
-// Apart from dds_bus.cpp because a header of Fast DDS's type objects opens its namespace for everyone who includes
-// it, where Eigen's comparisons of enumerators become ambiguous.
+// Apart from dds_bus.cpp because a header of Fast DDS's type objects opens its namespace for everyone who
+// includes it, where Eigen's comparisons of enumerators become ambiguous.
 #pragma once
 
 namespace coppice {

@@ -3,7 +3,8 @@
 
 namespace coppice {
 
-/// Seconds of the machine's clock since the Unix epoch; in the simulation, of the virtual clock since its start.
+/// Seconds of the machine's clock since the Unix epoch; in the simulation, of the virtual clock since its
+/// start.
 using WallTime = double;
 
 struct FleetClock {

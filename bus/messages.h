@@ -35,7 +35,7 @@ struct MapMessage {
 /// mission: service -> agents, broker. One for each robot; a newer one for the same robot replaces the older.
 struct Mission {
   RobotName robot;
-  std::uint32_t number = 0;  ///< grows with each mission of the run; statuses name it
+  std::uint32_t number = 0;      ///< grows with each mission of the run; statuses name it
   std::uint32_t fleet_size = 1;  ///< robots in this run: none sets off before it has heard of all of them
   std::string map_id;
   Point2 start = Point2::Zero();
@@ -61,7 +61,8 @@ struct RootNodes {
   struct Node {
     Side side = Side::start;
     Point2 position = Point2::Zero();
-    std::int32_t parent = -1;  ///< index among the root nodes that this agent sent for this mission; -1: a root
+    std::int32_t parent =
+        -1;  ///< index among the root nodes that this agent sent for this mission; -1: a root
     bool operator==(const Node&) const = default;
   };
   std::uint32_t first_index = 0;  ///< of nodes[0] among all that this agent sent for this mission
@@ -76,8 +77,8 @@ struct InactiveTreeMessage {
   double radius = 0;  ///< every node and edge keeps at least this clearance
   struct Node {
     Point2 position = Point2::Zero();
-    std::int32_t parent = -1;    ///< index in nodes, always below the node's own; -1: the root (node 0)
-    double edge_clearance = 0;   ///< of the edge to the parent; of the node itself for the root
+    std::int32_t parent = -1;   ///< index in nodes, always below the node's own; -1: the root (node 0)
+    double edge_clearance = 0;  ///< of the edge to the parent; of the node itself for the root
     bool operator==(const Node&) const = default;
   };
   std::vector<Node> nodes;
@@ -93,8 +94,8 @@ enum class Phase : std::uint8_t {
   stopped,   ///< the run has ended: stands
 };
 
-/// What a robot binds itself to (motion/promise.h): it keeps the state's velocity until `turn`, then moves with the
-/// velocity given here until `expiry`; from then on only its limits bound it.
+/// What a robot binds itself to (motion/promise.h): it keeps the state's velocity until `turn`, then moves
+/// with the velocity given here until `expiry`; from then on only its limits bound it.
 struct Promise {
   double turn = 0;
   Point2 velocity = Point2::Zero();
@@ -147,11 +148,11 @@ struct AgentStatus {
   RobotName robot;
   std::uint32_t mission = 0;
   Phase phase = Phase::waiting;
-  std::string reason;        ///< why not, for no_path
-  double mission_time = 0;   ///< when the mission and its map were there
-  double path_time = 0;      ///< when the path was found (or given up); 0: not yet
-  double arrival_time = 0;   ///< 0: not yet
-  double plan_seconds = 0;   ///< wall-clock seconds between mission and path
+  std::string reason;       ///< why not, for no_path
+  double mission_time = 0;  ///< when the mission and its map were there
+  double path_time = 0;     ///< when the path was found (or given up); 0: not yet
+  double arrival_time = 0;  ///< 0: not yet
+  double plan_seconds = 0;  ///< wall-clock seconds between mission and path
   double driven_length = 0;
   std::uint32_t nodes_valid = 0;
   std::uint32_t nodes_invalid = 0;

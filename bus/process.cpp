@@ -12,7 +12,9 @@ namespace {
 // The one thing that a signal handler may touch; nothing else in the project is global.
 volatile std::sig_atomic_t stop_flag = 0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
-extern "C" void on_stop_signal(int) { stop_flag = 1; }
+extern "C" void on_stop_signal(int) {
+  stop_flag = 1;
+}
 
 }  // namespace
 
@@ -23,7 +25,9 @@ void install_stop_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool stop_requested() { return stop_flag != 0; }
+bool stop_requested() {
+  return stop_flag != 0;
+}
 
 bool set_up_logging(const std::string& name, const std::string& level) {
   const auto known = spdlog::level::from_str(level);

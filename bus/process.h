@@ -1,9 +1,10 @@
-// What the processes' mains share: the wall's clock, the wish to stop, and the loop that runs a role on a bus.
+// What the processes' mains share: the wall's clock, the wish to stop, and the loop that runs a role on a
+// bus.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
-#include <concepts>
+#include <thread>
 
 #include "bus/dds_bus.h"
 #include "bus/fleet_clock.h"
@@ -14,7 +15,8 @@ inline WallTime wall_now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// SIGINT and SIGTERM ask a process to stop; asking again does no more than that. Call once, before other threads.
+/// SIGINT and SIGTERM ask a process to stop; asking again does no more than that. Call once, before other
+/// threads.
 void install_stop_signals();
 bool stop_requested();
 
@@ -24,10 +26,16 @@ bool set_up_logging(const std::string& name, const std::string& level);
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;
 
+/// What arrives within this many seconds of the first is taken together: a fleet's states come in swarms, and
+/// waking for each costs more than all that is done with it.
+inline constexpr double swarm = 0.001;
+
 /// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
 template <class R>
 void run_role_once(DdsBus& bus, R& role) {
-  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
+  const auto until_wake = [&](double most) { return std::clamp(role.next_wake() - wall_now(), 0.0, most); };
+  if (bus.wait(until_wake(longest_wait)))
+    std::this_thread::sleep_for(std::chrono::duration<double>(until_wake(swarm)));
   const WallTime now = wall_now();
   for (const Message& message : bus.take()) role.on(message, now);
   if (role.next_wake() > now) return;

@@ -11,12 +11,18 @@ namespace coppice {
 
 namespace {
 
-std::string key_of(const MapMessage& m) { return m.map_id; }
+std::string key_of(const MapMessage& m) {
+  return m.map_id;
+}
 std::string key_of(const InactiveTreeMessage& m) {
   return std::to_string(m.tree.broker) + "/" + std::to_string(m.tree.number);
 }
-std::string key_of(const BrokerStatus& m) { return std::to_string(m.broker); }
-std::string key_of(const auto& m) { return m.robot; }
+std::string key_of(const BrokerStatus& m) {
+  return std::to_string(m.broker);
+}
+std::string key_of(const auto& m) {
+  return m.robot;
+}
 
 template <class Fn>
 auto with_topic(const Message& message, Fn&& fn) {
@@ -48,11 +54,13 @@ void SimulatedBus::publish(const Port& sender, const Message& message) {
     const auto [entry, fresh] = kept_index_.try_emplace(key, kept_.size());
     if (fresh) kept_.emplace_back(key, std::vector<Message>{});
     auto& kept = kept_[entry->second].second;
-    if (topic.info.depth > 0 && kept.size() >= static_cast<std::size_t>(topic.info.depth)) kept.erase(kept.begin());
+    if (topic.info.depth > 0 && kept.size() >= static_cast<std::size_t>(topic.info.depth))
+      kept.erase(kept.begin());
     kept.push_back(message);
   });
   for (const auto& port : ports_) {
-    if (port.get() != &sender && read_by(message, port->role_)) port->inbox_.push_back({now_ + delay_, message});
+    if (port.get() != &sender && read_by(message, port->role_))
+      port->inbox_.push_back({now_ + delay_, message});
   }
 }
 

@@ -1,7 +1,7 @@
 // The bus of the simulation: in memory, on a virtual clock, the same for the same seed.
 //
-// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive, late joiners get what
-// transient-local topics keep. Every sample takes `delay` seconds.
+// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive, late joiners get
+// what transient-local topics keep. Every sample takes `delay` seconds.
 #pragma once
 
 #include <cstddef>

@@ -24,10 +24,10 @@ struct TopicInfo {
 template <class M>
 struct Topic;
 
-#define COPPICE_TOPIC(MESSAGE, NAME, RELIABILITY, DURABILITY, DEPTH, WRITERS, READERS)                    \
-  template <>                                                                                             \
-  struct Topic<MESSAGE> {                                                                                 \
-    static constexpr TopicInfo info{NAME, Reliability::RELIABILITY, Durability::DURABILITY, DEPTH};       \
+#define COPPICE_TOPIC(MESSAGE, NAME, RELIABILITY, DURABILITY, DEPTH, WRITERS, READERS)                     \
+  template <>                                                                                              \
+  struct Topic<MESSAGE> {                                                                                  \
+    static constexpr TopicInfo info{NAME, Reliability::RELIABILITY, Durability::DURABILITY, DEPTH};        \
     static constexpr bool written_by(Role role) { return ((WRITERS) >> static_cast<unsigned>(role)) & 1; } \
     static constexpr bool read_by(Role role) { return ((READERS) >> static_cast<unsigned>(role)) & 1; }    \
   }
@@ -39,6 +39,7 @@ inline constexpr unsigned service = 1u << static_cast<unsigned>(Role::service);
 inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer);
 }  // namespace topic_roles
 
+// clang-format off
 //            message              name             reliability  durability       depth  written by            read by
 COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
 COPPICE_TOPIC(Mission,             "mission",       reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
@@ -49,6 +50,7 @@ COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local
 COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::service | topic_roles::observer);
+// clang-format on
 
 #undef COPPICE_TOPIC
 

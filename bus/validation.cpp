@@ -10,12 +10,24 @@ namespace {
 
 using Problem = std::optional<std::string>;
 
-bool sane(double x) { return std::abs(x) <= largest_quantity; }  // false for NaN
-bool sane(const Point2& p) { return sane(p.x()) && sane(p.y()); }
-bool positive(double x) { return x > 0 && x <= largest_quantity; }
-bool not_negative(double x) { return x >= 0 && x <= largest_quantity; }
-bool named(const std::string& name) { return !name.empty() && name.size() <= longest_name; }
-bool known(Phase phase) { return phase <= Phase::stopped; }
+bool sane(double x) {
+  return std::abs(x) <= largest_quantity;
+}  // false for NaN
+bool sane(const Point2& p) {
+  return sane(p.x()) && sane(p.y());
+}
+bool positive(double x) {
+  return x > 0 && x <= largest_quantity;
+}
+bool not_negative(double x) {
+  return x >= 0 && x <= largest_quantity;
+}
+bool named(const std::string& name) {
+  return !name.empty() && name.size() <= longest_name;
+}
+bool known(Phase phase) {
+  return phase <= Phase::stopped;
+}
 
 Problem first_of(std::initializer_list<std::pair<bool, const char*>> checks) {
   for (const auto& [holds, text] : checks) {
@@ -78,18 +90,19 @@ Problem check(const InactiveTreeMessage& m) {
 }
 
 Problem check(const RobotState& m) {
-  return first_of({{named(m.robot), "robot name is empty or too long"},
-                   {sane(m.stamp) && sane(m.promise.turn) && sane(m.promise.expiry), "time is not finite"},
-                   {m.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry, "promise ends before it begins"},
-                   {sane(m.position), "position is not finite"},
-                   {positive(m.radius), "radius is not positive"},
-                   {positive(m.max_speed), "speed limit is not positive"},
-                   {positive(m.max_acceleration), "acceleration limit is not positive"},
-                   {sane(m.velocity) && m.velocity.norm() <= m.max_speed * 1.001, "velocity is above the limit"},
-                   {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
-                    "promised velocity is above the limit"},
-                   {known(m.phase), "unknown phase"},
-                   {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"}});
+  return first_of(
+      {{named(m.robot), "robot name is empty or too long"},
+       {sane(m.stamp) && sane(m.promise.turn) && sane(m.promise.expiry), "time is not finite"},
+       {m.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry, "promise ends before it begins"},
+       {sane(m.position), "position is not finite"},
+       {positive(m.radius), "radius is not positive"},
+       {positive(m.max_speed), "speed limit is not positive"},
+       {positive(m.max_acceleration), "acceleration limit is not positive"},
+       {sane(m.velocity) && m.velocity.norm() <= m.max_speed * 1.001, "velocity is above the limit"},
+       {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
+        "promised velocity is above the limit"},
+       {known(m.phase), "unknown phase"},
+       {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"}});
 }
 
 Problem check(const PathMessage& m) {
@@ -102,9 +115,10 @@ Problem check(const TrackMessage& m) {
   const auto fine = [](const TrackMessage::Point& p) {
     return sane(p.time) && sane(p.position) && sane(p.velocity);
   };
-  return first_of({{named(m.robot), "robot name is empty or too long"},
-                   {std::ranges::all_of(m.points, fine), "point is not finite"},
-                   {std::ranges::is_sorted(m.points, std::less{}, &TrackMessage::Point::time), "time runs back"}});
+  return first_of(
+      {{named(m.robot), "robot name is empty or too long"},
+       {std::ranges::all_of(m.points, fine), "point is not finite"},
+       {std::ranges::is_sorted(m.points, std::less{}, &TrackMessage::Point::time), "time runs back"}});
 }
 
 Problem check(const AgentStatus& m) {
@@ -115,7 +129,9 @@ Problem check(const AgentStatus& m) {
                    {not_negative(m.driven_length), "length is negative or not finite"}});
 }
 
-Problem check(const BrokerStatus&) { return std::nullopt; }
+Problem check(const BrokerStatus&) {
+  return std::nullopt;
+}
 
 }  // namespace
 

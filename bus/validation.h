@@ -12,7 +12,8 @@ namespace coppice {
 inline constexpr std::size_t longest_name = 64;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
-/// Coordinates, radii, speeds and times beyond this (metres, seconds and their quotients) are nonsense on any site.
+/// Coordinates, radii, speeds and times beyond this (metres, seconds and their quotients) are nonsense on any
+/// site.
 inline constexpr double largest_quantity = 1e9;
 
 /// What is wrong with the message, or nothing.

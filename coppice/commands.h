@@ -1,5 +1,5 @@
-// The subcommands of `coppice`. Each returns the exit code: 0 all well, 1 not every robot arrived (for plan: has a
-// path). Bad input throws InputError.
+// The subcommands of `coppice`. Each returns the exit code: 0 all well, 1 not every robot arrived (for plan:
+// has a path). Bad input throws InputError.
 #pragma once
 
 #include <cstdint>

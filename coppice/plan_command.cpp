@@ -12,9 +12,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
-proto::Report report_of(const Scenario& scenario, const FleetPlan& plan, const std::vector<double>& solved_after) {
+proto::Report report_of(const Scenario& scenario, const FleetPlan& plan,
+                        const std::vector<double>& solved_after) {
   proto::Report report;
   report.set_seed(scenario.seed);
   report.set_map(scenario.map_name);

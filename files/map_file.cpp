@@ -52,7 +52,8 @@ int read_size(Lines& lines, std::string_view name) {
     const auto [rest, problem] = std::from_chars(begin, end, value);
     if (problem != std::errc{} || rest != end) value = 0;
   }
-  if (value < 1 || value > largest_map_file_side) lines.fail(fmt::format("expected {}, found \"{}\"", expected, line));
+  if (value < 1 || value > largest_map_file_side)
+    lines.fail(fmt::format("expected {}, found \"{}\"", expected, line));
   return value;
 }
 

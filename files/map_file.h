@@ -7,9 +7,10 @@
 
 namespace coppice {
 
-/// Reads a `.map` (https://movingai.com/benchmarks/formats.html: `.`, `G` and `S` are free, all else is blocked; one
-/// cell is one metre, y grows downwards) or a `.yaml` (ROS map_server: resolution, origin, negate, thresholds; y grows
-/// upwards; what is not known to be free is blocked). Throws InputError, which names the file and the line or field.
+/// Reads a `.map` (https://movingai.com/benchmarks/formats.html: `.`, `G` and `S` are free, all else is
+/// blocked; one cell is one metre, y grows downwards) or a `.yaml` (ROS map_server: resolution, origin,
+/// negate, thresholds; y grows upwards; what is not known to be free is blocked). Throws InputError, which
+/// names the file and the line or field.
 OccupancyMap read_map(const std::filesystem::path& path);
 
 /// Writes a Moving AI `.map`; resolution, origin and the direction of y are not part of that format.

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double largest_side_pixels = 1000;
 
-/// Hues a golden angle apart: neighbours in the list differ clearly, and no number of robots runs out of colours.
+/// Hues a golden angle apart: neighbours in the list differ clearly, and no number of robots runs out of
+/// colours.
 std::string colour_of(std::size_t robot) {
   const double hue = std::fmod(205 + 137.508 * static_cast<double>(robot), 360);
   const int lightness = robot % 2 == 0 ? 42 : 56;  // for eyes that do not tell the hues apart
@@ -66,7 +67,8 @@ class Svg {
   std::string finish() const {
     const double scale = largest_side_pixels / std::max(map_.width, map_.height);
     return fmt::format(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"0 0 {} {}\">\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" viewBox=\"0 0 {} "
+        "{}\">\n"
         "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{}</svg>\n",
         map_.width * scale, map_.height * scale, map_.width, map_.height, body_);
   }
@@ -79,7 +81,8 @@ class Svg {
 
 void add_edges(Svg& svg, const PictureContent& content, int robot, double width) {
   const std::string colour = robot < 0 ? "#b8bcc4" : colour_of(static_cast<std::size_t>(robot));
-  svg.add("<path fill=\"none\" stroke=\"{}\" stroke-opacity=\"0.7\" stroke-width=\"{:.2f}\" d=\"", colour, width);
+  svg.add("<path fill=\"none\" stroke=\"{}\" stroke-opacity=\"0.7\" stroke-width=\"{:.2f}\" d=\"", colour,
+          width);
   for (const PictureContent::Edge& edge : content.edges) {
     if (edge.robot != robot) continue;
     const Point2 a = svg.place(edge.from);
@@ -108,23 +111,28 @@ std::string picture_svg(const PictureContent& content) {
   for (std::size_t i = 0; i < content.robots.size(); ++i) {
     const PictureContent::Robot& robot = content.robots[i];
     const std::string colour = colour_of(i);
-    svg.add_line(robot.path, fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{:.1f} {:.1f}\"",
-                                         colour, 1.6 * unit, 6 * unit, 4 * unit));
-    svg.add_line(robot.track, fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-linejoin=\"round\"", colour,
-                                          3 * unit));
+    svg.add_line(robot.path,
+                 fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-dasharray=\"{:.1f} {:.1f}\"",
+                             colour, 1.6 * unit, 6 * unit, 4 * unit));
+    svg.add_line(robot.track, fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-linejoin=\"round\"",
+                                          colour, 3 * unit));
     const Point2 start = svg.place(robot.start);
     const Point2 goal = svg.place(robot.goal);
     const double radius = svg.size(robot.radius);
-    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", start.x(), start.y(), radius, colour);
-    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"#ffffff\" stroke=\"{}\" stroke-width=\"{:.2f}\"/>\n",
-            goal.x(), goal.y(), radius, colour, 2.5 * unit);
+    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", start.x(), start.y(), radius,
+            colour);
+    svg.add(
+        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"#ffffff\" stroke=\"{}\" "
+        "stroke-width=\"{:.2f}\"/>\n",
+        goal.x(), goal.y(), radius, colour, 2.5 * unit);
     svg.add("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.1f}\" font-family=\"sans-serif\">{}</text>\n",
             start.x() + radius, start.y() - radius, 14 * unit, escaped(robot.name));
   }
-  svg.add("<text x=\"{0:.1f}\" y=\"{1:.1f}\" font-size=\"{2:.1f}\" font-family=\"sans-serif\" stroke=\"#ffffff\" "
-          "stroke-width=\"{3:.1f}\" paint-order=\"stroke\">disc: start, ring: goal, dashed: path, solid: driven, "
-          "thin: trees (grey: shared)</text>\n",
-          8 * unit, content.map.height - 8 * unit, 13 * unit, 3 * unit);
+  svg.add(
+      "<text x=\"{0:.1f}\" y=\"{1:.1f}\" font-size=\"{2:.1f}\" font-family=\"sans-serif\" stroke=\"#ffffff\" "
+      "stroke-width=\"{3:.1f}\" paint-order=\"stroke\">disc: start, ring: goal, dashed: path, solid: driven, "
+      "thin: trees (grey: shared)</text>\n",
+      8 * unit, content.map.height - 8 * unit, 13 * unit, 3 * unit);
   return svg.finish();
 }
 

@@ -1,4 +1,5 @@
-// A picture (SVG) of a run, like the paper's figures: map, trees in the groups' colours, paths and driven tracks.
+// A picture (SVG) of a run, like the paper's figures: map, trees in the groups' colours, paths and driven
+// tracks.
 #pragma once
 
 #include <filesystem>

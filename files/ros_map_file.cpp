@@ -54,7 +54,8 @@ long next_number(const std::string& data, std::size_t& at, const std::filesystem
   }
   long value = 0;
   const std::size_t begin = at;
-  while (at < data.size() && data[at] >= '0' && data[at] <= '9' && at - begin < 9) value = value * 10 + (data[at++] - '0');
+  while (at < data.size() && data[at] >= '0' && data[at] <= '9' && at - begin < 9)
+    value = value * 10 + (data[at++] - '0');
   if (at == begin) fail(path, fmt::format("truncated or malformed PGM: expected a number at byte {}", at));
   return value;
 }
@@ -68,7 +69,8 @@ Picture read_pgm(const std::filesystem::path& path) {
   const long height = next_number(data, at, path);
   const long white = next_number(data, at, path);
   check_size(path, width, height);
-  if (white < 1 || white > 65535) fail(path, fmt::format("largest value {} is out of range, expected 1 to 65535", white));
+  if (white < 1 || white > 65535)
+    fail(path, fmt::format("largest value {} is out of range, expected 1 to 65535", white));
   Picture picture{static_cast<int>(width), static_cast<int>(height), {}, {}};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const std::size_t bytes = white > 255 ? 2 : 1;
@@ -86,7 +88,8 @@ Picture read_pgm(const std::filesystem::path& path) {
       for (std::size_t b = 0; b < bytes; ++b) value = value * 256 + static_cast<unsigned char>(data[at++]);
     }
     if (value > white) fail(path, fmt::format("pixel {} is {}, above the largest value {}", k, value, white));
-    picture.shades.push_back(static_cast<std::uint8_t>(std::lround(255.0 * static_cast<double>(value) / static_cast<double>(white))));
+    picture.shades.push_back(static_cast<std::uint8_t>(
+        std::lround(255.0 * static_cast<double>(value) / static_cast<double>(white))));
   }
   picture.opaque.assign(pixels, 1);
   return picture;
@@ -140,7 +143,8 @@ Meaning read_meaning(const YAML::Node& yaml, const std::filesystem::path& path) 
   }
   if (yaml["negate"]) {
     const std::string value = yaml["negate"].as<std::string>();
-    if (value != "0" && value != "1" && value != "true" && value != "false") fail(path, "negate: expected 0 or 1");
+    if (value != "0" && value != "1" && value != "true" && value != "false")
+      fail(path, "negate: expected 0 or 1");
     meaning.negate = value == "1" || value == "true";
   }
   if (yaml["occupied_thresh"]) meaning.occupied = number_field(yaml, "occupied_thresh", 0, 1, path);
@@ -149,8 +153,8 @@ Meaning read_meaning(const YAML::Node& yaml, const std::filesystem::path& path) 
   return meaning;
 }
 
-/// Free only where the picture says so: what is unknown, or free to some degree only, is blocked. map_server takes the
-/// raw value as the occupancy, 0 being free.
+/// Free only where the picture says so: what is unknown, or free to some degree only, is blocked. map_server
+/// takes the raw value as the occupancy, 0 being free.
 bool is_free(const Meaning& meaning, std::uint8_t shade, bool opaque) {
   if (meaning.mode == "raw") return shade == 0;
   if (!opaque) return false;
@@ -168,7 +172,8 @@ OccupancyMap read_ros_map(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}:{}: {}", path.string(), problem.mark.line + 1, problem.msg));
   }
   if (!yaml.IsMap()) fail(path, "expected the fields of a map_server map");
-  if (!yaml["image"] || !yaml["image"].IsScalar()) fail(path, "image: expected the name of a PGM or PNG file");
+  if (!yaml["image"] || !yaml["image"].IsScalar())
+    fail(path, "image: expected the name of a PGM or PNG file");
   OccupancyMap map;
   map.y_axis = YAxis::up;
   map.resolution = number_field(yaml, "resolution", 1e-4, 1e4, path);
@@ -179,7 +184,8 @@ OccupancyMap read_ros_map(const std::filesystem::path& path) {
   try {
     map.origin = {origin[0].as<double>(), origin[1].as<double>()};
     if (!map.origin.allFinite()) fail(path, "origin: expected finite numbers");
-    if (origin.size() == 3 && origin[2].as<double>() != 0) fail(path, "origin: a turned map (yaw other than 0) is not supported");
+    if (origin.size() == 3 && origin[2].as<double>() != 0)
+      fail(path, "origin: a turned map (yaw other than 0) is not supported");
   } catch (const YAML::Exception&) {
     fail(path, "origin: expected numbers");
   }
@@ -194,8 +200,11 @@ OccupancyMap read_ros_map(const std::filesystem::path& path) {
   for (int row = 0; row < map.height; ++row) {
     for (int i = 0; i < map.width; ++i) {
       // The picture's last row is the lowest of the map.
-      const std::size_t from = static_cast<std::size_t>(map.height - 1 - row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(i);
-      const std::size_t to = static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(i);
+      const std::size_t from =
+          static_cast<std::size_t>(map.height - 1 - row) * static_cast<std::size_t>(map.width) +
+          static_cast<std::size_t>(i);
+      const std::size_t to =
+          static_cast<std::size_t>(row) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(i);
       map.blocked[to] = is_free(meaning, picture.shades[from], picture.opaque[from] != 0) ? 0 : 1;
     }
   }

@@ -22,8 +22,10 @@ const CLI::Validator above_zero(
 }  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
-  command.add_option("scenario", options.scenario, "scenario (.json) or Moving AI scenario (.scen)")->required();
-  command.add_option("--robots", options.overrides.robots, "only the first N robots")->check(CLI::Range(1, 100000));
+  command.add_option("scenario", options.scenario, "scenario (.json) or Moving AI scenario (.scen)")
+      ->required();
+  command.add_option("--robots", options.overrides.robots, "only the first N robots")
+      ->check(CLI::Range(1, 100000));
   command.add_option("--radius", options.overrides.radius, "of every robot, metres")->check(above_zero);
   command.add_option("--max-speed", options.overrides.max_speed, "of every robot, m/s")->check(above_zero);
   command.add_option("--seed", options.overrides.seed, "of every random choice");
@@ -37,8 +39,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_flag("--quiet", options.quiet, "do not print the report");
 }
 
-void write_results(const RunOptions& options, const proto::Report& report, const std::vector<NamedTrack>& tracks,
-                   const PictureContent& picture) {
+void write_results(const RunOptions& options, const proto::Report& report,
+                   const std::vector<NamedTrack>& tracks, const PictureContent& picture) {
   if (!options.report.empty()) write_report(options.report, report);
   if (!options.trajectory.empty()) write_trajectory(options.trajectory, tracks);
   if (!options.picture.empty()) write_picture(options.picture, picture);

@@ -1,4 +1,5 @@
-// The options that `coppice run`, `plan`, `simulate` and the planner service share, and the files that they ask for.
+// The options that `coppice run`, `plan`, `simulate` and the planner service share, and the files that they
+// ask for.
 #pragma once
 
 #include <optional>
@@ -19,19 +20,19 @@ struct RunOptions {
   ScenarioOptions overrides;
   double time_scale = 1;
   double timeout = 600;
-  std::string report;      ///< empty: not written
+  std::string report;  ///< empty: not written
   std::string trajectory;
   std::string picture;
   std::optional<int> domain;
   bool no_sharing = false;
-  bool quiet = false;      ///< the report is not printed
+  bool quiet = false;  ///< the report is not printed
 };
 
 /// Adds the options to a command; values out of range are usage errors.
 void add_run_options(CLI::App& command, RunOptions& options);
 
 /// Writes the files that were asked for. Throws InputError if one cannot be written.
-void write_results(const RunOptions& options, const proto::Report& report, const std::vector<NamedTrack>& tracks,
-                   const PictureContent& picture);
+void write_results(const RunOptions& options, const proto::Report& report,
+                   const std::vector<NamedTrack>& tracks, const PictureContent& picture);
 
 }  // namespace coppice

@@ -26,7 +26,8 @@ constexpr double default_tolerance_cells = 1;
 constexpr double speeds_a_second = 2;  // default acceleration: full speed within half a second
 constexpr std::size_t longest_robot_name = 64;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& field, const std::string& problem) {
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& field,
+                       const std::string& problem) {
   throw InputError(fmt::format("{}: {}: {}", path.string(), field, problem));
 }
 
@@ -79,11 +80,13 @@ proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& h
     int gx = 0;
     int gy = 0;
     if (!(fields >> bucket >> map >> w >> h >> sx >> sy >> gx >> gy)) {
-      throw InputError(fmt::format(
-          "{}:{}: expected bucket, map, width, height, start x, start y, goal x, goal y, length", path.string(), number));
+      throw InputError(
+          fmt::format("{}:{}: expected bucket, map, width, height, start x, start y, goal x, goal y, length",
+                      path.string(), number));
     }
     if (!scenario.map().empty() && (scenario.map() != map || w != width || h != height)) {
-      throw InputError(fmt::format("{}:{}: names another map or size than the lines before", path.string(), number));
+      throw InputError(
+          fmt::format("{}:{}: names another map or size than the lines before", path.string(), number));
     }
     scenario.set_map(map);
     width = w;
@@ -102,9 +105,11 @@ void check_name(const std::string& name, std::set<std::string>& names, const std
                 const std::string& field) {
   const auto allowed = [](char c) { return c > ' ' && c < 127 && c != '/'; };
   if (name.empty() || name.size() > longest_robot_name || !std::ranges::all_of(name, allowed)) {
-    fail(path, field, fmt::format("expected 1 to {} printable characters without spaces and slashes", longest_robot_name));
+    fail(path, field,
+         fmt::format("expected 1 to {} printable characters without spaces and slashes", longest_robot_name));
   }
-  if (!names.insert(name).second) fail(path, field, fmt::format("\"{}\" is the name of another robot too", name));
+  if (!names.insert(name).second)
+    fail(path, field, fmt::format("\"{}\" is the name of another robot too", name));
 }
 
 Point2 checked_place(bool there, const proto::Position& place, const ClearanceField& field, double radius,
@@ -114,12 +119,14 @@ Point2 checked_place(bool there, const proto::Position& place, const ClearanceFi
   if (!p.allFinite()) fail(path, name, "is not finite, expected numbers");
   const Box<2> box = map.bounds();
   if ((p.array() < box.lower.array()).any() || (p.array() > box.upper.array()).any()) {
-    fail(path, name, fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
-                                 box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
+    fail(path, name,
+         fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
+                     box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
   }
   if (!field.is_free(p, radius)) {
-    fail(path, name, fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
-                                 p.x(), p.y(), field.clearance(p), radius));
+    fail(path, name,
+         fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
+                     p.x(), p.y(), field.clearance(p), radius));
   }
   return p;
 }
@@ -146,12 +153,15 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   const proto::Scenario file = is_scen ? parse_scen(path, said_width, said_height) : parse_json(path);
 
   if (file.map().empty()) fail(path, "map", "is missing, expected the path of a map relative to this file");
-  Scenario scenario{.map_name = file.map(), .map = read_map(path.parent_path() / file.map()),
-                    .seed = options.seed.value_or(file.has_seed() ? file.seed() : 1), .robots = {}};
+  Scenario scenario{.map_name = file.map(),
+                    .map = read_map(path.parent_path() / file.map()),
+                    .seed = options.seed.value_or(file.has_seed() ? file.seed() : 1),
+                    .robots = {}};
   const OccupancyMap& map = scenario.map;
   if (is_scen && (said_width != map.width || said_height != map.height)) {
-    fail(path, "map", fmt::format("is {} x {} cells, but this file says {} x {}", map.width, map.height, said_width,
-                                  said_height));
+    fail(path, "map",
+         fmt::format("is {} x {} cells, but this file says {} x {}", map.width, map.height, said_width,
+                     said_height));
   }
   if (file.robots_size() == 0) fail(path, "robots", "is empty, expected at least one robot");
   const int count = options.robots.value_or(file.robots_size());
@@ -161,11 +171,12 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
 
   const ClearanceField field(map);
   const double cell = map.resolution;
-  const double radius = checked_positive(options.radius ? options.radius : optional_field(file.has_radius(), file.radius()),
-                                         default_radius_cells * cell, path, "radius");
-  const double speed =
-      checked_positive(options.max_speed ? options.max_speed : optional_field(file.has_max_speed(), file.max_speed()),
-                       default_speed_cells * cell, path, "max_speed");
+  const double radius =
+      checked_positive(options.radius ? options.radius : optional_field(file.has_radius(), file.radius()),
+                       default_radius_cells * cell, path, "radius");
+  const double speed = checked_positive(
+      options.max_speed ? options.max_speed : optional_field(file.has_max_speed(), file.max_speed()),
+      default_speed_cells * cell, path, "max_speed");
   const double tolerance = checked_positive(optional_field(file.has_goal_tolerance(), file.goal_tolerance()),
                                             default_tolerance_cells * cell, path, "goal_tolerance");
   std::set<std::string> names;
@@ -178,13 +189,14 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     // What the command line says holds for every robot.
     task.radius = options.radius.value_or(
         checked_positive(optional_field(robot.has_radius(), robot.radius()), radius, path, at + ".radius"));
-    task.max_speed = options.max_speed.value_or(
-        checked_positive(optional_field(robot.has_max_speed(), robot.max_speed()), speed, path, at + ".max_speed"));
+    task.max_speed = options.max_speed.value_or(checked_positive(
+        optional_field(robot.has_max_speed(), robot.max_speed()), speed, path, at + ".max_speed"));
     task.max_acceleration =
         checked_positive(optional_field(file.has_max_acceleration(), file.max_acceleration()),
                          speeds_a_second * task.max_speed, path, "max_acceleration");
     task.goal_tolerance = tolerance;
-    task.start = checked_place(robot.has_start(), robot.start(), field, task.radius, map, path, at + ".start");
+    task.start =
+        checked_place(robot.has_start(), robot.start(), field, task.radius, map, path, at + ".start");
     task.goal = checked_place(robot.has_goal(), robot.goal(), field, task.radius, map, path, at + ".goal");
     scenario.robots.push_back(std::move(task));
   }

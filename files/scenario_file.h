@@ -17,9 +17,9 @@ struct ScenarioOptions {
   std::optional<std::uint32_t> seed{};
 };
 
-/// Reads a scenario and its map, fills in defaults and checks everything that a run relies on. The robots of a `.scen`
-/// stand at the centres of their cells and are called r1, r2, ... Throws InputError, which names the file and the line
-/// or field, and what was expected.
+/// Reads a scenario and its map, fills in defaults and checks everything that a run relies on. The robots of
+/// a `.scen` stand at the centres of their cells and are called r1, r2, ... Throws InputError, which names
+/// the file and the line or field, and what was expected.
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options);
 
 /// Writes a scenario as JSON; `map_name` is the map's path relative to the file.

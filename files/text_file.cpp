@@ -4,9 +4,8 @@
 #include <fstream>
 #include <iterator>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "files/input_error.h"
 
@@ -30,7 +29,8 @@ void write_file(const std::filesystem::path& path, std::string_view content) {
     out.close();
     if (!out) {
       std::remove(temporary.c_str());
-      throw InputError(fmt::format("{}: cannot be written (does the folder exist, is there room?)", path.string()));
+      throw InputError(
+          fmt::format("{}: cannot be written (does the folder exist, is there room?)", path.string()));
     }
   }
   std::error_code problem;

@@ -10,8 +10,8 @@ namespace coppice {
 /// The bytes of a file. Throws InputError if it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
-/// Writes beside the target and renames: a reader sees the old file or the new one, and a full disk leaves the old.
-/// Throws InputError if it cannot be written.
+/// Writes beside the target and renames: a reader sees the old file or the new one, and a full disk leaves
+/// the old. Throws InputError if it cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace coppice

@@ -14,8 +14,8 @@ struct NamedTrack {
   Track track;
 };
 
-/// Header `time,robot,x,y,vx,vy`; rows by time, then by robot. Seconds, metres, metres per second, to a millionth.
-/// Throws InputError if the file cannot be written.
+/// Header `time,robot,x,y,vx,vy`; rows by time, then by robot. Seconds, metres, metres per second, to a
+/// millionth. Throws InputError if the file cannot be written.
 void write_trajectory(const std::filesystem::path& path, const std::vector<NamedTrack>& tracks);
 
 }  // namespace coppice

@@ -11,9 +11,10 @@ namespace coppice {
 
 namespace {
 
-constexpr double neighbour_horizon = 2.0;   // seconds that a proposal stays clear of the other robots
-constexpr double obstacle_horizon = 0.25;   // seconds; the promise keeps clear of obstacles until standstill anyway
-constexpr int directions = 16;              // of the velocities tried around the current one
+constexpr double neighbour_horizon = 2.0;  // seconds that a proposal stays clear of the other robots
+constexpr double obstacle_horizon =
+    0.25;                       // seconds; the promise keeps clear of obstacles until standstill anyway
+constexpr int directions = 16;  // of the velocities tried around the current one
 constexpr std::array shares{1.0, 0.6, 0.3};  // of the largest change of velocity in a period
 
 }  // namespace
@@ -26,14 +27,20 @@ void Driver::advance() {
 }
 
 Commitment Driver::commitment(bool parked) const {
-  return {.stamp = time_, .position = position_, .velocity = velocity_, .turn = time_ + period_,
-          .next_velocity = next_velocity_, .expiry = time_ + 2 * period_, .parked = parked && stands()};
+  return {.stamp = time_,
+          .position = position_,
+          .velocity = velocity_,
+          .turn = time_ + period_,
+          .next_velocity = next_velocity_,
+          .expiry = time_ + 2 * period_,
+          .parked = parked && stands()};
 }
 
 bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const {
   return clear_of_obstacles(turn_position(), velocity, radius_, limits_, period_, field) &&
-         clear_of_neighbours(turn_position(), velocity, time_ + period_, radius_, limits_, period_, neighbours);
+         clear_of_neighbours(turn_position(), velocity, time_ + period_, radius_, limits_, period_,
+                             neighbours);
 }
 
 /// The velocity nearest to the preferred one that reciprocal velocity obstacles allow.
@@ -49,7 +56,8 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
     const Commitment& c = n.commitment;
     const double since = n.silent || c.parked ? 0 : std::max(0.0, turn - c.expiry);
     const bool moves = !n.silent && !c.parked;
-    const Point2 position = c.position_at_expiry() + (since - (moves ? std::max(0.0, c.expiry - turn) : 0)) * c.next_velocity;
+    const Point2 position =
+        c.position_at_expiry() + (since - (moves ? std::max(0.0, c.expiry - turn) : 0)) * c.next_velocity;
     const MovingDisc other{position, moves ? c.next_velocity : Point2::Zero(), n.radius};
     const double reach = radius_ + n.radius + neighbour_horizon * (limits_.max_speed + n.limits.max_speed);
     if ((other.position - self.position).norm() > reach) continue;
@@ -59,7 +67,8 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
   return safe_velocity(preferred, limits_.max_speed, obstacles, robots);
 }
 
-void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field) {
+void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbours,
+                    const ClearanceField& field) {
   const Point2 wanted = proposal(preferred, neighbours, field);
   next_velocity_ = within_limits(wanted, velocity_, limits_, period_);
   if (safe(next_velocity_, neighbours, field)) return;
@@ -74,7 +83,8 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
     }
   }
   std::ranges::sort(candidates, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
-  const auto first = std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field); });
+  const auto first =
+      std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field); });
   // Braking in a straight line was shown to be clear when the current velocity was chosen.
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
 }

@@ -1,8 +1,9 @@
-// A robot's body and the control step that drives it: reciprocal velocity obstacles propose, promises dispose.
+// A robot's body and the control step that drives it: reciprocal velocity obstacles propose, promises
+// dispose.
 //
-// Time runs in periods. During each the velocity is constant; it was chosen one period before, so that everybody
-// could hear of it (promise.h). If nothing is chosen in time the body brakes in a straight line, which the choice
-// before has shown to be free.
+// Time runs in periods. During each the velocity is constant; it was chosen one period before, so that
+// everybody could hear of it (promise.h). If nothing is chosen in time the body brakes in a straight line,
+// which the choice before has shown to be free.
 //
 // Metres in the map frame, seconds of fleet time, metres per second.
 #pragma once
@@ -22,11 +23,12 @@ class Driver {
   Driver(const Point2& start, double time, double radius, const Limits& limits, double period)
       : position_(start), time_(time), radius_(radius), limits_(limits), period_(period) {}
 
-  /// One period passes: what was chosen is executed, and braking is what comes next unless something is chosen.
+  /// One period passes: what was chosen is executed, and braking is what comes next unless something is
+  /// chosen.
   void advance();
 
-  /// Chooses the velocity of the period after the current one: the safe one that is nearest to what reciprocal
-  /// velocity obstacles make of `preferred`.
+  /// Chooses the velocity of the period after the current one: the safe one that is nearest to what
+  /// reciprocal velocity obstacles make of `preferred`.
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
   /// What the others may count on. `parked`: it will not move again until it says otherwise.
@@ -41,7 +43,8 @@ class Driver {
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
-  Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field) const;
+  Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
+                  const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field) const;
   Point2 turn_position() const { return position_ + period_ * velocity_; }
 

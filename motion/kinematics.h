@@ -36,15 +36,16 @@ inline int braking_periods(double speed, const Limits& limits, double period) {
   return static_cast<int>(std::ceil(speed / (limits.max_acceleration * period)));
 }
 
-/// The highest speed from which braking over `distance` ends in standstill (continuous-time bound, with room for
-/// the period before braking begins).
+/// The highest speed from which braking over `distance` ends in standstill (continuous-time bound, with room
+/// for the period before braking begins).
 inline double speed_to_stop_within(double distance, const Limits& limits, double period) {
   const double lag = limits.max_acceleration * period;
   return std::max(0.0, std::sqrt(lag * lag + 2 * limits.max_acceleration * distance) - lag);
 }
 
 /// The velocity nearest to `wanted` that `limits` allow one period after `current`.
-inline Point2 within_limits(const Point2& wanted, const Point2& current, const Limits& limits, double period) {
+inline Point2 within_limits(const Point2& wanted, const Point2& current, const Limits& limits,
+                            double period) {
   const double reach = limits.max_acceleration * period;
   Point2 target = wanted;
   if (const double speed = target.norm(); speed > limits.max_speed) target *= limits.max_speed / speed;

@@ -11,8 +11,8 @@ namespace {
 // enough that a robot pushed aside comes back to its path. In seconds at full speed, and at least in radii.
 constexpr double look_ahead_seconds = 1.5;
 constexpr double least_look_ahead_radii = 2;
-// The projection onto the path is searched this far ahead of the last one, in radii: a path that comes back past
-// itself is not taken for its later part.
+// The projection onto the path is searched this far ahead of the last one, in radii: a path that comes back
+// past itself is not taken for its later part.
 constexpr double projection_window_radii = 8;
 constexpr int halvings = 6;
 
@@ -55,8 +55,8 @@ double PathFollower::advance_progress(const Point2& position) {
   return best;
 }
 
-Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceField& field, const Limits& limits,
-                                        double period) {
+Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceField& field,
+                                        const Limits& limits, double period) {
   progress_ = advance_progress(position);
   const double total = along_.back();
   double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
@@ -77,8 +77,8 @@ Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceF
   const double distance = gap.norm();
   if (distance < 1e-9) return Point2::Zero();
   const double remaining = distance + std::max(0.0, total - progress_ - ahead);
-  const double speed = std::min({limits.max_speed, speed_to_stop_within(remaining, limits, period),
-                                 remaining / period});
+  const double speed =
+      std::min({limits.max_speed, speed_to_stop_within(remaining, limits, period), remaining / period});
   return gap * (speed / distance);
 }
 

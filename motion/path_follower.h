@@ -1,5 +1,5 @@
-// The preferred velocity of a robot on its path: straight towards the furthest point of the path, within reach,
-// that it sees.
+// The preferred velocity of a robot on its path: straight towards the furthest point of the path, within
+// reach, that it sees.
 //
 // Metres in the map frame, seconds, metres per second.
 #pragma once
@@ -15,8 +15,8 @@ class PathFollower {
   /// `path` holds at least one point; it keeps `radius` clear.
   PathFollower(Path path, double radius);
 
-  /// Towards the path and along it; slows down so as to stand at its end. Zero where the robot sees no point of
-  /// the path from where it is: then `lost()` holds, and a new path is needed.
+  /// Towards the path and along it; slows down so as to stand at its end. Zero where the robot sees no point
+  /// of the path from where it is: then `lost()` holds, and a new path is needed.
   Point2 preferred_velocity(const Point2& position, const ClearanceField& field, const Limits& limits,
                             double period);
 
@@ -30,7 +30,7 @@ class PathFollower {
   Path path_;
   std::vector<double> along_;  ///< distance of each waypoint from the path's beginning
   double radius_;
-  double progress_ = 0;        ///< how far along the path the robot has come
+  double progress_ = 0;  ///< how far along the path the robot has come
   bool lost_ = false;
 };
 

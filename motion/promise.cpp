@@ -23,8 +23,11 @@ double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, co
 class NeighbourRegion {
  public:
   NeighbourRegion(const Neighbour& neighbour, double own_radius, double period)
-      : n_(neighbour), period_(period), reach_(own_radius + neighbour.radius + margin),
-        at_turn_(n_.commitment.position_at_turn()), at_expiry_(n_.commitment.position_at_expiry()) {}
+      : n_(neighbour),
+        period_(period),
+        reach_(own_radius + neighbour.radius + margin),
+        at_turn_(n_.commitment.position_at_turn()),
+        at_expiry_(n_.commitment.position_at_expiry()) {}
 
   bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {
     if (n_.commitment.parked) return closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_;
@@ -100,7 +103,8 @@ bool clear_of_neighbours(const Point2& position, const Point2& velocity, double 
   const int periods = 1 + braking_periods(velocity.norm(), limits, period);
   for (const Neighbour& neighbour : neighbours) {
     const double horizon = from + periods * period - neighbour.commitment.stamp;
-    const double far = radius + neighbour.radius + travel + neighbour.limits.max_speed * std::max(0.0, horizon);
+    const double far =
+        radius + neighbour.radius + travel + neighbour.limits.max_speed * std::max(0.0, horizon);
     if (!neighbour.silent && (position - neighbour.commitment.position).norm() > far) continue;
 
     const NeighbourRegion region(neighbour, radius, period);

@@ -1,8 +1,9 @@
 // What a robot binds itself to in every state that it sends, and what follows for the others.
 //
-// A robot decides one control period ahead: at the time `stamp` it moves with `velocity`, and has already chosen
-// the velocity of the period after that. So everybody who hears the state knows its motion until `expiry`; beyond
-// that, only its limits bound it. Two bounds hold at a time s after the expiry, and a robot lies within both:
+// A robot decides one control period ahead: at the time `stamp` it moves with `velocity`, and has already
+// chosen the velocity of the period after that. So everybody who hears the state knows its motion until
+// `expiry`; beyond that, only its limits bound it. Two bounds hold at a time s after the expiry, and a robot
+// lies within both:
 //   - it is at most max_speed * s from where it was at the expiry;
 //   - it is at most max_acceleration * s * (s + period) / 2 from where its velocity at the expiry would have
 //     taken it (velocities change in steps, at the period's beginning).
@@ -43,8 +44,8 @@ struct Neighbour {
   bool silent = false;
 };
 
-/// Where this robot will be if it executes `velocity` for one period from `from` on and then brakes in a straight
-/// line: whether it overlaps nothing that a neighbour may cover until it stands.
+/// Where this robot will be if it executes `velocity` for one period from `from` on and then brakes in a
+/// straight line: whether it overlaps nothing that a neighbour may cover until it stands.
 bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
                          const Limits& limits, double period, std::span<const Neighbour> neighbours);
 

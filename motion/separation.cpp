@@ -134,7 +134,8 @@ std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, con
       const Point2& to = track.points[i].position;
       if (i > 0 && from == to) continue;
       // Where the segment cannot come nearer than what is known, its bound is enough.
-      if (field.lower_bound(from) - (to - from).norm() - track.radius > std::min(least, result.least)) continue;
+      if (field.lower_bound(from) - (to - from).norm() - track.radius > std::min(least, result.least))
+        continue;
       least = std::min(least, field.segment_clearance(from, to) - track.radius);
     }
     if (track.points.empty()) continue;

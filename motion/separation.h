@@ -29,7 +29,7 @@ struct Track {
 inline constexpr double overlap_tolerance = 1e-6;
 
 struct Separation {
-  double least = 0;         ///< over time and pairs: distance minus both radii
+  double least = 0;             ///< over time and pairs: distance minus both radii
   std::size_t overlapping = 0;  ///< pairs that overlapped by more than the tolerance
 };
 
@@ -37,7 +37,7 @@ struct Separation {
 std::optional<Separation> separation_of(std::span<const Track> tracks);
 
 struct ObstacleClearance {
-  double least = 0;         ///< over time and robots: clearance minus the radius
+  double least = 0;             ///< over time and robots: clearance minus the radius
   std::size_t overlapping = 0;  ///< robots that overlapped an obstacle by more than the tolerance
 };
 

@@ -1,12 +1,12 @@
-// planner_service --domain D SCENARIO: hands out the missions of a scenario, shows progress, writes the report.
+// planner_service --domain D SCENARIO: hands out the missions of a scenario, shows progress, writes the
+// report.
 
 #include <iostream>
 #include <optional>
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "bus/dds_bus.h"
 #include "bus/process.h"
@@ -26,9 +26,10 @@ using namespace coppice;
 int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   DdsBus bus({.domain = options.domain.value_or(0)}, Role::service, "planner_service");
-  PlannerService service(std::move(scenario),
-                         {.time_scale = options.time_scale, .timeout = options.timeout, .sharing = !options.no_sharing},
-                         wall_now());
+  PlannerService service(
+      std::move(scenario),
+      {.time_scale = options.time_scale, .timeout = options.timeout, .sharing = !options.no_sharing},
+      wall_now());
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();

@@ -13,9 +13,9 @@ namespace coppice {
 
 namespace {
 
-constexpr WallTime beat = 0.1;               // seconds between looks at what has changed
-constexpr WallTime agent_lease = 5;          // seconds without a status: the agent counts as lost
-constexpr WallTime first_sign_lease = 30;    // seconds until an agent must have appeared at all
+constexpr WallTime beat = 0.1;             // seconds between looks at what has changed
+constexpr WallTime agent_lease = 5;        // seconds without a status: the agent counts as lost
+constexpr WallTime first_sign_lease = 30;  // seconds until an agent must have appeared at all
 constexpr WallTime longest_wait_for_tracks = 3;
 constexpr std::uint32_t mission_number = 1;
 // A picture with more edges than that shows nothing but ink.
@@ -25,8 +25,8 @@ constexpr std::size_t most_picture_edges = 100'000;
 std::string content_id(const OccupancyMap& map) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto add = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3u; };
-  for (const char c : fmt::format("{} {} {} {} {}", map.width, map.height, map.resolution, map.origin.x(),
-                                  map.origin.y())) {
+  for (const char c :
+       fmt::format("{} {} {} {} {}", map.width, map.height, map.resolution, map.origin.x(), map.origin.y())) {
     add(static_cast<std::uint8_t>(c));
   }
   for (const std::uint8_t cell : map.blocked) add(cell);
@@ -45,7 +45,9 @@ bool PlannerService::Robot::done() const {
 }
 
 PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now)
-    : scenario_(std::move(scenario)), settings_(settings), map_id_(content_id(scenario_.map)),
+    : scenario_(std::move(scenario)),
+      settings_(settings),
+      map_id_(content_id(scenario_.map)),
       clock_{now, settings.time_scale} {
   for (const RobotTask& task : scenario_.robots) {
     Robot robot;
@@ -74,7 +76,9 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   known->second.status = status;
 }
 
-void PlannerService::receive(const BrokerStatus& status, WallTime) { brokers_[status.broker] = status; }
+void PlannerService::receive(const BrokerStatus& status, WallTime) {
+  brokers_[status.broker] = status;
+}
 
 void PlannerService::receive(const PathMessage& path, WallTime) {
   const auto known = robots_.find(path.robot);
@@ -86,7 +90,8 @@ void PlannerService::receive(const TrackMessage& batch, WallTime) {
   if (known == robots_.end() || batch.mission != mission_number) return;
   auto& points = known->second.track.points;
   for (std::size_t i = 0; i < batch.points.size(); ++i) {
-    // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in the count.
+    // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in
+    // the count.
     if (batch.first_index + i < points.size()) continue;
     points.push_back({batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
   }
@@ -109,12 +114,20 @@ void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
 
 Mission PlannerService::mission_of(const Robot& robot) const {
   const auto place = std::ranges::find(order_, robot.task.name) - order_.begin();
-  return {.robot = robot.task.name, .number = mission_number,
-          .fleet_size = static_cast<std::uint32_t>(robots_.size()), .map_id = map_id_, .start = robot.task.start,
-          .goal = robot.task.goal, .radius = robot.task.radius, .max_speed = robot.task.max_speed,
-          .max_acceleration = robot.task.max_acceleration, .goal_tolerance = robot.task.goal_tolerance,
-          .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place), .sharing = settings_.sharing,
-          .cancelled = ended_.has_value(), .clock = clock_};
+  return {.robot = robot.task.name,
+          .number = mission_number,
+          .fleet_size = static_cast<std::uint32_t>(robots_.size()),
+          .map_id = map_id_,
+          .start = robot.task.start,
+          .goal = robot.task.goal,
+          .radius = robot.task.radius,
+          .max_speed = robot.task.max_speed,
+          .max_acceleration = robot.task.max_acceleration,
+          .goal_tolerance = robot.task.goal_tolerance,
+          .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place),
+          .sharing = settings_.sharing,
+          .cancelled = ended_.has_value(),
+          .clock = clock_};
 }
 
 std::vector<Message> PlannerService::step(WallTime now) {
@@ -177,7 +190,8 @@ std::string PlannerService::reason_of(const Robot& robot) const {
   if (robot.at_goal()) return {};
   if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
   if (!robot.status->reason.empty()) return robot.status->reason;
-  if (robot.track.points.size() < robot.status->track_points) return "the record of its track is not complete";
+  if (robot.track.points.size() < robot.status->track_points)
+    return "the record of its track is not complete";
   if (robot.lost) return "the agent has fallen silent";
   if (interrupted_) return "interrupted";
   if (robot.path.empty()) return "no path found before the time was over";
@@ -270,11 +284,12 @@ PictureContent PlannerService::picture() const {
     const Robot& robot = robots_.at(order_[i]);
     Path track;
     for (const TrackPoint& point : robot.track.points) track.push_back(point.position);
-    content.robots.push_back({robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, track});
+    content.robots.push_back(
+        {robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, track});
     for (const RootNodes::Node& node : robot.root_nodes) {
       if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
-      content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position, node.position,
-                               static_cast<int>(i)});
+      content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position,
+                               node.position, static_cast<int>(i)});
     }
   }
   return content;

@@ -1,7 +1,8 @@
 // The planner service: a mission in, progress and a report out.
 //
-// It hands out the map and the missions, follows what the roles say, ends the run, and makes the report from the
-// recorded tracks rather than from anybody's word. A state machine: messages and the time go in, messages come out.
+// It hands out the map and the missions, follows what the roles say, ends the run, and makes the report from
+// the recorded tracks rather than from anybody's word. A state machine: messages and the time go in, messages
+// come out.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +20,17 @@
 namespace coppice {
 
 struct ServiceSettings {
-  double time_scale = 1;      ///< fleet seconds a wall second
-  double timeout = 600;       ///< fleet seconds after which the run ends whoever is still under way
-  bool sharing = true;        ///< false: agents plan alone
+  double time_scale = 1;  ///< fleet seconds a wall second
+  double timeout = 600;   ///< fleet seconds after which the run ends whoever is still under way
+  bool sharing = true;    ///< false: agents plan alone
 };
 
 struct Progress {
   int robots = 0;
   int planned = 0;
   int arrived = 0;
-  double elapsed = 0;          ///< fleet seconds
-  std::uint64_t nodes = 0;     ///< valid nodes of the broker and of the robots that have finished planning
+  double elapsed = 0;       ///< fleet seconds
+  std::uint64_t nodes = 0;  ///< valid nodes of the broker and of the robots that have finished planning
 };
 
 class PlannerService {

@@ -8,7 +8,8 @@
 
 namespace coppice {
 
-/// One line: paths found, robots arrived, elapsed fleet time, and nodes that joined trees a second of fleet time.
+/// One line: paths found, robots arrived, elapsed fleet time, and nodes that joined trees a second of fleet
+/// time.
 std::string progress_line(const Progress& progress);
 
 /// Shows progress: on a terminal one line that is redrawn, elsewhere a plain line each second.

@@ -32,7 +32,7 @@ Point<D> random_direction(Random& random) {
 template <int D>
 class DirectedSampler {
  public:
-  static constexpr double kappa = 2.0;                       // concentration of the von Mises-Fisher density
+  static constexpr double kappa = 2.0;  // concentration of the von Mises-Fisher density
   static constexpr double kernel_width = 0.31415926535897931;  // pi / 10, of the suppression
 
   Point<D> draw(Random& random) const {

@@ -21,8 +21,8 @@ double least_radius(std::span<const PlanningProblem> problems) {
 }
 
 /// Closes the groups whose goal provably cannot be reached.
-void give_up_unreachable(Planner& planner, const ClearanceField& field, std::span<const PlanningProblem> problems,
-                         FleetPlan& plan) {
+void give_up_unreachable(Planner& planner, const ClearanceField& field,
+                         std::span<const PlanningProblem> problems, FleetPlan& plan) {
   for (GroupIndex g = 0; g < problems.size(); ++g) {
     const PlanningProblem& p = problems[g];
     if (!planner.is_open(g) || !provably_unreachable(field, p.start, p.goal, p.radius)) continue;
@@ -38,7 +38,8 @@ void collect_edges(const Planner& planner, FleetPlan& plan) {
     const int robot = tree.kind == TreeKind::root ? static_cast<int>(tree.group) : -1;
     trees.for_each_edge(n, [&](const auto& edge) {
       if (edge.to < n) {
-        plan.edges.push_back({trees.position(edge.to), trees.position(n), robot, tree.kind == TreeKind::active});
+        plan.edges.push_back(
+            {trees.position(edge.to), trees.position(n), robot, tree.kind == TreeKind::active});
       }
     });
   }
@@ -54,8 +55,8 @@ FleetPlan plan_fleet(const ClearanceField& field, std::span<const PlanningProble
   if (problems.empty()) return plan;
   const double epsilon =
       settings.epsilon > 0 ? settings.epsilon : suggested_epsilon(field, least_radius(problems));
-  const std::size_t trees =
-      settings.disjointed_trees > 0 ? settings.disjointed_trees : std::max<std::size_t>(16, 2 * problems.size());
+  const std::size_t trees = settings.disjointed_trees > 0 ? settings.disjointed_trees
+                                                          : std::max<std::size_t>(16, 2 * problems.size());
   Planner planner(field, {.epsilon = epsilon, .disjointed_trees = trees}, random);
 
   std::vector<bool> told(problems.size(), false);

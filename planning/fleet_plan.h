@@ -1,7 +1,7 @@
 // Paths for a whole fleet in one process: Algorithm 2 from beginning to end, with no bus and no motion.
 //
-// Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random Disjointed-Trees", 2023; with one
-// robot it is Algorithm 1, RRdT*. Metres.
+// Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random Disjointed-Trees", 2023; with
+// one robot it is Algorithm 1, RRdT*. Metres.
 #pragma once
 
 #include <cstdint>
@@ -44,12 +44,12 @@ struct FleetPlan {
 };
 
 struct FleetPlanSettings {
-  double epsilon = 0;              ///< 0: from the map (step_length.h)
+  double epsilon = 0;                ///< 0: from the map (step_length.h)
   std::size_t disjointed_trees = 0;  ///< 0: max(16, 2 n)
 };
 
-/// Runs until every robot has a path or is proved to have none, or until `stop`, asked every few hundred iterations,
-/// says so. `on_solved` hears of each robot (its index) as soon as its root trees have met.
+/// Runs until every robot has a path or is proved to have none, or until `stop`, asked every few hundred
+/// iterations, says so. `on_solved` hears of each robot (its index) as soon as its root trees have met.
 FleetPlan plan_fleet(const ClearanceField& field, std::span<const PlanningProblem> problems,
                      const FleetPlanSettings& settings, Random random, const std::function<bool()>& stop,
                      const std::function<void(std::size_t)>& on_solved);

@@ -11,8 +11,8 @@ namespace coppice {
 
 template <int D>
 struct FrozenTree {
-  double radius = 0;               ///< every node and edge keeps at least this clearance, metres
-  std::vector<Point<D>> nodes;     ///< node 0 is the root
+  double radius = 0;                  ///< every node and edge keeps at least this clearance, metres
+  std::vector<Point<D>> nodes;        ///< node 0 is the root
   std::vector<std::int32_t> parents;  ///< index of each node's parent, below its own; -1 for the root
 };
 

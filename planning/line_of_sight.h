@@ -8,12 +8,13 @@
 
 namespace coppice {
 
-/// Points in a row that are out of sight before the search for the furthest visible one ends: sight past a pillar comes
-/// back after a few points, and asking all of a long path costs quadratic time for next to nothing.
+/// Points in a row that are out of sight before the search for the furthest visible one ends: sight past a
+/// pillar comes back after a few points, and asking all of a long path costs quadratic time for next to
+/// nothing.
 inline constexpr std::size_t line_of_sight_misses = 8;
 
-/// The path without the points that lie between two that see each other: from each point on to the furthest visible
-/// one. Ends stay; it never becomes longer.
+/// The path without the points that lie between two that see each other: from each point on to the furthest
+/// visible one. Ends stay; it never becomes longer.
 template <Space S>
 std::vector<Point<S::dimension>> optimise_line_of_sight(const S& space,
                                                         const std::vector<Point<S::dimension>>& path,

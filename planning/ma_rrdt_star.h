@@ -1,20 +1,22 @@
 // MA-RRdT*: paths for many robots from trees that they share.
 //
 // Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random Disjointed-Trees", 2023,
-// Algorithm 2; with one group it is Algorithm 1, RRdT* (after Lai, Ramos, Francis, 2019). What the paper leaves
-// open, and what was chosen, is in docs/planning.md.
+// Algorithm 2; with one group it is Algorithm 1, RRdT* (after Lai, Ramos, Francis, 2019). What the paper
+// leaves open, and what was chosen, is in docs/planning.md.
 //
 // A *group* is one robot's problem: two root trees, from its start and from its goal. *Disjointed* trees are
-// rooted anywhere in free space. One that comes within epsilon and in sight of a root tree becomes *inactive*:
-// it never changes again, and every group may graft it, to one of its two root trees. When the two root trees of
-// a group meet, also through what they grafted, the group is solved: it stops growing and is left out of merging.
+// rooted anywhere in free space. One that comes within epsilon and in sight of a root tree becomes
+// *inactive*: it never changes again, and every group may graft it, to one of its two root trees. When the
+// two root trees of a group meet, also through what they grafted, the group is solved: it stops growing and
+// is left out of merging.
 //
-// Grafting is by reference. A group only marks the tree; trees that see each other are linked once, and a mark
-// spreads along the links, so what one group explored costs the next one next to nothing. Costs-to-come inside of
-// grafted trees are computed by the one search that matters, for the path (path_search.h).
+// Grafting is by reference. A group only marks the tree; trees that see each other are linked once, and a
+// mark spreads along the links, so what one group explored costs the next one next to nothing. Costs-to-come
+// inside of grafted trees are computed by the one search that matters, for the path (path_search.h).
 //
-// Which trees grow *here* is up to the caller, so the same code is the whole planner in one process, the broker
-// (disjointed trees here, root trees elsewhere) and an agent (its own root trees here, disjointed trees elsewhere).
+// Which trees grow *here* is up to the caller, so the same code is the whole planner in one process, the
+// broker (disjointed trees here, root trees elsewhere) and an agent (its own root trees here, disjointed
+// trees elsewhere).
 //
 // Metres. No clock: `step` is one iteration. Not thread-safe.
 #pragma once
@@ -87,7 +89,9 @@ class MaRrdtStar {
   TreeIndex add_inactive_tree(const FrozenTree<D>& frozen);
 
   /// From now on this many disjointed trees grow here at a time; never fewer than before.
-  void grow_disjointed_trees(std::size_t count) { settings_.disjointed_trees = std::max(settings_.disjointed_trees, count); }
+  void grow_disjointed_trees(std::size_t count) {
+    settings_.disjointed_trees = std::max(settings_.disjointed_trees, count);
+  }
 
   /// One iteration of Algorithm 2. False if nothing grows here or every group is solved.
   bool step();
@@ -177,7 +181,9 @@ class MaRrdtStar {
   void freeze(TreeIndex t);
   void link(TreeIndex a, TreeIndex b);
   void graft(GroupIndex g, Root side, TreeIndex t);
-  Mark mark(const Group& group, TreeIndex t) const { return t < group.marks.size() ? group.marks[t] : Mark::none; }
+  Mark mark(const Group& group, TreeIndex t) const {
+    return t < group.marks.size() ? group.marks[t] : Mark::none;
+  }
   bool linked(TreeIndex a, TreeIndex b) const;
   bool visible(NodeId a, NodeId b, double radius) const {
     return space_.segment_free(trees_.position(a), trees_.position(b), radius);
@@ -192,7 +198,7 @@ class MaRrdtStar {
   std::vector<GroupIndex> open_;
   std::vector<Arm> arms_;
   std::size_t disjointed_arms_ = 0;  ///< of arms_
-  bool some_group_left_ = false;  // its arms are still in arms_
+  bool some_group_left_ = false;     // its arms are still in arms_
   SampleCounts disjointed_counts_;
   std::vector<TreeIndex> frozen_;
   std::vector<NodeId> near_;  // scratch of near()

@@ -28,7 +28,8 @@ bool MaRrdtStar<S>::step() {
   return true;
 }
 
-/// At random, in proportion to the weights: a uniform choice that is kept with probability weight / full weight.
+/// At random, in proportion to the weights: a uniform choice that is kept with probability weight / full
+/// weight.
 template <Space S>
 auto MaRrdtStar<S>::pick_tree() -> Arm& {
   while (true) {
@@ -43,8 +44,8 @@ bool MaRrdtStar<S>::failing(const Arm& arm) const {
   return arm.group == no_group && trees_.tree(trees_.tree_of(arm.node)).kind != TreeKind::active;
 }
 
-/// A new disjointed tree at a random free point. Near a disjointed tree it becomes a node of that one; near a root
-/// tree, or one that is grafted, it is a shared tree of one node that is grafted at once.
+/// A new disjointed tree at a random free point. Near a disjointed tree it becomes a node of that one; near a
+/// root tree, or one that is grafted, it is a shared tree of one node that is grafted at once.
 template <Space S>
 void MaRrdtStar<S>::restart(Arm& arm) {
   const double radius = groups_[open_[random_.index(open_.size())]].radius;
@@ -55,8 +56,9 @@ void MaRrdtStar<S>::restart(Arm& arm) {
   compare_disjointed_node(arm.node);
 }
 
-/// The more nodes of shared trees a point sees close by, the less it teaches, and the less likely it is to be kept: so
-/// the density of nodes stays bounded, yet no point is excluded for ever, which would break completeness.
+/// The more nodes of shared trees a point sees close by, the less it teaches, and the less likely it is to be
+/// kept: so the density of nodes stays bounded, yet no point is excluded for ever, which would break
+/// completeness.
 template <Space S>
 bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
   const double reach = least_spacing * settings_.epsilon;
@@ -80,7 +82,8 @@ void MaRrdtStar<S>::restart_root(Arm& arm) {
   arm.sampler.reset();
 }
 
-/// One chained directed sample: extend the tree from its nearest node, and see which trees that brings together.
+/// One chained directed sample: extend the tree from its nearest node, and see which trees that brings
+/// together.
 template <Space S>
 void MaRrdtStar<S>::grow(Arm& arm) {
   const TreeIndex t = trees_.tree_of(arm.node);
@@ -167,8 +170,8 @@ std::span<const NodeId> MaRrdtStar<S>::near(NodeId q) {
   return near_;
 }
 
-/// MergeTrees for a node q of a disjointed tree: it takes in the active trees that q sees, and becomes inactive
-/// if q sees a root tree of an open group or a tree that is inactive already.
+/// MergeTrees for a node q of a disjointed tree: it takes in the active trees that q sees, and becomes
+/// inactive if q sees a root tree of an open group or a tree that is inactive already.
 template <Space S>
 void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
   TreeIndex t = trees_.tree_of(q);
@@ -201,8 +204,8 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
   for (const auto& [g, side] : roots) graft(g, side, t);
 }
 
-/// MergeTrees for a node q of a root tree: the disjointed trees that it sees are grafted, and where it sees its
-/// partner, also one of the trees grafted to that, the group is solved.
+/// MergeTrees for a node q of a root tree: the disjointed trees that it sees are grafted, and where it sees
+/// its partner, also one of the trees grafted to that, the group is solved.
 template <Space S>
 void MaRrdtStar<S>::compare_root_node(NodeId q, GroupIndex g, Root side) {
   const double radius = groups_[g].radius;
@@ -232,8 +235,9 @@ NodeId MaRrdtStar<S>::add_root_node(GroupIndex g, Root side, const P& p, NodeId 
   return q;
 }
 
-/// RRT* (Karaman, Frazzoli, 2011, Algorithm 6): the cheapest parent among the near nodes of the own tree, then the
-/// near nodes whose way through q is shorter. Edges that were found to be free stay, for the path's search.
+/// RRT* (Karaman, Frazzoli, 2011, Algorithm 6): the cheapest parent among the near nodes of the own tree,
+/// then the near nodes whose way through q is shorter. Edges that were found to be free stay, for the path's
+/// search.
 template <Space S>
 void MaRrdtStar<S>::choose_parent_and_rewire(NodeId q, NodeId from) {
   const TreeIndex t = trees_.tree_of(q);
@@ -244,8 +248,8 @@ void MaRrdtStar<S>::choose_parent_and_rewire(NodeId q, NodeId from) {
     if (n != from && trees_.tree_of(n) == t && visible(n, q, radius)) seen.push_back(n);
   }
   seen.push_back(from);
-  const NodeId parent = *std::ranges::min_element(
-      seen, std::less{}, [&](NodeId n) { return trees_.cost(n) + distance(n); });
+  const NodeId parent =
+      *std::ranges::min_element(seen, std::less{}, [&](NodeId n) { return trees_.cost(n) + distance(n); });
   trees_.set_parent(q, parent, trees_.cost(parent) + distance(parent));
   for (const NodeId n : seen) {
     trees_.add_edge(q, n);
@@ -340,8 +344,8 @@ void MaRrdtStar<S>::link(TreeIndex a, TreeIndex b) {
   }
 }
 
-/// Grafts an inactive tree to a root tree of g, and every tree that follows from that. Where a tree turns out to be
-/// grafted to the partner, the root trees have met.
+/// Grafts an inactive tree to a root tree of g, and every tree that follows from that. Where a tree turns out
+/// to be grafted to the partner, the root trees have met.
 template <Space S>
 void MaRrdtStar<S>::graft(GroupIndex g, Root side, TreeIndex t) {
   Group& group = groups_[g];
@@ -393,7 +397,8 @@ auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
   if (!solved(g)) return {};
   const double radius = groups_[g].radius;
   auto usable = [&](const Tree& tree) {
-    return tree.kind == TreeKind::inactive ? tree.radius >= radius : tree.kind == TreeKind::root && tree.group == g;
+    return tree.kind == TreeKind::inactive ? tree.radius >= radius
+                                           : tree.kind == TreeKind::root && tree.group == g;
   };
   std::vector<P> points;
   for (const NodeId n : shortest_path(trees_, root(g, Root::start), root(g, Root::goal), usable, search_)) {

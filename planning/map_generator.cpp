@@ -23,7 +23,8 @@ constexpr int placement_tries = 200'000;
 void fill(OccupancyMap& map, int left, int top, int width, int height, std::uint8_t value) {
   for (int j = std::max(top, 0); j < std::min(top + height, map.height); ++j) {
     for (int i = std::max(left, 0); i < std::min(left + width, map.width); ++i) {
-      map.blocked[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(i)] = value;
+      map.blocked[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
+                  static_cast<std::size_t>(i)] = value;
     }
   }
 }
@@ -43,7 +44,8 @@ void add_star(OccupancyMap& map, Random& random) {
       const double place = std::min(turn, 0x1.fffffp-1) * static_cast<double>(corners);
       const auto k = static_cast<std::size_t>(place);
       const double share = place - static_cast<double>(k);
-      if (offset.norm() <= reach[k] * (1 - share) + reach[(k + 1) % corners] * share) fill(map, i, j, 1, 1, 1);
+      if (offset.norm() <= reach[k] * (1 - share) + reach[(k + 1) % corners] * share)
+        fill(map, i, j, 1, 1, 1);
     }
   }
 }
@@ -53,7 +55,8 @@ void make_dense(OccupancyMap& map, Random& random) {
   while (static_cast<double>(std::ranges::count(map.blocked, 1)) < dense_share * cells) add_star(map, random);
 }
 
-/// Depth-first search over a grid of corridor crossings: each new one is joined to the one that it was found from.
+/// Depth-first search over a grid of corridor crossings: each new one is joined to the one that it was found
+/// from.
 void make_maze(OccupancyMap& map, Random& random) {
   const int pitch = corridor + maze_wall;
   const int columns = (map.width - maze_wall) / pitch;
@@ -74,7 +77,8 @@ void make_maze(OccupancyMap& map, Random& random) {
     for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const int u = c + dc;
       const int v = r + dr;
-      if (u < 0 || v < 0 || u >= columns || v >= rows || seen[static_cast<std::size_t>(v * columns + u)]) continue;
+      if (u < 0 || v < 0 || u >= columns || v >= rows || seen[static_cast<std::size_t>(v * columns + u)])
+        continue;
       next[count++] = {u, v};
     }
     if (count == 0) {
@@ -83,7 +87,8 @@ void make_maze(OccupancyMap& map, Random& random) {
     }
     const auto [u, v] = next[random.index(count)];
     seen[static_cast<std::size_t>(v * columns + u)] = true;
-    open(std::min(c, u), std::min(r, v), u == c ? corridor : pitch + corridor, v == r ? corridor : pitch + corridor);
+    open(std::min(c, u), std::min(r, v), u == c ? corridor : pitch + corridor,
+         v == r ? corridor : pitch + corridor);
     way.emplace_back(u, v);
   }
 }
@@ -165,8 +170,8 @@ OccupancyMap generate_map(MapKind kind, int width, int height, Random& random) {
   return map;
 }
 
-std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius, double least_share,
-                                       Random& random) {
+std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
+                                       double least_share, Random& random) {
   const double cell = field.map().resolution;
   const std::vector<Point2> places = largest_free_part(field, radius + cell);
   if (places.empty()) throw std::invalid_argument("no robot of this radius fits on the map");

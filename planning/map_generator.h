@@ -16,10 +16,10 @@ enum class MapKind { blank, dense, maze, room };
 /// By its name; nothing for an unknown one.
 std::optional<MapKind> map_kind(std::string_view name);
 
-/// One metre a cell. `blank` has no obstacle, `dense` random star-shaped polygons over 28 % of the cells, `maze` a
-/// perfect maze (one way between any two places) of corridors 24 wide with walls of 4, `room` rooms of 60 with doors of
-/// 20 in walls of 4; what does not fill a whole corridor or room at the right and the bottom is blocked. Throws
-/// std::invalid_argument for fewer than 1 or more than 16384 cells a side.
+/// One metre a cell. `blank` has no obstacle, `dense` random star-shaped polygons over 28 % of the cells,
+/// `maze` a perfect maze (one way between any two places) of corridors 24 wide with walls of 4, `room` rooms
+/// of 60 with doors of 20 in walls of 4; what does not fill a whole corridor or room at the right and the
+/// bottom is blocked. Throws std::invalid_argument for fewer than 1 or more than 16384 cells a side.
 OccupancyMap generate_map(MapKind kind, int width, int height, Random& random);
 
 struct StartAndGoal {
@@ -27,10 +27,10 @@ struct StartAndGoal {
   Point2 goal;
 };
 
-/// `count` starts and goals at cells' centres, all in one connected part of where a disc of radius + 1 cell fits; starts
-/// apart from one another by two radii and a cell, goals too, and each goal from its start by at least `least_share` of
-/// the map's diagonal. Throws std::invalid_argument if there is no room for them.
-std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius, double least_share,
-                                       Random& random);
+/// `count` starts and goals at cells' centres, all in one connected part of where a disc of radius + 1 cell
+/// fits; starts apart from one another by two radii and a cell, goals too, and each goal from its start by at
+/// least `least_share` of the map's diagonal. Throws std::invalid_argument if there is no room for them.
+std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
+                                       double least_share, Random& random);
 
 }  // namespace coppice

@@ -86,7 +86,8 @@ class NeighbourGrid {
   Cell cell_of(const Point<D>& p) const {
     Cell cell;
     for (int d = 0; d < D; ++d) {
-      cell[d] = static_cast<int>(std::clamp((p[d] - lower_[d]) / cell_, 0.0, static_cast<double>(size_[d] - 1)));
+      cell[d] =
+          static_cast<int>(std::clamp((p[d] - lower_[d]) / cell_, 0.0, static_cast<double>(size_[d] - 1)));
     }
     return cell;
   }

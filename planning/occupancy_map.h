@@ -18,16 +18,17 @@ namespace coppice {
 enum class YAxis : std::uint8_t { down, up };
 
 struct OccupancyMap {
-  int width = 0;            ///< cells along x, at least 1
-  int height = 0;           ///< cells along y, at least 1
-  double resolution = 1.0;  ///< metres a cell, above 0
+  int width = 0;                   ///< cells along x, at least 1
+  int height = 0;                  ///< cells along y, at least 1
+  double resolution = 1.0;         ///< metres a cell, above 0
   Point2 origin = Point2::Zero();  ///< lower corner of cell (0, 0), metres
   YAxis y_axis = YAxis::down;
   std::vector<std::uint8_t> blocked;  ///< row by row, width * height entries, 1 = blocked
 
   bool is_blocked(int i, int j) const {
     return i < 0 || j < 0 || i >= width || j >= height ||
-           blocked[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0;
+           blocked[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
+                   static_cast<std::size_t>(i)] != 0;
   }
   /// The rectangle that the cells cover, metres.
   Box<2> bounds() const { return {origin, origin + resolution * Point2(width, height)}; }

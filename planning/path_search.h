@@ -25,8 +25,8 @@ struct SearchScratch {
   std::uint32_t search = 0;
 };
 
-/// The shortest chain of nodes from `from` to `to` over the edges of the trees for which `usable(tree)` holds;
-/// empty if there is none.
+/// The shortest chain of nodes from `from` to `to` over the edges of the trees for which `usable(tree)`
+/// holds; empty if there is none.
 template <int D, class Usable>
 std::vector<NodeId> shortest_path(const Trees<D>& trees, NodeId from, NodeId to, Usable&& usable,
                                   SearchScratch& scratch) {
@@ -35,7 +35,8 @@ std::vector<NodeId> shortest_path(const Trees<D>& trees, NodeId from, NodeId to,
   ++scratch.search;
   auto label = [&](NodeId n) -> SearchScratch::Label& {
     auto& l = scratch.labels[n];
-    if (l.search != scratch.search) l = {scratch.search, no_node, std::numeric_limits<double>::infinity(), false};
+    if (l.search != scratch.search)
+      l = {scratch.search, no_node, std::numeric_limits<double>::infinity(), false};
     return l;
   };
   auto estimate = [&](NodeId n) { return (trees.position(n) - trees.position(to)).norm(); };

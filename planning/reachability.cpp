@@ -15,8 +15,11 @@ constexpr int patches_a_cell = 4;
 class Patches {
  public:
   Patches(const ClearanceField& field, double radius)
-      : field_(field), radius_(radius), side_(field.map().resolution / patches_a_cell),
-        width_(field.map().width * patches_a_cell), height_(field.map().height * patches_a_cell) {}
+      : field_(field),
+        radius_(radius),
+        side_(field.map().resolution / patches_a_cell),
+        width_(field.map().width * patches_a_cell),
+        height_(field.map().height * patches_a_cell) {}
 
   std::size_t count() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
   int width() const { return width_; }
@@ -31,7 +34,8 @@ class Patches {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(i);
   }
 
-  /// Clearance changes by at most the distance: if the disc fits anywhere in the patch, it nearly fits at its centre.
+  /// Clearance changes by at most the distance: if the disc fits anywhere in the patch, it nearly fits at its
+  /// centre.
   bool might_fit(int i, int j) const {
     const Point2 centre = field_.map().origin + side_ * Point2(i + 0.5, j + 0.5);
     const double least = radius_ - side_ * std::sqrt(0.5) - 1e-9;
@@ -48,7 +52,8 @@ class Patches {
 
 }  // namespace
 
-bool provably_unreachable(const ClearanceField& field, const Point2& start, const Point2& goal, double radius) {
+bool provably_unreachable(const ClearanceField& field, const Point2& start, const Point2& goal,
+                          double radius) {
   const Patches patches(field, radius);
   const std::size_t target = patches.at(goal);
   std::vector<std::uint8_t> seen(patches.count(), 0);

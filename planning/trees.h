@@ -1,9 +1,10 @@
-// The nodes and edges of all trees: disjointed ones that still grow, inactive ones, and the groups' root trees.
+// The nodes and edges of all trees: disjointed ones that still grow, inactive ones, and the groups' root
+// trees.
 //
 // A tree is a set of nodes; merging two is a union of sets (union-find, small to large) and moves nothing.
 // Edges are undirected and known to be free for a ball of the smaller of the two trees' radii. The edges of a
-// disjointed tree connect all of its nodes; some may close a cycle, which only gives shorter paths. A root tree
-// keeps, besides, each node's parent and cost-to-come, as RRT* needs them.
+// disjointed tree connect all of its nodes; some may close a cycle, which only gives shorter paths. A root
+// tree keeps, besides, each node's parent and cost-to-come, as RRT* needs them.
 //
 // Metres throughout.
 #pragma once
@@ -25,7 +26,9 @@ using GroupIndex = std::uint32_t;
 /// The two ends of a group's problem, each the root of one of its trees.
 enum class Root : std::uint8_t { start, goal };
 
-constexpr Root partner_of(Root side) { return side == Root::start ? Root::goal : Root::start; }
+constexpr Root partner_of(Root side) {
+  return side == Root::start ? Root::goal : Root::start;
+}
 
 enum class TreeKind : std::uint8_t {
   active,    ///< disjointed, still grows
@@ -35,10 +38,10 @@ enum class TreeKind : std::uint8_t {
 
 struct Tree {
   TreeKind kind = TreeKind::active;
-  Root side = Root::start;     ///< of a root tree
-  GroupIndex group = 0;        ///< of a root tree
-  double radius = 0;           ///< every node and edge keeps at least this clearance
-  NodeId first = no_node;      ///< list of its nodes
+  Root side = Root::start;  ///< of a root tree
+  GroupIndex group = 0;     ///< of a root tree
+  double radius = 0;        ///< every node and edge keeps at least this clearance
+  NodeId first = no_node;   ///< list of its nodes
   NodeId last = no_node;
   std::uint32_t size = 0;
   std::vector<TreeIndex> links;  ///< of an inactive tree: the inactive trees that an edge leads to
@@ -136,7 +139,7 @@ class Trees {
 
   NeighbourGrid<D> grid_;
   std::vector<Tree> trees_;
-  mutable std::vector<TreeIndex> union_;      // path halving: a look-up shortens the way for the next
+  mutable std::vector<TreeIndex> union_;  // path halving: a look-up shortens the way for the next
   std::vector<Point<D>> position_;
   mutable std::vector<TreeIndex> member_of_;  // the same
   std::vector<std::uint32_t> first_edge_;

@@ -24,7 +24,9 @@ constexpr std::size_t trees_without_sharing = 16;
 }  // namespace
 
 PathFinder::PathFinder(const ClearanceField& field, const Mission& mission, const Point2& start)
-    : field_(field), mission_(mission), start_(start),
+    : field_(field),
+      mission_(mission),
+      start_(start),
       planner_(field,
                {.epsilon = suggested_epsilon(field, mission.radius),
                 .disjointed_trees = mission.sharing ? 0 : trees_without_sharing},

@@ -29,8 +29,9 @@ class PathFinder {
   /// A bounded amount of growing. The result, once there is one.
   std::optional<std::variant<Path, NoPath>> step();
 
-  /// Seconds to leave to the broker before the next step. The root trees get their share of the samples, as in one
-  /// process, and the disjointed trees that serve everybody the rest; without news from the broker, no pause.
+  /// Seconds to leave to the broker before the next step. The root trees get their share of the samples, as
+  /// in one process, and the disjointed trees that serve everybody the rest; without news from the broker, no
+  /// pause.
   double pause() const;
 
   /// Root-tree nodes that joined since the last call, for the broker; none: nullopt.

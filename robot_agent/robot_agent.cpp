@@ -8,19 +8,21 @@ namespace coppice {
 
 namespace {
 
-constexpr double period = 0.05;             // seconds of fleet time: control at 20 Hz
-constexpr WallTime status_beat = 0.5;       // seconds: at least this often, for liveliness
-constexpr WallTime silence = 0.5;           // seconds without a state: the robot counts as dead
-constexpr WallTime longest_muster = 10;     // seconds to wait for the others' first states before setting off
-constexpr std::size_t track_batch = 20;     // points: one second of fleet time
+constexpr double period = 0.05;          // seconds of fleet time: control at 20 Hz
+constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for liveliness
+constexpr WallTime silence = 0.5;        // seconds without a state: the robot counts as dead
+constexpr WallTime longest_muster = 10;  // seconds to wait for the others' first states before setting off
+constexpr std::size_t track_batch = 20;  // points: one second of fleet time
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right.
-constexpr double lean = 0.05;               // radians
+constexpr double lean = 0.05;  // radians
 
 Point2 leaning_right(const Point2& v) {
   return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
 }
 
-Limits limits_of(const Mission& mission) { return {mission.max_speed, mission.max_acceleration}; }
+Limits limits_of(const Mission& mission) {
+  return {mission.max_speed, mission.max_acceleration};
+}
 
 }  // namespace
 
@@ -40,7 +42,9 @@ void RobotAgent::receive(const MapMessage& message) {
   std::erase_if(trees_, [&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
 }
 
-void RobotAgent::receive(const Mission& mission) { missions_[mission.robot] = mission; }
+void RobotAgent::receive(const Mission& mission) {
+  missions_[mission.robot] = mission;
+}
 
 void RobotAgent::receive(const InactiveTreeMessage& tree) {
   if (map_ && tree.map_id != map_->map_id) return;
@@ -83,7 +87,10 @@ void RobotAgent::begin_mission(WallTime now) {
   for (const InactiveTreeMessage& tree : trees_) {
     if (tree.map_id == map_->map_id) finder_->take(tree);
   }
-  status_ = AgentStatus{.robot = name_, .mission = mission.number, .reason = {}, .mission_time = fleet_now,
+  status_ = AgentStatus{.robot = name_,
+                        .mission = mission.number,
+                        .reason = {},
+                        .mission_time = fleet_now,
                         .track_points = status_.track_points};
   enter(Phase::planning);
 }
@@ -158,8 +165,8 @@ void RobotAgent::enter(Phase phase) {
   status_changed_ = true;
 }
 
-/// A robot sets off when it knows where all others are. The missions say how many there are; one that stays silent
-/// for long counts as standing at its start.
+/// A robot sets off when it knows where all others are. The missions say how many there are; one that stays
+/// silent for long counts as standing at its start.
 bool RobotAgent::heard_everyone(double fleet_now) const {
   if (fleet_now - status_.mission_time > longest_muster * mission_->clock.scale) return true;
   if (missions_.size() < mission_->fleet_size) return false;
@@ -172,27 +179,41 @@ std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
   std::vector<Neighbour> all;
   for (const auto& [robot, mission] : missions_) {
     if (robot == name_ || heard_.contains(robot)) continue;
-    all.push_back({.commitment = {.position = mission.start}, .radius = mission.radius,
-                   .limits = limits_of(mission), .silent = true});
+    all.push_back({.commitment = {.position = mission.start},
+                   .radius = mission.radius,
+                   .limits = limits_of(mission),
+                   .silent = true});
   }
   for (const auto& [robot, s] : heard_) {
-    all.push_back({.commitment = {.stamp = s.stamp, .position = s.position, .velocity = s.velocity,
-                                  .turn = s.promise.turn, .next_velocity = s.promise.velocity,
-                                  .expiry = s.promise.expiry, .parked = s.promise.parked},
-                   .radius = s.radius, .limits = {s.max_speed, s.max_acceleration},
+    all.push_back({.commitment = {.stamp = s.stamp,
+                                  .position = s.position,
+                                  .velocity = s.velocity,
+                                  .turn = s.promise.turn,
+                                  .next_velocity = s.promise.velocity,
+                                  .expiry = s.promise.expiry,
+                                  .parked = s.promise.parked},
+                   .radius = s.radius,
+                   .limits = {s.max_speed, s.max_acceleration},
                    .silent = fleet_now - s.stamp > silence * mission_->clock.scale});
   }
   return all;
 }
 
 RobotState RobotAgent::state() const {
-  const bool parked = status_.phase == Phase::arrived || status_.phase == Phase::no_path ||
-                      status_.phase == Phase::stopped;
+  const bool parked =
+      status_.phase == Phase::arrived || status_.phase == Phase::no_path || status_.phase == Phase::stopped;
   const Commitment c = body_->commitment(parked);
-  return {.robot = name_, .sequence = sequence_, .stamp = c.stamp, .position = c.position, .velocity = c.velocity,
-          .radius = body_->radius(), .max_speed = body_->limits().max_speed,
-          .max_acceleration = body_->limits().max_acceleration, .phase = status_.phase,
-          .promise = {c.turn, c.next_velocity, c.expiry, c.parked}, .waits_for = {}};
+  return {.robot = name_,
+          .sequence = sequence_,
+          .stamp = c.stamp,
+          .position = c.position,
+          .velocity = c.velocity,
+          .radius = body_->radius(),
+          .max_speed = body_->limits().max_speed,
+          .max_acceleration = body_->limits().max_acceleration,
+          .phase = status_.phase,
+          .promise = {c.turn, c.next_velocity, c.expiry, c.parked},
+          .waits_for = {}};
 }
 
 /// Track points go out in batches, and all of them with a change of phase, so that the record is complete.

@@ -1,7 +1,7 @@
 // One robot: finds its path with what the broker's trees teach, drives, and keeps clear of the others.
 //
-// A state machine: messages and the time go in, messages come out; no clock, thread or I/O. The body (driver.h)
-// exists from the first mission on, whatever the robot is doing.
+// A state machine: messages and the time go in, messages come out; no clock, thread or I/O. The body
+// (driver.h) exists from the first mission on, whatever the robot is doing.
 #pragma once
 
 #include <map>
@@ -47,15 +47,15 @@ class RobotAgent {
   RobotName name_;
   std::optional<MapMessage> map_;
   std::unique_ptr<ClearanceField> field_;
-  std::map<RobotName, Mission> missions_;          ///< everybody's, its own too
-  std::vector<InactiveTreeMessage> trees_;         ///< of this map
-  std::map<RobotName, RobotState> heard_;          ///< the others' last states
+  std::map<RobotName, Mission> missions_;   ///< everybody's, its own too
+  std::vector<InactiveTreeMessage> trees_;  ///< of this map
+  std::map<RobotName, RobotState> heard_;   ///< the others' last states
 
-  std::optional<Mission> mission_;                 ///< the one that is being carried out
+  std::optional<Mission> mission_;  ///< the one that is being carried out
   std::unique_ptr<PathFinder> finder_;
   std::optional<Driver> body_;
   std::optional<PathFollower> follower_;
-  std::vector<TrackMessage::Point> track_;         ///< not yet sent
+  std::vector<TrackMessage::Point> track_;  ///< not yet sent
   AgentStatus status_;
   bool status_changed_ = true;
   std::uint32_t sequence_ = 0;

@@ -1,8 +1,8 @@
-// All roles of a fleet in one process, on the simulated bus and a virtual clock: the same seed gives the same run, bit
-// for bit.
+// All roles of a fleet in one process, on the simulated bus and a virtual clock: the same seed gives the same
+// run, bit for bit.
 //
-// The roles are the ones that run over DDS, unchanged. Each may step once a millisecond of virtual time, about what
-// its planning takes on a real machine, and has all the time that it needs for that.
+// The roles are the ones that run over DDS, unchanged. Each may step once a millisecond of virtual time,
+// about what its planning takes on a real machine, and has all the time that it needs for that.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@
 namespace coppice {
 
 struct SimulationSettings {
-  double timeout = 600;    ///< virtual seconds
+  double timeout = 600;  ///< virtual seconds
   bool sharing = true;
 };
 
@@ -26,7 +26,8 @@ class FleetSimulation {
  public:
   FleetSimulation(const Scenario& scenario, const SimulationSettings& settings);
 
-  /// Runs to the end; `watch` is called about every tenth of a virtual second and may ask to stop by returning false.
+  /// Runs to the end; `watch` is called about every tenth of a virtual second and may ask to stop by
+  /// returning false.
   void run(const std::function<bool(const PlannerService&, double)>& watch);
 
   const PlannerService& service() const { return service_.role; }

@@ -53,13 +53,18 @@ inline Outcome shell(const std::string& command) {
   FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   if (pipe == nullptr) throw std::runtime_error("no shell");
   std::array<char, 4096> buffer{};
-  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) outcome.output.append(buffer.data(), n);
+  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe))
+    outcome.output.append(buffer.data(), n);
   const int status = pclose(pipe);
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return outcome;
 }
 
-inline std::string program(const std::string& name) { return std::string(COPPICE_BIN_DIR) + "/" + name; }
-inline std::filesystem::path scenarios() { return std::filesystem::path(COPPICE_SOURCE_DIR) / "scenarios"; }
+inline std::string program(const std::string& name) {
+  return std::string(COPPICE_BIN_DIR) + "/" + name;
+}
+inline std::filesystem::path scenarios() {
+  return std::filesystem::path(COPPICE_SOURCE_DIR) / "scenarios";
+}
 
 }  // namespace coppice::test

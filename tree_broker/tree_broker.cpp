@@ -9,15 +9,16 @@ namespace coppice {
 
 namespace {
 
-constexpr int iterations_a_step = 500;        // about half a millisecond: roots that come near are seen soon
-constexpr std::size_t least_trees = 16;       // docs/planning.md: max(16, 2 n)
-constexpr WallTime status_period = 0.5;       // seconds
+constexpr int iterations_a_step = 500;         // about half a millisecond: roots that come near are seen soon
+constexpr std::size_t least_trees = 16;        // docs/planning.md: max(16, 2 n)
+constexpr WallTime status_period = 0.5;        // seconds
 constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
 
 }  // namespace
 
 TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, std::size_t trees, Random random)
-    : field(map), planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = trees}, random) {}
+    : field(map),
+      planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = trees}, random) {}
 
 void TreeBroker::on(const Message& message, WallTime now) {
   std::visit(
@@ -101,8 +102,8 @@ std::vector<Message> TreeBroker::step(WallTime now) {
 
 InactiveTreeMessage TreeBroker::describe(TreeIndex tree) {
   const FrozenTree<2> frozen = forest_->planner.frozen_tree(tree);
-  InactiveTreeMessage message{.tree = {id_, published_++}, .map_id = map_->map_id, .radius = frozen.radius,
-                              .nodes = {}};
+  InactiveTreeMessage message{
+      .tree = {id_, published_++}, .map_id = map_->map_id, .radius = frozen.radius, .nodes = {}};
   for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
     const std::int32_t parent = frozen.parents[i];
     const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];

@@ -2,13 +2,13 @@
 
 #include "bus/dds_bus.h"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
 #include <algorithm>
+#include <chrono>
 #include <future>
 #include <set>
 #include <thread>
+
+#include <gtest/gtest.h>
 
 #include "tests/support.h"
 
@@ -33,9 +33,17 @@ std::vector<Message> receive(DdsBus& bus, Enough&& enough, double seconds = 10) 
 }
 
 RobotState some_state(std::uint32_t sequence) {
-  return {.robot = "r1", .sequence = sequence, .stamp = 0.05 * sequence, .position = {1.5, 2.5}, .velocity = {1, -1},
-          .radius = 5, .max_speed = 20, .max_acceleration = 40, .phase = Phase::driving,
-          .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1, false}, .waits_for = "r2"};
+  return {.robot = "r1",
+          .sequence = sequence,
+          .stamp = 0.05 * sequence,
+          .position = {1.5, 2.5},
+          .velocity = {1, -1},
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .phase = Phase::driving,
+          .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1, false},
+          .waits_for = "r2"};
 }
 
 MapMessage some_map(int side) {
@@ -45,23 +53,38 @@ MapMessage some_map(int side) {
   m.map.resolution = 0.5;
   m.map.origin = {-3, 4};
   m.map.y_axis = YAxis::up;
-  for (int k = 0; k < side * (side - 3); ++k) m.map.blocked.push_back(static_cast<std::uint8_t>((k * 7 + k / 13) % 5 == 0));
+  for (int k = 0; k < side * (side - 3); ++k)
+    m.map.blocked.push_back(static_cast<std::uint8_t>((k * 7 + k / 13) % 5 == 0));
   return m;
 }
 
 InactiveTreeMessage some_tree(std::uint32_t number, int nodes) {
   InactiveTreeMessage m{.tree = {77, number}, .map_id = "some-map", .radius = 5, .nodes = {}};
-  for (int i = 0; i < nodes; ++i) m.nodes.push_back({{i * 1.5, number * 2.0}, i == 0 ? -1 : (i - 1) / 2, 5.5 + i});
+  for (int i = 0; i < nodes; ++i)
+    m.nodes.push_back({{i * 1.5, number * 2.0}, i == 0 ? -1 : (i - 1) / 2, 5.5 + i});
   return m;
 }
 
 Mission some_mission() {
-  return {.robot = "r1", .number = 3, .fleet_size = 4, .map_id = "some-map", .start = {1, 2}, .goal = {3, 4},
-          .radius = 5, .max_speed = 20, .max_acceleration = 40, .goal_tolerance = 1, .seed = 1ull << 40,
-          .sharing = false, .cancelled = true, .clock = {1.7e9 + 0.25, 10}};
+  return {.robot = "r1",
+          .number = 3,
+          .fleet_size = 4,
+          .map_id = "some-map",
+          .start = {1, 2},
+          .goal = {3, 4},
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .goal_tolerance = 1,
+          .seed = 1ull << 40,
+          .sharing = false,
+          .cancelled = true,
+          .clock = {1.7e9 + 0.25, 10}};
 }
 
-bool holds(const std::vector<Message>& all, const Message& wanted) { return std::ranges::count(all, wanted) > 0; }
+bool holds(const std::vector<Message>& all, const Message& wanted) {
+  return std::ranges::count(all, wanted) > 0;
+}
 
 TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   DdsBus service({.domain = domain}, Role::service, "service");
@@ -83,18 +106,27 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   broker.publish(tree);
   broker.publish(broker_status);
 
-  const auto at_agent = receive(other, [&](const auto& all) { return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, path); });
-  EXPECT_TRUE(holds(at_agent, map) && holds(at_agent, mission) && holds(at_agent, tree) && holds(at_agent, path));
-  const auto at_service = receive(service, [&](const auto& all) { return holds(all, track) && holds(all, status) && holds(all, broker_status) && holds(all, nodes); });
-  EXPECT_TRUE(holds(at_service, track) && holds(at_service, status) && holds(at_service, broker_status) && holds(at_service, nodes));
-  const auto at_broker = receive(broker, [&](const auto& all) { return holds(all, nodes) && holds(all, mission); });
+  const auto at_agent = receive(other, [&](const auto& all) {
+    return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, path);
+  });
+  EXPECT_TRUE(holds(at_agent, map) && holds(at_agent, mission) && holds(at_agent, tree) &&
+              holds(at_agent, path));
+  const auto at_service = receive(service, [&](const auto& all) {
+    return holds(all, track) && holds(all, status) && holds(all, broker_status) && holds(all, nodes);
+  });
+  EXPECT_TRUE(holds(at_service, track) && holds(at_service, status) && holds(at_service, broker_status) &&
+              holds(at_service, nodes));
+  const auto at_broker =
+      receive(broker, [&](const auto& all) { return holds(all, nodes) && holds(all, mission); });
   EXPECT_TRUE(holds(at_broker, nodes) && holds(at_broker, mission));
 
   const Message state = some_state(1);
   std::vector<Message> states;
   for (int i = 0; i < 100 && !holds(states, state); ++i) {  // best effort: sent again until matched
     agent.publish(state);
-    for (const Message& m : receive(other, [&](const auto& all) { return holds(all, state); }, 0.1)) states.push_back(m);
+    for (const Message& m : receive(
+             other, [&](const auto& all) { return holds(all, state); }, 0.1))
+      states.push_back(m);
   }
   EXPECT_TRUE(holds(states, state));
 }
@@ -122,7 +154,8 @@ TEST(DdsBus, CarriesAMapOf4096Cells) {
   DdsBus agent({.domain = domain + 2}, Role::agent, "agent");
   const Message map = some_map(4096);
   service.publish(map);
-  const auto all = receive(agent, [](const auto& got) { return !got.empty(); }, 30);
+  const auto all = receive(
+      agent, [](const auto& got) { return !got.empty(); }, 30);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_TRUE(all.front() == map);
 }
@@ -144,7 +177,8 @@ TEST(DdsBus, ImpossibleSamplesAreDroppedAndCounted) {
 TEST(DdsBus, LeavesNoSharedMemoryBehind) {
   const auto segments = [] {
     std::set<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) names.insert(entry.path().filename());
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+      names.insert(entry.path().filename());
     return names;
   };
   const auto before = segments();

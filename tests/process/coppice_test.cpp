@@ -1,13 +1,6 @@
-// The commands as a user types them: real processes over DDS, bad input, Ctrl-C.
-
-#include <chrono>
-#include <csignal>
-#include <set>
-#include <sstream>
-#include <thread>
+// The commands that need no fleet of processes, as a user types them; run is in fleet_test.cpp.
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "files/report_file.h"
 #include "files/scenario_file.h"
@@ -21,13 +14,6 @@ using test::Outcome;
 using test::program;
 using test::shell;
 using test::TemporaryFolder;
-
-std::set<std::string> shared_memory() {
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
-    names.insert(entry.path().filename());
-  return names;
-}
 
 int count(const std::string& text, const std::string& part) {
   int n = 0;
@@ -52,51 +38,6 @@ void expect_sound_paths(const Scenario& scenario, const proto::Report& report) {
     for (std::size_t k = 1; k < path.size(); ++k)
       EXPECT_TRUE(field.segment_free(path[k - 1], path[k], task.radius));
   }
-}
-
-TEST(CoppiceRun, AFleetOfProcessesArrives) {
-  const TemporaryFolder folder;
-  const auto before = shared_memory();
-  const std::string report_file = folder.path() / "report.json";
-  const Outcome outcome =
-      shell(program("coppice") + " run " + (test::scenarios() / "rooms-8.json").string() +
-            " --time-scale 5 --timeout 200 --report " + report_file + " --trajectory " +
-            (folder.path() / "t.csv").string() + " --picture " + (folder.path() / "p.svg").string());
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("paths found 8/8, arrived 8/8"), std::string::npos) << outcome.output;
-  const proto::Report report = read_report(report_file);
-  expect_sound_paths(read_scenario(test::scenarios() / "rooms-8.json", {}), report);
-  EXPECT_EQ(report.collisions(), 0u);
-  EXPECT_GE(report.least_separation(), 0);
-  EXPECT_GT(report.trees_published(), 0u);
-  EXPECT_EQ(test::contents(folder.path() / "t.csv").substr(0, 21), "time,robot,x,y,vx,vy\n");
-  EXPECT_EQ(count(test::contents(folder.path() / "p.svg"), "<text"), 9);
-  EXPECT_EQ(shared_memory(), before);
-}
-
-TEST(CoppiceRun, InterruptedItEndsInOrderAndLeavesNothing) {
-  const TemporaryFolder folder;
-  const auto before = shared_memory();
-  const std::string report_file = folder.path() / "report.json";
-  const std::string domain = "111";
-  const Outcome outcome =
-      shell("timeout --foreground -s INT 4 " + program("coppice") + " run " +
-            (test::scenarios() / "rooms-8.json").string() + " --domain " + domain + " --report " +
-            report_file + "; echo code $?; pgrep -f -- '--domain " + domain + "' | wc -l");
-  EXPECT_NE(outcome.output.find("interrupted"), std::string::npos) << outcome.output;
-  EXPECT_EQ(read_report(report_file).outcome(), "interrupted");
-  EXPECT_EQ(shared_memory(), before);
-}
-
-TEST(CoppiceRun, KilledItTakesItsProcessesAlong) {
-  const std::string domain = "112";
-  const Outcome outcome = shell(
-      program("coppice") + " run " + (test::scenarios() / "rooms-8.json").string() + " --domain " + domain +
-      " >/dev/null 2>&1 & p=$!; sleep 2; a=$(pgrep -c -f '[b]in/robot_agent .*--domain " + domain +
-      "'); kill -9 $p; sleep 0.5; echo before $a after $(pgrep -c -f '[b]in/robot_agent .*--domain " + domain +
-      "')");
-  EXPECT_NE(outcome.output.find("after 0"), std::string::npos) << outcome.output;
-  EXPECT_EQ(outcome.output.find("before 0"), std::string::npos) << outcome.output;
 }
 
 TEST(CoppicePlan, PlansTheSharedMaps) {

@@ -19,14 +19,17 @@ TEST_P(FourKinds, TenRobotsAllHaveAPathIn20Seeds) {
     Random random(seed);
     const ClearanceField field(generate_map(GetParam(), 512, 512, random));
     std::vector<PlanningProblem> problems;
-    for (const auto& [start, goal] : random_tasks(field, 10, radius, 0.4, random)) problems.push_back({start, goal, radius});
-    const FleetPlan plan = plan_fleet(field, problems, {}, Random(seed), [] { return false; }, [](std::size_t) {});
+    for (const auto& [start, goal] : random_tasks(field, 10, radius, 0.4, random))
+      problems.push_back({start, goal, radius});
+    const FleetPlan plan = plan_fleet(
+        field, problems, {}, Random(seed), [] { return false; }, [](std::size_t) {});
     for (std::size_t i = 0; i < problems.size(); ++i) {
       const Path& path = plan.robots[i].path;
       ASSERT_GE(path.size(), 2u) << "seed " << seed << " robot " << i << ": " << plan.robots[i].reason;
       EXPECT_EQ(path.front(), problems[i].start);
       EXPECT_EQ(path.back(), problems[i].goal);
-      for (std::size_t k = 1; k < path.size(); ++k) EXPECT_TRUE(field.segment_free(path[k - 1], path[k], radius));
+      for (std::size_t k = 1; k < path.size(); ++k)
+        EXPECT_TRUE(field.segment_free(path[k - 1], path[k], radius));
     }
   }
 }
@@ -35,15 +38,17 @@ TEST_P(FourKinds, EveryEdgeOfEveryTreeKeepsItsClearance) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Random random(seed);
     const ClearanceField field(generate_map(GetParam(), 256, 256, random));
-    MaRrdtStar<ClearanceField> planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = 16},
-                                       Random(seed));
-    for (const auto& [start, goal] : random_tasks(field, 5, radius, 0.4, random)) planner.add_group(start, goal, radius);
+    MaRrdtStar<ClearanceField> planner(
+        field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = 16}, Random(seed));
+    for (const auto& [start, goal] : random_tasks(field, 5, radius, 0.4, random))
+      planner.add_group(start, goal, radius);
     while (planner.step()) {
     }
     const Trees<2>& trees = planner.trees();
     for (NodeId n = 0; n < trees.node_count(); ++n) {
       trees.for_each_edge(n, [&](const auto& edge) {
-        EXPECT_TRUE(field.segment_free(trees.position(n), trees.position(edge.to), radius)) << "seed " << seed;
+        EXPECT_TRUE(field.segment_free(trees.position(n), trees.position(edge.to), radius))
+            << "seed " << seed;
       });
     }
   }
@@ -54,7 +59,8 @@ std::string name_of(const testing::TestParamInfo<MapKind>& kind) {
   return names[static_cast<std::size_t>(kind.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Maps, FourKinds, testing::Values(MapKind::blank, MapKind::dense, MapKind::maze, MapKind::room),
+INSTANTIATE_TEST_SUITE_P(Maps, FourKinds,
+                         testing::Values(MapKind::blank, MapKind::dense, MapKind::maze, MapKind::room),
                          name_of);
 
 TEST(FleetPlan, UnreachableGoalEndsWithAReason) {
@@ -65,7 +71,8 @@ TEST(FleetPlan, UnreachableGoalEndsWithAReason) {
   for (int j = 0; j < 40; ++j) map.blocked[static_cast<std::size_t>(j * 100 + 50)] = 1;
   const ClearanceField field(map);
   const std::vector<PlanningProblem> problems{{{20, 20}, {80, 20}, 5}, {{10, 10}, {10, 30}, 5}};
-  const FleetPlan plan = plan_fleet(field, problems, {}, Random(1), [] { return false; }, [](std::size_t) {});
+  const FleetPlan plan = plan_fleet(
+      field, problems, {}, Random(1), [] { return false; }, [](std::size_t) {});
   EXPECT_TRUE(plan.robots[0].path.empty());
   EXPECT_NE(plan.robots[0].reason.find("cannot be reached"), std::string::npos);
   EXPECT_FALSE(plan.robots[1].path.empty());

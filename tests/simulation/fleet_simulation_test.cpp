@@ -62,7 +62,8 @@ TEST(FleetSimulation, SpeedAndAccelerationStayWithinLimits) {
       const double dt = points[k].time - points[k - 1].time;
       ASSERT_NEAR(dt, 0.05, 1e-6);
       ASSERT_LE((points[k].position - points[k - 1].position).norm(), task.max_speed * dt * (1 + 1e-6));
-      ASSERT_LE((points[k].velocity - points[k - 1].velocity).norm(), task.max_acceleration * dt * (1 + 1e-6));
+      ASSERT_LE((points[k].velocity - points[k - 1].velocity).norm(),
+                task.max_acceleration * dt * (1 + 1e-6));
     }
   }
 }

@@ -1,8 +1,8 @@
 #include "planning/ma_rrdt_star.h"
 
-#include <gtest/gtest.h>
-
 #include <set>
+
+#include <gtest/gtest.h>
 
 #include "planning/clearance_field.h"
 #include "planning/line_of_sight.h"
@@ -20,7 +20,8 @@ OccupancyMap picture(const std::vector<std::string>& rows, int scale = 1) {
   map.height = static_cast<int>(rows.size()) * scale;
   for (int j = 0; j < map.height; ++j) {
     for (int i = 0; i < map.width; ++i) {
-      map.blocked.push_back(rows[static_cast<std::size_t>(j / scale)][static_cast<std::size_t>(i / scale)] == '#');
+      map.blocked.push_back(rows[static_cast<std::size_t>(j / scale)][static_cast<std::size_t>(i / scale)] ==
+                            '#');
     }
   }
   return map;
@@ -28,8 +29,8 @@ OccupancyMap picture(const std::vector<std::string>& rows, int scale = 1) {
 
 /// Two rooms with a door between them, 20 m wide.
 OccupancyMap two_rooms() {
-  return picture({"..........#.........", "..........#.........", "..........#.........", "....................",
-                  "..........#.........", "..........#........."},
+  return picture({"..........#.........", "..........#.........", "..........#.........",
+                  "....................", "..........#.........", "..........#........."},
                  20);
 }
 
@@ -66,7 +67,8 @@ TEST(MaRrdtStar, EveryGroupFindsAPathThroughTheDoor) {
     for (GroupIndex g = 0; g < tasks.size(); ++g) {
       ASSERT_TRUE(planner.solved(g)) << "seed " << seed;
       expect_valid_path(planner.path(g), tasks[g].first, tasks[g].second, 8, field);
-      expect_valid_path(optimise_line_of_sight(field, planner.path(g), 8), tasks[g].first, tasks[g].second, 8, field);
+      expect_valid_path(optimise_line_of_sight(field, planner.path(g), 8), tasks[g].first, tasks[g].second, 8,
+                        field);
     }
   }
 }
@@ -171,7 +173,8 @@ TEST(MaRrdtStar, FrozenTreeListsParentsBeforeChildrenAndKeepsClear) {
     for (std::size_t i = 1; i < tree.nodes.size(); ++i) {
       ASSERT_GE(tree.parents[i], 0);
       ASSERT_LT(tree.parents[i], static_cast<std::int32_t>(i));
-      EXPECT_TRUE(field.segment_free(tree.nodes[static_cast<std::size_t>(tree.parents[i])], tree.nodes[i], 8));
+      EXPECT_TRUE(
+          field.segment_free(tree.nodes[static_cast<std::size_t>(tree.parents[i])], tree.nodes[i], 8));
     }
   }
 }
@@ -187,7 +190,8 @@ TEST(MaRrdtStar, RootTreesKeepCostsAsSumsOfEdges) {
     const NodeId parent = trees.parent(n);
     if (parent == no_node) continue;
     EXPECT_EQ(trees.tree_of(parent), trees.tree_of(n));
-    EXPECT_NEAR(trees.cost(n), trees.cost(parent) + (trees.position(n) - trees.position(parent)).norm(), 1e-9);
+    EXPECT_NEAR(trees.cost(n), trees.cost(parent) + (trees.position(n) - trees.position(parent)).norm(),
+                1e-9);
     EXPECT_TRUE(field.segment_free(trees.position(parent), trees.position(n), 8));
     ++checked;
   }
@@ -202,7 +206,8 @@ struct BoxWorld {
 
   Box<3> bounds() const { return box; }
   bool is_free(const Point<3>& p, double radius) const {
-    if (((p.array() - radius) < box.lower.array()).any() || ((p.array() + radius) > box.upper.array()).any()) {
+    if (((p.array() - radius) < box.lower.array()).any() ||
+        ((p.array() + radius) > box.upper.array()).any()) {
       return false;
     }
     for (const Box<3>& o : obstacles) {
@@ -222,8 +227,10 @@ struct BoxWorld {
 TEST(MaRrdtStar, PlansInThreeDimensions) {
   // Two walls, each with a window at another corner.
   BoxWorld world;
-  world.obstacles = {{{30, 0, 0}, {35, 100, 75}},  {{30, 0, 75}, {35, 75, 100}},
-                     {{65, 0, 25}, {70, 100, 100}}, {{65, 25, 0}, {70, 100, 25}}};
+  world.obstacles = {{{30, 0, 0}, {35, 100, 75}},
+                     {{30, 0, 75}, {35, 75, 100}},
+                     {{65, 0, 25}, {70, 100, 100}},
+                     {{65, 25, 0}, {70, 100, 25}}};
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     MaRrdtStar<BoxWorld> planner(world, {.epsilon = 15, .disjointed_trees = 16}, Random(seed));
     const GroupIndex a = planner.add_group({10, 10, 10}, {90, 90, 90}, 3);

@@ -22,7 +22,8 @@ std::string error_of(const std::filesystem::path& path) {
 
 TEST(MapFile, ReadsMovingAi) {
   const TemporaryFolder folder;
-  const OccupancyMap map = read_map(folder.write("a.map", "type octile\nheight 2\nwidth 7\nmap\n.GS@OTW\n@......\n"));
+  const OccupancyMap map =
+      read_map(folder.write("a.map", "type octile\nheight 2\nwidth 7\nmap\n.GS@OTW\n@......\n"));
   EXPECT_EQ(map.width, 7);
   EXPECT_EQ(map.height, 2);
   EXPECT_EQ(map.resolution, 1);
@@ -32,7 +33,8 @@ TEST(MapFile, ReadsMovingAi) {
 
 TEST(MapFile, ReadsCarriageReturnsAndAMissingLastLineEnd) {
   const TemporaryFolder folder;
-  const OccupancyMap map = read_map(folder.write("a.map", "type octile\r\nheight 2\r\nwidth 2\r\nmap\r\n.@\r\n@."));
+  const OccupancyMap map =
+      read_map(folder.write("a.map", "type octile\r\nheight 2\r\nwidth 2\r\nmap\r\n.@\r\n@."));
   EXPECT_EQ(map.blocked, (std::vector<std::uint8_t>{0, 1, 1, 0}));
 }
 
@@ -72,9 +74,10 @@ TEST(MapFile, ReadsRosPgm) {
   std::string pgm = "P5\n# made by a test\n3 2\n255\n";
   for (const int shade : {254, 0, 205, 254, 254, 0}) pgm += static_cast<char>(shade);
   folder.write("site.pgm", pgm);
-  const OccupancyMap map = read_map(folder.write(
-      "site.yaml",
-      "image: site.pgm\nresolution: 0.05\norigin: [-1.5, 2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"));
+  const OccupancyMap map =
+      read_map(folder.write("site.yaml",
+                            "image: site.pgm\nresolution: 0.05\norigin: [-1.5, 2.0, 0.0]\nnegate: "
+                            "0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"));
   EXPECT_EQ(map.resolution, 0.05);
   EXPECT_EQ(map.origin, Point2(-1.5, 2));
   EXPECT_EQ(map.y_axis, YAxis::up);
@@ -84,9 +87,12 @@ TEST(MapFile, ReadsRosPgm) {
 TEST(MapFile, NegateTurnsShadesRound) {
   const TemporaryFolder folder;
   folder.write("site.pgm", "P2\n2 1\n255\n255 0\n");
-  const std::string yaml = "image: site.pgm\nresolution: 1\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
-  EXPECT_EQ(read_map(folder.write("a.yaml", yaml + "negate: 0\n")).blocked, (std::vector<std::uint8_t>{0, 1}));
-  EXPECT_EQ(read_map(folder.write("b.yaml", yaml + "negate: 1\n")).blocked, (std::vector<std::uint8_t>{1, 0}));
+  const std::string yaml =
+      "image: site.pgm\nresolution: 1\norigin: [0, 0, 0]\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  EXPECT_EQ(read_map(folder.write("a.yaml", yaml + "negate: 0\n")).blocked,
+            (std::vector<std::uint8_t>{0, 1}));
+  EXPECT_EQ(read_map(folder.write("b.yaml", yaml + "negate: 1\n")).blocked,
+            (std::vector<std::uint8_t>{1, 0}));
 }
 
 TEST(MapFile, ReadsRosPng) {
@@ -97,8 +103,10 @@ TEST(MapFile, ReadsRosPng) {
   image.width = 2;
   image.height = 2;
   image.format = PNG_FORMAT_GRAY;
-  ASSERT_NE(png_image_write_to_file(&image, (folder.path() / "site.png").c_str(), 0, shades.data(), 0, nullptr), 0);
-  const OccupancyMap map = read_map(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
+  ASSERT_NE(
+      png_image_write_to_file(&image, (folder.path() / "site.png").c_str(), 0, shades.data(), 0, nullptr), 0);
+  const OccupancyMap map =
+      read_map(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
   EXPECT_EQ(map.blocked, (std::vector<std::uint8_t>{1, 0, 0, 1}));
 }
 

@@ -17,7 +17,8 @@ const char* const two_robots =
                   {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}}])";
 
 /// The message of the error that reading this scenario ends in; empty if it is read.
-std::string error_of(const std::string& json, const std::string& map = small_map, const ScenarioOptions& options = {}) {
+std::string error_of(const std::string& json, const std::string& map = small_map,
+                     const ScenarioOptions& options = {}) {
   const TemporaryFolder folder;
   folder.write("small.map", map);
   try {
@@ -69,7 +70,8 @@ TEST(ScenarioFile, CommandLineOverridesTheFile) {
 TEST(ScenarioFile, ReadsScenWithRobotsAtCellCentres) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
-  const auto file = folder.write("fleet.scen", "version 1\n0\tsmall.map\t6\t4\t0\t0\t5\t3\t0\n0\tsmall.map\t6\t4\t5\t0\t0\t3\t0\n");
+  const auto file = folder.write(
+      "fleet.scen", "version 1\n0\tsmall.map\t6\t4\t0\t0\t5\t3\t0\n0\tsmall.map\t6\t4\t5\t0\t0\t3\t0\n");
   const Scenario s = read_scenario(file, {.radius = 0.5});
   ASSERT_EQ(s.robots.size(), 2u);
   EXPECT_EQ(s.robots[0].name, "r1");
@@ -84,12 +86,15 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
       {scenario(R"("robots": [])"), "robots: is empty"},
       {scenario(R"("speed": 3, )" + std::string(two_robots)), "speed"},
       {R"({"map": "small.map", "radius": -1, )" + std::string(two_robots) + "}", "radius: -1 is not allowed"},
-      {R"({"map": "small.map", "radius": "NaN", )" + std::string(two_robots) + "}", "radius: nan is not allowed"},
+      {R"({"map": "small.map", "radius": "NaN", )" + std::string(two_robots) + "}",
+       "radius: nan is not allowed"},
       {scenario(R"("max_speed": 0, )" + std::string(two_robots)), "max_speed: 0 is not allowed"},
-      {scenario(R"("max_acceleration": -2, )" + std::string(two_robots)), "max_acceleration: -2 is not allowed"},
+      {scenario(R"("max_acceleration": -2, )" + std::string(two_robots)),
+       "max_acceleration: -2 is not allowed"},
       {scenario(R"("goal_tolerance": 0, )" + std::string(two_robots)), "goal_tolerance: 0 is not allowed"},
       {scenario(R"("robots": [{"start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"), "robots[0].name"},
-      {scenario(R"("robots": [{"name": "a b", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"), "robots[0].name"},
+      {scenario(R"("robots": [{"name": "a b", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].name"},
       {scenario(R"("robots": [{"name": "a", "goal": {"x": 5, "y": 1}}])"), "robots[0].start: is missing"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}}])"), "robots[0].goal: is missing"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": "NaN", "y": 1}, "goal": {"x": 5, "y": 1}}])"),
@@ -98,7 +103,8 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
        "robots[0].start: (3, 2) is inside of an obstacle"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 9, "y": 1}}])"),
        "robots[0].goal: (9, 1) is outside of the map"},
-      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}, "radius": -1}])"),
+      {scenario(
+           R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}, "radius": -1}])"),
        "robots[0].radius: -1 is not allowed"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
                               {"name": "a", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}}])"),
@@ -113,12 +119,14 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
       {"[1, 2]", "fleet.json: "}};
   for (const auto& [json, expected] : cases) {
     const std::string error = error_of(json);
-    EXPECT_NE(error.find(expected), std::string::npos) << json << "\nsaid: " << error << "\nexpected: " << expected;
+    EXPECT_NE(error.find(expected), std::string::npos)
+        << json << "\nsaid: " << error << "\nexpected: " << expected;
   }
 }
 
 TEST(ScenarioFile, AskingForMoreRobotsThanThereAreIsAnError) {
-  EXPECT_NE(error_of(scenario(two_robots), small_map, {.robots = 3}).find("robots: 3 were asked for"), std::string::npos);
+  EXPECT_NE(error_of(scenario(two_robots), small_map, {.robots = 3}).find("robots: 3 were asked for"),
+            std::string::npos);
 }
 
 TEST(ScenarioFile, MalformedScenNamesFileAndLine) {
@@ -133,8 +141,10 @@ TEST(ScenarioFile, MalformedScenNamesFileAndLine) {
     return {};
   };
   EXPECT_NE(error("0 small.map\n").find("fleet.scen:1: expected \"version 1\""), std::string::npos);
-  EXPECT_NE(error("version 1\n0\tsmall.map\t6\t4\t0\tx\n").find("fleet.scen:2: expected bucket"), std::string::npos);
-  EXPECT_NE(error("version 1\n0\tsmall.map\t7\t4\t0\t0\t5\t3\t0\n").find("map: is 6 x 4 cells"), std::string::npos);
+  EXPECT_NE(error("version 1\n0\tsmall.map\t6\t4\t0\tx\n").find("fleet.scen:2: expected bucket"),
+            std::string::npos);
+  EXPECT_NE(error("version 1\n0\tsmall.map\t7\t4\t0\t0\t5\t3\t0\n").find("map: is 6 x 4 cells"),
+            std::string::npos);
   EXPECT_NE(error("version 1\n").find("map: is missing"), std::string::npos);
 }
 

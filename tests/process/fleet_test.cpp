@@ -1,0 +1,271 @@
+// The real fleet: `coppice run` as a person types it, with its processes, its files, and its end by any
+// means.
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "files/report_file.h"
+#include "files/scenario_file.h"
+#include "tests/processes.h"
+#include "tests/run_check.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double tolerance = 1e-3;  // metres: what rounding in files and touching may cost
+
+/// A run in a folder of its own.
+struct FleetRun {
+  explicit FleetRun(const std::filesystem::path& scenario, const std::vector<std::string>& options = {})
+      : before(test::shared_memory()), process(command(scenario, options), file("log")) {}
+
+  std::filesystem::path file(const std::string& name) const { return folder.path() / name; }
+  std::vector<std::string> command(const std::filesystem::path& scenario,
+                                   const std::vector<std::string>& options) const {
+    std::vector<std::string> all{test::program("coppice"),
+                                 "run",
+                                 scenario.string(),
+                                 "--time-scale",
+                                 "10",
+                                 "--report",
+                                 file("report.json").string(),
+                                 "--trajectory",
+                                 file("t.csv").string(),
+                                 "--picture",
+                                 file("p.svg").string()};
+    all.insert(all.end(), options.begin(), options.end());
+    return all;
+  }
+  std::string log() const { return test::contents(file("log")); }
+  proto::Report report() const { return read_report(file("report.json")); }
+
+  /// Whether the text comes up on the terminal.
+  bool says(const std::string& text) const {
+    return test::within(10s, [&] { return log().find(text) != std::string::npos; });
+  }
+  bool has_begun() const { return says("paths found"); }
+  std::size_t roles(const std::string& name) const {
+    const auto children = test::children_of(process.pid());
+    return static_cast<std::size_t>(std::count_if(children.begin(), children.end(),
+                                                  [&](const auto& child) { return child.name == name; }));
+  }
+  pid_t first(const std::string& name) const {
+    for (const auto& child : test::children_of(process.pid())) {
+      if (child.name == name) return child.pid;
+    }
+    return 0;
+  }
+
+  test::TemporaryFolder folder;
+  std::set<std::string> before;
+  test::Background process;
+};
+
+/// No process of the fleet lives, and nothing of it is left in shared memory.
+void expect_nothing_left(const FleetRun& run, const std::vector<test::ProcessInfo>& children) {
+  for (const auto& child : children) {
+    EXPECT_TRUE(test::within(5s, [&] { return test::has_ended(child.pid); })) << child.name;
+  }
+  EXPECT_TRUE(test::within(5s, [&] { return test::left_in_shared_memory(run.before).empty(); }))
+      << testing::PrintToString(test::left_in_shared_memory(run.before));
+}
+
+double length(const proto::Report::Robot& robot) {
+  double sum = 0;
+  for (int i = 1; i < robot.path_size(); ++i) {
+    sum += std::hypot(robot.path(i).x() - robot.path(i - 1).x(), robot.path(i).y() - robot.path(i - 1).y());
+  }
+  return sum;
+}
+
+/// Every robot has a path from its start to its goal that keeps its radius clear.
+void expect_good_paths(const proto::Report& report, const std::vector<test::Expected>& robots, double radius,
+                       const test::PlainMap& map) {
+  ASSERT_EQ(static_cast<std::size_t>(report.robots_size()), robots.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const auto& robot = report.robots(static_cast<int>(i));
+    SCOPED_TRACE(robot.name());
+    EXPECT_EQ(robot.name(), robots[i].name);
+    EXPECT_TRUE(robot.planned());
+    ASSERT_GE(robot.path_size(), 2);
+    std::vector<test::Place> path;
+    for (const auto& p : robot.path()) path.push_back({p.x(), p.y()});
+    EXPECT_LE(test::distance(path.front(), robots[i].start), tolerance);
+    EXPECT_LE(test::distance(path.back(), robots[i].goal), tolerance);
+    for (std::size_t k = 1; k < path.size(); ++k) {
+      EXPECT_GE(map.clearance(path[k - 1], path[k], radius + 1), radius - tolerance) << "leg " << k;
+    }
+    EXPECT_NEAR(robot.path_length(), length(robot), tolerance);
+    sum += length(robot);
+  }
+  EXPECT_NEAR(report.path_length(), sum / static_cast<double>(robots.size()), tolerance);
+}
+
+/// What the report says of motion follows from the trajectory, and nobody touched anything.
+void expect_good_motion(const proto::Report& report, const std::filesystem::path& trajectory, double radius,
+                        const test::PlainMap& map) {
+  const auto tracks = test::read_trajectory_rows(trajectory);
+  ASSERT_EQ(tracks.size(), static_cast<std::size_t>(report.robots_size()));
+  double separation = std::numeric_limits<double>::infinity();
+  const double reach =
+      radius + std::max(report.least_clearance(), 0.0) + 1;  // far enough to see it said too low
+  double clearance = reach - radius;
+  for (auto a = tracks.begin(); a != tracks.end(); ++a) {
+    for (auto b = std::next(a); b != tracks.end(); ++b) {
+      separation = std::min(separation, test::least_distance(a->second, b->second) - 2 * radius);
+    }
+    double driven = 0;
+    for (std::size_t i = 1; i < a->second.size(); ++i) {
+      const test::Place from = a->second[i - 1].place;
+      const test::Place to = a->second[i].place;
+      driven += test::distance(from, to);
+      clearance = std::min(clearance, map.clearance(from, to, reach) - radius);
+    }
+    const auto& rows = report.robots();
+    const auto row =
+        std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name() == a->first; });
+    ASSERT_NE(row, rows.end()) << a->first;
+    EXPECT_NEAR(row->driven_length(), driven, 0.01) << a->first;
+  }
+  EXPECT_GE(separation, -tolerance);
+  EXPECT_GE(clearance, -tolerance);
+  EXPECT_NEAR(report.least_separation(), separation, 0.01);
+  EXPECT_NEAR(report.least_clearance(), clearance, 0.01);
+  EXPECT_EQ(report.collisions(), 0u);
+}
+
+TEST(Fleet, RoomsEndWell) {
+  const std::filesystem::path file = test::scenarios() / "rooms-8.json";
+  const Scenario scenario = read_scenario(file, {});
+  FleetRun run(file);
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  EXPECT_EQ(run.roles("tree_broker"), 1u);
+  EXPECT_EQ(run.roles("planner_service"), 1u);
+  EXPECT_EQ(run.roles("robot_agent"), scenario.robots.size());
+  const auto children = test::children_of(run.process.pid());
+  EXPECT_EQ(run.process.wait(), 0) << run.log();
+  expect_nothing_left(run, children);
+
+  const proto::Report report = run.report();
+  EXPECT_EQ(report.outcome(), "arrived");
+  std::vector<test::Expected> robots;
+  for (const RobotTask& task : scenario.robots) {
+    robots.push_back({task.name, {task.start.x(), task.start.y()}, {task.goal.x(), task.goal.y()}});
+  }
+  const test::PlainMap map(test::scenarios() / "rooms-8.map");
+  expect_good_paths(report, robots, scenario.robots[0].radius, map);
+  expect_good_motion(report, run.file("t.csv"), scenario.robots[0].radius, map);
+  const auto tracks = test::read_trajectory_rows(run.file("t.csv"));
+  for (const test::Expected& robot : robots) {
+    EXPECT_LE(test::distance(tracks.at(robot.name).front().place, robot.start), 0.5) << robot.name;
+    EXPECT_LE(test::distance(tracks.at(robot.name).back().place, robot.goal), 1 + tolerance) << robot.name;
+  }
+  EXPECT_NE(run.log().find("paths found 8/8, arrived 8/8"), std::string::npos) << run.log();
+  EXPECT_NE(run.log().find("r8"), std::string::npos) << "the report's table";
+  const std::string picture = test::contents(run.file("p.svg"));
+  for (const test::Expected& robot : robots)
+    EXPECT_NE(picture.find(">" + robot.name + "<"), std::string::npos);
+}
+
+/// The reference maps; what is asked here is paths and sharing, and that nobody touches anything on the way.
+void expect_reference_map_planned(const std::string& name, const std::string& map_name) {
+  const std::filesystem::path maps = std::filesystem::path(COPPICE_SHARED_DIR) / "maps";
+  if (!std::filesystem::exists(maps)) GTEST_SKIP() << maps << " is not there";
+  FleetRun run(maps / (name + ".scen"), {"--radius", "3", "--max-speed", "20", "--timeout", "150"});
+  const int exit_code = run.process.wait();
+  EXPECT_TRUE(exit_code == 0 || exit_code == 1) << run.log();
+  const proto::Report report = run.report();
+  const test::PlainMap map(maps / (map_name + ".map"));
+  expect_good_paths(report, test::robots_of_scen(maps / (name + ".scen")), 3, map);
+  expect_good_motion(report, run.file("t.csv"), 3, map);
+  EXPECT_GT(report.trees_published(), 0u);
+  EXPECT_GT(report.trees_grafted(), 0u);
+  unsigned grafted = 0;
+  for (const auto& robot : report.robots()) grafted += robot.grafted_trees();
+  EXPECT_EQ(report.trees_grafted(), grafted);
+}
+
+TEST(Fleet, RoomOfTheReferenceMapsIsPlanned) {
+  expect_reference_map_planned("room1-10", "room1");
+}
+TEST(Fleet, MazeOfTheReferenceMapsIsPlanned) {
+  expect_reference_map_planned("maze1-5", "maze1");
+}
+
+TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
+  FleetRun run(test::scenarios() / "rooms-8.json");
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  const auto children = test::children_of(run.process.pid());
+  run.process.send(SIGINT);
+  EXPECT_EQ(run.process.wait(), 1) << run.log();
+  EXPECT_EQ(run.report().outcome(), "interrupted");
+  expect_nothing_left(run, children);
+}
+
+TEST(Fleet, KilledItLeavesNothing) {
+  FleetRun run(test::scenarios() / "rooms-8.json");
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  const auto children = test::children_of(run.process.pid());
+  EXPECT_GE(children.size(), 10u);
+  run.process.send(SIGKILL);
+  EXPECT_EQ(run.process.wait(), 128 + SIGKILL);
+  expect_nothing_left(run, children);
+}
+
+TEST(Fleet, AServiceThatIsKilledEndsTheRunAndIsTold) {
+  FleetRun run(test::scenarios() / "rooms-8.json");
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  const auto children = test::children_of(run.process.pid());
+  kill(run.first("planner_service"), SIGKILL);
+  EXPECT_EQ(run.process.wait(), 1);
+  EXPECT_NE(run.log().find("planner_service ended early"), std::string::npos) << run.log();
+  expect_nothing_left(run, children);
+}
+
+TEST(Fleet, AnAgentThatIsKilledIsToldAndTheOthersGoOn) {
+  FleetRun run(test::scenarios() / "blank-10.json", {"--timeout", "200"});
+  ASSERT_TRUE(run.says("paths found 10/10")) << run.log();
+  kill(run.first("robot_agent"), SIGKILL);
+  EXPECT_EQ(run.process.wait(), 1) << run.log();
+  EXPECT_NE(run.log().find("r1 ended early, exit code 137"), std::string::npos) << run.log();
+  const proto::Report report = run.report();
+  EXPECT_FALSE(report.robots(0).arrived());
+  EXPECT_FALSE(report.robots(0).reason().empty());
+  EXPECT_EQ(report.collisions(), 0u);
+  int arrived = 0;
+  for (const auto& robot : report.robots()) arrived += robot.arrived();
+  EXPECT_GT(arrived, 0) << run.log();
+}
+
+TEST(Fleet, WithoutABrokerEveryRobotStillFindsAPath) {
+  FleetRun run(test::scenarios() / "rooms-8.json", {"--timeout", "60"});
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  kill(run.first("tree_broker"), SIGKILL);
+  EXPECT_LE(run.process.wait(), 1) << run.log();
+  EXPECT_NE(run.log().find("tree_broker ended early"), std::string::npos) << run.log();
+  const proto::Report report = run.report();
+  for (const auto& robot : report.robots()) EXPECT_TRUE(robot.planned()) << robot.name();
+  EXPECT_EQ(report.collisions(), 0u);
+}
+
+TEST(Fleet, TwoRunsAtOnceDoNotMeet) {
+  FleetRun first(test::scenarios() / "blank-10.json", {"--robots", "2"});
+  FleetRun second(test::scenarios() / "blank-10.json", {"--robots", "3"});
+  EXPECT_EQ(first.process.wait(), 0) << first.log();
+  EXPECT_EQ(second.process.wait(), 0) << second.log();
+  EXPECT_EQ(first.report().robots_size(), 2);
+  EXPECT_EQ(second.report().robots_size(), 3);
+}
+
+}  // namespace
+}  // namespace coppice

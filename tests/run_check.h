@@ -1,0 +1,172 @@
+// What a run says, checked from outside: from the map's and the scenario's text, the report and the recorded
+// trajectory, by plain geometry over all cells near, and with none of the library's clearance.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "report.pb.h"
+
+namespace coppice::test {
+
+struct Place {
+  double x = 0;
+  double y = 0;
+};
+
+inline double distance(Place a, Place b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+inline Place between(Place a, Place b, double share) {
+  return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+}
+
+/// The least of a function that falls and then rises on [0, 1], by ternary search.
+template <class F>
+double least_on_unit(F&& f) {
+  double low = 0;
+  double high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double a = low + (high - low) / 3;
+    const double b = high - (high - low) / 3;
+    (f(a) < f(b) ? high : low) = f(a) < f(b) ? b : a;
+  }
+  return f((low + high) / 2);
+}
+
+/// The rows of a Moving AI map; everything but '.', 'G' and 'S' is blocked.
+class PlainMap {
+ public:
+  explicit PlainMap(const std::filesystem::path& path) {
+    std::ifstream in(path);
+    std::string line;
+    while (std::getline(in, line) && line.rfind("map", 0) != 0) continue;
+    while (std::getline(in, line) && !line.empty()) rows_.push_back(line);
+    if (rows_.empty()) throw std::runtime_error(path.string() + ": no map");
+  }
+
+  /// Least distance from the segment to a blocked cell or the border, as far as `reach`.
+  double clearance(Place a, Place b, double reach) const {
+    const double width = static_cast<double>(rows_[0].size());
+    const double height = static_cast<double>(rows_.size());
+    double least = reach;
+    for (const Place p : {a, b}) least = std::min({least, p.x, p.y, width - p.x, height - p.y});
+    const auto cell = [](double value, double most) {
+      return static_cast<int>(std::clamp(value, 0.0, most - 1));
+    };
+    for (int j = cell(std::min(a.y, b.y) - reach, height); j <= cell(std::max(a.y, b.y) + reach, height);
+         ++j) {
+      for (int i = cell(std::min(a.x, b.x) - reach, width); i <= cell(std::max(a.x, b.x) + reach, width);
+           ++i) {
+        if (is_blocked(i, j)) least = std::min(least, to_cell(a, b, i, j));
+      }
+    }
+    return least;
+  }
+
+ private:
+  bool is_blocked(int i, int j) const {
+    return std::string_view(".GS").find(rows_[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]) ==
+           std::string_view::npos;
+  }
+  /// From a segment to the closed cell: convex along the segment.
+  static double to_cell(Place a, Place b, int i, int j) {
+    return least_on_unit([&](double share) {
+      const Place p = between(a, b, share);
+      return std::hypot(std::max({i - p.x, 0.0, p.x - i - 1}), std::max({j - p.y, 0.0, p.y - j - 1}));
+    });
+  }
+
+  std::vector<std::string> rows_;
+};
+
+struct Expected {
+  std::string name;
+  Place start;
+  Place goal;
+};
+
+/// The robots of a Moving AI .scen, at the centres of their cells, as the contract names them.
+inline std::vector<Expected> robots_of_scen(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  std::string line;
+  std::getline(in, line);  // "version 1"
+  std::vector<Expected> robots;
+  while (std::getline(in, line)) {
+    std::istringstream fields(line);
+    std::string bucket;
+    std::string map;
+    int width = 0;
+    int height = 0;
+    Place start;
+    Place goal;
+    if (!(fields >> bucket >> map >> width >> height >> start.x >> start.y >> goal.x >> goal.y)) continue;
+    robots.push_back({"r" + std::to_string(robots.size() + 1),
+                      {start.x + 0.5, start.y + 0.5},
+                      {goal.x + 0.5, goal.y + 0.5}});
+  }
+  return robots;
+}
+
+struct Sample {
+  double time = 0;
+  Place place;
+};
+
+/// By robot, in the order of the file.
+inline std::map<std::string, std::vector<Sample>> read_trajectory_rows(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  std::string line;
+  std::getline(in, line);
+  if (line != "time,robot,x,y,vx,vy") throw std::runtime_error("header: " + line);
+  std::map<std::string, std::vector<Sample>> tracks;
+  while (std::getline(in, line)) {
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream fields(line);
+    Sample sample;
+    std::string robot;
+    if (!(fields >> sample.time >> robot >> sample.place.x >> sample.place.y)) throw std::runtime_error(line);
+    tracks[robot].push_back(sample);
+  }
+  return tracks;
+}
+
+/// Where a robot is that moves straight between samples, and stands before the first and after the last.
+inline Place at(const std::vector<Sample>& track, double time) {
+  const auto after = std::upper_bound(track.begin(), track.end(), time,
+                                      [](double t, const Sample& sample) { return t < sample.time; });
+  if (after == track.begin()) return track.front().place;
+  if (after == track.end()) return track.back().place;
+  const Sample& a = *(after - 1);
+  return between(a.place, after->place, (time - a.time) / (after->time - a.time));
+}
+
+/// Least distance of two robots while both are on record; straight motion between all samples of either.
+inline double least_distance(const std::vector<Sample>& a, const std::vector<Sample>& b) {
+  std::vector<double> times;
+  for (const auto* track : {&a, &b}) {
+    for (const Sample& sample : *track) times.push_back(sample.time);
+  }
+  std::sort(times.begin(), times.end());
+  const double end = std::min(a.back().time, b.back().time);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < times.size() && times[i + 1] <= end; ++i) {
+    const Place a0 = at(a, times[i]);
+    const Place a1 = at(a, times[i + 1]);
+    const Place b0 = at(b, times[i]);
+    const Place b1 = at(b, times[i + 1]);
+    least = std::min(
+        least, least_on_unit([&](double s) { return distance(between(a0, a1, s), between(b0, b1, s)); }));
+  }
+  return least;
+}
+
+}  // namespace coppice::test

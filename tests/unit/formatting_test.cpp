@@ -1,0 +1,22 @@
+// Every source is formatted as .clang-format says.
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/source_files.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+TEST(Formatting, EverySourceIsFormatted) {
+  if (test::shell("clang-format --version").exit_code != 0) GTEST_SKIP() << "clang-format is not installed";
+  std::string command = "cd '" + test::source_folder().string() + "' && clang-format --dry-run -Werror";
+  for (const std::string& file : test::source_files()) command += " '" + file + "'";
+  const test::Outcome outcome = test::shell(command);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output.substr(0, 4000);
+}
+
+}  // namespace
+}  // namespace coppice
