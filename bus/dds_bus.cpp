@@ -107,7 +107,8 @@ struct DdsBus::Implementation {
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
   std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
-             Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>, Ends<BrokerStatus>>
+             Ends<JointPlanMessage>, Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>,
+             Ends<BrokerStatus>>
       topics;
   dds::WaitSet wait_set;
   std::size_t rejected = 0;

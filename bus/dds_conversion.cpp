@@ -162,24 +162,63 @@ idl::RobotState to_dds(const RobotState& m) {
   d.promise_turn(m.promise.turn);
   d.promise_velocity(to_dds(m.promise.velocity));
   d.promise_expiry(m.promise.expiry);
-  d.promise_parked(m.promise.parked);
+  d.knot_epoch(m.knot.epoch);
+  d.knot_leader(m.knot.leader);
+  d.stage(octet(m.stage));
+  d.progress(m.progress);
   d.waits_for(m.waits_for);
   return d;
 }
 
 RobotState from_dds(const idl::RobotState& d) {
-  return {
-      .robot = text(d.robot()),
-      .sequence = d.sequence_number(),
-      .stamp = d.stamp(),
-      .position = from_dds(d.position()),
-      .velocity = from_dds(d.velocity()),
-      .radius = d.radius(),
-      .max_speed = d.max_speed(),
-      .max_acceleration = d.max_acceleration(),
-      .phase = static_cast<Phase>(d.phase()),
-      .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry(), d.promise_parked()},
-      .waits_for = text(d.waits_for())};
+  return {.robot = text(d.robot()),
+          .sequence = d.sequence_number(),
+          .stamp = d.stamp(),
+          .position = from_dds(d.position()),
+          .velocity = from_dds(d.velocity()),
+          .radius = d.radius(),
+          .max_speed = d.max_speed(),
+          .max_acceleration = d.max_acceleration(),
+          .phase = static_cast<Phase>(d.phase()),
+          .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry()},
+          .knot = {d.knot_epoch(), text(d.knot_leader())},
+          .stage = static_cast<Stage>(d.stage()),
+          .progress = d.progress(),
+          .waits_for = text(d.waits_for())};
+}
+
+idl::JointPlan to_dds(const JointPlanMessage& m) {
+  idl::JointPlan d;
+  d.leader(m.knot.leader);
+  d.epoch(m.knot.epoch);
+  for (const JointPlanMessage::Member& member : m.members) {
+    idl::JointPlanMember& to = d.members().emplace_back();
+    to.robot(member.robot);
+    to.radius(member.radius);
+    to.stranded(member.stranded);
+  }
+  for (const JointPlanMessage::Move& move : m.moves) {
+    idl::JointPlanMove& to = d.moves().emplace_back();
+    to.member(move.member);
+    to.points(static_cast<std::uint32_t>(move.path.size()));
+    for (const Point2& p : move.path) d.points().push_back(to_dds(p));
+  }
+  return d;
+}
+
+JointPlanMessage from_dds(const idl::JointPlan& d) {
+  JointPlanMessage m{.knot = {d.epoch(), text(d.leader())}, .members = {}, .moves = {}};
+  for (const idl::JointPlanMember& member : d.members())
+    m.members.push_back({text(member.robot()), member.radius(), member.stranded()});
+  // A move that claims more points than there are gets fewer: validation sees one without any.
+  auto next = d.points().begin();
+  for (const idl::JointPlanMove& move : d.moves()) {
+    JointPlanMessage::Move& to = m.moves.emplace_back();
+    to.member = move.member();
+    for (std::uint32_t k = 0; k < move.points() && next != d.points().end(); ++k)
+      to.path.push_back(from_dds(*next++));
+  }
+  return m;
 }
 
 idl::Path to_dds(const PathMessage& m) {

@@ -25,6 +25,7 @@ COPPICE_DDS_TYPE(Mission, Mission);
 COPPICE_DDS_TYPE(RootNodes, RootNodes);
 COPPICE_DDS_TYPE(InactiveTreeMessage, InactiveTree);
 COPPICE_DDS_TYPE(RobotState, RobotState);
+COPPICE_DDS_TYPE(JointPlanMessage, JointPlan);
 COPPICE_DDS_TYPE(PathMessage, Path);
 COPPICE_DDS_TYPE(TrackMessage, Track);
 COPPICE_DDS_TYPE(AgentStatus, AgentStatus);

@@ -100,8 +100,25 @@ struct Promise {
   double turn = 0;
   Point2 velocity = Point2::Zero();
   double expiry = 0;
-  bool parked = false;  ///< stands, and stays until it says otherwise
   bool operator==(const Promise&) const = default;
+};
+
+/// Names a knot, a joint plan of the whole fleet in the making or under way: a later epoch overrides an
+/// earlier one, and in one epoch the leader of the lower name.
+struct KnotId {
+  std::uint32_t epoch = 0;  ///< 0: none yet
+  RobotName leader;
+  bool overrides(const KnotId& other) const {
+    return epoch != other.epoch ? epoch > other.epoch : leader < other.leader;
+  }
+  bool operator==(const KnotId&) const = default;
+};
+
+/// A robot's part in its knot.
+enum class Stage : std::uint8_t {
+  free,     ///< none, or done with it: drives by itself
+  holding,  ///< stands, or brakes, until there is a joint plan
+  ordered,  ///< drives as the joint plan says
 };
 
 /// robot_state: agent -> all agents, monitor. Once a control step.
@@ -116,8 +133,30 @@ struct RobotState {
   double max_acceleration = 0;
   Phase phase = Phase::waiting;
   Promise promise;
+  KnotId knot;
+  Stage stage = Stage::free;
+  double progress = 0;  ///< metres along its moves of the joint plan, while ordered
   RobotName waits_for;  ///< empty: for nobody
   bool operator==(const RobotState&) const = default;
+};
+
+/// joint_plan: agent -> agents, monitor. What a knot's leader found (motion/joint_plan.h).
+struct JointPlanMessage {
+  KnotId knot;
+  struct Member {
+    RobotName robot;
+    double radius = 0;
+    bool stranded = false;  ///< the moves do not bring it to its goal
+    bool operator==(const Member&) const = default;
+  };
+  struct Move {
+    std::uint32_t member = 0;  ///< index in members
+    Path path;
+    bool operator==(const Move&) const = default;
+  };
+  std::vector<Member> members;
+  std::vector<Move> moves;  ///< one after the other, where ways come near each other
+  bool operator==(const JointPlanMessage&) const = default;
 };
 
 /// path: agent -> agents, service, monitor.
@@ -174,7 +213,7 @@ struct BrokerStatus {
   bool operator==(const BrokerStatus&) const = default;
 };
 
-using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState, PathMessage,
-                             TrackMessage, AgentStatus, BrokerStatus>;
+using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState,
+                             JointPlanMessage, PathMessage, TrackMessage, AgentStatus, BrokerStatus>;
 
 }  // namespace coppice

@@ -20,6 +20,9 @@ std::string key_of(const InactiveTreeMessage& m) {
 std::string key_of(const BrokerStatus& m) {
   return std::to_string(m.broker);
 }
+std::string key_of(const JointPlanMessage& m) {
+  return m.knot.leader;
+}
 std::string key_of(const auto& m) {
   return m.robot;
 }

@@ -102,7 +102,24 @@ Problem check(const RobotState& m) {
        {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
         "promised velocity is above the limit"},
        {known(m.phase), "unknown phase"},
+       {m.stage <= Stage::ordered, "unknown stage"},
+       {m.knot.leader.size() <= longest_name && (m.knot.epoch == 0) == m.knot.leader.empty(),
+        "knot's epoch and leader do not agree"},
+       {not_negative(m.progress), "progress is negative or not finite"},
        {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"}});
+}
+
+Problem check(const JointPlanMessage& m) {
+  const auto member_fine = [](const JointPlanMessage::Member& member) {
+    return named(member.robot) && positive(member.radius);
+  };
+  const auto move_fine = [&](const JointPlanMessage::Move& move) {
+    return move.member < m.members.size() && !move.path.empty() &&
+           std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
+  };
+  return first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},
+                   {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
+                   {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"}});
 }
 
 Problem check(const PathMessage& m) {

@@ -16,6 +16,7 @@ constexpr double obstacle_horizon =
     0.25;                       // seconds; the promise keeps clear of obstacles until standstill anyway
 constexpr int directions = 16;  // of the velocities tried around the current one
 constexpr std::array shares{1.0, 0.6, 0.3};  // of the largest change of velocity in a period
+constexpr std::array speeds{1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03};  // of the wanted one, tried in turn
 
 }  // namespace
 
@@ -26,14 +27,22 @@ void Driver::advance() {
   next_velocity_ = braked(velocity_, limits_, period_);
 }
 
-Commitment Driver::commitment(bool parked) const {
+void Driver::stay(double until) {
+  if (stands()) stays_until_ = std::max(stays_until_, until);
+}
+
+/// The next choice is for the period that begins at the turn.
+bool Driver::bound_to_stand() const {
+  return time_ + 1.5 * period_ < stays_until_;
+}
+
+Commitment Driver::commitment() const {
   return {.stamp = time_,
           .position = position_,
           .velocity = velocity_,
           .turn = time_ + period_,
           .next_velocity = next_velocity_,
-          .expiry = time_ + 2 * period_,
-          .parked = parked && stands()};
+          .expiry = std::max(time_ + 2 * period_, stays_until_)};
 }
 
 bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours,
@@ -54,10 +63,10 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
   std::vector<HalfPlane> robots;
   for (const Neighbour& n : neighbours) {
     const Commitment& c = n.commitment;
-    const double since = n.silent || c.parked ? 0 : std::max(0.0, turn - c.expiry);
-    const bool moves = !n.silent && !c.parked;
+    const bool rests = c.velocity.isZero(0) && c.next_velocity.isZero(0) && c.expiry > turn + 2 * period_;
+    const bool moves = !n.silent && !rests;
     const Point2 position =
-        c.position_at_expiry() + (since - (moves ? std::max(0.0, c.expiry - turn) : 0)) * c.next_velocity;
+        moves ? Point2(c.position_at_expiry() + (turn - c.expiry) * c.next_velocity) : c.position_at_expiry();
     const MovingDisc other{position, moves ? c.next_velocity : Point2::Zero(), n.radius};
     const double reach = radius_ + n.radius + neighbour_horizon * (limits_.max_speed + n.limits.max_speed);
     if ((other.position - self.position).norm() > reach) continue;
@@ -69,6 +78,7 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
 
 void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbours,
                     const ClearanceField& field) {
+  if (bound_to_stand()) return;
   const Point2 wanted = proposal(preferred, neighbours, field);
   next_velocity_ = within_limits(wanted, velocity_, limits_, period_);
   if (safe(next_velocity_, neighbours, field)) return;
@@ -87,6 +97,16 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
       std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field); });
   // Braking in a straight line was shown to be clear when the current velocity was chosen.
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
+}
+
+void Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
+                    const ClearanceField& field) {
+  if (bound_to_stand()) return;
+  for (const double speed : speeds) {
+    next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
+    if (safe(next_velocity_, neighbours, field)) return;
+  }
+  next_velocity_ = braked(velocity_, limits_, period_);
 }
 
 }  // namespace coppice

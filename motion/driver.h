@@ -31,8 +31,15 @@ class Driver {
   /// reciprocal velocity obstacles make of `preferred`.
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
-  /// What the others may count on. `parked`: it will not move again until it says otherwise.
-  Commitment commitment(bool parked) const;
+  /// The same along a way that a joint plan has cleared: towards `wanted`, as fast as is safe, with no
+  /// avoidance of its own.
+  void follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field);
+
+  /// If it stands: binds it to stand until the time `until` at least.
+  void stay(double until);
+
+  /// What the others may count on.
+  Commitment commitment() const;
 
   double time() const { return time_; }
   double period() const { return period_; }
@@ -43,6 +50,7 @@ class Driver {
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
+  bool bound_to_stand() const;
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field) const;
@@ -55,6 +63,7 @@ class Driver {
   double period_;
   Point2 velocity_ = Point2::Zero();
   Point2 next_velocity_ = Point2::Zero();
+  double stays_until_ = 0;
 };
 
 }  // namespace coppice

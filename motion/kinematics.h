@@ -31,9 +31,10 @@ inline double braking_distance(double speed, const Limits& limits, double period
   return period * (periods * speed - drop * periods * (periods + 1) / 2);
 }
 
-/// Number of periods after which a robot that brakes from now on stands.
+/// Number of periods in which a robot still moves that brakes from now on: a period's worth of speed falls at
+/// once.
 inline int braking_periods(double speed, const Limits& limits, double period) {
-  return static_cast<int>(std::ceil(speed / (limits.max_acceleration * period)));
+  return std::max(0, static_cast<int>(std::ceil(speed / (limits.max_acceleration * period))) - 1);
 }
 
 /// The highest speed from which braking over `distance` ends in standstill (continuous-time bound, with room

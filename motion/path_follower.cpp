@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "motion/free_way.h"
+
 namespace coppice {
 
 namespace {
@@ -61,15 +63,15 @@ Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceF
   const double total = along_.back();
   double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
   Point2 target = point_at(progress_ + ahead);
-  lost_ = !field.segment_free(position, target, radius_);
+  lost_ = !way_free(field, position, target, radius_);
   for (int i = 0; i < halvings && lost_; ++i) {
     ahead /= 2;
     target = point_at(progress_ + ahead);
-    lost_ = !field.segment_free(position, target, radius_);
+    lost_ = !way_free(field, position, target, radius_);
   }
   if (lost_) {
     target = point_at(progress_);
-    lost_ = !field.segment_free(position, target, radius_);
+    lost_ = !way_free(field, position, target, radius_);
   }
   if (lost_) return Point2::Zero();
 

@@ -21,6 +21,7 @@ class PathFollower {
                             double period);
 
   bool lost() const { return lost_; }
+  double progress() const { return progress_; }  ///< how far along the path the robot has come, metres
   const Path& path() const { return path_; }
 
  private:

@@ -3,21 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/free_way.h"
+#include "motion/segments.h"
+
 namespace coppice {
 
 namespace {
 
 // Kept between two robots beyond their radii, metres: more than all rounding between sender, bus and record.
 constexpr double margin = 0.001;
-
-/// Least distance between two points that move linearly over the same interval.
-double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
-  const Point2 gap = a0 - b0;
-  const Point2 change = (a1 - b1) - gap;
-  const double squared = change.squaredNorm();
-  const double share = squared == 0 ? 0 : std::clamp(-gap.dot(change) / squared, 0.0, 1.0);
-  return (gap + share * change).norm();
-}
 
 /// Whether a disc moving from a0 to a1 between the times t0 and t1 stays clear of a neighbour.
 class NeighbourRegion {
@@ -30,7 +24,6 @@ class NeighbourRegion {
         at_expiry_(n_.commitment.position_at_expiry()) {}
 
   bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {
-    if (n_.commitment.parked) return closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_;
     // The commitment bends at `turn` and ends at `expiry`: look at each part of the interval by itself.
     double begin = t0;
     Point2 from = a0;
@@ -61,22 +54,7 @@ class NeighbourRegion {
     const double speed = n_.commitment.next_velocity.norm();
     const Point2 direction = speed > 0 ? Point2(n_.commitment.next_velocity / speed) : Point2::Zero();
     const Point2 stop = at_expiry_ + direction * braking_distance(speed, n_.limits, period_);
-    // Least distance of two segments: it is at an end of one of them unless they cross.
-    const double least = std::min({to_segment(a0, at_expiry_, stop), to_segment(a1, at_expiry_, stop),
-                                   to_segment(at_expiry_, a0, a1), to_segment(stop, a0, a1)});
-    return least >= reach_ && !cross(a0, a1, at_expiry_, stop);
-  }
-
-  static double to_segment(const Point2& p, const Point2& a, const Point2& b) {
-    return closest_approach(p, p, a, b);
-  }
-
-  static double turn_of(const Point2& a, const Point2& b, const Point2& c) {
-    return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-  }
-
-  static bool cross(const Point2& a, const Point2& b, const Point2& c, const Point2& d) {
-    return turn_of(a, b, c) * turn_of(a, b, d) < 0 && turn_of(c, d, a) * turn_of(c, d, b) < 0;
+    return segment_distance(a0, a1, at_expiry_, stop) >= reach_;
   }
 
   Point2 committed(double t) const {
@@ -127,7 +105,7 @@ bool clear_of_obstacles(const Point2& position, const Point2& velocity, double r
   const double speed = velocity.norm();
   if (speed == 0) return true;
   const double travel = speed * period + braking_distance(speed, limits, period);
-  return field.segment_free(position, position + velocity * (travel / speed), radius);
+  return way_free(field, position, position + velocity * (travel / speed), radius);
 }
 
 }  // namespace coppice

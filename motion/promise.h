@@ -7,7 +7,7 @@
 //   - it is at most max_speed * s from where it was at the expiry;
 //   - it is at most max_acceleration * s * (s + period) / 2 from where its velocity at the expiry would have
 //     taken it (velocities change in steps, at the period's beginning).
-// A parked robot stays where it is.
+// A robot that stands may bind itself for longer, by a late expiry: others can pass it closely then.
 //
 // Metres in the map frame, seconds (one time base for everything that is compared), metres per second.
 #pragma once
@@ -28,7 +28,6 @@ struct Commitment {
   double turn = 0;
   Point2 next_velocity = Point2::Zero();  ///< from turn to expiry
   double expiry = 0;
-  bool parked = false;
 
   Point2 position_at_turn() const { return position + (turn - stamp) * velocity; }
   Point2 position_at_expiry() const { return position_at_turn() + (expiry - turn) * next_velocity; }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/segments.h"
+
 namespace coppice {
 
 namespace {
@@ -57,15 +59,6 @@ std::vector<Box<2>> boxes(const Track& track, double begin, std::size_t windows)
 
 double distance(const Box<2>& a, const Box<2>& b) {
   return (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0).norm();
-}
-
-/// Least distance of two points that move linearly from a0 to a1 and from b0 to b1 in the same time.
-double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
-  const Point2 gap = a0 - b0;
-  const Point2 change = (a1 - b1) - gap;
-  const double squared = change.squaredNorm();
-  const double share = squared == 0 ? 0 : std::clamp(-gap.dot(change) / squared, 0.0, 1.0);
-  return (gap + share * change).norm();
 }
 
 double least_distance(const Track& a, const Track& b, double from, double to) {

@@ -13,6 +13,11 @@ constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for li
 constexpr WallTime silence = 0.5;        // seconds without a state: the robot counts as dead
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' first states before setting off
 constexpr std::size_t track_batch = 20;  // points: one second of fleet time
+constexpr double stall = 3;              // seconds without progress that make a robot call a knot
+constexpr double stall_radii = 0.5;      // metres that count as progress, in radii
+// A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
+constexpr double idle_lease = 1;
+constexpr double waiting_lease = 0.5;
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right.
 constexpr double lean = 0.05;  // radians
 
@@ -58,6 +63,7 @@ void RobotAgent::receive(const RobotState& state) {
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (known != heard_.end() && state.stamp < known->second.stamp) return;
   heard_[state.robot] = state;
+  knot_.hear(state);
 }
 
 /// Takes up the mission once its map is there; a cancelled one ends what was going on.
@@ -125,6 +131,8 @@ void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
     const Path& path = std::get<Path>(*result);
     out.emplace_back(PathMessage{name_, mission_->number, path});
     follower_.emplace(path, mission_->radius);
+    last_gain_ = 0;
+    last_gain_time_ = mission_->clock.fleet_time(now);
     enter(Phase::driving);
   }
   finder_.reset();
@@ -141,23 +149,70 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
   }
   if (!due) return;
 
-  if (status_.phase == Phase::driving && heard_everyone(fleet_now)) {
-    body_->choose(preferred_velocity(), neighbours(fleet_now), *field_);
-    const double to_goal = (body_->position() - mission_->goal).norm();
-    if (body_->stands() && to_goal <= mission_->goal_tolerance / 2) {
-      status_.arrival_time = body_->time();
-      enter(Phase::arrived);
-    }
-  } else if (body_ && !body_->stands()) {
-    body_->choose(Point2::Zero(), neighbours(fleet_now), *field_);
-  }
+  decide(fleet_now);
   out.emplace_back(state());
   ++sequence_;
+  if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
 }
 
-Point2 RobotAgent::preferred_velocity() {
-  return leaning_right(follower_->preferred_velocity(body_->position() + period * body_->velocity(), *field_,
-                                                     body_->limits(), period));
+/// Chooses the velocity of the next period.
+void RobotAgent::decide(double fleet_now) {
+  const std::vector<Neighbour> others = neighbours(fleet_now);
+  if (status_.phase == Phase::stopped) {
+    body_->choose(Point2::Zero(), others, *field_);
+    return;
+  }
+  if (knot_.stage() == Stage::holding) {
+    knot_.hold(fleet(fleet_now), *field_, body_->limits().max_acceleration, period, fleet_now);
+    last_gain_time_ = fleet_now;
+  }
+  if (knot_.stage() == Stage::ordered) {
+    drive_as_ordered(fleet_now, others);
+  } else if (knot_.stage() == Stage::free && status_.phase == Phase::driving && heard_everyone(fleet_now)) {
+    drive_freely(fleet_now, others);
+  } else {
+    body_->choose(Point2::Zero(), others, *field_);
+    if (status_.phase != Phase::planning)
+      body_->stay(body_->time() + (knot_.stage() == Stage::free ? idle_lease : waiting_lease));
+  }
+  watch_arrival();
+}
+
+void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {
+  const Point2 next = body_->position() + period * body_->velocity();
+  body_->choose(leaning_right(follower_->preferred_velocity(next, *field_, body_->limits(), period)),
+                neighbours, *field_);
+  if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
+    last_gain_ = follower_->progress();
+    last_gain_time_ = fleet_now;
+  }
+  if (fleet_now - last_gain_time_ > stall) knot_.call(fleet_now);
+}
+
+void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
+  const Point2 next = body_->position() + period * body_->velocity();
+  const Point2 wanted = knot_.preferred_velocity(fleet(fleet_now), next, body_->limits(), period, fleet_now);
+  body_->follow(wanted, neighbours, *field_);
+  knot_.executed(body_->commitment().next_velocity);
+  if (wanted.isZero(0)) body_->stay(body_->time() + waiting_lease);
+}
+
+/// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way
+/// is under way again.
+void RobotAgent::watch_arrival() {
+  const bool at_goal = (body_->position() - mission_->goal).norm() <= mission_->goal_tolerance / 2;
+  if (status_.phase == Phase::arrived && !at_goal) {
+    status_.arrival_time = 0;
+    enter(Phase::driving);
+  }
+  if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
+  if (at_goal) {
+    status_.arrival_time = body_->time();
+    enter(Phase::arrived);
+  } else if (knot_.stranded()) {
+    status_.reason = "the robots cannot be sorted out: no order of moves brings this one to its goal";
+    enter(Phase::no_path);
+  }
 }
 
 void RobotAgent::enter(Phase phase) {
@@ -190,8 +245,7 @@ std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
                                   .velocity = s.velocity,
                                   .turn = s.promise.turn,
                                   .next_velocity = s.promise.velocity,
-                                  .expiry = s.promise.expiry,
-                                  .parked = s.promise.parked},
+                                  .expiry = s.promise.expiry},
                    .radius = s.radius,
                    .limits = {s.max_speed, s.max_acceleration},
                    .silent = fleet_now - s.stamp > silence * mission_->clock.scale});
@@ -199,10 +253,39 @@ std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
   return all;
 }
 
+/// Everybody, as far as it is known, this robot included.
+std::vector<FleetMember> RobotAgent::fleet(double fleet_now) const {
+  const auto member = [&](const RobotState& s, bool silent) {
+    const auto mission = missions_.find(s.robot);
+    const bool wants_goal =
+        mission != missions_.end() && (s.phase == Phase::planning || s.phase == Phase::driving);
+    return FleetMember{.robot = s.robot,
+                       .position = s.position,
+                       .goal = wants_goal ? mission->second.goal : s.position,
+                       .radius = s.radius,
+                       .stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0),
+                       .silent = silent,
+                       .knot = s.knot,
+                       .stage = s.stage,
+                       .progress = s.progress};
+  };
+  std::vector<FleetMember> all{member(state(), false)};
+  for (const auto& [robot, s] : heard_)
+    all.push_back(member(s, fleet_now - s.stamp > silence * mission_->clock.scale));
+  for (const auto& [robot, mission] : missions_) {
+    if (robot == name_ || heard_.contains(robot)) continue;
+    all.push_back({.robot = robot,
+                   .position = mission.start,
+                   .goal = mission.start,
+                   .radius = mission.radius,
+                   .silent = true,
+                   .knot = {}});
+  }
+  return all;
+}
+
 RobotState RobotAgent::state() const {
-  const bool parked =
-      status_.phase == Phase::arrived || status_.phase == Phase::no_path || status_.phase == Phase::stopped;
-  const Commitment c = body_->commitment(parked);
+  const Commitment c = body_->commitment();
   return {.robot = name_,
           .sequence = sequence_,
           .stamp = c.stamp,
@@ -212,8 +295,11 @@ RobotState RobotAgent::state() const {
           .max_speed = body_->limits().max_speed,
           .max_acceleration = body_->limits().max_acceleration,
           .phase = status_.phase,
-          .promise = {c.turn, c.next_velocity, c.expiry, c.parked},
-          .waits_for = {}};
+          .promise = {c.turn, c.next_velocity, c.expiry},
+          .knot = knot_.id(),
+          .stage = knot_.stage(),
+          .progress = knot_.progress(),
+          .waits_for = knot_.waits_for()};
 }
 
 /// Track points go out in batches, and all of them with a change of phase, so that the record is complete.

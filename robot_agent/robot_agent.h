@@ -14,13 +14,14 @@
 #include "motion/driver.h"
 #include "motion/path_follower.h"
 #include "planning/clearance_field.h"
+#include "robot_agent/knot.h"
 #include "robot_agent/path_finder.h"
 
 namespace coppice {
 
 class RobotAgent {
  public:
-  explicit RobotAgent(RobotName name) : name_(std::move(name)) { status_.robot = name_; }
+  explicit RobotAgent(RobotName name) : name_(std::move(name)), knot_(name_) { status_.robot = name_; }
 
   void on(const Message& message, WallTime now);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
@@ -33,14 +34,19 @@ class RobotAgent {
   void receive(const Mission& mission);
   void receive(const InactiveTreeMessage& tree);
   void receive(const RobotState& state);
+  void receive(const JointPlanMessage& plan) { knot_.hear(plan); }
 
   void begin_mission(WallTime now);
   void plan(WallTime now, std::vector<Message>& out);
   void control(double fleet_now, std::vector<Message>& out);
-  Point2 preferred_velocity();
+  void decide(double fleet_now);
+  void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
+  void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
+  void watch_arrival();
   void enter(Phase phase);
   bool heard_everyone(double fleet_now) const;
   std::vector<Neighbour> neighbours(double fleet_now) const;
+  std::vector<FleetMember> fleet(double fleet_now) const;
   RobotState state() const;
   void report(WallTime now, std::vector<Message>& out);
 
@@ -55,6 +61,9 @@ class RobotAgent {
   std::unique_ptr<PathFinder> finder_;
   std::optional<Driver> body_;
   std::optional<PathFollower> follower_;
+  Knot knot_;
+  double last_gain_ = 0;                    ///< metres along its path when it last came on
+  double last_gain_time_ = 0;               ///< fleet time
   std::vector<TrackMessage::Point> track_;  ///< not yet sent
   AgentStatus status_;
   bool status_changed_ = true;

@@ -42,7 +42,10 @@ RobotState some_state(std::uint32_t sequence) {
           .max_speed = 20,
           .max_acceleration = 40,
           .phase = Phase::driving,
-          .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1, false},
+          .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1},
+          .knot = {3, "r7"},
+          .stage = Stage::ordered,
+          .progress = 12.5,
           .waits_for = "r2"};
 }
 
@@ -97,20 +100,22 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   const Message nodes = RootNodes{"r1", 3, 7, {{Side::goal, {1, 2}, 5}, {Side::start, {3, 4}, -1}}};
   const Message tree = some_tree(1, 9);
   const Message path = PathMessage{"r1", 3, {{0, 0}, {1, 2}, {5, 5}}};
+  const Message plan = JointPlanMessage{
+      {4, "r1"}, {{"r1", 5, false}, {"r2", 4.5, true}}, {{1, {{0, 0}, {1, 2}}}, {0, {{3, 4}}}}};
   const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}};
   const Message status = AgentStatus{"r1", 3, Phase::no_path, "why not", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
   const Message broker_status = BrokerStatus{1ull << 50, 2, 3, 4, 5, 6};
   service.publish(map);
   service.publish(mission);
-  for (const Message& m : {nodes, path, track, status}) agent.publish(m);
+  for (const Message& m : {nodes, plan, path, track, status}) agent.publish(m);
   broker.publish(tree);
   broker.publish(broker_status);
 
   const auto at_agent = receive(other, [&](const auto& all) {
-    return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, path);
+    return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, path) && holds(all, plan);
   });
   EXPECT_TRUE(holds(at_agent, map) && holds(at_agent, mission) && holds(at_agent, tree) &&
-              holds(at_agent, path));
+              holds(at_agent, path) && holds(at_agent, plan));
   const auto at_service = receive(service, [&](const auto& all) {
     return holds(all, track) && holds(all, status) && holds(all, broker_status) && holds(all, nodes);
   });

@@ -1,0 +1,25 @@
+// Whether a disc may move straight on from where it is.
+#pragma once
+
+#include <algorithm>
+
+#include "planning/clearance_field.h"
+#include "planning/geometry.h"
+
+namespace coppice {
+
+/// Rounding that drives a disc into an obstacle, metres: more than a run's worth of it.
+inline constexpr double driving_rounding = 1e-7;
+
+/// Whether a disc of `radius` (metres) that stands at `from` may move straight to `to` and overlap nothing.
+/// Where rounding has brought it into an obstacle by less than driving_rounding, it may move as long as it
+/// comes no nearer: or it could never leave.
+inline bool way_free(const ClearanceField& field, const Point2& from, const Point2& to, double radius) {
+  if (field.segment_free(from, to, radius)) return true;
+  constexpr double no_nearer = 1e-12;
+  const double here = field.clearance(from);
+  if (here >= radius || here < radius - driving_rounding) return false;
+  return field.segment_free(from, to, here - no_nearer);
+}
+
+}  // namespace coppice

@@ -1,0 +1,257 @@
+#include "motion/joint_plan.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+constexpr int most_attempts = 12;
+constexpr int attempts_at_a_spacing = 4;  // then the lattice becomes finer
+constexpr std::size_t moves_a_robot = 8;  // in one attempt, on average: beyond, it runs in circles
+constexpr int most_depth = 12;            // of robots that wait for each other to clear a way
+constexpr std::size_t most_routes_a_step = 24;
+
+}  // namespace
+
+JointPlanner::JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
+    : field_(field), tasks_(std::move(tasks)), random_(random) {
+  set_up();
+  begin_attempt();
+}
+
+RouteFinder& JointPlanner::finder(std::size_t robot) {
+  const double radius = tasks_[robot].radius;
+  const auto known = finders_.find(radius);
+  if (known != finders_.end()) return known->second;
+  return finders_.try_emplace(radius, field_, radius, spacing_share_ * usual_spacing(radius)).first->second;
+}
+
+/// Who can reach its goal at all, and on which way.
+void JointPlanner::set_up() {
+  finders_.clear();
+  hopeful_.assign(tasks_.size(), false);
+  direct_.assign(tasks_.size(), {});
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (!tasks_[i].movable) continue;
+    std::vector<Disc> dead;
+    for (const JointTask& other : tasks_) {
+      if (!other.movable) dead.push_back({other.position, other.radius});
+    }
+    direct_[i] = finder(i).route(tasks_[i].position, tasks_[i].goal, dead);
+    hopeful_[i] = !direct_[i].empty();
+  }
+}
+
+void JointPlanner::begin_attempt() {
+  at_.clear();
+  for (const JointTask& task : tasks_) at_.push_back(task.position);
+  moves_.clear();
+  tried_.assign(tasks_.size(), false);
+  priority_.resize(tasks_.size());
+  std::iota(priority_.begin(), priority_.end(), std::size_t{0});
+  if (attempts_ == 0) {
+    // Whoever has the shortest way makes room first.
+    std::ranges::stable_sort(priority_, std::less{}, [&](std::size_t i) { return length_of(direct_[i]); });
+  } else {
+    for (std::size_t i = priority_.size(); i > 1; --i)
+      std::swap(priority_[i - 1], priority_[random_.index(i)]);
+  }
+}
+
+/// Keeps the attempt's result if it is the best so far, and goes on with the next.
+void JointPlanner::end_attempt() {
+  JointPlan plan{moves_, {}};
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (!at_goal(i)) plan.stranded.push_back(i);
+  }
+  const auto hopeless = static_cast<std::size_t>(std::ranges::count(hopeful_, false));
+  const std::size_t stranded = plan.stranded.size();
+  if (!found_ || stranded < found_->stranded.size()) found_ = std::move(plan);
+  ++attempts_;
+  done_ = stranded == 0 || (stranded <= hopeless && attempts_ > 2 * attempts_at_a_spacing) ||
+          attempts_ == most_attempts;
+  if (done_) {
+    best_ = *std::move(found_);
+    return;
+  }
+  if (attempts_ % attempts_at_a_spacing == 0) {
+    spacing_share_ /= 2;
+    set_up();
+  }
+  begin_attempt();
+}
+
+std::vector<Disc> JointPlanner::others(std::size_t robot) const {
+  std::vector<Disc> discs;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (i != robot) discs.push_back({at_[i], tasks_[i].radius});
+  }
+  return discs;
+}
+
+/// The other robots, apart by whether they may be asked to give way.
+JointPlanner::Discs JointPlanner::discs_around(std::size_t robot,
+                                               const std::vector<std::size_t>& fixed) const {
+  Discs discs;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (i == robot) continue;
+    if (!tasks_[i].movable || std::ranges::find(fixed, i) != fixed.end()) {
+      discs.fixed.push_back({at_[i], tasks_[i].radius});
+    } else {
+      discs.movable.push_back({at_[i], tasks_[i].radius});
+      discs.movable_robot.push_back(i);
+    }
+  }
+  return discs;
+}
+
+void JointPlanner::commit(std::size_t robot, Path path) {
+  at_[robot] = path.back();
+  moves_.push_back({robot, std::move(path)});
+  tried_.assign(tasks_.size(), false);
+}
+
+bool JointPlanner::step() {
+  if (done_) return true;
+  const bool all_there = std::ranges::none_of(priority_, [&](std::size_t i) { return wants_to_move(i); });
+  if (all_there || moves_.size() > moves_a_robot * (tasks_.size() + 2)) {
+    end_attempt();
+  } else if (!move_directly() &&
+             std::ranges::all_of(priority_, [&](std::size_t i) { return tried_[i] || !wants_to_move(i); })) {
+    if (!clear_a_way()) end_attempt();
+  }
+  return done_;
+}
+
+/// Moves the first robot that has a way to its goal and shuts nobody in there.
+bool JointPlanner::move_directly() {
+  std::size_t routes = 0;
+  for (const std::size_t i : priority_) {
+    if (!wants_to_move(i) || tried_[i]) continue;
+    if (++routes > most_routes_a_step) return false;
+    tried_[i] = true;
+    Path path = finder(i).route(at_[i], tasks_[i].goal, others(i));
+    if (path.empty() || shuts_in(i)) continue;
+    commit(i, std::move(path));
+    return true;
+  }
+  return false;
+}
+
+/// Whether a robot at its goal would part another one from its own, those that are under way not counted.
+bool JointPlanner::shuts_in(std::size_t robot) {
+  std::vector<Disc> standing{{tasks_[robot].goal, tasks_[robot].radius}};
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (i != robot && !wants_to_move(i)) standing.push_back({at_[i], tasks_[i].radius});
+  }
+  std::vector<bool> seen(tasks_.size(), false);
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (i == robot || !wants_to_move(i) || seen[i]) continue;
+    RouteFinder& own = finder(i);
+    own.flood(tasks_[i].goal, standing);
+    for (std::size_t k = i; k < tasks_.size(); ++k) {
+      if (k == robot || !wants_to_move(k) || tasks_[k].radius != tasks_[i].radius) continue;
+      const bool goal = own.flooded(tasks_[k].goal);
+      // Without the others that are under way: their place now says nothing about where they will be.
+      if (!goal) continue;
+      seen[k] = true;
+      if (!own.flooded(at_[k])) return true;
+    }
+    if (!seen[i]) return true;
+  }
+  return false;
+}
+
+/// Sends away those who stand in the way of one robot, and moves it.
+bool JointPlanner::clear_a_way() {
+  struct Candidate {
+    std::size_t robot;
+    Path way;
+    double length;
+  };
+  std::vector<Candidate> candidates;
+  for (const std::size_t i : priority_) {
+    if (!wants_to_move(i)) continue;
+    const Discs discs = discs_around(i, {});
+    Path way = finder(i).route_through(at_[i], tasks_[i].goal, discs.fixed, discs.movable);
+    if (way.empty()) continue;
+    const double length =
+        length_of(way) +
+        20 * tasks_[i].radius * static_cast<double>(finder(i).blockers(way, discs.movable).size());
+    candidates.push_back({i, std::move(way), length});
+  }
+  if (attempts_ == 0) std::ranges::stable_sort(candidates, std::less{}, &Candidate::length);
+  for (const Candidate& candidate : candidates) {
+    const std::size_t moves_before = moves_.size();
+    const std::vector<Point2> before = at_;
+    std::vector<Sweep> keep_clear;
+    std::vector<std::size_t> waiting;
+    if (clear(candidate.robot, candidate.way, keep_clear, waiting, 0)) {
+      Path path = finder(candidate.robot)
+                      .route(at_[candidate.robot], tasks_[candidate.robot].goal, others(candidate.robot));
+      if (!path.empty()) {
+        commit(candidate.robot, std::move(path));
+        return true;
+      }
+    }
+    moves_.resize(moves_before);
+    at_ = before;
+  }
+  return false;
+}
+
+/// Evacuates everybody who stands on `way` of `robot`; those `waiting` stay where they are.
+bool JointPlanner::clear(std::size_t robot, const Path& way, std::vector<Sweep>& keep_clear,
+                         std::vector<std::size_t>& waiting, int depth) {
+  if (depth > most_depth) return false;
+  waiting.push_back(robot);
+  keep_clear.push_back({way, tasks_[robot].radius});
+  bool cleared = true;
+  while (cleared) {
+    const Discs discs = discs_around(robot, waiting);
+    std::vector<std::size_t> blockers = finder(robot).blockers(way, discs.movable);
+    if (blockers.empty()) break;
+    // Whoever can get out by itself goes first.
+    cleared = std::ranges::any_of(blockers, [&](std::size_t b) {
+      return evacuate(discs.movable_robot[b], keep_clear, waiting, most_depth);
+    });
+    if (!cleared) {
+      cleared = depth < most_depth && std::ranges::any_of(blockers, [&](std::size_t b) {
+                  return evacuate(discs.movable_robot[b], keep_clear, waiting, depth);
+                });
+    }
+    if (moves_.size() > moves_a_robot * (tasks_.size() + 2)) cleared = false;
+  }
+  keep_clear.pop_back();
+  waiting.pop_back();
+  return cleared;
+}
+
+/// Sends a robot to a place off the sweeps to be kept clear; below the greatest depth, others may be sent
+/// away first.
+bool JointPlanner::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
+                            std::vector<std::size_t>& waiting, int depth) {
+  std::vector<Sweep> avoid;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (i != robot && wants_to_move(i)) avoid.push_back({direct_[i], tasks_[i].radius});
+  }
+  if (depth == most_depth) {
+    Path path = finder(robot).refuge(at_[robot], others(robot), {}, keep_clear, avoid);
+    if (path.empty()) return false;
+    commit(robot, std::move(path));
+    return true;
+  }
+  const Discs discs = discs_around(robot, waiting);
+  const Path way = finder(robot).refuge(at_[robot], discs.fixed, discs.movable, keep_clear, avoid);
+  if (way.empty()) return false;
+  if (!clear(robot, way, keep_clear, waiting, depth + 1)) return false;
+  Path path = finder(robot).route(at_[robot], way.back(), others(robot));
+  if (path.empty()) return false;
+  commit(robot, std::move(path));
+  return true;
+}
+
+}  // namespace coppice

@@ -1,0 +1,92 @@
+// A plan for a fleet that stands in its own way: moves, one robot after the other, all others standing.
+//
+// A plan of that form is safe whatever the pace: robots may move at the same time as long as they keep the
+// plan's order wherever their ways come near each other (precedence.h). It is found by search: whoever can
+// reach its goal past the others and shuts nobody in goes; where nobody can, somebody's way is cleared by
+// sending those that stand in it to refuges, which may mean to clear the way of these first (as in Push and
+// Rotate: de Wilde, ter Mors, Witteveen, 2014, in continuous space). Robots at their goals give way like any
+// other and return. Attempts that lead nowhere are begun anew with other priorities.
+//
+// Metres in the map frame.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "motion/route_finder.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+struct JointTask {
+  Point2 position = Point2::Zero();
+  Point2 goal = Point2::Zero();
+  double radius = 0;
+  bool movable = true;  ///< false: dead; it stays where it is
+};
+
+struct Move {
+  std::size_t robot = 0;
+  Path path;
+};
+
+struct JointPlan {
+  std::vector<Move> moves;
+  std::vector<std::size_t> stranded;  ///< robots that these moves do not bring to their goals
+};
+
+class JointPlanner {
+ public:
+  /// `field` outlives it. A task whose goal its robot could not even reach alone is stranded from the start.
+  JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
+
+  /// A bounded amount of work: some tens of route searches. True once the plan is there.
+  bool step();
+  /// The first plan that strands nobody, or else the one that strands the fewest.
+  const JointPlan& plan() const { return best_; }
+
+ private:
+  struct Discs {
+    std::vector<Disc> fixed;
+    std::vector<Disc> movable;
+    std::vector<std::size_t> movable_robot;
+  };
+
+  RouteFinder& finder(std::size_t robot);
+  bool at_goal(std::size_t robot) const { return at_[robot] == tasks_[robot].goal; }
+  bool wants_to_move(std::size_t robot) const { return hopeful_[robot] && !at_goal(robot); }
+  std::vector<Disc> others(std::size_t robot) const;
+  Discs discs_around(std::size_t robot, const std::vector<std::size_t>& fixed) const;
+  void set_up();
+  void begin_attempt();
+  void end_attempt();
+  bool move_directly();
+  bool shuts_in(std::size_t robot);
+  bool clear_a_way();
+  bool clear(std::size_t robot, const Path& way, std::vector<Sweep>& keep_clear,
+             std::vector<std::size_t>& waiting, int depth);
+  bool evacuate(std::size_t robot, std::vector<Sweep>& keep_clear, std::vector<std::size_t>& waiting,
+                int depth);
+  void commit(std::size_t robot, Path path);
+
+  const ClearanceField& field_;
+  std::vector<JointTask> tasks_;
+  Random random_;
+  double spacing_share_ = 1;               ///< of the usual spacing
+  std::map<double, RouteFinder> finders_;  ///< by radius
+  std::vector<bool> hopeful_;              ///< can reach its goal when alone
+  std::vector<Path> direct_;               ///< each robot's way from its first position, alone
+
+  int attempts_ = 0;
+  bool done_ = false;
+  std::vector<Point2> at_;
+  std::vector<Move> moves_;
+  std::vector<std::size_t> priority_;
+  std::vector<bool> tried_;  ///< in vain since anybody last moved
+  std::optional<JointPlan> found_;
+  JointPlan best_;
+};
+
+}  // namespace coppice

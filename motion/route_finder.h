@@ -1,0 +1,120 @@
+// Shortest routes of one disc among obstacles and other discs that stand: the building block of plans in
+// which robots move one after the other (joint_plan.h).
+//
+// A* (Hart, Nilsson, Raphael, 1968) on a square lattice over the free space, each vertex and edge of which is
+// checked exactly; then shortened. What does not lie on the lattice is linked to it by exact checks, and
+// lattice points are multiples of half a cell, so that the middle of a corridor is met whatever its width.
+//
+// Metres in the map frame.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "planning/clearance_field.h"
+#include "planning/geometry.h"
+
+namespace coppice {
+
+/// A robot that stands.
+struct Disc {
+  Point2 centre = Point2::Zero();
+  double radius = 0;
+};
+
+/// What a disc sweeps that moves along a path.
+struct Sweep {
+  Path path;
+  double radius = 0;
+};
+
+/// Standing robots are kept this far apart beyond their radii: more than motion/promise.h keeps.
+inline constexpr double standing_gap = 0.0011;
+
+class RouteFinder {
+ public:
+  /// For a disc of `radius` on `field`, which outlives it. The lattice's spacing is `spacing` rounded down to
+  /// a multiple of half a cell.
+  RouteFinder(const ClearanceField& field, double radius, double spacing);
+
+  double radius() const { return radius_; }
+
+  /// From one place to another, past discs that stand. Keeps a comfortable distance where the ends allow it.
+  /// Empty if there is none on this lattice, or if a disc stands on the goal.
+  Path route(const Point2& from, const Point2& to, std::span<const Disc> discs);
+
+  /// The same, but through the `movable` discs where that is much shorter than around them; past the others.
+  Path route_through(const Point2& from, const Point2& to, std::span<const Disc> discs,
+                     std::span<const Disc> movable);
+
+  /// To the nearest place outside of the sweeps; through the `movable` discs if need be, past the others.
+  /// Places inside of `avoid` count as further away.
+  Path refuge(const Point2& from, std::span<const Disc> discs, std::span<const Disc> movable,
+              std::span<const Sweep> sweeps, std::span<const Sweep> avoid);
+
+  /// Whether places are connected past discs that stand: everything that can be reached from one place.
+  void flood(const Point2& from, std::span<const Disc> discs);
+  /// Whether the last flood came to `place`.
+  bool flooded(const Point2& place);
+
+  /// The discs that a robot on `path` would touch, or come nearer to than route() would.
+  std::vector<std::size_t> blockers(const Path& path, std::span<const Disc> discs) const;
+
+ private:
+  using Vertex = std::uint32_t;
+  struct Label {
+    std::uint32_t search = 0;
+    bool closed = false;
+    Vertex parent = 0;
+    float cost = 0;
+  };
+  struct Obstacle {  ///< a disc, with the distance that this robot's centre keeps from its centre
+    Point2 centre;
+    double distance;
+  };
+  enum Mark : std::uint8_t { wall = 1, crossing = 2, swept = 4, avoided = 8 };
+  struct Goal {
+    std::optional<Point2> place;  ///< none: the nearest vertex that no mark forbids
+    double detour_of_avoided = 0;
+  };
+
+  Point2 at(Vertex v) const;
+  bool vertex_free(Vertex v);
+  bool edge_free(Vertex v, Vertex w, int direction);
+  std::uint8_t marks(Vertex v) const { return marked_[v] == search_ ? mark_[v] : 0; }
+  void begin_search();
+  void mark(const Point2& a, const Point2& b, double distance, Mark what);
+  std::vector<Obstacle> obstacles(std::span<const Disc> discs, const Point2& from,
+                                  const std::optional<Point2>& to) const;
+  template <class Fn>
+  void for_each_link(const Point2& p, std::span<const Obstacle> obstacles, Fn&& fn);
+  template <class Fn>
+  void for_each_neighbour(Vertex v, Fn&& fn);
+  Path search(const Point2& from, const Goal& goal, std::span<const Obstacle> walls);
+  Path straightened(Path path, std::span<const Obstacle> walls) const;
+
+  const ClearanceField& field_;
+  double radius_;
+  double spacing_;
+  Point2 origin_;
+  int columns_;
+  int rows_;
+  std::uint32_t search_ = 0;
+  std::vector<Label> labels_;
+  std::vector<std::uint32_t> marked_;  ///< by which search
+  std::vector<std::uint8_t> mark_;
+  /// What is known of the vertex: 0 nothing, 1 blocked, 2 free; and of its edges to E, NE, N, NW: 2 bits
+  /// each.
+  std::vector<std::uint8_t> known_vertex_;
+  std::vector<std::uint8_t> known_edges_;
+};
+
+/// A spacing at which lattice searches are quick and few passages are missed: metres, for a robot of
+/// `radius`.
+inline double usual_spacing(double radius) {
+  return 0.4 * radius;
+}
+
+}  // namespace coppice

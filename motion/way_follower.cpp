@@ -1,0 +1,137 @@
+#include "motion/way_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+constexpr double stray_radii = 0.08;       // how far from the way corners may be cut, in radii
+constexpr double look_ahead_radii = 0.25;  // of the point that the robot heads for
+constexpr double least_look_ahead_radii = 0.0002;
+constexpr double window_radii = 2;     // of the search for the nearest point of the way
+constexpr double braking_share = 0.5;  // of the acceleration, the rest is for turning
+constexpr double there_radii = 0.01;   // this near counts as there
+
+}  // namespace
+
+WayFollower::WayFollower(std::span<const Path> legs, std::vector<Gate> gates, double radius)
+    : way_{legs.front().front()},
+      along_{0},
+      gates_(std::move(gates)),
+      radius_(radius),
+      look_ahead_(look_ahead_radii * radius) {
+  for (const Path& leg : legs) {
+    for (std::size_t i = 1; i < leg.size(); ++i) {
+      along_.push_back(along_.back() + (leg[i] - way_.back()).norm());
+      way_.push_back(leg[i]);
+    }
+    leg_ends_.push_back(along_.back());
+  }
+}
+
+Point2 WayFollower::point_at(double along) const {
+  const auto next = std::upper_bound(along_.begin(), along_.end(), along);
+  if (next == along_.end()) return way_.back();
+  if (next == along_.begin()) return way_.front();
+  const auto i = static_cast<std::size_t>(next - along_.begin());
+  const double share = (along - along_[i - 1]) / (along_[i] - along_[i - 1]);
+  return way_[i - 1] + share * (way_[i] - way_[i - 1]);
+}
+
+/// To the nearest point of the leg within the window; never back. The next leg begins when this one's end is
+/// reached.
+void WayFollower::advance_progress(const Point2& position) {
+  const double window_end = std::min(progress_ + window_radii * radius_, leg_ends_[leg_]);
+  const auto first = std::upper_bound(along_.begin(), along_.end(), progress_);
+  double best = progress_;
+  double best_distance = (point_at(progress_) - position).norm();
+  for (auto i = static_cast<std::size_t>(first - along_.begin());
+       i < way_.size() && along_[i - 1] < window_end; ++i) {
+    const Point2 edge = way_[i] - way_[i - 1];
+    const double squared = edge.squaredNorm();
+    if (squared == 0) continue;
+    const double share = std::clamp((position - way_[i - 1]).dot(edge) / squared, 0.0, 1.0);
+    const double along = along_[i - 1] + share * (along_[i] - along_[i - 1]);
+    const double distance = (way_[i - 1] + share * edge - position).norm();
+    if (along > progress_ && along <= window_end && distance < best_distance) {
+      best = along;
+      best_distance = distance;
+    }
+  }
+  progress_ = best;
+  if (window_end == leg_ends_[leg_] &&
+      (point_at(leg_ends_[leg_]) - position).norm() <= there_radii * radius_) {
+    progress_ = leg_ends_[leg_];
+    if (leg_ + 1 < leg_ends_.size()) ++leg_;
+  }
+}
+
+bool WayFollower::finished() const {
+  return progress_ == along_.back();
+}
+
+/// The speed at which an arc that strays by no more than is allowed takes the robot round the corner.
+double WayFollower::corner_speed(std::size_t corner, const Limits& limits, double period) const {
+  const double turns_at_once = limits.max_acceleration * period;
+  const Point2 in = way_[corner] - way_[corner - 1];
+  const Point2 out = way_[corner + 1] - way_[corner];
+  const double lengths = in.norm() * out.norm();
+  if (lengths == 0) return limits.max_speed;
+  // Half of the turn's cosine; the arc that touches both edges strays by R (1 / cos - 1) from the corner.
+  const double half = std::sqrt(std::max(0.0, (1 + in.dot(out) / lengths) / 2));
+  if (half < 1e-6) return turns_at_once;
+  const double stray = 1 / half - 1;
+  if (stray < 1e-9) return limits.max_speed;
+  const double arc = std::min(stray_radii * radius_ / stray, std::min(in.norm(), out.norm()));
+  return std::max(turns_at_once, std::sqrt(limits.max_acceleration * braking_share * arc));
+}
+
+double WayFollower::speed_limit(double stop, const Limits& limits, double period) const {
+  const Limits braking{limits.max_speed, braking_share * limits.max_acceleration};
+  double speed = std::min(limits.max_speed, speed_to_stop_within(stop - progress_, limits, period));
+  const double far = limits.max_speed * limits.max_speed / (2 * braking.max_acceleration);
+  const auto first = std::upper_bound(along_.begin(), along_.end(), progress_);
+  for (auto i = static_cast<std::size_t>(first - along_.begin());
+       i + 1 < way_.size() && along_[i] < progress_ + far; ++i) {
+    const double corner = corner_speed(i, limits, period);
+    const double room = std::max(0.0, along_[i] - progress_ - look_ahead_);
+    speed = std::min(speed, std::sqrt(corner * corner + 2 * braking.max_acceleration * room));
+  }
+  return speed;
+}
+
+Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& limits, double period,
+                                       const std::function<double(std::size_t)>& passed) {
+  advance_progress(position);
+  const double slack = there_radii * radius_;
+  while (next_gate_ < gates_.size() &&
+         passed(gates_[next_gate_].robot) + slack >= gates_[next_gate_].needed) {
+    ++next_gate_;
+  }
+  const double gate = next_gate_ < gates_.size() ? gates_[next_gate_].at : along_.back();
+  const double stop = std::min(gate, leg_ends_[leg_]);
+  waits_for_ = next_gate_ < gates_.size() && gate - progress_ < radius_
+                   ? std::optional(gates_[next_gate_].robot)
+                   : std::nullopt;
+  const Point2 gap = point_at(std::min(progress_ + look_ahead_, stop)) - position;
+  const double distance = gap.norm();
+  wanted_ = Point2::Zero();
+  if (stop > progress_ - slack && distance > 1e-9) {
+    // Never past the point that it heads for: in a passage without slack, that would lead into the wall.
+    const double speed =
+        std::min(speed_limit(std::max(stop, progress_ + distance), limits, period), distance / period);
+    wanted_ = gap * (speed / distance);
+  }
+  return wanted_;
+}
+
+void WayFollower::executed(const Point2& velocity) {
+  const bool held_up = velocity.isZero(0) && !wanted_.isZero(0);
+  look_ahead_ = held_up ? std::max(look_ahead_ / 2, least_look_ahead_radii * radius_)
+                        : std::min(look_ahead_ * 1.25, look_ahead_radii * radius_);
+}
+
+}  // namespace coppice

@@ -1,0 +1,56 @@
+// Drives along a way exactly, up to the first gate that is closed (precedence.h).
+//
+// Unlike on a path of its own (path_follower.h), a robot that others rely on to be where a plan says strays
+// no further than a small share of its radius: it slows down before corners and heads for a point close
+// ahead.
+//
+// Metres in the map frame, seconds, metres per second.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "motion/kinematics.h"
+#include "motion/precedence.h"
+
+namespace coppice {
+
+class WayFollower {
+ public:
+  /// At least one leg; each begins where the one before ends, and is driven to its very end.
+  WayFollower(std::span<const Path> legs, std::vector<Gate> gates, double radius);
+
+  /// `passed(robot)`: how far along its own way another robot has come, metres.
+  Point2 preferred_velocity(const Point2& position, const Limits& limits, double period,
+                            const std::function<double(std::size_t)>& passed);
+  /// What came of the last preferred velocity: a robot that was not let go heads for a nearer point.
+  void executed(const Point2& velocity);
+
+  /// How far along the way the robot has come; its whole length once it is there.
+  double progress() const { return progress_; }
+  bool finished() const;
+  /// The robot of the gate that the last preferred velocity stopped before; none if the way ahead is open.
+  std::optional<std::size_t> waits_for() const { return waits_for_; }
+
+ private:
+  Point2 point_at(double along) const;
+  void advance_progress(const Point2& position);
+  double corner_speed(std::size_t corner, const Limits& limits, double period) const;
+  double speed_limit(double stop, const Limits& limits, double period) const;
+
+  Path way_;
+  std::vector<double> along_;     ///< distance of each point from the way's beginning
+  std::vector<double> leg_ends_;  ///< the same for the ends of the legs
+  std::size_t leg_ = 0;
+  std::vector<Gate> gates_;
+  std::size_t next_gate_ = 0;
+  double radius_;
+  double progress_ = 0;
+  double look_ahead_;
+  Point2 wanted_ = Point2::Zero();
+  std::optional<std::size_t> waits_for_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,87 @@
+// A robot's part in sorting out a fleet that stands in its own way.
+//
+// Whoever makes no progress calls a knot: a new epoch, of which it is the leader. Everybody who hears of it,
+// in anybody's state, joins: brakes and holds. Once all that are alive stand, the leader makes a joint plan
+// (motion/joint_plan.h) and publishes it; each then drives its own moves in the plan's order
+// (motion/precedence.h), and is free again after its last. A later knot overrides an earlier one at any time.
+//
+// A state machine like the agent that owns it: times are fleet time, seconds; metres.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bus/messages.h"
+#include "motion/joint_plan.h"
+#include "motion/way_follower.h"
+#include "planning/clearance_field.h"
+
+namespace coppice {
+
+/// What a robot knows of one robot of the fleet, itself or another.
+struct FleetMember {
+  RobotName robot;
+  Point2 position = Point2::Zero();
+  Point2 goal = Point2::Zero();  ///< its own place if it is there or wants to go nowhere
+  double radius = 0;
+  bool stands = false;  ///< and will until something new is heard of it
+  bool silent = false;  ///< counts as dead
+  KnotId knot;
+  Stage stage = Stage::free;
+  double progress = 0;
+};
+
+class Knot {
+ public:
+  explicit Knot(RobotName robot) : robot_(std::move(robot)) {}
+
+  const KnotId& id() const { return id_; }
+  Stage stage() const { return stage_; }
+  double progress() const { return follower_ ? follower_->progress() : 0; }
+  /// Whose progress it waits for; empty for nobody.
+  const RobotName& waits_for() const { return waits_for_; }
+  /// The last joint plan does not bring this robot to its goal.
+  bool stranded() const { return stranded_; }
+
+  void hear(const RobotState& state);
+  void hear(const JointPlanMessage& plan);
+
+  /// Begins a new knot, with this robot as its leader.
+  void call(double now);
+
+  /// Once a control period while holding. `fleet` includes this robot; `own_plan`, once, what to publish.
+  void hold(std::span<const FleetMember> fleet, const ClearanceField& field, double acceleration,
+            double period, double now);
+  std::optional<JointPlanMessage> take_own_plan();
+
+  /// Once a control period while ordered: where to drive. Ends the stage when the last move is done.
+  Point2 preferred_velocity(std::span<const FleetMember> fleet, const Point2& position, const Limits& limits,
+                            double period, double now);
+  void executed(const Point2& velocity);
+
+ private:
+  void join(const KnotId& id);
+  void lead(std::span<const FleetMember> fleet, const ClearanceField& field);
+  void publish();
+  void take_up(const JointPlanMessage& plan, const FleetMember& self, double gap);
+
+  RobotName robot_;
+  KnotId id_;
+  Stage stage_ = Stage::free;
+  std::optional<JointPlanMessage> plan_;  ///< the newest heard
+  std::optional<double> holding_since_;
+  std::vector<FleetMember> led_;  ///< the fleet as the planner was given it
+  std::unique_ptr<JointPlanner> planner_;
+  std::optional<JointPlanMessage> own_plan_;
+  std::vector<RobotName> members_;
+  std::optional<WayFollower> follower_;
+  RobotName waits_for_;
+  bool stranded_ = false;
+  double last_progress_ = 0;
+  double last_progress_time_ = 0;
+};
+
+}  // namespace coppice

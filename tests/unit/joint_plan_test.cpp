@@ -1,0 +1,147 @@
+// Plans of one move after the other, checked move by move with nothing but the clearance field and distances.
+#include "motion/joint_plan.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "motion/segments.h"
+#include "planning/map_generator.h"
+
+namespace coppice {
+namespace {
+
+OccupancyMap open_map(int width, int height) {
+  OccupancyMap map{.width = width, .height = height, .blocked = {}};
+  map.blocked.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  return map;
+}
+
+void block(OccupancyMap& map, int i0, int j0, int i1, int j1, bool blocked = true) {
+  for (int j = j0; j < j1; ++j) {
+    for (int i = i0; i < i1; ++i) map.blocked[static_cast<std::size_t>(j * map.width + i)] = blocked;
+  }
+}
+
+/// A corridor of `width` along x through a blocked map, between two open halls.
+OccupancyMap corridor(int width, int length = 160) {
+  OccupancyMap map = open_map(length + 240, 120);
+  block(map, 120, 0, 120 + length, 120);
+  block(map, 120, 60 - width / 2, 120 + length, 60 - width / 2 + width, false);
+  return map;
+}
+
+JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
+  const ClearanceField field(map);
+  JointPlanner planner(field, tasks, Random(1));
+  while (!planner.step()) {
+  }
+  JointPlan plan = planner.plan();
+
+  std::vector<Point2> at;
+  for (const JointTask& task : tasks) at.push_back(task.position);
+  for (const Move& move : plan.moves) {
+    const double radius = tasks[move.robot].radius;
+    EXPECT_TRUE(tasks[move.robot].movable);
+    EXPECT_EQ(move.path.front(), at[move.robot]);
+    for (std::size_t k = 1; k < move.path.size(); ++k) {
+      EXPECT_TRUE(field.segment_free(move.path[k - 1], move.path[k], radius));
+      for (std::size_t i = 0; i < tasks.size(); ++i) {
+        if (i == move.robot) continue;
+        EXPECT_GE(point_segment_distance(at[i], move.path[k - 1], move.path[k]), radius + tasks[i].radius);
+      }
+    }
+    at[move.robot] = move.path.back();
+  }
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const bool stranded = std::ranges::find(plan.stranded, i) != plan.stranded.end();
+    EXPECT_EQ(stranded, at[i] != tasks[i].goal);
+  }
+  testing::Test::RecordProperty("moves", std::to_string(plan.moves.size()));
+  return plan;
+}
+
+TEST(JointPlan, AloneItIsOneMove) {
+  const JointPlan plan = solve(open_map(100, 100), {{{10, 10}, {90, 90}, 5}});
+  EXPECT_EQ(plan.moves.size(), 1u);
+  EXPECT_TRUE(plan.stranded.empty());
+}
+
+TEST(JointPlan, HeadOnInACorridorOneGoesBack) {
+  const JointPlan plan = solve(corridor(14), {{{180, 60}, {320, 60}, 5}, {{200, 60}, {40, 60}, 5}});
+  EXPECT_TRUE(plan.stranded.empty());
+  EXPECT_EQ(plan.moves.size(), 3u);
+}
+
+TEST(JointPlan, PocketLetsOnePass) {
+  OccupancyMap map = open_map(200, 60);
+  block(map, 0, 0, 200, 60);
+  block(map, 0, 20, 200, 34, false);   // a corridor, closed at both ends
+  block(map, 90, 34, 110, 50, false);  // with a pocket
+  const JointPlan plan = solve(map, {{{10, 27}, {190, 27}, 5}, {{190, 27}, {10, 27}, 5}});
+  EXPECT_TRUE(plan.stranded.empty());
+}
+
+TEST(JointPlan, NoPocketStrandsThem) {
+  OccupancyMap map = open_map(200, 60);
+  block(map, 0, 0, 200, 60);
+  block(map, 0, 20, 200, 34, false);
+  const JointPlan plan = solve(map, {{{10, 27}, {190, 27}, 5}, {{190, 27}, {10, 27}, 5}});
+  EXPECT_EQ(plan.stranded.size(), 2u);
+}
+
+TEST(JointPlan, FiveAgainstFiveInACorridor) {
+  for (const int width : {14, 24}) {
+    std::vector<JointTask> tasks;
+    for (int k = 0; k < 5; ++k) {
+      tasks.push_back({{130.0 + 12 * k, 60.0}, {390.0 - 12 * k, 60.0}, 5});
+      tasks.push_back({{270.0 - 12 * k, 60.0}, {10.0 + 12 * k, 60.0}, 5});
+    }
+    EXPECT_TRUE(solve(corridor(width), tasks).stranded.empty()) << width;
+  }
+}
+
+TEST(JointPlan, DeadEndIsFilledFromItsEnd) {
+  OccupancyMap map = open_map(240, 100);
+  block(map, 100, 0, 240, 100);
+  block(map, 100, 40, 230, 54, false);
+  std::vector<JointTask> tasks;
+  // The one that goes in deepest is the furthest away; two stand in the dead end already, the wrong way
+  // round.
+  for (int k = 0; k < 4; ++k) tasks.push_back({{90.0 - 20 * k, 20.0}, {180.0 + 12 * k, 47.0}, 5});
+  tasks.push_back({{150, 47}, {160, 47}, 5});
+  tasks.push_back({{168, 47}, {148, 47}, 5});
+  EXPECT_TRUE(solve(map, tasks).stranded.empty());
+}
+
+TEST(JointPlan, CircleSwapOfFifty) {
+  std::vector<JointTask> tasks;
+  for (int k = 0; k < 50; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 50;
+    const Point2 out = 200 * Point2(std::cos(angle), std::sin(angle));
+    tasks.push_back({Point2(256, 256) + out, Point2(256, 256) - out, 5});
+  }
+  EXPECT_TRUE(solve(open_map(512, 512), tasks).stranded.empty());
+}
+
+TEST(JointPlan, TheDeadStayWhereTheyAre) {
+  const JointPlan plan = solve(corridor(14), {{{100, 60}, {320, 60}, 5}, {{200, 60}, {40, 60}, 5, false}});
+  EXPECT_EQ(plan.stranded.size(), 2u);
+  EXPECT_TRUE(plan.moves.empty());
+}
+
+TEST(JointPlan, RoomsAndMaze) {
+  for (const MapKind kind : {MapKind::room, MapKind::maze}) {
+    Random random(3);
+    const OccupancyMap map = generate_map(kind, 512, 512, random);
+    std::vector<JointTask> tasks;
+    for (const StartAndGoal& task : random_tasks(ClearanceField(map), 20, 5, 0, random))
+      tasks.push_back({task.start, task.goal, 5});
+    EXPECT_TRUE(solve(map, tasks).stranded.empty()) << static_cast<int>(kind);
+  }
+}
+
+}  // namespace
+}  // namespace coppice
