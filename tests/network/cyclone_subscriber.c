@@ -9,8 +9,10 @@ int main(int argc, char** argv) {
   if (argc != 4) return 2;
   const long wanted = strtol(argv[2], NULL, 10);
   const dds_time_t end = dds_time() + DDS_SECS(strtol(argv[3], NULL, 10));
-  const dds_entity_t participant = dds_create_participant((dds_domainid_t)strtol(argv[1], NULL, 10), NULL, NULL);
-  const dds_entity_t topic = dds_create_topic(participant, &coppice_idl_RobotState_desc, "robot_state", NULL, NULL);
+  const dds_entity_t participant =
+      dds_create_participant((dds_domainid_t)strtol(argv[1], NULL, 10), NULL, NULL);
+  const dds_entity_t topic =
+      dds_create_topic(participant, &coppice_idl_RobotState_desc, "robot_state", NULL, NULL);
   const dds_entity_t reader = dds_create_reader(participant, topic, NULL, NULL);
   if (participant < 0 || topic < 0 || reader < 0) return 3;
   long received = 0;
