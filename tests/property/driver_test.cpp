@@ -1,0 +1,150 @@
+// Robots that all push into each other, hear each other late or not at all, and change their minds: they
+// never touch one another or a wall, and they never break what they promised.
+#include "motion/driver.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+#include <rapidcheck/gtest.h>
+
+#include "motion/segments.h"
+#include "planning/random.h"
+
+namespace coppice {
+namespace {
+
+constexpr double period = 0.05;
+
+OccupancyMap walled_map(Random& random) {
+  OccupancyMap map{.width = 60, .height = 60, .blocked = std::vector<std::uint8_t>(3600, 0)};
+  for (int k = 0; k < 6; ++k) {
+    const std::size_t i = random.index(60);
+    const std::size_t j = random.index(60);
+    map.blocked[j * 60 + i] = 1;
+  }
+  return map;
+}
+
+Point2 any_velocity(double speed, Random& random) {
+  const double angle = random.uniform(0, 2 * std::numbers::pi);
+  return random.uniform(0, speed) * Point2(std::cos(angle), std::sin(angle));
+}
+
+struct Robot {
+  Driver body;
+  Point2 wanted = Point2::Zero();
+  std::vector<Commitment> heard_of;  ///< of each robot, as this one last heard it
+};
+
+std::vector<Robot> place_robots(const ClearanceField& field, Random& random) {
+  std::vector<Robot> robots;
+  for (int tries = 0; tries < 200 && robots.size() < 8; ++tries) {
+    const Point2 p(random.uniform(0, 60), random.uniform(0, 60));
+    const double radius = random.uniform(1, 4);
+    const double speed = random.uniform(2, 20);
+    const bool apart = std::ranges::all_of(robots, [&](const Robot& other) {
+      return (other.body.position() - p).norm() > other.body.radius() + radius + 0.01;
+    });
+    if (apart && field.is_free(p, radius))
+      robots.push_back(
+          {Driver(p, 0, radius, {speed, speed * random.uniform(0.5, 4)}, period), Point2::Zero(), {}});
+  }
+  for (Robot& robot : robots) {
+    for (const Robot& other : robots) robot.heard_of.push_back(other.body.commitment());
+  }
+  return robots;
+}
+
+std::vector<Neighbour> neighbours_of(std::size_t self, const std::vector<Robot>& robots) {
+  std::vector<Neighbour> result;
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    if (k == self) continue;
+    result.push_back({robots[self].heard_of[k], robots[k].body.radius(), robots[k].body.limits(), false});
+  }
+  return result;
+}
+
+RC_GTEST_PROP(Driver, NobodyTouchesAnythingHoweverLittleIsHeard, (std::uint64_t seed)) {
+  Random random(seed);
+  const ClearanceField field(walled_map(random));
+  std::vector<Robot> robots = place_robots(field, random);
+  const double loss = random.uniform(0, 0.9);
+  const double whim = random.uniform(0.01, 0.3);
+  const double idle = random.uniform(0, 0.3);
+  for (int step = 0; step < 400; ++step) {
+    // Everybody decides on what it has heard, then all hear, or do not.
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      Driver& body = robots[k].body;
+      if (random.uniform() < idle) continue;  // too late to decide: it brakes
+      if (random.uniform() < whim) robots[k].wanted = any_velocity(1.5 * body.limits().max_speed, random);
+      if (random.uniform() < 0.05) body.stay(body.time() + random.uniform(0, 1));
+      const auto neighbours = neighbours_of(k, robots);
+      if (random.uniform() < 0.5) {
+        body.choose(robots[k].wanted, neighbours, field);
+      } else {
+        body.follow(robots[k].wanted, neighbours, field);
+      }
+    }
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      for (Robot& other : robots) {
+        if (random.uniform() >= loss) other.heard_of[k] = robots[k].body.commitment();
+      }
+    }
+    std::vector<Point2> before;
+    std::vector<Commitment> promised;
+    for (Robot& robot : robots) {
+      before.push_back(robot.body.position());
+      promised.push_back(robot.body.commitment());
+      robot.body.advance();
+      RC_ASSERT(field.segment_clearance(before.back(), robot.body.position()) >= robot.body.radius() - 1e-6);
+      RC_ASSERT((robot.body.position() - promised.back().position_at_turn()).norm() < 1e-9);
+    }
+    for (std::size_t a = 0; a < robots.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        const double least =
+            closest_approach(before[a], robots[a].body.position(), before[b], robots[b].body.position());
+        RC_ASSERT(least >= robots[a].body.radius() + robots[b].body.radius());
+      }
+    }
+  }
+}
+
+// A robot that binds itself to stand is passed as closely as a wall.
+TEST(Driver, PassesOneThatIsBoundToStand) {
+  OccupancyMap map{.width = 100, .height = 21, .blocked = std::vector<std::uint8_t>(2100, 0)};
+  const ClearanceField field(map);
+  const Limits limits{20, 40};
+  Driver standing({50, 5.4}, 0, 5, limits, period);
+  Driver passing({20, 15.5}, 0, 5, limits, period);
+  for (int step = 0; step < 200; ++step) {
+    standing.stay(standing.time() + 1);
+    const std::vector<Neighbour> others{{standing.commitment(), 5, limits, false}};
+    passing.follow({20, 0}, others, field);
+    standing.advance();
+    passing.advance();
+  }
+  EXPECT_GT(passing.position().x(), 90);
+}
+
+TEST(Driver, StandsForAsLongAsItIsBound) {
+  const ClearanceField field(
+      OccupancyMap{.width = 50, .height = 50, .blocked = std::vector<std::uint8_t>(2500, 0)});
+  Driver body({25, 25}, 0, 1, {20, 40}, period);
+  body.stay(0.5);
+  const double expiry = body.commitment().expiry;
+  EXPECT_GE(expiry, 0.5);
+  while (body.time() < expiry - period / 2) {
+    body.choose({20, 0}, {}, field);
+    EXPECT_TRUE(body.velocity().isZero(0)) << body.time();
+    body.advance();
+  }
+  body.choose({20, 0}, {}, field);
+  body.advance();
+  EXPECT_FALSE(body.velocity().isZero(0));
+}
+
+}  // namespace
+}  // namespace coppice

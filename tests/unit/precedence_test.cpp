@@ -1,0 +1,91 @@
+// Robots that drive a joint plan at very different paces, and stop now and then: each passes its gates only
+// in the plan's order, so they never come near each other, and all get to the end.
+#include "motion/precedence.h"
+
+#include <gtest/gtest.h>
+
+#include "motion/way_follower.h"
+#include "planning/map_generator.h"
+
+namespace coppice {
+namespace {
+
+constexpr double period = 0.05;
+constexpr double gap = 1.0;
+
+TEST(Precedence, NobodyWaitsForALaterMove) {
+  const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{50, -50}, {50, 50}}}};
+  const std::vector<double> radii{5, 5};
+  EXPECT_TRUE(gates_of(0, moves, radii, gap).empty());
+  const std::vector<Gate> gates = gates_of(1, moves, radii, gap);
+  ASSERT_FALSE(gates.empty());
+  EXPECT_EQ(gates.front().robot, 0u);
+  EXPECT_LT(gates.front().at, 50 - 10);  // before the discs could touch
+  EXPECT_GT(gates.back().needed, 50 + 10);
+}
+
+TEST(Precedence, FarWaysHaveNoGates) {
+  const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{0, 15}, {100, 15}}}};
+  EXPECT_TRUE(gates_of(1, moves, std::vector<double>{5, 5}, gap).empty());
+}
+
+TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    const OccupancyMap map = generate_map(MapKind::room, 256, 256, random);
+    const ClearanceField field(map);
+    std::vector<JointTask> tasks;
+    for (const StartAndGoal& task : random_tasks(field, 8, 5, 0.2, random))
+      tasks.push_back({task.start, task.goal, 5});
+    JointPlanner planner(field, tasks, Random(seed));
+    while (!planner.step()) {
+    }
+    const JointPlan& plan = planner.plan();
+    ASSERT_TRUE(plan.stranded.empty()) << seed;
+
+    const std::vector<double> radii(tasks.size(), 5.0);
+    struct Runner {
+      WayFollower follower;
+      Point2 position;
+      double pace;
+      int pause = 0;
+    };
+    std::vector<std::optional<Runner>> runners(tasks.size());
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const std::vector<Path> legs = legs_of(i, plan.moves);
+      if (!legs.empty())
+        runners[i] = Runner{WayFollower(legs, gates_of(i, plan.moves, radii, gap), 5), tasks[i].position,
+                            random.uniform(2, 20)};
+    }
+    const auto passed = [&](std::size_t k) { return runners[k] ? runners[k]->follower.progress() : 0.0; };
+    bool all_there = false;
+    for (int step = 0; step < 40'000 && !all_there; ++step) {
+      all_there = true;
+      for (auto& runner : runners) {
+        if (!runner || runner->follower.finished()) continue;
+        all_there = false;
+        if (runner->pause == 0 && random.uniform() < 0.002) runner->pause = 200;
+        if (runner->pause > 0 && --runner->pause > 0) continue;
+        const Limits limits{runner->pace, 2 * runner->pace};
+        const Point2 v = runner->follower.preferred_velocity(runner->position, limits, period, passed);
+        runner->position += period * v;
+        runner->follower.executed(v);
+      }
+      for (std::size_t a = 0; a < runners.size(); ++a) {
+        for (std::size_t b = 0; b < a; ++b) {
+          const Point2 pa = runners[a] ? runners[a]->position : tasks[a].position;
+          const Point2 pb = runners[b] ? runners[b]->position : tasks[b].position;
+          ASSERT_GE((pa - pb).norm(), 10) << "seed " << seed << " step " << step << ": " << a << " and " << b;
+        }
+      }
+    }
+    EXPECT_TRUE(all_there) << seed;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      const Point2 end = runners[i] ? runners[i]->position : tasks[i].position;
+      EXPECT_LT((end - tasks[i].goal).norm(), 0.1) << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace coppice

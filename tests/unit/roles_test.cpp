@@ -1,0 +1,207 @@
+// The three roles as state machines, message by message.
+#include <gtest/gtest.h>
+
+#include "planner_service/planner_service.h"
+#include "robot_agent/robot_agent.h"
+#include "tree_broker/tree_broker.h"
+
+namespace coppice {
+namespace {
+
+template <class M>
+std::vector<M> of(const std::vector<Message>& messages) {
+  std::vector<M> result;
+  for (const Message& message : messages) {
+    if (const M* m = std::get_if<M>(&message)) result.push_back(*m);
+  }
+  return result;
+}
+
+OccupancyMap wall_with_door() {
+  OccupancyMap map{.width = 120, .height = 80, .blocked = std::vector<std::uint8_t>(9600, 0)};
+  for (int j = 0; j < 80; ++j) {
+    for (int i = 58; i < 62; ++i) map.blocked[static_cast<std::size_t>(j * 120 + i)] = j < 5 || j > 25;
+  }
+  return map;
+}
+
+Scenario two_robots() {
+  Scenario scenario;
+  scenario.map_name = "wall";
+  scenario.map = wall_with_door();
+  scenario.robots = {{"a", {20, 60}, {100, 60}, 5, 20, 40, 1}, {"b", {20, 20}, {20, 40}, 5, 20, 40, 1}};
+  return scenario;
+}
+
+TEST(PlannerService, HandsOutMapAndMissionsOnce) {
+  PlannerService service(two_robots(), {}, 0);
+  const auto first = service.step(0);
+  EXPECT_EQ(of<MapMessage>(first).size(), 1u);
+  ASSERT_EQ(of<Mission>(first).size(), 2u);
+  EXPECT_EQ(of<Mission>(first)[1].robot, "b");
+  EXPECT_EQ(of<Mission>(first)[0].fleet_size, 2u);
+  EXPECT_NE(of<Mission>(first)[0].seed, of<Mission>(first)[1].seed);
+  EXPECT_TRUE(service.step(0.1).empty());
+}
+
+TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
+  PlannerService service(two_robots(), {}, 0);
+  service.step(0);
+  const auto says = [&](const char* robot, Phase phase, std::uint32_t points) {
+    AgentStatus status;
+    status.robot = robot;
+    status.mission = 1;
+    status.phase = phase;
+    status.arrival_time = 9;
+    status.track_points = points;
+    service.on(status, 1);
+  };
+  service.on(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 1);
+  service.on(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}}}, 1);
+  says("a", Phase::arrived, 2);
+  says("b", Phase::arrived, 1);  // it has not left its start
+  const auto last = of<Mission>(service.step(1));
+  ASSERT_EQ(last.size(), 2u);
+  EXPECT_TRUE(last[0].cancelled);
+  says("a", Phase::stopped, 2);
+  says("b", Phase::stopped, 1);
+  service.step(1.1);
+  ASSERT_TRUE(service.finished());
+  const proto::Report report = service.report();
+  EXPECT_TRUE(report.robots(0).arrived());
+  EXPECT_FALSE(report.robots(1).arrived());
+  EXPECT_EQ(report.outcome(), "incomplete");
+}
+
+TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
+  PlannerService service(two_robots(), {.time_scale = 10, .timeout = 20}, 0);
+  service.step(0);
+  service.step(1.9);
+  EXPECT_FALSE(service.finished());
+  service.step(2.1);
+  service.step(6);
+  EXPECT_TRUE(service.finished());
+  EXPECT_EQ(service.report().outcome(), "timeout");
+  EXPECT_EQ(service.report().robots(0).reason(), "the agent has not begun");
+}
+
+TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  for (const Message& message : service.step(0)) broker.on(message, 0);
+  RootNodes roots{.robot = "a", .mission = 1, .nodes = {}};
+  for (int k = 0; k < 40; ++k)
+    roots.nodes.push_back({Side::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
+  broker.on(roots, 0);
+  std::map<TreeId, int> seen;
+  for (double now = 0; now < 0.2; now += 0.001) {
+    for (const auto& tree : of<InactiveTreeMessage>(broker.step(now))) ++seen[tree.tree];
+  }
+  EXPECT_GT(seen.size(), 0u);
+  for (const auto& [tree, times] : seen) {
+    EXPECT_EQ(tree.broker, 7u);
+    EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(TreeBroker, RestsWhenEveryGroupIsSolved) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  for (const Message& message : service.step(0)) broker.on(message, 0);
+  broker.step(0);
+  EXPECT_EQ(broker.next_wake(), 0);  // grows on
+  for (const char* robot : {"a", "b"}) {
+    AgentStatus status;
+    status.robot = robot;
+    status.mission = 1;
+    status.phase = Phase::driving;
+    broker.on(status, 0.1);
+  }
+  broker.step(0.1);
+  EXPECT_GT(broker.next_wake(), 0.1);
+}
+
+/// A lone agent, stepped whenever it wants, for so many seconds.
+std::vector<Message> run(RobotAgent& agent, double from, double until) {
+  std::vector<Message> all;
+  for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
+    for (Message& message : agent.step(now)) all.push_back(std::move(message));
+  }
+  return all;
+}
+
+TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  EXPECT_FALSE(of<AgentStatus>(agent.step(0)).empty());
+  for (const Message& message : service.step(0)) agent.on(message, 0);
+  const auto said = run(agent, 0, 30);
+  ASSERT_EQ(of<PathMessage>(said).size(), 1u);
+  EXPECT_EQ(of<PathMessage>(said)[0].waypoints.back(), Point2(100, 60));
+  const AgentStatus last = of<AgentStatus>(said).back();
+  EXPECT_EQ(last.phase, Phase::arrived);
+  EXPECT_GT(last.arrival_time, 100.0 / 20);
+  EXPECT_LT((of<RobotState>(said).back().position - Point2(100, 60)).norm(), 1);
+  // Every control step is on record, once and in order.
+  std::uint32_t points = 0;
+  for (const TrackMessage& batch : of<TrackMessage>(said)) {
+    EXPECT_EQ(batch.first_index, points);
+    points += static_cast<std::uint32_t>(batch.points.size());
+  }
+  EXPECT_EQ(points, last.track_points);
+}
+
+TEST(RobotAgent, ACancelledMissionStopsIt) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  Mission mission;
+  for (const Message& message : service.step(0)) {
+    agent.on(message, 0);
+    if (const auto* m = std::get_if<Mission>(&message)) mission = *m;
+  }
+  run(agent, 0, 2);
+  mission.cancelled = true;
+  agent.on(mission, 2);
+  const auto said = run(agent, 2, 4);
+  EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::stopped);
+  EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
+}
+
+TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : service.step(0)) agent.on(message, 0);
+  RobotState other{.robot = "b",
+                   .stamp = 0.1,
+                   .position = {20, 20},
+                   .radius = 5,
+                   .max_speed = 20,
+                   .max_acceleration = 40,
+                   .promise = {0.15, {0, 0}, 0.2},
+                   .knot = {}};
+  agent.on(other, 0.1);
+  run(agent, 0.1, 1);
+  other.knot = {4, "b"};
+  other.stage = Stage::holding;
+  other.stamp = 1;
+  other.promise = {1.05, {0, 0}, 1.1};
+  agent.on(other, 1);
+  const auto said = run(agent, 1, 2);
+  const RobotState last = of<RobotState>(said).back();
+  EXPECT_EQ(last.knot, (KnotId{4, "b"}));
+  EXPECT_EQ(last.stage, Stage::holding);
+  EXPECT_TRUE(last.velocity.isZero(0));
+
+  // The plan is there: it drives as ordered, and only that.
+  agent.on(JointPlanMessage{{4, "b"}, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}},
+           2);
+  const auto after = run(agent, 2, 5);
+  EXPECT_LT((of<RobotState>(after).back().position - Point2(20, 70)).norm(), 0.2);
+}
+
+}  // namespace
+}  // namespace coppice

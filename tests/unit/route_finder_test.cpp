@@ -1,0 +1,86 @@
+#include "motion/route_finder.h"
+
+#include <gtest/gtest.h>
+
+#include "motion/segments.h"
+
+namespace coppice {
+namespace {
+
+OccupancyMap open_map(int width, int height) {
+  return {.width = width,
+          .height = height,
+          .blocked = std::vector<std::uint8_t>(static_cast<std::size_t>(width * height), 0)};
+}
+
+double least_distance(const Path& path, const Point2& p) {
+  double least = 1e9;
+  for (std::size_t k = 1; k < path.size(); ++k)
+    least = std::min(least, point_segment_distance(p, path[k - 1], path[k]));
+  return least;
+}
+
+TEST(RouteFinder, StraightWhereNothingStands) {
+  const ClearanceField field(open_map(100, 60));
+  RouteFinder finder(field, 5, 2);
+  const Path path = finder.route({10, 30}, {90, 31}, {});
+  ASSERT_EQ(path.size(), 2u);
+  EXPECT_EQ(path.back(), Point2(90, 31));
+}
+
+TEST(RouteFinder, GoesRoundADiscAndNotFurtherThanNeeded) {
+  const ClearanceField field(open_map(100, 60));
+  RouteFinder finder(field, 5, 2);
+  const std::vector<Disc> discs{{{50, 30}, 5}};
+  const Path path = finder.route({10, 30}, {90, 30}, discs);
+  ASSERT_GT(path.size(), 2u);
+  EXPECT_GE(least_distance(path, {50, 30}), 10 + standing_gap);
+  EXPECT_LT(length_of(path), 84);  // 82.6 m round a disc of 10.5 m
+}
+
+TEST(RouteFinder, NoRouteThroughAClosedDoorOrToATakenGoal) {
+  OccupancyMap map = open_map(100, 60);
+  for (int j = 0; j < 60; ++j) map.blocked[static_cast<std::size_t>(j * 100 + 50)] = j < 24 || j >= 36;
+  const ClearanceField field(map);
+  RouteFinder finder(field, 5, 2);
+  EXPECT_FALSE(finder.route({20, 30}, {80, 30}, {}).empty());
+  EXPECT_TRUE(finder.route({20, 30}, {80, 30}, std::vector<Disc>{{{50, 30}, 3}}).empty());
+  EXPECT_TRUE(finder.route({20, 30}, {80, 30}, std::vector<Disc>{{{80, 39}, 5}}).empty());
+  const Path through = finder.route_through({20, 30}, {80, 30}, {}, std::vector<Disc>{{{50, 30}, 3}});
+  ASSERT_FALSE(through.empty());
+  EXPECT_EQ(finder.blockers(through, std::vector<Disc>{{{50, 30}, 3}, {{20, 55}, 3}}),
+            std::vector<std::size_t>{0});
+}
+
+// A passage that is exactly as wide as the robot, not where a coarse lattice has its points.
+TEST(RouteFinder, FindsAPassageWithoutSlack) {
+  OccupancyMap map = open_map(60, 41);
+  for (int j = 0; j < 41; ++j) {
+    for (int i = 20; i < 40; ++i) map.blocked[static_cast<std::size_t>(j * 60 + i)] = j < 15 || j >= 24;
+  }
+  const ClearanceField field(map);
+  RouteFinder finder(field, 4.5, 0.1);  // half a cell
+  EXPECT_FALSE(finder.route({10, 20}, {50, 20}, {}).empty());
+}
+
+TEST(RouteFinder, RefugeLiesOffTheSweep) {
+  const ClearanceField field(open_map(100, 60));
+  RouteFinder finder(field, 5, 2);
+  const std::vector<Sweep> sweeps{{{{0, 30}, {100, 30}}, 5}};
+  const Path path = finder.refuge({50, 28}, {}, {}, sweeps, {});
+  ASSERT_FALSE(path.empty());
+  EXPECT_GE(point_segment_distance(path.back(), {0, 30}, {100, 30}), 10 + standing_gap);
+  EXPECT_LT(length_of(path), 14);
+}
+
+TEST(RouteFinder, FloodStopsAtDiscs) {
+  OccupancyMap map = open_map(100, 14);
+  const ClearanceField field(map);
+  RouteFinder finder(field, 5, 2);
+  finder.flood({10, 7}, std::vector<Disc>{{{50, 7}, 5}});
+  EXPECT_TRUE(finder.flooded({30, 7}));
+  EXPECT_FALSE(finder.flooded({80, 7}));
+}
+
+}  // namespace
+}  // namespace coppice
