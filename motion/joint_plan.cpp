@@ -13,6 +13,7 @@ constexpr int attempts_at_a_spacing = 4;  // then the lattice becomes finer
 constexpr std::size_t moves_a_robot = 8;  // in one attempt, on average: beyond, it runs in circles
 constexpr int most_depth = 12;            // of robots that wait for each other to clear a way
 constexpr std::size_t most_routes_a_step = 24;
+constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at: some seconds
 
 }  // namespace
 
@@ -29,20 +30,43 @@ RouteFinder& JointPlanner::finder(std::size_t robot) {
   return finders_.try_emplace(radius, field_, radius, spacing_share_ * usual_spacing(radius)).first->second;
 }
 
-/// Who can reach its goal at all, and on which way.
+/// Who can reach its goal at all, past the dead, and on which way; the lattice becomes finer until all can,
+/// or it is as fine as it gets.
 void JointPlanner::set_up() {
-  finders_.clear();
+  std::vector<Disc> dead;
+  for (const JointTask& task : tasks_) {
+    if (!task.movable) dead.push_back({task.position, task.radius});
+  }
   hopeful_.assign(tasks_.size(), false);
   direct_.assign(tasks_.size(), {});
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
-    if (!tasks_[i].movable) continue;
-    std::vector<Disc> dead;
-    for (const JointTask& other : tasks_) {
-      if (!other.movable) dead.push_back({other.position, other.radius});
+    const JointTask& task = tasks_[i];
+    if (!task.movable) continue;
+    direct_[i] = finder(i).route(task.position, task.goal, dead);
+    double share = spacing_share_;
+    double spacing = finder(i).spacing();
+    while (direct_[i].empty() && spacing > field_.map().resolution / 2) {
+      share /= 2;
+      RouteFinder finer(field_, task.radius, share * usual_spacing(task.radius));
+      spacing = finer.spacing();
+      direct_[i] = finer.route(task.position, task.goal, dead);
     }
-    direct_[i] = finder(i).route(tasks_[i].position, tasks_[i].goal, dead);
     hopeful_[i] = !direct_[i].empty();
+    if (hopeful_[i] && share < spacing_share_) refine(share);
   }
+}
+
+/// From now on the lattices' spacing is this share of the usual one.
+void JointPlanner::refine(double share) {
+  effort_before_ = effort();
+  spacing_share_ = share;
+  finders_.clear();
+}
+
+std::size_t JointPlanner::effort() const {
+  std::size_t sum = effort_before_;
+  for (const auto& [radius, finder] : finders_) sum += finder.effort();
+  return sum;
 }
 
 void JointPlanner::begin_attempt() {
@@ -67,20 +91,17 @@ void JointPlanner::end_attempt() {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (!at_goal(i)) plan.stranded.push_back(i);
   }
-  const auto hopeless = static_cast<std::size_t>(std::ranges::count(hopeful_, false));
+  const bool nobody_without_need =
+      std::ranges::none_of(plan.stranded, [&](std::size_t i) { return static_cast<bool>(hopeful_[i]); });
   const std::size_t stranded = plan.stranded.size();
   if (!found_ || stranded < found_->stranded.size()) found_ = std::move(plan);
   ++attempts_;
-  done_ = stranded == 0 || (stranded <= hopeless && attempts_ > 2 * attempts_at_a_spacing) ||
-          attempts_ == most_attempts;
+  done_ = nobody_without_need || attempts_ == most_attempts || effort() > most_effort;
   if (done_) {
     best_ = *std::move(found_);
     return;
   }
-  if (attempts_ % attempts_at_a_spacing == 0) {
-    spacing_share_ /= 2;
-    set_up();
-  }
+  if (attempts_ % attempts_at_a_spacing == 0) refine(spacing_share_ / 2);
   begin_attempt();
 }
 

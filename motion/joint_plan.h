@@ -39,12 +39,13 @@ struct JointPlan {
 
 class JointPlanner {
  public:
-  /// `field` outlives it. A task whose goal its robot could not even reach alone is stranded from the start.
+  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start; one
+  /// that is not movable has its place as its goal.
   JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
   /// A bounded amount of work: some tens of route searches. True once the plan is there.
   bool step();
-  /// The first plan that strands nobody, or else the one that strands the fewest.
+  /// The first plan that strands nobody without need, or else the one that strands the fewest.
   const JointPlan& plan() const { return best_; }
 
  private:
@@ -58,8 +59,10 @@ class JointPlanner {
   bool at_goal(std::size_t robot) const { return at_[robot] == tasks_[robot].goal; }
   bool wants_to_move(std::size_t robot) const { return hopeful_[robot] && !at_goal(robot); }
   std::vector<Disc> others(std::size_t robot) const;
+  std::size_t effort() const;
   Discs discs_around(std::size_t robot, const std::vector<std::size_t>& fixed) const;
   void set_up();
+  void refine(double share);
   void begin_attempt();
   void end_attempt();
   bool move_directly();
@@ -80,6 +83,7 @@ class JointPlanner {
   std::vector<Path> direct_;               ///< each robot's way from its first position, alone
 
   int attempts_ = 0;
+  std::size_t effort_before_ = 0;  ///< on finders that are no more
   bool done_ = false;
   std::vector<Point2> at_;
   std::vector<Move> moves_;

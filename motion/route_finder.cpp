@@ -193,6 +193,7 @@ Path RouteFinder::search(const Point2& from, const Goal& goal, std::span<const O
     Label& here = labels_[v];
     if (here.closed) continue;
     here.closed = true;
+    ++effort_;
     const double cost = here.cost;
     if (v == target) {
       found = target;
@@ -290,6 +291,7 @@ void RouteFinder::flood(const Point2& from, std::span<const Disc> discs) {
   while (!open.empty()) {
     const Vertex v = open.back();
     open.pop_back();
+    ++effort_;
     for_each_neighbour(v, reach);
   }
 }

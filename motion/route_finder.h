@@ -40,6 +40,9 @@ class RouteFinder {
   RouteFinder(const ClearanceField& field, double radius, double spacing);
 
   double radius() const { return radius_; }
+  double spacing() const { return spacing_; }
+  /// Vertices that all searches have looked at.
+  std::size_t effort() const { return effort_; }
 
   /// From one place to another, past discs that stand. Keeps a comfortable distance where the ends allow it.
   /// Empty if there is none on this lattice, or if a disc stands on the goal.
@@ -102,6 +105,7 @@ class RouteFinder {
   int columns_;
   int rows_;
   std::uint32_t search_ = 0;
+  std::size_t effort_ = 0;
   std::vector<Label> labels_;
   std::vector<std::uint32_t> marked_;  ///< by which search
   std::vector<std::uint8_t> mark_;

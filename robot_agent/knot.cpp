@@ -8,7 +8,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double longest_hold = 20;  // seconds without a joint plan: the leader has lost sight of somebody
+constexpr double longest_hold = 60;  // seconds without a joint plan: the leader has lost sight of somebody
 constexpr double patience = 5;       // seconds without progress though nobody earlier is in the way
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 // Robots that move at the same time keep this many times (acceleration period^2) apart beyond their radii if
@@ -73,7 +73,8 @@ void Knot::lead(std::span<const FleetMember> fleet, const ClearanceField& field)
   if (!ready) return;
   led_.assign(fleet.begin(), fleet.end());
   std::vector<JointTask> tasks;
-  for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, !m.silent});
+  for (const FleetMember& m : led_)
+    tasks.push_back({m.position, m.silent ? m.position : m.goal, m.radius, !m.silent});
   planner_ = std::make_unique<JointPlanner>(field, std::move(tasks), Random(id_.epoch));
 }
 

@@ -158,24 +158,22 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
   const std::vector<Neighbour> others = neighbours(fleet_now);
-  if (status_.phase == Phase::stopped) {
-    body_->choose(Point2::Zero(), others, *field_);
-    return;
-  }
-  if (knot_.stage() == Stage::holding) {
+  if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(fleet(fleet_now), *field_, body_->limits().max_acceleration, period, fleet_now);
-    last_gain_time_ = fleet_now;
-  }
-  if (knot_.stage() == Stage::ordered) {
-    drive_as_ordered(fleet_now, others);
-  } else if (knot_.stage() == Stage::free && status_.phase == Phase::driving && heard_everyone(fleet_now)) {
+  const bool free = knot_.stage() == Stage::free;
+  if (status_.phase == Phase::driving && free && heard_everyone(fleet_now)) {
     drive_freely(fleet_now, others);
   } else {
-    body_->choose(Point2::Zero(), others, *field_);
-    if (status_.phase != Phase::planning)
-      body_->stay(body_->time() + (knot_.stage() == Stage::free ? idle_lease : waiting_lease));
+    last_gain_time_ = fleet_now;
+    if (status_.phase != Phase::stopped && knot_.stage() == Stage::ordered) {
+      drive_as_ordered(fleet_now, others);
+    } else {
+      body_->choose(Point2::Zero(), others, *field_);
+      // A robot that plans will set off any moment.
+      if (status_.phase != Phase::planning) body_->stay(body_->time() + (free ? idle_lease : waiting_lease));
+    }
   }
-  watch_arrival();
+  if (status_.phase != Phase::stopped) watch_arrival();
 }
 
 void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {

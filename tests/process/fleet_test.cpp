@@ -5,7 +5,9 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -177,13 +179,12 @@ TEST(Fleet, RoomsEndWell) {
     EXPECT_NE(picture.find(">" + robot.name + "<"), std::string::npos);
 }
 
-/// The reference maps; what is asked here is paths and sharing, and that nobody touches anything on the way.
+/// The reference maps: paths, sharing, and arrival with nothing touched.
 void expect_reference_map_planned(const std::string& name, const std::string& map_name) {
   const std::filesystem::path maps = std::filesystem::path(COPPICE_SHARED_DIR) / "maps";
   if (!std::filesystem::exists(maps)) GTEST_SKIP() << maps << " is not there";
-  FleetRun run(maps / (name + ".scen"), {"--radius", "3", "--max-speed", "20", "--timeout", "150"});
-  const int exit_code = run.process.wait();
-  EXPECT_TRUE(exit_code == 0 || exit_code == 1) << run.log();
+  FleetRun run(maps / (name + ".scen"), {"--radius", "3", "--max-speed", "20"});
+  EXPECT_EQ(run.process.wait(), 0) << run.log();
   const proto::Report report = run.report();
   const test::PlainMap map(maps / (map_name + ".map"));
   expect_good_paths(report, test::robots_of_scen(maps / (name + ".scen")), 3, map);
@@ -200,6 +201,42 @@ TEST(Fleet, RoomOfTheReferenceMapsIsPlanned) {
 }
 TEST(Fleet, MazeOfTheReferenceMapsIsPlanned) {
   expect_reference_map_planned("maze1-5", "maze1");
+}
+
+/// The roles by themselves on one domain, each started when the ones before have had time to find nobody.
+TEST(Fleet, RolesStartedByHandInAnyOrderFindEachOther) {
+  const std::string scenario = (test::scenarios() / "blank-10.json").string();
+  for (const bool service_first : {true, false}) {
+    const test::TemporaryFolder folder;
+    const std::string domain = service_first ? "151" : "152";
+    const std::string report = (folder.path() / "report.json").string();
+    std::vector<std::unique_ptr<test::Background>> roles;
+    const auto start = [&](std::vector<std::string> command) {
+      command.insert(command.begin() + 1, {"--domain", domain});
+      command[0] = test::program(command[0]);
+      roles.push_back(std::make_unique<test::Background>(
+          command, folder.path() / ("log" + std::to_string(roles.size()))));
+      std::this_thread::sleep_for(300ms);
+    };
+    const auto start_service = [&] {
+      start({"planner_service", scenario, "--robots", "2", "--time-scale", "10", "--report", report});
+      return roles.size() - 1;
+    };
+    std::size_t service = 0;
+    if (service_first) service = start_service();
+    start({"robot_agent", "--name", "r2"});
+    if (service_first) start({"tree_broker"});
+    start({"robot_agent", "--name", "r1"});
+    if (!service_first) start({"tree_broker"});
+    if (!service_first) service = start_service();
+    EXPECT_EQ(roles[service]->wait(), 0) << test::contents(folder.path() / ("log" + std::to_string(service)));
+    EXPECT_EQ(read_report(report).outcome(), "arrived");
+    for (std::size_t k = 0; k < roles.size(); ++k) {
+      if (k == service) continue;
+      roles[k]->send(SIGTERM);  // agents and brokers go on until they are told
+      EXPECT_EQ(roles[k]->wait(), 0) << k;
+    }
+  }
 }
 
 TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
