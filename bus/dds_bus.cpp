@@ -36,6 +36,7 @@ constexpr std::uint32_t shared_memory_segment = 8u << 20;
 // How soon a lost sample of a reliable topic is asked for again; the default of 3 s is longer than a plan
 // takes.
 constexpr std::uint32_t heartbeat_nanoseconds = 20'000'000;
+constexpr int most_taken = 1000;               // samples of a topic at a time
 constexpr std::size_t rejections_logged = 10;  // then every thousandth
 
 template <class T>
@@ -111,6 +112,7 @@ struct DdsBus::Implementation {
              Ends<BrokerStatus>>
       topics;
   dds::WaitSet wait_set;
+  bool more = false;  ///< the last take left samples behind
   std::size_t rejected = 0;
   std::size_t lost = 0;
 
@@ -165,8 +167,10 @@ struct DdsBus::Implementation {
     if (ends.reader == nullptr) return;
     typename DdsType<M>::Type sample;
     dds::SampleInfo info;
-    while (ends.reader->take_next_sample(&sample, &info) ==
-           eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK) {
+    // Samples may come in as fast as they are taken: the role must get its turn.
+    for (int taken = 0;
+         ends.reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+         ++taken) {
       if (!info.valid_data) continue;
       Message message = from_dds(sample);
       if (const auto problem = problem_with(message)) {
@@ -174,6 +178,9 @@ struct DdsBus::Implementation {
       } else {
         out.push_back(std::move(message));
       }
+      if (taken < most_taken) continue;
+      more = true;
+      return;
     }
   }
 
@@ -207,12 +214,13 @@ void DdsBus::publish(const Message& message) {
 
 std::vector<Message> DdsBus::take() {
   std::vector<Message> out;
+  implementation_->more = false;
   std::apply([&](auto&... ends) { (implementation_->drain(ends, out), ...); }, implementation_->topics);
   return out;
 }
 
 bool DdsBus::wait(double seconds) {
-  if (seconds <= 0) return true;
+  if (seconds <= 0 || implementation_->more) return true;
   dds::ConditionSeq active;
   const auto whole = static_cast<std::int32_t>(seconds);
   const Duration_t timeout(whole, static_cast<std::uint32_t>((seconds - whole) * 1e9));

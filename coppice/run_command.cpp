@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@ namespace {
 
 constexpr std::chrono::milliseconds grace{3000};
 constexpr std::chrono::milliseconds poll_period{10};
+constexpr std::chrono::seconds patience{15};  // for the report after Ctrl-C
 
 /// A folder of its own for logs and the report, removed at the end.
 class RunFolder {
@@ -122,13 +124,18 @@ int run_command(const RunOptions& options, const std::string& program) {
   fleet.start(service, service_command(options, (folder / service).string(), domain),
               ProcessFleet::Output::terminal);
 
-  bool asked = false;
+  std::optional<std::chrono::steady_clock::time_point> asked;
   while (true) {
     if (stop_requested() && !asked) {
       fleet.terminate(service);
-      asked = true;
+      asked = std::chrono::steady_clock::now();
     }
     const auto ended = fleet.reap();
+    if (!ended && asked && std::chrono::steady_clock::now() - *asked > patience) {
+      std::cerr << "the planner service does not answer: ended without a report\n";
+      fleet.terminate_all(grace);
+      return 1;
+    }
     if (!ended) {
       std::this_thread::sleep_for(poll_period);
     } else if (ended->name == service) {
