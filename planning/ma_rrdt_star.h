@@ -10,9 +10,11 @@
 // two root trees of a group meet, also through what they grafted, the group is solved: it stops growing and
 // is left out of merging.
 //
-// Grafting is by reference. A group only marks the tree; trees that see each other are linked once, and a
-// mark spreads along the links, so what one group explored costs the next one next to nothing. Costs-to-come
-// inside of grafted trees are computed by the one search that matters, for the path (path_search.h).
+// Grafting is by reference: inactive trees that see each other are one component, and a group that grafted
+// one tree of it has them all (forest.h), so what one group explored costs the next one next to nothing. A
+// tree is compared only until it is connected: no two trees of one component are asked again whether they see
+// each other. Costs-to-come inside of grafted trees are computed by the searches that matter, for the paths
+// (path_search.h).
 //
 // Which trees grow *here* is up to the caller, so the same code is the whole planner in one process, the
 // broker (disjointed trees here, root trees elsewhere) and an agent (its own root trees here, disjointed
@@ -31,6 +33,7 @@
 #include <vector>
 
 #include "planning/directed_sampler.h"
+#include "planning/forest.h"
 #include "planning/frozen_tree.h"
 #include "planning/path_search.h"
 #include "planning/random.h"
@@ -63,8 +66,10 @@ class MaRrdtStar {
   GroupIndex add_group(const P& start, const P& goal, double radius) {
     const GroupIndex g = add_group(radius);
     groups_[g].grows_here = true;
-    groups_[g].root_node[index(Root::start)] = add_root_node(g, Root::start, start, no_node);
-    groups_[g].root_node[index(Root::goal)] = add_root_node(g, Root::goal, goal, no_node);
+    for (const auto& [side, p] : {std::pair(Root::start, start), std::pair(Root::goal, goal)}) {
+      look_around(p);
+      groups_[g].root_node[index(side)] = add_root_node(g, side, p, no_node);
+    }
     connect_greedily(g, Root::start, goal);
     connect_greedily(g, Root::goal, start);
     for (const Root side : {Root::start, Root::goal}) arms_.push_back(Arm{root(g, side), g, side});
@@ -75,7 +80,9 @@ class MaRrdtStar {
   GroupIndex add_remote_group(double radius) { return add_group(radius); }
 
   void add_remote_node(GroupIndex g, Root side, const P& p) {
-    if (is_open(g)) compare_root_node(trees_.add_node(groups_[g].tree[index(side)], p), g, side);
+    if (!is_open(g)) return;
+    look_around(p);
+    compare_root_node(trees_.add_node(groups_[g].tree[index(side)], p), g, side);
   }
 
   /// The group needs no more trees: solved elsewhere, or given up.
@@ -100,8 +107,11 @@ class MaRrdtStar {
   bool is_open(GroupIndex g) const { return groups_[g].state == State::open; }
   std::size_t open_groups() const { return open_.size(); }
 
-  /// Start to goal along the trees' edges; empty while the group is not solved.
+  /// Start to goal along the trees' edges, the shortest way through the trees that met; empty while the group
+  /// is not solved.
   std::vector<P> path(GroupIndex g);
+  /// One for each group, in less time: each along the shortest-path tree of one node, so not the shortest.
+  std::vector<std::vector<P>> paths();
 
   std::uint32_t grafted_trees(GroupIndex g) const { return groups_[g].grafted; }
   SampleCounts group_counts(GroupIndex g) const { return groups_[g].counts; }
@@ -119,15 +129,22 @@ class MaRrdtStar {
 
  private:
   enum class State : std::uint8_t { open, solved, closed };
-  enum class Mark : std::uint8_t { none, start, goal };
 
+  /// Where a root tree sees a tree of the forest.
+  struct Entry {
+    TreeIndex tree;
+    NodeId root_tree_node;
+    NodeId forest_node;
+  };
   struct Group {
     double radius = 0;
+    Forest::Layer layer = 0;
     State state = State::open;
     bool grows_here = false;
     std::array<TreeIndex, 2> tree{};
     std::array<NodeId, 2> root_node{no_node, no_node};
-    std::vector<Mark> marks;  ///< for each tree: which root tree grafted it
+    std::array<std::vector<Entry>, 2> entries;  ///< one for each component that the root tree grafted
+    std::array<NodeId, 2> met{no_node, no_node};  ///< the nodes by which the root trees see each other
     std::uint32_t grafted = 0;
     SampleCounts counts;
     std::vector<NodeId> fresh;
@@ -148,10 +165,10 @@ class MaRrdtStar {
   static constexpr double restart_weight = 0.1;
   /// A sample that near (in epsilon) to a node of its own tree, and in sight of it, teaches nothing.
   static constexpr double least_spacing = 0.3;
+  static constexpr std::uint32_t few_nodes = 64;  // a tree of so many is looked through faster than the grid
   static constexpr int free_point_tries = 1000;  // a map with less free room than that restarts later
 
   static constexpr std::size_t index(Root side) { return static_cast<std::size_t>(side); }
-  static constexpr Mark mark_of(Root side) { return side == Root::start ? Mark::start : Mark::goal; }
   NodeId root(GroupIndex g, Root side) const { return groups_[g].root_node[index(side)]; }
 
   GroupIndex add_group(double radius);
@@ -180,20 +197,29 @@ class MaRrdtStar {
   void connect_greedily(GroupIndex g, Root side, const P& target);
   void freeze(TreeIndex t);
   void link(TreeIndex a, TreeIndex b);
-  void graft(GroupIndex g, Root side, TreeIndex t);
-  Mark mark(const Group& group, TreeIndex t) const {
-    return t < group.marks.size() ? group.marks[t] : Mark::none;
+  void graft(GroupIndex g, Root side, const Entry& entry);
+  bool has_grafted(GroupIndex g, Root side, TreeIndex t) const;
+  bool connected(TreeIndex a, TreeIndex b) const;
+
+  // --- paths ---
+  std::optional<std::pair<Entry, Entry>> meeting(GroupIndex g) const;
+  std::vector<P> joined(GroupIndex g, const Entry& first, std::span<const NodeId> between, const Entry& last) const;
+  /// The trees that robots of a radius may use on their way from one root tree to the other.
+  static auto usable(double radius) {
+    return [radius](const Tree& tree) { return tree.kind == TreeKind::inactive && tree.radius >= radius; };
   }
-  bool linked(TreeIndex a, TreeIndex b) const;
+  std::vector<P> branch(GroupIndex g, Root side, NodeId n) const;
+
   bool visible(NodeId a, NodeId b, double radius) const {
     return space_.segment_free(trees_.position(a), trees_.position(b), radius);
   }
-  std::span<const NodeId> near(NodeId q);
+  void look_around(const P& p);
 
   const S& space_;
   MaRrdtStarSettings settings_;
   Random random_;
   Trees<D> trees_;
+  Forest forest_;
   std::vector<Group> groups_;
   std::vector<GroupIndex> open_;
   std::vector<Arm> arms_;
@@ -201,7 +227,7 @@ class MaRrdtStar {
   bool some_group_left_ = false;     // its arms are still in arms_
   SampleCounts disjointed_counts_;
   std::vector<TreeIndex> frozen_;
-  std::vector<NodeId> near_;  // scratch of near()
+  std::vector<NodeId> near_;  ///< what look_around saw
   SearchScratch search_;
 };
 

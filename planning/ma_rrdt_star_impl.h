@@ -1,6 +1,7 @@
 // The bodies of ma_rrdt_star.h, in the order of Algorithm 2: the loop, the samples, merging, grafting, paths.
 #pragma once
 
+#include <cassert>
 #include <limits>
 #include <optional>
 
@@ -50,7 +51,9 @@ template <Space S>
 void MaRrdtStar<S>::restart(Arm& arm) {
   const double radius = groups_[open_[random_.index(open_.size())]].radius;
   const std::optional<P> p = random_free_point(radius);
-  if (!p || !worth_a_node(*p, radius)) return;
+  if (!p) return;
+  look_around(*p);
+  if (!worth_a_node(*p, radius)) return;
   ++disjointed_counts_.valid;
   arm = Arm{trees_.add_node(trees_.add_tree(TreeKind::active, radius), *p)};
   compare_disjointed_node(arm.node);
@@ -63,11 +66,13 @@ template <Space S>
 bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
   const double reach = least_spacing * settings_.epsilon;
   int seen = 0;
-  trees_.grid().for_each_near(p, [&](NodeId n) {
+  for (const NodeId n : near_) {
+    const P& place = trees_.position(n);
+    if ((place - p).squaredNorm() >= reach * reach) continue;
     const Tree& tree = trees_.tree(trees_.tree_of(n));
-    if (tree.kind == TreeKind::root || tree.radius < radius) return;
-    if ((trees_.position(n) - p).norm() < reach && space_.segment_free(trees_.position(n), p, radius)) ++seen;
-  });
+    if (tree.kind == TreeKind::root || tree.radius < radius) continue;
+    if (space_.segment_free(place, p, radius)) ++seen;
+  }
   return random_.uniform() * (1 + seen) * (1 + seen) < 1;
 }
 
@@ -75,9 +80,18 @@ bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
 template <Space S>
 void MaRrdtStar<S>::restart_root(Arm& arm) {
   const TreeIndex t = groups_[arm.group].tree[index(arm.side)];
-  arm.node = trees_.grid().nearest(
-      random_point(), [&](NodeId n) -> const P& { return trees_.position(n); },
-      [&](NodeId n) { return trees_.tree_of(n) == t; });
+  const P p = random_point();
+  if (trees_.tree(t).size <= few_nodes) {
+    double least = std::numeric_limits<double>::infinity();
+    trees_.for_each_node(t, [&](NodeId n) {
+      const double squared = (trees_.position(n) - p).squaredNorm();
+      if (squared >= least) return;
+      least = squared;
+      arm.node = n;
+    });
+  } else {
+    arm.node = trees_.grid().nearest(p, [&](NodeId n) { return trees_.tree_of(n) == t; });
+  }
   arm.weight = full_weight;
   arm.sampler.reset();
 }
@@ -92,9 +106,17 @@ void MaRrdtStar<S>::grow(Arm& arm) {
   const P proposal = trees_.position(arm.node) + settings_.epsilon * direction;
   SampleCounts& counts = arm.group == no_group ? disjointed_counts_ : groups_[arm.group].counts;
 
-  NodeId from = nearest_in_tree(proposal, t, arm.node);
-  const bool known = is_known_ground(from, proposal, radius);
-  if (known || !extends_from(from, arm, proposal, radius)) {
+  // Most samples that fail do so here, before anything is looked up.
+  bool known = false;
+  bool joins = space_.is_free(proposal, radius);
+  NodeId from = arm.node;
+  if (joins) {
+    look_around(proposal);
+    from = nearest_in_tree(proposal, t, arm.node);
+    known = is_known_ground(from, proposal, radius);
+    joins = !known && extends_from(from, arm, proposal, radius);
+  }
+  if (!joins) {
     if (!known) ++counts.invalid;
     arm.weight *= failure_factor;
     arm.sampler.failed(direction);
@@ -111,17 +133,17 @@ void MaRrdtStar<S>::grow(Arm& arm) {
   }
 }
 
+/// Of what was seen around p; `otherwise` if that is nearer, or nothing of the tree was seen.
 template <Space S>
 NodeId MaRrdtStar<S>::nearest_in_tree(const P& p, TreeIndex t, NodeId otherwise) const {
   NodeId best = otherwise;
   double best_squared = (trees_.position(otherwise) - p).squaredNorm();
-  trees_.grid().for_each_near(p, [&](NodeId n) {
+  for (const NodeId n : near_) {
     const double squared = (trees_.position(n) - p).squaredNorm();
-    if (squared < best_squared && trees_.tree_of(n) == t) {
-      best = n;
-      best_squared = squared;
-    }
-  });
+    if (squared >= best_squared || trees_.tree_of(n) != t) continue;
+    best = n;
+    best_squared = squared;
+  }
   return best;
 }
 
@@ -158,16 +180,14 @@ auto MaRrdtStar<S>::random_free_point(double radius) -> std::optional<P> {
   return std::nullopt;
 }
 
-/// All nodes within epsilon of q, but for q itself.
+/// Leaves in near_ the nodes within epsilon of p: those that a node there is compared with.
 template <Space S>
-std::span<const NodeId> MaRrdtStar<S>::near(NodeId q) {
+void MaRrdtStar<S>::look_around(const P& p) {
   near_.clear();
-  const P& p = trees_.position(q);
   const double reach = settings_.epsilon * settings_.epsilon;
-  trees_.grid().for_each_near(p, [&](NodeId n) {
-    if (n != q && (trees_.position(n) - p).squaredNorm() <= reach) near_.push_back(n);
+  trees_.grid().for_each_near(p, [&](NodeId n, const P& place) {
+    if ((place - p).squaredNorm() <= reach) near_.push_back(n);
   });
-  return near_;
 }
 
 /// MergeTrees for a node q of a disjointed tree: it takes in the active trees that q sees, and becomes
@@ -176,32 +196,33 @@ template <Space S>
 void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
   TreeIndex t = trees_.tree_of(q);
   const double radius = trees_.tree(t).radius;
-  std::vector<TreeIndex> inactive;
-  std::vector<std::pair<GroupIndex, Root>> roots;
-  for (const NodeId n : near(q)) {
+  std::vector<std::pair<GroupIndex, Entry>> roots;
+  for (const NodeId n : near_) {
     const TreeIndex u = trees_.tree_of(n);
     const Tree& other = trees_.tree(u);
     if (u == t) continue;
     if (other.kind == TreeKind::active) {
-      if (other.radius != radius || !visible(q, n, radius)) continue;
+      // A tree that became inactive just now is linked to active ones when these become inactive too.
+      if (trees_.tree(t).kind != TreeKind::active || other.radius != radius || !visible(q, n, radius)) continue;
       trees_.add_edge(q, n);
       t = trees_.merge(t, u);
     } else if (other.kind == TreeKind::inactive) {
-      if (std::ranges::count(inactive, u) || !visible(q, n, std::min(radius, other.radius))) continue;
+      if (connected(t, u) || !visible(q, n, std::min(radius, other.radius))) continue;
       trees_.add_edge(q, n);
-      inactive.push_back(u);
-    } else {
-      const std::pair root{other.group, other.side};
-      if (!is_open(other.group) || other.radius > radius || std::ranges::count(roots, root)) continue;
-      if (!visible(q, n, other.radius)) continue;
-      trees_.add_edge(q, n);
-      roots.push_back(root);
+      freeze(t);
+      link(t, u);
+    } else if (is_open(other.group) && other.radius <= radius) {
+      roots.push_back({other.group, {t, n, q}});
     }
   }
-  if (inactive.empty() && roots.empty()) return;
-  freeze(t);
-  for (const TreeIndex u : inactive) link(t, u);
-  for (const auto& [g, side] : roots) graft(g, side, t);
+  for (auto& [g, entry] : roots) {
+    entry.tree = t;
+    const Root side = trees_.tree(trees_.tree_of(entry.root_tree_node)).side;
+    if (!is_open(g) || has_grafted(g, side, t) || !visible(q, entry.root_tree_node, groups_[g].radius)) continue;
+    trees_.add_edge(q, entry.root_tree_node);
+    freeze(t);
+    graft(g, side, entry);
+  }
 }
 
 /// MergeTrees for a node q of a root tree: the disjointed trees that it sees are grafted, and where it sees
@@ -209,18 +230,19 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
 template <Space S>
 void MaRrdtStar<S>::compare_root_node(NodeId q, GroupIndex g, Root side) {
   const double radius = groups_[g].radius;
-  for (const NodeId n : near(q)) {
+  for (const NodeId n : near_) {
     const TreeIndex u = trees_.tree_of(n);
     const Tree& other = trees_.tree(u);
     if (other.kind == TreeKind::root) {
       if (other.group != g || other.side == side || !visible(q, n, radius)) continue;
-      trees_.add_edge(q, n);
+      groups_[g].met[index(side)] = q;
+      groups_[g].met[index(other.side)] = n;
       solve(g);
     } else {
-      if (other.radius < radius || mark(groups_[g], u) == mark_of(side) || !visible(q, n, radius)) continue;
+      if (other.radius < radius || has_grafted(g, side, u) || !visible(q, n, radius)) continue;
       trees_.add_edge(q, n);
-      if (other.kind == TreeKind::active) freeze(u);
-      graft(g, side, u);
+      freeze(u);
+      graft(g, side, {u, q, n});
     }
     if (!is_open(g)) return;
   }
@@ -244,7 +266,7 @@ void MaRrdtStar<S>::choose_parent_and_rewire(NodeId q, NodeId from) {
   const double radius = trees_.tree(t).radius;
   auto distance = [&](NodeId n) { return (trees_.position(n) - trees_.position(q)).norm(); };
   std::vector<NodeId> seen;
-  for (const NodeId n : near(q)) {
+  for (const NodeId n : near_) {
     if (n != from && trees_.tree_of(n) == t && visible(n, q, radius)) seen.push_back(n);
   }
   seen.push_back(from);
@@ -285,6 +307,7 @@ void MaRrdtStar<S>::connect_greedily(GroupIndex g, Root side, const P& target) {
     const P next = trees_.position(from) + settings_.epsilon * gap.normalized();
     if (!space_.segment_free(trees_.position(from), next, groups_[g].radius)) return;
     ++groups_[g].counts.valid;
+    look_around(next);
     from = add_root_node(g, side, next, from);
   }
 }
@@ -294,6 +317,7 @@ GroupIndex MaRrdtStar<S>::add_group(double radius) {
   const auto g = static_cast<GroupIndex>(groups_.size());
   Group& group = groups_.emplace_back();
   group.radius = radius;
+  group.layer = forest_.layer(radius);
   for (const Root side : {Root::start, Root::goal}) {
     group.tree[index(side)] = trees_.add_tree(TreeKind::root, radius, g, side);
   }
@@ -304,7 +328,17 @@ GroupIndex MaRrdtStar<S>::add_group(double radius) {
 template <Space S>
 void MaRrdtStar<S>::solve(GroupIndex g) {
   if (!is_open(g)) return;
-  groups_[g].state = State::solved;
+  Group& group = groups_[g];
+  group.state = State::solved;
+  // The component by which they meet is one of each side: it counts once.
+  std::vector<TreeIndex> components;
+  for (const auto& entries : group.entries) {
+    for (const Entry& entry : entries) {
+      const TreeIndex c = forest_.component(group.layer, entry.tree);
+      if (std::ranges::count(components, c) == 0) components.push_back(c);
+    }
+  }
+  for (const TreeIndex c : components) group.grafted += forest_.trees_in(group.layer, c);
   leave(g);
 }
 
@@ -314,53 +348,52 @@ void MaRrdtStar<S>::leave(GroupIndex g) {
   some_group_left_ = true;
 }
 
+/// From now on the tree never changes.
 template <Space S>
 void MaRrdtStar<S>::freeze(TreeIndex t) {
+  if (trees_.tree(t).kind == TreeKind::inactive) return;
   trees_.tree(t).kind = TreeKind::inactive;
   frozen_.push_back(t);
 }
 
+/// Whether all robots that may use both trees have the one where they have the other.
 template <Space S>
-bool MaRrdtStar<S>::linked(TreeIndex a, TreeIndex b) const {
-  const auto& links = trees_.tree(a).links;
-  return std::ranges::find(links, b) != links.end();
+bool MaRrdtStar<S>::connected(TreeIndex a, TreeIndex b) const {
+  const auto layer = forest_.layer_within(std::min(trees_.tree(a).radius, trees_.tree(b).radius));
+  return layer == Forest::no_layer || forest_.component(layer, a) == forest_.component(layer, b);
 }
 
-/// Two inactive trees see each other: whoever grafted one has the other too.
+template <Space S>
+bool MaRrdtStar<S>::has_grafted(GroupIndex g, Root side, TreeIndex t) const {
+  const Group& group = groups_[g];
+  const TreeIndex c = forest_.component(group.layer, t);
+  return std::ranges::any_of(group.entries[index(side)], [&](const Entry& entry) {
+    return forest_.component(group.layer, entry.tree) == c;
+  });
+}
+
+/// Two inactive trees see each other: whoever grafted one has the other too, and whose two root trees grafted
+/// one each is solved.
 template <Space S>
 void MaRrdtStar<S>::link(TreeIndex a, TreeIndex b) {
-  trees_.tree(a).links.push_back(b);
-  trees_.tree(b).links.push_back(a);
-  const double least_radius = std::min(trees_.tree(a).radius, trees_.tree(b).radius);
-  for (std::size_t i = 0; i < open_.size();) {
-    const GroupIndex g = open_[i];
-    if (groups_[g].radius <= least_radius) {
-      for (const Root side : {Root::start, Root::goal}) {
-        if (mark(groups_[g], a) == mark_of(side)) graft(g, side, b);
-        if (mark(groups_[g], b) == mark_of(side)) graft(g, side, a);
-      }
-    }
-    if (i < open_.size() && open_[i] == g) ++i;  // solved groups have left the list
-  }
+  std::vector<GroupIndex> met;
+  const double radius = std::min(trees_.tree(a).radius, trees_.tree(b).radius);
+  forest_.link(a, b, radius, [&](Forest::Layer, const Forest::Graft& graft) {
+    const Root other = partner_of(graft.side);
+    if (is_open(graft.group) && (has_grafted(graft.group, other, a) || has_grafted(graft.group, other, b)))
+      met.push_back(graft.group);
+  });
+  for (const GroupIndex g : met) solve(g);
 }
 
-/// Grafts an inactive tree to a root tree of g, and every tree that follows from that. Where a tree turns out
-/// to be grafted to the partner, the root trees have met.
+/// Grafts the component of an inactive tree to a root tree of g. Where it is grafted to the partner already,
+/// the root trees have met.
 template <Space S>
-void MaRrdtStar<S>::graft(GroupIndex g, Root side, TreeIndex t) {
+void MaRrdtStar<S>::graft(GroupIndex g, Root side, const Entry& entry) {
   Group& group = groups_[g];
-  group.marks.resize(std::max(group.marks.size(), trees_.tree_count()), Mark::none);
-  std::vector<TreeIndex> joining{t};
-  while (!joining.empty() && is_open(g)) {
-    const TreeIndex u = joining.back();
-    joining.pop_back();
-    if (trees_.tree(u).radius < group.radius || group.marks[u] == mark_of(side)) continue;
-    if (group.marks[u] != Mark::none) return solve(g);
-    group.marks[u] = mark_of(side);
-    ++group.grafted;
-    const auto& links = trees_.tree(u).links;
-    joining.insert(joining.end(), links.begin(), links.end());
-  }
+  group.entries[index(side)].push_back(entry);
+  forest_.graft(group.layer, entry.tree, {g, side});
+  if (has_grafted(g, partner_of(side), entry.tree)) solve(g);
 }
 
 template <Space S>
@@ -372,19 +405,20 @@ TreeIndex MaRrdtStar<S>::add_inactive_tree(const FrozenTree<D>& frozen) {
     if (frozen.parents[i] >= 0) trees_.add_edge(ids[static_cast<std::size_t>(frozen.parents[i])], ids[i]);
   }
   for (const NodeId q : ids) {
-    for (const NodeId n : near(q)) {
+    look_around(trees_.position(q));
+    for (const NodeId n : near_) {
       const TreeIndex u = trees_.tree_of(n);
       const Tree& other = trees_.tree(u);
       if (u == t) continue;
       if (other.kind == TreeKind::root) {
         if (!is_open(other.group) || other.radius > frozen.radius) continue;
-        if (mark(groups_[other.group], t) == mark_of(other.side) || !visible(q, n, other.radius)) continue;
+        if (has_grafted(other.group, other.side, t) || !visible(q, n, other.radius)) continue;
         trees_.add_edge(q, n);
-        graft(other.group, other.side, t);
+        graft(other.group, other.side, {t, n, q});
       } else {
-        if (linked(t, u) || !visible(q, n, std::min(frozen.radius, other.radius))) continue;
+        if (connected(t, u) || !visible(q, n, std::min(frozen.radius, other.radius))) continue;
         trees_.add_edge(q, n);
-        if (other.kind == TreeKind::active) freeze(u);
+        freeze(u);
         link(t, u);
       }
     }
@@ -392,19 +426,82 @@ TreeIndex MaRrdtStar<S>::add_inactive_tree(const FrozenTree<D>& frozen) {
   return t;
 }
 
+/// Where the two root trees entered the component by which they met; of several, the nearest to each other.
+template <Space S>
+auto MaRrdtStar<S>::meeting(GroupIndex g) const -> std::optional<std::pair<Entry, Entry>> {
+  const Group& group = groups_[g];
+  std::optional<std::pair<Entry, Entry>> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Entry& a : group.entries[index(Root::start)]) {
+    for (const Entry& b : group.entries[index(Root::goal)]) {
+      if (forest_.component(group.layer, a.tree) != forest_.component(group.layer, b.tree)) continue;
+      const double length = trees_.cost(a.root_tree_node) + trees_.cost(b.root_tree_node) +
+                            (trees_.position(a.forest_node) - trees_.position(b.forest_node)).norm();
+      if (length >= least) continue;
+      least = length;
+      best = {a, b};
+    }
+  }
+  return best;
+}
+
+/// From a node of a root tree back to its root.
+template <Space S>
+auto MaRrdtStar<S>::branch(GroupIndex g, Root side, NodeId n) const -> std::vector<P> {
+  std::vector<P> points;
+  for (; n != no_node; n = trees_.parent(n)) points.push_back(trees_.position(n));
+  assert(points.back() == trees_.position(root(g, side)));
+  (void)g;
+  (void)side;
+  return points;
+}
+
+template <Space S>
+auto MaRrdtStar<S>::joined(GroupIndex g, const Entry& first, std::span<const NodeId> between,
+                           const Entry& last) const -> std::vector<P> {
+  std::vector<P> points = branch(g, Root::start, first.root_tree_node);
+  std::ranges::reverse(points);
+  for (const NodeId n : between) points.push_back(trees_.position(n));
+  const std::vector<P> end = branch(g, Root::goal, last.root_tree_node);
+  points.insert(points.end(), end.begin(), end.end());
+  return points;
+}
+
 template <Space S>
 auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
   if (!solved(g)) return {};
-  const double radius = groups_[g].radius;
-  auto usable = [&](const Tree& tree) {
-    return tree.kind == TreeKind::inactive ? tree.radius >= radius
-                                           : tree.kind == TreeKind::root && tree.group == g;
-  };
-  std::vector<P> points;
-  for (const NodeId n : shortest_path(trees_, root(g, Root::start), root(g, Root::goal), usable, search_)) {
-    points.push_back(trees_.position(n));
+  const Group& group = groups_[g];
+  if (group.met[0] != no_node)
+    return joined(g, {0, group.met[0], no_node}, {}, {0, group.met[1], no_node});
+  const auto [first, last] = *meeting(g);
+  const auto between = shortest_path(trees_, first.forest_node, last.forest_node, usable(group.radius), search_);
+  return joined(g, first, between, last);
+}
+
+template <Space S>
+auto MaRrdtStar<S>::paths() -> std::vector<std::vector<P>> {
+  std::vector<std::vector<P>> all(groups_.size());
+  // The groups of one layer and one component share a tree of shortest paths.
+  std::vector<std::pair<Forest::Layer, TreeIndex>> grown;
+  for (GroupIndex g = 0; g < groups_.size(); ++g) {
+    if (!solved(g)) continue;
+    if (groups_[g].met[0] != no_node) {
+      all[g] = path(g);
+      continue;
+    }
+    const Forest::Layer layer = groups_[g].layer;
+    const TreeIndex component = forest_.component(layer, meeting(g)->first.tree);
+    if (std::ranges::count(grown, std::pair(layer, component)) > 0) continue;
+    grown.emplace_back(layer, component);
+    grow_shortest_path_tree(trees_, meeting(g)->first.forest_node, usable(groups_[g].radius), search_);
+    for (GroupIndex h = g; h < groups_.size(); ++h) {
+      if (!solved(h) || groups_[h].layer != layer || groups_[h].met[0] != no_node) continue;
+      const auto [first, last] = *meeting(h);
+      if (forest_.component(layer, first.tree) != component) continue;
+      all[h] = joined(h, first, path_in_tree(search_, first.forest_node, last.forest_node), last);
+    }
   }
-  return points;
+  return all;
 }
 
 template <Space S>

@@ -1,7 +1,8 @@
 // One uniform grid over the nodes of all trees: who is near a point, whatever tree it belongs to.
 //
 // Cells are at least `reach` wide, so that everything within `reach` of a point lies in the 3^D cells around
-// it: a look-up costs the same for any number of trees, and merging trees moves nothing.
+// it: a look-up costs the same for any number of trees, and merging trees moves nothing. A cell keeps places
+// and nodes together in short blocks, so that a look-up reads a few cache lines in a row.
 #pragma once
 
 #include <algorithm>
@@ -33,26 +34,31 @@ class NeighbourGrid {
       size_[d] = static_cast<int>(extent[d] / cell_) + 1;
       total *= static_cast<std::size_t>(size_[d]);
     }
-    head_.assign(total, no_node);
+    head_.assign(total, no_block);
   }
 
   /// Nodes are numbered 0, 1, 2, ... in the order in which they are inserted.
   void insert(const Point<D>& p) {
-    NodeId& head = head_[offset(cell_of(p))];
-    next_.push_back(head);
-    head = static_cast<NodeId>(next_.size() - 1);
+    std::uint32_t& head = head_[offset(cell_of(p))];
+    if (head == no_block || blocks_[head].size == block_size) {
+      blocks_.push_back({.next = head});
+      head = static_cast<std::uint32_t>(blocks_.size() - 1);
+    }
+    Block& block = blocks_[head];
+    block.place[block.size] = p;
+    block.node[block.size++] = count_++;
   }
 
-  /// Calls fn(node) for every node in the cells around p: all within `reach` of p, and some beyond.
+  /// Calls fn(node, place) for every node in the cells around p: all within `reach` of p, and some beyond.
   template <class Fn>
   void for_each_near(const Point<D>& p, Fn&& fn) const {
     const auto [lo, hi] = around(cell_of(p), 1);
     for_each_cell(lo, hi, [&](const Cell& cell) { visit(offset(cell), fn); });
   }
 
-  /// The node nearest to p for which `wanted(node)` holds, or no_node. `position(node)` gives a node's place.
-  template <class Position, class Wanted>
-  NodeId nearest(const Point<D>& p, Position&& position, Wanted&& wanted) const {
+  /// The node nearest to p for which `wanted(node)` holds, or no_node.
+  template <class Wanted>
+  NodeId nearest(const Point<D>& p, Wanted&& wanted) const {
     NodeId best = no_node;
     double best_squared = std::numeric_limits<double>::infinity();
     const Cell centre = cell_of(p);
@@ -61,13 +67,11 @@ class NeighbourGrid {
       // Whatever lies in this ring or beyond is at least ring - 1 cells away.
       const double nearest_possible = std::max(0, ring - 1) * cell_;
       if (nearest_possible * nearest_possible > best_squared) break;
-      for_each_in_ring(centre, ring, [&](NodeId n) {
-        if (!wanted(n)) return;
-        const double squared = (position(n) - p).squaredNorm();
-        if (squared < best_squared) {
-          best_squared = squared;
-          best = n;
-        }
+      for_each_in_ring(centre, ring, [&](NodeId n, const Point<D>& place) {
+        const double squared = (place - p).squaredNorm();
+        if (squared >= best_squared || !wanted(n)) return;
+        best_squared = squared;
+        best = n;
       });
     }
     return best;
@@ -75,6 +79,14 @@ class NeighbourGrid {
 
  private:
   using Cell = std::array<int, D>;
+  static constexpr std::uint32_t no_block = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t block_size = 6;
+  struct Block {
+    std::uint32_t next = no_block;
+    std::uint32_t size = 0;
+    std::array<NodeId, block_size> node{};
+    std::array<Point<D>, block_size> place{};
+  };
   static constexpr double max_cells = 1 << 22;  // 16 MiB of list heads
 
   double cells_for(const Point<D>& extent) const {
@@ -102,7 +114,10 @@ class NeighbourGrid {
 
   template <class Fn>
   void visit(std::size_t cell, Fn&& fn) const {
-    for (NodeId n = head_[cell]; n != no_node; n = next_[n]) fn(n);
+    for (std::uint32_t b = head_[cell]; b != no_block; b = blocks_[b].next) {
+      const Block& block = blocks_[b];
+      for (std::uint32_t i = 0; i < block.size; ++i) fn(block.node[i], block.place[i]);
+    }
   }
 
   template <class Fn>
@@ -143,8 +158,9 @@ class NeighbourGrid {
   Point<D> lower_;
   double cell_;
   Cell size_{};
-  std::vector<NodeId> head_;
-  std::vector<NodeId> next_;
+  NodeId count_ = 0;
+  std::vector<std::uint32_t> head_;  ///< of each cell's blocks, the fullest last
+  std::vector<Block> blocks_;
 };
 
 }  // namespace coppice

@@ -1,7 +1,8 @@
-// A group's path through its two root trees and the inactive trees that it may graft.
+// Paths through the forest of inactive trees.
 //
 // Grafting by reference keeps no cost-to-come for the nodes of a grafted tree; they are computed here, along
-// the one search that matters: A* (Hart, Nilsson, Raphael, 1968) with the straight-line distance.
+// the searches that matter: A* (Hart, Nilsson, Raphael, 1968) with the straight-line distance for one path,
+// or one tree of shortest paths (Dijkstra, 1959) for many.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +20,7 @@ struct SearchScratch {
     std::uint32_t search = 0;  ///< which search wrote this label
     NodeId parent = no_node;
     double cost = 0;
+    std::uint32_t depth = 0;  ///< in a tree of shortest paths
     bool closed = false;
   };
   std::vector<Label> labels;
@@ -36,7 +38,7 @@ std::vector<NodeId> shortest_path(const Trees<D>& trees, NodeId from, NodeId to,
   auto label = [&](NodeId n) -> SearchScratch::Label& {
     auto& l = scratch.labels[n];
     if (l.search != scratch.search)
-      l = {scratch.search, no_node, std::numeric_limits<double>::infinity(), false};
+      l = {scratch.search, no_node, std::numeric_limits<double>::infinity(), 0, false};
     return l;
   };
   auto estimate = [&](NodeId n) { return (trees.position(n) - trees.position(to)).norm(); };
@@ -68,6 +70,45 @@ std::vector<NodeId> shortest_path(const Trees<D>& trees, NodeId from, NodeId to,
   for (NodeId n = to; n != no_node; n = label(n).parent) chain.push_back(n);
   std::reverse(chain.begin(), chain.end());
   return chain;
+}
+
+/// Leaves in the scratch the tree of shortest paths from `from` to all nodes that usable trees lead to.
+template <int D, class Usable>
+void grow_shortest_path_tree(const Trees<D>& trees, NodeId from, Usable&& usable, SearchScratch& scratch) {
+  using Entry = std::pair<double, NodeId>;
+  scratch.labels.resize(trees.node_count());
+  ++scratch.search;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  scratch.labels[from] = {scratch.search, no_node, 0, 0, false};
+  open.emplace(0, from);
+  while (!open.empty()) {
+    const auto [cost, n] = open.top();
+    open.pop();
+    if (std::exchange(scratch.labels[n].closed, true)) continue;
+    const std::uint32_t depth = scratch.labels[n].depth + 1;
+    trees.for_each_edge(n, [&](const auto& edge) {
+      if (!usable(trees.tree(trees.tree_of(edge.to)))) return;
+      auto& there = scratch.labels[edge.to];
+      const double through = cost + static_cast<double>(edge.length);
+      if (there.search == scratch.search && (there.closed || through >= there.cost)) return;
+      there = {scratch.search, n, through, depth, false};
+      open.emplace(through, edge.to);
+    });
+  }
+}
+
+/// The way between two nodes of the tree that grow_shortest_path_tree left in the scratch.
+inline std::vector<NodeId> path_in_tree(const SearchScratch& scratch, NodeId from, NodeId to) {
+  const auto& labels = scratch.labels;
+  std::vector<NodeId> up{from};
+  std::vector<NodeId> down{to};
+  while (up.back() != down.back()) {
+    auto& deeper = labels[up.back()].depth >= labels[down.back()].depth ? up : down;
+    deeper.push_back(labels[deeper.back()].parent);
+  }
+  down.pop_back();
+  up.insert(up.end(), down.rbegin(), down.rend());
+  return up;
 }
 
 }  // namespace coppice

@@ -44,7 +44,6 @@ struct Tree {
   NodeId first = no_node;   ///< list of its nodes
   NodeId last = no_node;
   std::uint32_t size = 0;
-  std::vector<TreeIndex> links;  ///< of an inactive tree: the inactive trees that an edge leads to
 };
 
 template <int D>
@@ -61,7 +60,7 @@ class Trees {
 
   TreeIndex add_tree(TreeKind kind, double radius, GroupIndex group = 0, Root side = Root::start) {
     const auto index = static_cast<TreeIndex>(trees_.size());
-    trees_.push_back({.kind = kind, .side = side, .group = group, .radius = radius, .links = {}});
+    trees_.push_back({.kind = kind, .side = side, .group = group, .radius = radius});
     union_.push_back(index);
     return index;
   }
