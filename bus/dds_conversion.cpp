@@ -78,7 +78,8 @@ idl::Mission to_dds(const Mission& m) {
   d.max_acceleration(m.max_acceleration);
   d.goal_tolerance(m.goal_tolerance);
   d.seed(m.seed);
-  d.sharing(m.sharing);
+  d.planner(octet(m.planner));
+  d.plan_budget(m.plan_budget);
   d.cancelled(m.cancelled);
   d.clock_epoch(m.clock.epoch);
   d.clock_scale(m.clock.scale);
@@ -97,7 +98,8 @@ Mission from_dds(const idl::Mission& d) {
           .max_acceleration = d.max_acceleration(),
           .goal_tolerance = d.goal_tolerance(),
           .seed = d.seed(),
-          .sharing = d.sharing(),
+          .planner = static_cast<PlannerKind>(d.planner()),
+          .plan_budget = d.plan_budget(),
           .cancelled = d.cancelled(),
           .clock = {d.clock_epoch(), d.clock_scale()}};
 }
@@ -268,6 +270,7 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
   d.path_time(m.path_time);
   d.arrival_time(m.arrival_time);
   d.plan_seconds(m.plan_seconds);
+  d.improve_seconds(m.improve_seconds);
   d.driven_length(m.driven_length);
   d.nodes_valid(m.nodes_valid);
   d.nodes_invalid(m.nodes_invalid);
@@ -287,6 +290,7 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
           .path_time = d.path_time(),
           .arrival_time = d.arrival_time(),
           .plan_seconds = d.plan_seconds(),
+          .improve_seconds = d.improve_seconds(),
           .driven_length = d.driven_length(),
           .nodes_valid = d.nodes_valid(),
           .nodes_invalid = d.nodes_invalid(),

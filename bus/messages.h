@@ -13,6 +13,7 @@
 #include "bus/fleet_clock.h"
 #include "planning/geometry.h"
 #include "planning/occupancy_map.h"
+#include "planning/planner_kind.h"
 
 namespace coppice {
 
@@ -45,7 +46,8 @@ struct Mission {
   double max_acceleration = 0;
   double goal_tolerance = 0;
   std::uint64_t seed = 0;
-  bool sharing = true;     ///< false: agents take no inactive trees (to measure what sharing brings)
+  PlannerKind planner = PlannerKind::ma_rrdt_star;
+  double plan_budget = 1;  ///< wall seconds to look for a shorter path after the first one
   bool cancelled = false;  ///< the run has ended: stop planning, brake and stand
   FleetClock clock;
   bool operator==(const Mission&) const = default;
@@ -187,11 +189,12 @@ struct AgentStatus {
   RobotName robot;
   std::uint32_t mission = 0;
   Phase phase = Phase::waiting;
-  std::string reason;       ///< why not, for no_path
-  double mission_time = 0;  ///< when the mission and its map were there
-  double path_time = 0;     ///< when the path was found (or given up); 0: not yet
-  double arrival_time = 0;  ///< 0: not yet
-  double plan_seconds = 0;  ///< wall-clock seconds between mission and path
+  std::string reason;          ///< why not, for no_path
+  double mission_time = 0;     ///< when the mission and its map were there
+  double path_time = 0;        ///< when the path was found (or given up); 0: not yet
+  double arrival_time = 0;     ///< 0: not yet
+  double plan_seconds = 0;     ///< wall-clock seconds between mission and first path
+  double improve_seconds = 0;  ///< from then to the path that it drives; 0: the first
   double driven_length = 0;
   std::uint32_t nodes_valid = 0;
   std::uint32_t nodes_invalid = 0;

@@ -57,6 +57,8 @@ Problem check(const Mission& m) {
                    {positive(m.max_speed), "speed limit is not positive"},
                    {positive(m.max_acceleration), "acceleration limit is not positive"},
                    {positive(m.goal_tolerance), "goal tolerance is not positive"},
+                   {m.planner <= PlannerKind::rrt_star, "unknown planner"},
+                   {not_negative(m.plan_budget), "plan budget is negative or not finite"},
                    {std::isfinite(m.clock.epoch) && m.clock.epoch >= 0, "clock epoch is not a time"},
                    {positive(m.clock.scale), "clock scale is not positive"}});
 }
@@ -141,7 +143,8 @@ Problem check(const TrackMessage& m) {
 Problem check(const AgentStatus& m) {
   return first_of({{named(m.robot), "robot name is empty or too long"},
                    {known(m.phase), "unknown phase"},
-                   {sane(m.mission_time) && sane(m.path_time) && sane(m.arrival_time) && sane(m.plan_seconds),
+                   {sane(m.mission_time) && sane(m.path_time) && sane(m.arrival_time) &&
+                        sane(m.plan_seconds) && sane(m.improve_seconds),
                     "time is not finite"},
                    {not_negative(m.driven_length), "length is negative or not finite"}});
 }

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "files/run_options.h"
 
@@ -31,5 +33,18 @@ struct MapOptions {
 
 /// Generates a map and a scenario on it.
 int map_command(const MapOptions& options);
+
+struct BenchOptions {
+  std::string experiment;  ///< paper, peers or lifelong
+  bool quick = false;      ///< few seeds and robots: does it still run?
+  std::vector<std::string> maps;
+  std::vector<int> robots;
+  std::optional<int> seeds;
+  std::uint64_t first_seed = 1;
+  std::string output = ".";
+};
+
+/// An experiment: writes its table as CSV and Markdown, and its plots.
+int bench_command(const BenchOptions& options);
 
 }  // namespace coppice

@@ -38,6 +38,23 @@ int main(int argc, char** argv) {
   generate->add_option("--max-speed", map.max_speed, "of the robots, m/s")->check(CLI::PositiveNumber);
   generate->callback([&] { exit_code = map_command(map); });
 
+  BenchOptions bench;
+  auto* experiments = app.add_subcommand("bench", "measure against other planners, or mission after mission");
+  experiments->add_option("experiment", bench.experiment, "paper, peers or lifelong")
+      ->required()
+      ->check(CLI::IsMember({"paper", "peers", "lifelong"}));
+  experiments->add_flag("--quick", bench.quick, "few seeds and robots");
+  experiments->add_option("--maps", bench.maps, "kinds of map")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"blank", "dense", "maze", "room"}));
+  experiments->add_option("--robots", bench.robots, "numbers of robots")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1000));
+  experiments->add_option("--seeds", bench.seeds, "trials of each")->check(CLI::Range(1, 1000000));
+  experiments->add_option("--seed", bench.first_seed, "the first one");
+  experiments->add_option("--output", bench.output, "folder for the results")->check(CLI::ExistingDirectory);
+  experiments->callback([&] { exit_code = bench_command(bench); });
+
   set_up_logging("coppice", "info");
   try {
     app.parse(argc, argv);

@@ -88,7 +88,8 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
   if (!options.report.empty()) add("--report", options.report);
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);
   if (!options.picture.empty()) add("--picture", options.picture);
-  if (options.no_sharing) command.emplace_back("--no-sharing");
+  add("--planner", options.planner);
+  if (options.plan_budget) add("--plan-budget", fmt::format("{}", *options.plan_budget));
   if (options.quiet) command.emplace_back("--quiet");
   return command;
 }

@@ -13,7 +13,9 @@ namespace coppice {
 int simulate_command(const RunOptions& options) {
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
   install_stop_signals();
-  FleetSimulation simulation(scenario, {.timeout = options.timeout, .sharing = !options.no_sharing});
+  FleetSimulation simulation(scenario, {.timeout = options.timeout,
+                                        .planner = chosen_planner(options),
+                                        .plan_budget = options.plan_budget.value_or(default_plan_budget)});
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;
   simulation.run([&](const PlannerService& service, double now) {

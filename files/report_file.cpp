@@ -41,8 +41,9 @@ std::string report_table(const proto::Report& report) {
   const int n = report.robots_size();
   std::string table = fmt::format("{}: {} of {} robots have a path, {} of {} arrived\n", report.outcome(),
                                   planned, n, arrived, n);
-  table += fmt::format("plan time {:.3f} s, run time {:.2f} s, mean path length {:.1f} m\n",
-                       report.plan_time(), report.run_time(), report.path_length());
+  table += fmt::format(
+      "plan time {:.3f} s, shorter paths after {:.3f} s, run time {:.2f} s, mean path length {:.1f} m\n",
+      report.plan_time(), report.improve_time(), report.run_time(), report.path_length());
   table += fmt::format("nodes {} valid, {} invalid; trees {} published, {} grafted\n", report.nodes_valid(),
                        report.nodes_invalid(), report.trees_published(), report.trees_grafted());
   const auto metres = [](bool there, double value) {

@@ -11,6 +11,13 @@ namespace coppice {
 namespace {
 
 /// Above 0 and finite: what radii, speeds, scales and times have in common.
+std::string problem_with_budget(std::string& text) {
+  double value = 0;
+  const bool fine = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
+  return fine ? std::string() : fmt::format("{} is not allowed, expected a number of at least 0", text);
+}
+const CLI::Validator not_negative(problem_with_budget, "NUMBER>=0");
+
 const CLI::Validator above_zero(
     [](std::string& text) {
       double value = 0;
@@ -31,12 +38,25 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--seed", options.overrides.seed, "of every random choice");
   command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")->check(above_zero);
   command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")->check(above_zero);
+  command
+      .add_option("--plan-budget", options.plan_budget,
+                  "seconds to look for shorter paths after the first; 0: none")
+      ->check(not_negative);
   command.add_option("--report", options.report, "write the report (JSON)");
   command.add_option("--trajectory", options.trajectory, "write every control step (CSV)");
   command.add_option("--picture", options.picture, "write a picture (SVG)");
   command.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 232));
-  command.add_flag("--no-sharing", options.no_sharing, "every robot plans alone, without the broker's trees");
+  command
+      .add_option("--planner", options.planner,
+                  "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")
+      ->check(CLI::IsMember(std::vector<std::string>(planner_names.begin(), planner_names.end())));
+  command.add_flag_callback(
+      "--no-sharing", [&options] { options.planner = planner_names[1]; }, "the same as --planner rrdt");
   command.add_flag("--quiet", options.quiet, "do not print the report");
+}
+
+PlannerKind chosen_planner(const RunOptions& options) {
+  return planner_kind(options.planner).value();  // checked when the option was read
 }
 
 void write_results(const RunOptions& options, const proto::Report& report,

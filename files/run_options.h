@@ -11,6 +11,7 @@
 #include "files/picture.h"
 #include "files/scenario_file.h"
 #include "files/trajectory_file.h"
+#include "planning/planner_kind.h"
 #include "report.pb.h"
 
 namespace coppice {
@@ -20,16 +21,22 @@ struct RunOptions {
   ScenarioOptions overrides;
   double time_scale = 1;
   double timeout = 600;
-  std::string report;  ///< empty: not written
+  std::string planner{planner_names[0]};
+  std::optional<double> plan_budget;  ///< wall seconds for shorter paths after the first ones
+  std::string report;                 ///< empty: not written
   std::string trajectory;
   std::string picture;
   std::optional<int> domain;
-  bool no_sharing = false;
   bool quiet = false;  ///< the report is not printed
 };
 
 /// Adds the options to a command; values out of range are usage errors.
 void add_run_options(CLI::App& command, RunOptions& options);
+
+/// Of `run`, `simulate` and the service, wall seconds; `plan` goes on until nothing shorter turns up.
+inline constexpr double default_plan_budget = 1;
+
+PlannerKind chosen_planner(const RunOptions& options);
 
 /// Writes the files that were asked for. Throws InputError if one cannot be written.
 void write_results(const RunOptions& options, const proto::Report& report,

@@ -21,6 +21,10 @@ class PathFollower {
                             double period);
 
   bool lost() const { return lost_; }
+  /// What is left to drive from a place near the path, metres.
+  double remaining(const Point2& position) const {
+    return (point_at(progress_) - position).norm() + along_.back() - progress_;
+  }
   double progress() const { return progress_; }  ///< how far along the path the robot has come, metres
   const Path& path() const { return path_; }
 

@@ -26,10 +26,12 @@ using namespace coppice;
 int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   DdsBus bus({.domain = options.domain.value_or(0)}, Role::service, "planner_service");
-  PlannerService service(
-      std::move(scenario),
-      {.time_scale = options.time_scale, .timeout = options.timeout, .sharing = !options.no_sharing},
-      wall_now());
+  PlannerService service(std::move(scenario),
+                         {.time_scale = options.time_scale,
+                          .timeout = options.timeout,
+                          .planner = chosen_planner(options),
+                          .plan_budget = options.plan_budget.value_or(default_plan_budget)},
+                         wall_now());
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();

@@ -125,7 +125,8 @@ Mission PlannerService::mission_of(const Robot& robot) const {
           .max_acceleration = robot.task.max_acceleration,
           .goal_tolerance = robot.task.goal_tolerance,
           .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place),
-          .sharing = settings_.sharing,
+          .planner = settings_.planner,
+          .plan_budget = settings_.plan_budget,
           .cancelled = ended_.has_value(),
           .clock = clock_};
 }
@@ -210,6 +211,19 @@ double PlannerService::plan_time() const {
   return std::max(0.0, last_path - last_mission) / settings_.time_scale;
 }
 
+/// From the last first path until the last robot had the path that it drives, seconds of the wall's clock.
+double PlannerService::improve_time() const {
+  double first = 0;
+  double best = 0;
+  for (const auto& [name, robot] : robots_) {
+    if (!robot.status) continue;
+    const double path_wall = robot.status->path_time / settings_.time_scale;
+    first = std::max(first, path_wall);
+    best = std::max(best, path_wall + robot.status->improve_seconds);
+  }
+  return best - first;
+}
+
 std::vector<NamedTrack> PlannerService::tracks() const {
   std::vector<NamedTrack> tracks;
   for (const RobotName& name : order_) tracks.push_back({name, robots_.at(name).track});
@@ -261,6 +275,7 @@ proto::Report PlannerService::report() const {
                      : timed_out_        ? "timeout"
                                          : "incomplete");
   report.set_plan_time(plan_time());
+  report.set_improve_time(improve_time());
   report.set_path_length(planned > 0 ? path_sum / planned : 0);
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);

@@ -22,7 +22,8 @@ namespace coppice {
 struct ServiceSettings {
   double time_scale = 1;  ///< fleet seconds a wall second
   double timeout = 600;   ///< fleet seconds after which the run ends whoever is still under way
-  bool sharing = true;    ///< false: agents plan alone
+  PlannerKind planner = PlannerKind::ma_rrdt_star;
+  double plan_budget = 1;  ///< wall seconds for a shorter path after the first one
 };
 
 struct Progress {
@@ -80,6 +81,7 @@ class PlannerService {
   bool tracks_complete() const;
   std::string reason_of(const Robot& robot) const;
   double plan_time() const;
+  double improve_time() const;
 
   Scenario scenario_;
   ServiceSettings settings_;

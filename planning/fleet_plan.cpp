@@ -1,8 +1,8 @@
 #include "planning/fleet_plan.h"
 
 #include <algorithm>
+#include <limits>
 
-#include "planning/path_shortening.h"
 #include "planning/reachability.h"
 #include "planning/step_length.h"
 
@@ -10,86 +10,94 @@ namespace coppice {
 
 namespace {
 
-using Planner = MaRrdtStar<ClearanceField>;
-
-constexpr int iterations_between_questions = 256;
+constexpr int iterations_a_search = 256;
 // A search that has not ended by then may have no end: worth the milliseconds of a flood fill a robot.
 constexpr std::uint64_t doubt = 200'000;
+constexpr std::size_t no_robot = std::numeric_limits<std::size_t>::max();
+const Path no_path{};
 
-double least_radius(std::span<const PlanningProblem> problems) {
-  return std::ranges::min_element(problems, std::less{}, &PlanningProblem::radius)->radius;
+double chosen_epsilon(const ClearanceField& field, std::span<const PlanningProblem> problems,
+                      const FleetPlanSettings& settings) {
+  if (settings.epsilon > 0) return settings.epsilon;
+  if (problems.empty()) return field.map().resolution;
+  const auto least = std::ranges::min_element(problems, std::less{}, &PlanningProblem::radius);
+  return suggested_epsilon(field, least->radius);
 }
 
-/// Closes the groups whose goal provably cannot be reached.
-void give_up_unreachable(Planner& planner, const ClearanceField& field,
-                         std::span<const PlanningProblem> problems, FleetPlan& plan) {
-  for (GroupIndex g = 0; g < problems.size(); ++g) {
-    const PlanningProblem& p = problems[g];
-    if (!planner.is_open(g) || !provably_unreachable(field, p.start, p.goal, p.radius)) continue;
-    planner.close(g);
-    plan.robots[g].reason = "no path: the goal cannot be reached from the start with this radius";
-  }
-}
-
-void collect_edges(const Planner& planner, FleetPlan& plan) {
-  const Trees<2>& trees = planner.trees();
-  for (NodeId n = 0; n < trees.node_count(); ++n) {
-    const Tree& tree = trees.tree(trees.tree_of(n));
-    const int robot = tree.kind == TreeKind::root ? static_cast<int>(tree.group) : -1;
-    trees.for_each_edge(n, [&](const auto& edge) {
-      if (edge.to < n) {
-        plan.edges.push_back(
-            {trees.position(edge.to), trees.position(n), robot, tree.kind == TreeKind::active});
-      }
-    });
-  }
+std::size_t chosen_trees(std::size_t robots, const FleetPlanSettings& settings) {
+  return settings.disjointed_trees > 0 ? settings.disjointed_trees : std::max<std::size_t>(16, 2 * robots);
 }
 
 }  // namespace
 
-FleetPlan plan_fleet(const ClearanceField& field, std::span<const PlanningProblem> problems,
-                     const FleetPlanSettings& settings, Random random, const std::function<bool()>& stop,
-                     const std::function<void(std::size_t)>& on_solved) {
-  FleetPlan plan;
-  plan.robots.resize(problems.size());
-  if (problems.empty()) return plan;
-  const double epsilon =
-      settings.epsilon > 0 ? settings.epsilon : suggested_epsilon(field, least_radius(problems));
-  const std::size_t trees = settings.disjointed_trees > 0 ? settings.disjointed_trees
-                                                          : std::max<std::size_t>(16, 2 * problems.size());
-  Planner planner(field, {.epsilon = epsilon, .disjointed_trees = trees}, random);
+FleetPlanner::FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems,
+                           const FleetPlanSettings& settings, Random random)
+    : field_(field),
+      problems_(problems.begin(), problems.end()),
+      epsilon_(chosen_epsilon(field, problems, settings)),
+      random_(random),
+      planner_(field, {.epsilon = epsilon_, .disjointed_trees = chosen_trees(problems.size(), settings)},
+               random),
+      unreachable_(problems.size(), false) {
+  for (const PlanningProblem& p : problems_) planner_.add_group(p.start, p.goal, p.radius);
+}
 
-  std::vector<bool> told(problems.size(), false);
-  auto tell_of_solved = [&] {
-    for (GroupIndex g = 0; g < problems.size(); ++g) {
-      if (told[g] || !planner.solved(g)) continue;
-      told[g] = true;
-      on_solved(g);
-    }
-  };
-  for (const PlanningProblem& p : problems) planner.add_group(p.start, p.goal, p.radius);
-  tell_of_solved();
-  std::size_t open = planner.open_groups();
-  for (std::uint64_t i = 1; planner.step(); ++i) {
-    if (planner.open_groups() != open) {
-      open = planner.open_groups();
-      tell_of_solved();
-    }
-    if (i == doubt) give_up_unreachable(planner, field, problems, plan);
-    if (i % iterations_between_questions == 0 && stop()) break;
+bool FleetPlanner::search() {
+  for (int i = 0; i < iterations_a_search; ++i, ++iterations_) {
+    if (!planner_.step()) return false;
   }
+  if (iterations_ >= doubt && !std::exchange(doubted_, true)) give_up_unreachable();
+  return planner_.open_groups() > 0;
+}
 
-  for (GroupIndex g = 0; g < problems.size(); ++g) {
-    RobotPlan& robot = plan.robots[g];
-    robot.path = shorten(field, planner.path(g), problems[g].radius);
-    robot.counts = planner.group_counts(g);
-    robot.grafted_trees = planner.grafted_trees(g);
-    if (robot.path.empty() && robot.reason.empty()) robot.reason = "no path found before the time was over";
+/// Closes the groups whose goal provably cannot be reached.
+void FleetPlanner::give_up_unreachable() {
+  for (std::size_t i = 0; i < problems_.size(); ++i) {
+    const PlanningProblem& p = problems_[i];
+    const auto g = static_cast<GroupIndex>(i);
+    if (!planner_.is_open(g) || !provably_unreachable(field_, p.start, p.goal, p.radius)) continue;
+    planner_.close(g);
+    unreachable_[i] = true;
   }
-  plan.disjointed = planner.disjointed_counts();
-  plan.trees_frozen = static_cast<std::uint32_t>(planner.take_frozen().size());
-  collect_edges(planner, plan);
-  return plan;
+}
+
+void FleetPlanner::take_first_paths() {
+  improver_.emplace(field_, epsilon_, random_);
+  std::vector<Path> paths = planner_.paths();
+  for (std::size_t i = 0; i < problems_.size(); ++i) {
+    const bool has_path = !paths[i].empty();
+    robot_of_.push_back(has_path ? improver_->add_robot(std::move(paths[i]), problems_[i].radius) : no_robot);
+  }
+  const Trees<2>& trees = planner_.trees();
+  for (NodeId n = 0; n < trees.node_count(); ++n)
+    improver_->add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+}
+
+bool FleetPlanner::improve() {
+  return improver_->step();
+}
+
+const Path& FleetPlanner::path(std::size_t robot) const {
+  return robot_of_[robot] == no_robot ? no_path : improver_->path(robot_of_[robot]);
+}
+
+std::string FleetPlanner::reason(std::size_t robot) const {
+  if (robot_of_[robot] != no_robot) return {};
+  return unreachable_[robot] ? "no path: the goal cannot be reached from the start with this radius"
+                             : "no path found before the time was over";
+}
+
+std::vector<FleetPlanner::Edge> FleetPlanner::edges() const {
+  std::vector<Edge> edges;
+  const Trees<2>& trees = planner_.trees();
+  for (NodeId n = 0; n < trees.node_count(); ++n) {
+    const Tree& tree = trees.tree(trees.tree_of(n));
+    const int robot = tree.kind == TreeKind::root ? static_cast<int>(tree.group) : -1;
+    trees.for_each_edge(n, [&](const auto& edge) {
+      if (edge.to < n) edges.push_back({trees.position(edge.to), trees.position(n), robot});
+    });
+  }
+  return edges;
 }
 
 }  // namespace coppice

@@ -46,7 +46,8 @@ class Forest {
   Layer layer_within(double radius) const {
     Layer best = no_layer;
     for (Layer l = 0; l < layers_.size(); ++l) {
-      if (layers_[l].radius <= radius && (best == no_layer || layers_[l].radius > layers_[best].radius)) best = l;
+      if (layers_[l].radius <= radius && (best == no_layer || layers_[l].radius > layers_[best].radius))
+        best = l;
     }
     return best;
   }
@@ -55,10 +56,12 @@ class Forest {
   TreeIndex component(Layer l, TreeIndex t) const { return find(layers_[l], t); }
   std::uint32_t trees_in(Layer l, TreeIndex component) const { return layers_[l].trees[component]; }
 
-  void graft(Layer l, TreeIndex t, const Graft& graft) { layers_[l].grafts[find(layers_[l], t)].push_back(graft); }
+  void graft(Layer l, TreeIndex t, const Graft& graft) {
+    layers_[l].grafts[find(layers_[l], t)].push_back(graft);
+  }
 
-  /// Links two trees that see each other with robots up to `radius`. Calls met(layer, graft) for each graft of
-  /// a component that comes to belong to another one, before it does.
+  /// Links two trees that see each other with robots up to `radius`. Calls met(layer, graft) for each graft
+  /// of a component that comes to belong to another one, before it does.
   template <class Met>
   void link(TreeIndex a, TreeIndex b, double radius, Met&& met) {
     links_.push_back({a, b, radius});
@@ -85,7 +88,8 @@ class Forest {
     if (t >= c.above.size()) {
       const std::size_t before = c.above.size();
       c.above.resize(2 * t + 64);
-      std::iota(c.above.begin() + static_cast<std::ptrdiff_t>(before), c.above.end(), static_cast<TreeIndex>(before));
+      std::iota(c.above.begin() + static_cast<std::ptrdiff_t>(before), c.above.end(),
+                static_cast<TreeIndex>(before));
       c.trees.resize(c.above.size(), 1);
       c.grafts.resize(c.above.size());
     }

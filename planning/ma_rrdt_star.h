@@ -110,16 +110,27 @@ class MaRrdtStar {
   /// Start to goal along the trees' edges, the shortest way through the trees that met; empty while the group
   /// is not solved.
   std::vector<P> path(GroupIndex g);
-  /// One for each group, in less time: each along the shortest-path tree of one node, so not the shortest.
-  std::vector<std::vector<P>> paths();
+  /// One for each group from `first` on, in less time: each along the shortest-path tree of one node, so not
+  /// the shortest.
+  std::vector<std::vector<P>> paths(std::size_t first = 0);
+  std::size_t group_count() const { return groups_.size(); }
 
   std::uint32_t grafted_trees(GroupIndex g) const { return groups_[g].grafted; }
   SampleCounts group_counts(GroupIndex g) const { return groups_[g].counts; }
   SampleCounts disjointed_counts() const { return disjointed_counts_; }
+  SampleCounts all_counts() const {
+    SampleCounts sum = disjointed_counts_;
+    for (const Group& group : groups_) {
+      sum.valid += group.counts.valid;
+      sum.invalid += group.counts.invalid;
+    }
+    return sum;
+  }
   std::size_t active_trees() const;
 
   /// Trees that became inactive since the last call, for publication.
   std::vector<TreeIndex> take_frozen() { return std::exchange(frozen_, {}); }
+  std::uint32_t frozen_trees() const { return frozen_trees_; }  ///< so far
   FrozenTree<D> frozen_tree(TreeIndex t) const { return freeze_copy(trees_, t); }
 
   /// Nodes that joined a group's root trees here since the last call.
@@ -143,7 +154,7 @@ class MaRrdtStar {
     bool grows_here = false;
     std::array<TreeIndex, 2> tree{};
     std::array<NodeId, 2> root_node{no_node, no_node};
-    std::array<std::vector<Entry>, 2> entries;  ///< one for each component that the root tree grafted
+    std::array<std::vector<Entry>, 2> entries;    ///< one for each component that the root tree grafted
     std::array<NodeId, 2> met{no_node, no_node};  ///< the nodes by which the root trees see each other
     std::uint32_t grafted = 0;
     SampleCounts counts;
@@ -164,9 +175,9 @@ class MaRrdtStar {
   static constexpr double failure_factor = 0.7;
   static constexpr double restart_weight = 0.1;
   /// A sample that near (in epsilon) to a node of its own tree, and in sight of it, teaches nothing.
-  static constexpr double least_spacing = 0.3;
+  static constexpr double least_spacing = 0.25;
   static constexpr std::uint32_t few_nodes = 64;  // a tree of so many is looked through faster than the grid
-  static constexpr int free_point_tries = 1000;  // a map with less free room than that restarts later
+  static constexpr int free_point_tries = 1000;   // a map with less free room than that restarts later
 
   static constexpr std::size_t index(Root side) { return static_cast<std::size_t>(side); }
   NodeId root(GroupIndex g, Root side) const { return groups_[g].root_node[index(side)]; }
@@ -203,7 +214,8 @@ class MaRrdtStar {
 
   // --- paths ---
   std::optional<std::pair<Entry, Entry>> meeting(GroupIndex g) const;
-  std::vector<P> joined(GroupIndex g, const Entry& first, std::span<const NodeId> between, const Entry& last) const;
+  std::vector<P> joined(GroupIndex g, const Entry& first, std::span<const NodeId> between,
+                        const Entry& last) const;
   /// The trees that robots of a radius may use on their way from one root tree to the other.
   static auto usable(double radius) {
     return [radius](const Tree& tree) { return tree.kind == TreeKind::inactive && tree.radius >= radius; };
@@ -227,6 +239,7 @@ class MaRrdtStar {
   bool some_group_left_ = false;     // its arms are still in arms_
   SampleCounts disjointed_counts_;
   std::vector<TreeIndex> frozen_;
+  std::uint32_t frozen_trees_ = 0;
   std::vector<NodeId> near_;  ///< what look_around saw
   SearchScratch search_;
 };

@@ -65,15 +65,19 @@ void MaRrdtStar<S>::restart(Arm& arm) {
 template <Space S>
 bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
   const double reach = least_spacing * settings_.epsilon;
+  // Drawn first, so that the count may end as soon as it is decided.
+  const double u = random_.uniform();
   int seen = 0;
   for (const NodeId n : near_) {
     const P& place = trees_.position(n);
     if ((place - p).squaredNorm() >= reach * reach) continue;
     const Tree& tree = trees_.tree(trees_.tree_of(n));
     if (tree.kind == TreeKind::root || tree.radius < radius) continue;
-    if (space_.segment_free(place, p, radius)) ++seen;
+    if (!space_.segment_free(place, p, radius)) continue;
+    ++seen;
+    if (u * (1 + seen) * (1 + seen) >= 1) return false;
   }
-  return random_.uniform() * (1 + seen) * (1 + seen) < 1;
+  return true;
 }
 
 /// A root tree cannot leave its root: it goes on from the one of its nodes that a random point chooses.
@@ -203,7 +207,8 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
     if (u == t) continue;
     if (other.kind == TreeKind::active) {
       // A tree that became inactive just now is linked to active ones when these become inactive too.
-      if (trees_.tree(t).kind != TreeKind::active || other.radius != radius || !visible(q, n, radius)) continue;
+      if (trees_.tree(t).kind != TreeKind::active || other.radius != radius || !visible(q, n, radius))
+        continue;
       trees_.add_edge(q, n);
       t = trees_.merge(t, u);
     } else if (other.kind == TreeKind::inactive) {
@@ -218,7 +223,8 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
   for (auto& [g, entry] : roots) {
     entry.tree = t;
     const Root side = trees_.tree(trees_.tree_of(entry.root_tree_node)).side;
-    if (!is_open(g) || has_grafted(g, side, t) || !visible(q, entry.root_tree_node, groups_[g].radius)) continue;
+    if (!is_open(g) || has_grafted(g, side, t) || !visible(q, entry.root_tree_node, groups_[g].radius))
+      continue;
     trees_.add_edge(q, entry.root_tree_node);
     freeze(t);
     graft(g, side, entry);
@@ -354,6 +360,7 @@ void MaRrdtStar<S>::freeze(TreeIndex t) {
   if (trees_.tree(t).kind == TreeKind::inactive) return;
   trees_.tree(t).kind = TreeKind::inactive;
   frozen_.push_back(t);
+  ++frozen_trees_;
 }
 
 /// Whether all robots that may use both trees have the one where they have the other.
@@ -471,22 +478,22 @@ template <Space S>
 auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
   if (!solved(g)) return {};
   const Group& group = groups_[g];
-  if (group.met[0] != no_node)
-    return joined(g, {0, group.met[0], no_node}, {}, {0, group.met[1], no_node});
+  if (group.met[0] != no_node) return joined(g, {0, group.met[0], no_node}, {}, {0, group.met[1], no_node});
   const auto [first, last] = *meeting(g);
-  const auto between = shortest_path(trees_, first.forest_node, last.forest_node, usable(group.radius), search_);
+  const auto between =
+      shortest_path(trees_, first.forest_node, last.forest_node, usable(group.radius), search_);
   return joined(g, first, between, last);
 }
 
 template <Space S>
-auto MaRrdtStar<S>::paths() -> std::vector<std::vector<P>> {
-  std::vector<std::vector<P>> all(groups_.size());
+auto MaRrdtStar<S>::paths(std::size_t first_group) -> std::vector<std::vector<P>> {
+  std::vector<std::vector<P>> all(groups_.size() - first_group);
   // The groups of one layer and one component share a tree of shortest paths.
   std::vector<std::pair<Forest::Layer, TreeIndex>> grown;
-  for (GroupIndex g = 0; g < groups_.size(); ++g) {
+  for (auto g = static_cast<GroupIndex>(first_group); g < groups_.size(); ++g) {
     if (!solved(g)) continue;
     if (groups_[g].met[0] != no_node) {
-      all[g] = path(g);
+      all[g - first_group] = path(g);
       continue;
     }
     const Forest::Layer layer = groups_[g].layer;
@@ -498,7 +505,8 @@ auto MaRrdtStar<S>::paths() -> std::vector<std::vector<P>> {
       if (!solved(h) || groups_[h].layer != layer || groups_[h].met[0] != no_node) continue;
       const auto [first, last] = *meeting(h);
       if (forest_.component(layer, first.tree) != component) continue;
-      all[h] = joined(h, first, path_in_tree(search_, first.forest_node, last.forest_node), last);
+      all[h - first_group] =
+          joined(h, first, path_in_tree(search_, first.forest_node, last.forest_node), last);
     }
   }
   return all;

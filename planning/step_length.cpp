@@ -10,7 +10,7 @@ namespace {
 // Best of 12, 20, 30, 40 and 60 m on six maps (mazes, rooms, dense obstacles; bench/): about four times the
 // mean clearance of the places where the robot fits.
 constexpr double mean_clearances = 4;
-constexpr int samples_a_side = 64;  // of the map; enough for a mean to a few per cent
+constexpr int samples_a_side = 20;  // of the map; enough for a mean to some per cent
 
 }  // namespace
 

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "planning/path_shortening.h"
 #include "planning/reachability.h"
 #include "planning/step_length.h"
 
@@ -27,15 +26,21 @@ PathFinder::PathFinder(const ClearanceField& field, const Mission& mission, cons
     : field_(field),
       mission_(mission),
       start_(start),
+      epsilon_(suggested_epsilon(field, mission.radius)),
       planner_(field,
-               {.epsilon = suggested_epsilon(field, mission.radius),
-                .disjointed_trees = mission.sharing ? 0 : trees_without_sharing},
-               Random(mission.seed)),
-      group_(planner_.add_group(start, mission.goal, mission.radius)) {}
+               {.epsilon = epsilon_,
+                .disjointed_trees = mission.planner == PlannerKind::rrdt_star ? trees_without_sharing : 0},
+               Random(mission.seed)) {
+  if (mission.planner == PlannerKind::rrt_star) {
+    rrt_star_.emplace(field, start, mission.goal, mission.radius, epsilon_, Random(mission.seed));
+  } else {
+    group_ = planner_.add_group(start, mission.goal, mission.radius);
+  }
+}
 
 void PathFinder::take(const InactiveTreeMessage& message) {
   ++received_;
-  if (!mission_.sharing) return;
+  if (mission_.planner != PlannerKind::ma_rrdt_star) return;
   steps_without_news_ = 0;
   FrozenTree<2> tree{.radius = message.radius, .nodes = {}, .parents = {}};
   for (const InactiveTreeMessage::Node& node : message.nodes) {
@@ -47,9 +52,9 @@ void PathFinder::take(const InactiveTreeMessage& message) {
 
 std::optional<std::variant<Path, NoPath>> PathFinder::step() {
   const int most = pause() > 0 ? iterations_a_step : iterations_alone;
-  for (int i = 0; i < most && planner_.step(); ++i) ++iterations_;
+  for (int i = 0; i < most && grow(); ++i) ++iterations_;
   ++steps_without_news_;
-  if (planner_.solved(group_)) return shortened();
+  if (solved()) return take_first_path();
   if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
       provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {
     return NoPath{"no path: the goal cannot be reached from the start with this radius"};
@@ -58,15 +63,32 @@ std::optional<std::variant<Path, NoPath>> PathFinder::step() {
   return std::nullopt;
 }
 
-double PathFinder::pause() const {
-  return mission_.sharing && steps_without_news_ < patience ? pause_between_steps : 0;
+bool PathFinder::grow() {
+  return rrt_star_ ? rrt_star_->step() : planner_.step();
 }
 
-Path PathFinder::shortened() {
-  return shorten(field_, planner_.path(group_), mission_.radius);
+double PathFinder::pause() const {
+  const bool shares = mission_.planner == PlannerKind::ma_rrdt_star;
+  return shares && steps_without_news_ < patience ? pause_between_steps : 0;
+}
+
+/// Straight off the trees, pulled taut; from now on it may become shorter.
+Path PathFinder::take_first_path() {
+  improver_.emplace(field_, epsilon_, Random(mission_.seed + 1));
+  improver_->add_robot(rrt_star_ ? rrt_star_->path() : planner_.path(group_), mission_.radius);
+  const Trees<2>& trees = planner_.trees();
+  for (NodeId n = 0; n < trees.node_count(); ++n)
+    improver_->add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+  while (!improver_->all_taut()) improver_->step();
+  return improver_->path(0);
+}
+
+bool PathFinder::improve() {
+  return improver_->step();
 }
 
 SampleCounts PathFinder::counts() const {
+  if (rrt_star_) return {rrt_star_->valid(), rrt_star_->invalid()};
   SampleCounts counts = planner_.group_counts(group_);
   counts.valid += planner_.disjointed_counts().valid;
   counts.invalid += planner_.disjointed_counts().invalid;
@@ -74,6 +96,7 @@ SampleCounts PathFinder::counts() const {
 }
 
 std::optional<RootNodes> PathFinder::take_root_nodes() {
+  if (mission_.planner != PlannerKind::ma_rrdt_star) return std::nullopt;
   const std::vector<NodeId> fresh = planner_.take_root_nodes(group_);
   if (fresh.empty()) return std::nullopt;
   RootNodes batch{.robot = mission_.robot, .mission = mission_.number, .first_index = sent_, .nodes = {}};

@@ -1,4 +1,5 @@
-// The planning of one robot: its own two root trees, over the inactive trees that the broker publishes.
+// The planning of one robot: its own two root trees, over the inactive trees that the broker publishes; then
+// shorter paths, for as long as there is time.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,8 @@
 #include "bus/messages.h"
 #include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
+#include "planning/path_improvement.h"
+#include "planning/rrt_star.h"
 
 namespace coppice {
 
@@ -29,6 +32,11 @@ class PathFinder {
   /// A bounded amount of growing. The result, once there is one.
   std::optional<std::variant<Path, NoPath>> step();
 
+  /// A bounded amount of looking for a shorter path than the one that step() found. False once none turns up.
+  bool improve();
+  /// The shortest path so far.
+  const Path& path() const { return improver_->path(0); }
+
   /// Seconds to leave to the broker before the next step. The root trees get their share of the samples, as
   /// in one process, and the disjointed trees that serve everybody the rest; without news from the broker, no
   /// pause.
@@ -38,17 +46,22 @@ class PathFinder {
   std::optional<RootNodes> take_root_nodes();
 
   SampleCounts counts() const;
-  std::uint32_t grafted_trees() const { return planner_.grafted_trees(group_); }
+  std::uint32_t grafted_trees() const { return rrt_star_ ? 0 : planner_.grafted_trees(group_); }
   std::uint32_t received_trees() const { return received_; }
 
  private:
-  Path shortened();
+  bool solved() const { return rrt_star_ ? rrt_star_->solved() : planner_.solved(group_); }
+  bool grow();
+  Path take_first_path();
 
   const ClearanceField& field_;
   Mission mission_;
   Point2 start_;
+  double epsilon_;
+  std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< where the mission asks for it
   MaRrdtStar<ClearanceField> planner_;
-  GroupIndex group_;
+  GroupIndex group_ = 0;
+  std::optional<PathImprover<ClearanceField>> improver_;
   std::uint64_t iterations_ = 0;
   int steps_without_news_ = 0;
   bool reachability_checked_ = false;

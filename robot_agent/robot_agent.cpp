@@ -13,8 +13,11 @@ constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for li
 constexpr WallTime silence = 0.5;        // seconds without a state: the robot counts as dead
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' first states before setting off
 constexpr std::size_t track_batch = 20;  // points: one second of fleet time
-constexpr double stall = 3;              // seconds without progress that make a robot call a knot
-constexpr double stall_radii = 0.5;      // metres that count as progress, in radii
+constexpr WallTime pause_between_improvements = 0.001;
+constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
+constexpr double worth_swapping = 0.005;  // of what is left to drive
+constexpr double stall = 3;               // seconds without progress that make a robot call a knot
+constexpr double stall_radii = 0.5;       // metres that count as progress, in radii
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
 constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.5;
@@ -105,17 +108,24 @@ std::vector<Message> RobotAgent::step(WallTime now) {
   std::vector<Message> out;
   begin_mission(now);
   if (body_) control(mission_->clock.fleet_time(now), out);
-  if (status_.phase == Phase::planning) plan(now, out);
+  if (status_.phase == Phase::planning) {
+    plan(now, out);
+  } else if (finder_) {
+    improve(now, out);
+  }
   report(now, out);
   next_wake_ = next_status_;
   if (body_) next_wake_ = std::min(next_wake_, mission_->clock.wall_time(body_->time() + period));
-  if (status_.phase == Phase::planning) next_wake_ = std::min(next_wake_, now + finder_->pause());
+  if (finder_) {
+    const bool planning = status_.phase == Phase::planning;
+    next_wake_ = std::min(next_wake_, now + (planning ? finder_->pause() : pause_between_improvements));
+  }
   return out;
 }
 
 void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
   const auto result = finder_->step();
-  if (const auto batch = finder_->take_root_nodes(); batch && mission_->sharing) out.emplace_back(*batch);
+  if (const auto batch = finder_->take_root_nodes(); batch) out.emplace_back(*batch);
   if (!result) return;
 
   status_.nodes_valid = finder_->counts().valid;
@@ -126,16 +136,48 @@ void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
   status_.plan_seconds = now - mission_wall_;
   if (const auto* failure = std::get_if<NoPath>(&*result)) {
     status_.reason = failure->reason;
+    finder_.reset();
     enter(Phase::no_path);
   } else {
-    const Path& path = std::get<Path>(*result);
-    out.emplace_back(PathMessage{name_, mission_->number, path});
-    follower_.emplace(path, mission_->radius);
-    last_gain_ = 0;
+    first_path_wall_ = now;
     last_gain_time_ = mission_->clock.fleet_time(now);
+    follow(std::get<Path>(*result), out);
     enter(Phase::driving);
   }
-  finder_.reset();
+}
+
+void RobotAgent::follow(const Path& path, std::vector<Message>& out) {
+  out.emplace_back(PathMessage{name_, mission_->number, path});
+  follower_.emplace(path, mission_->radius);
+  last_gain_ = 0;
+}
+
+/// Looks for a shorter path while the budget lasts and nobody needs the processor for its first one, and
+/// swaps to it where the robot sees its way onto it and has less left to drive.
+void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
+  const bool over = now > first_path_wall_ + mission_->plan_budget || status_.phase != Phase::driving ||
+                    knot_.stage() != Stage::free;
+  bool going = !over;
+  if (going && !others_plan()) {
+    for (int k = 0; k < improvements_a_step && going; ++k) going = finder_->improve();
+    const Path& path = finder_->path();
+    if (length_of(path) < (1 - worth_swapping) * length_of(follower_->path())) {
+      PathFollower candidate(path, mission_->radius);
+      candidate.preferred_velocity(body_->position(), *field_, body_->limits(), period);
+      if (!candidate.lost() && candidate.remaining(body_->position()) <
+                                   (1 - worth_swapping) * follower_->remaining(body_->position())) {
+        follow(path, out);
+        status_.improve_seconds = now - first_path_wall_;
+        status_changed_ = true;
+      }
+    }
+  }
+  if (!going) finder_.reset();
+}
+
+/// Whether somebody is known to look for its first path still.
+bool RobotAgent::others_plan() const {
+  return std::ranges::any_of(heard_, [](const auto& entry) { return entry.second.phase == Phase::planning; });
 }
 
 /// Brings the body up to the present, and decides once for the newest period.

@@ -38,6 +38,9 @@ class RobotAgent {
 
   void begin_mission(WallTime now);
   void plan(WallTime now, std::vector<Message>& out);
+  void follow(const Path& path, std::vector<Message>& out);
+  void improve(WallTime now, std::vector<Message>& out);
+  bool others_plan() const;
   void control(double fleet_now, std::vector<Message>& out);
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
@@ -70,6 +73,7 @@ class RobotAgent {
   std::uint32_t sequence_ = 0;
   bool first_control_ = true;
   WallTime mission_wall_ = 0;
+  WallTime first_path_wall_ = 0;
   WallTime next_status_ = 0;
   WallTime next_wake_ = 0;
 };

@@ -14,8 +14,12 @@ constexpr double watch_period = 0.1;
 
 FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSettings& settings)
     : bus_(bus_delay),
-      service_{PlannerService(scenario, {.timeout = settings.timeout, .sharing = settings.sharing}, 0),
-               bus_.attach(Role::service)},
+      service_{
+          PlannerService(
+              scenario,
+              {.timeout = settings.timeout, .planner = settings.planner, .plan_budget = settings.plan_budget},
+              0),
+          bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
   for (const RobotTask& task : scenario.robots) {
     agents_.push_back({RobotAgent(task.name), bus_.attach(Role::agent)});

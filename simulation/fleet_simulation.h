@@ -19,7 +19,8 @@ namespace coppice {
 
 struct SimulationSettings {
   double timeout = 600;  ///< virtual seconds
-  bool sharing = true;
+  PlannerKind planner = PlannerKind::ma_rrdt_star;
+  double plan_budget = 1;  ///< virtual seconds
 };
 
 class FleetSimulation {

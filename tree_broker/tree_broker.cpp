@@ -46,7 +46,7 @@ void TreeBroker::receive(const Mission& mission) {
   const auto known = groups_.find(mission.robot);
   if (known != groups_.end() && known->second.mission == mission.number && !mission.cancelled) return;
   end_group(mission.robot);
-  if (mission.cancelled || !mission.sharing) return;
+  if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
     forest_ = std::make_unique<Forest>(map_->map, mission.radius, least_trees, Random(seed_));
   }

@@ -80,7 +80,8 @@ Mission some_mission() {
           .max_acceleration = 40,
           .goal_tolerance = 1,
           .seed = 1ull << 40,
-          .sharing = false,
+          .planner = PlannerKind::rrdt_star,
+          .plan_budget = 0.25,
           .cancelled = true,
           .clock = {1.7e9 + 0.25, 10}};
 }

@@ -21,16 +21,25 @@ TEST_P(FourKinds, TenRobotsAllHaveAPathIn20Seeds) {
     std::vector<PlanningProblem> problems;
     for (const auto& [start, goal] : random_tasks(field, 10, radius, 0.4, random))
       problems.push_back({start, goal, radius});
-    const FleetPlan plan = plan_fleet(
-        field, problems, {}, Random(seed), [] { return false; }, [](std::size_t) {});
+    FleetPlanner planner(field, problems, {}, Random(seed));
+    while (planner.search()) {
+    }
+    planner.take_first_paths();
+    double first = 0;
+    for (std::size_t i = 0; i < problems.size(); ++i) first += length_of(planner.path(i));
+    while (planner.improve()) {
+    }
+    double sum = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
-      const Path& path = plan.robots[i].path;
-      ASSERT_GE(path.size(), 2u) << "seed " << seed << " robot " << i << ": " << plan.robots[i].reason;
+      const Path& path = planner.path(i);
+      ASSERT_GE(path.size(), 2u) << "seed " << seed << " robot " << i << ": " << planner.reason(i);
+      sum += length_of(path);
       EXPECT_EQ(path.front(), problems[i].start);
       EXPECT_EQ(path.back(), problems[i].goal);
       for (std::size_t k = 1; k < path.size(); ++k)
         EXPECT_TRUE(field.segment_free(path[k - 1], path[k], radius));
     }
+    EXPECT_LE(sum, first * (1 + 1e-12));
   }
 }
 
@@ -71,11 +80,15 @@ TEST(FleetPlan, UnreachableGoalEndsWithAReason) {
   for (int j = 0; j < 40; ++j) map.blocked[static_cast<std::size_t>(j * 100 + 50)] = 1;
   const ClearanceField field(map);
   const std::vector<PlanningProblem> problems{{{20, 20}, {80, 20}, 5}, {{10, 10}, {10, 30}, 5}};
-  const FleetPlan plan = plan_fleet(
-      field, problems, {}, Random(1), [] { return false; }, [](std::size_t) {});
-  EXPECT_TRUE(plan.robots[0].path.empty());
-  EXPECT_NE(plan.robots[0].reason.find("cannot be reached"), std::string::npos);
-  EXPECT_FALSE(plan.robots[1].path.empty());
+  FleetPlanner planner(field, problems, {}, Random(1));
+  while (planner.search()) {
+  }
+  planner.take_first_paths();
+  while (planner.improve()) {
+  }
+  EXPECT_TRUE(planner.path(0).empty());
+  EXPECT_NE(planner.reason(0).find("cannot be reached"), std::string::npos);
+  EXPECT_FALSE(planner.path(1).empty());
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ const std::vector<MayInclude> layers = {
      any({from("planning|motion|files|bus|planner_service"), std::string(proto), "<.*>"})},
     {"simulation/.*",
      any({from("planning|motion|files|bus|tree_broker|robot_agent|planner_service|simulation"), "<.*>"})},
-    {"coppice/.*", any({from("planning|motion|files|bus|planner_service|simulation|coppice"), "<.*>"})},
+    {"coppice/.*", any({from("planning|motion|files|bus|planner_service|simulation|bench|coppice"), "<.*>"})},
     {"(tests|bench)/.*", ".*"},
 };
 

@@ -1,0 +1,127 @@
+#include <fmt/format.h>
+
+#include "bench/experiments.h"
+#include "bench/plot.h"
+#include "bench/statistics.h"
+#include "bench/table.h"
+#include "bench/trial.h"
+#include "simulation/fleet_simulation.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr std::uint64_t most_samples = 2'000'000;  // a robot's RRT* that needs more is given up
+constexpr double speed = 20;                       // metres a second
+constexpr double longest_run = 1200;               // fleet seconds
+
+/// What the paper measures of one run.
+struct Measures {
+  double plan_seconds = 0;
+  double run_seconds = 0;  ///< fleet time until the last robot stands at its goal; 0: not all did
+  double path_length = 0;  ///< mean over the robots that have a path
+  double nodes = 0;        ///< valid and invalid
+  double invalid = 0;
+  int solved = 0;
+};
+
+/// Drives the fleet in the simulation, with that planner.
+double run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed) {
+  Scenario scenario{.map_name = trial.map,
+                    .map = trial.field.map(),
+                    .seed = static_cast<std::uint32_t>(seed),
+                    .robots = {}};
+  for (std::size_t i = 0; i < trial.problems.size(); ++i) {
+    const PlanningProblem& p = trial.problems[i];
+    scenario.robots.push_back({fmt::format("r{}", i + 1), p.start, p.goal, p.radius, speed, 2 * speed, 1});
+  }
+  FleetSimulation simulation(scenario, {.timeout = longest_run, .planner = planner, .plan_budget = 0});
+  simulation.run([](const PlannerService&, double) { return true; });
+  const proto::Report report = simulation.service().report();
+  return report.outcome() == "arrived" ? report.run_time() : 0;
+}
+
+Measures measures(const TrialResult& result) {
+  Measures m{.plan_seconds = result.simplified_seconds, .solved = result.solved()};
+  for (const double length : result.lengths) m.path_length += length;
+  if (m.solved > 0) m.path_length /= m.solved;
+  m.nodes = static_cast<double>(result.valid_nodes + result.invalid_nodes);
+  m.invalid = static_cast<double>(result.invalid_nodes);
+  return m;
+}
+
+struct Column {
+  std::string name;
+  double Measures::*value;
+  bool logarithmic;
+};
+const std::vector<Column> columns{{"plan time, s", &Measures::plan_seconds, true},
+                                  {"run time, s", &Measures::run_seconds, false},
+                                  {"path length, m", &Measures::path_length, false},
+                                  {"nodes", &Measures::nodes, true}};
+
+std::string mean_and_spread(const std::vector<Measures>& runs, double Measures::*value) {
+  std::vector<double> values;
+  for (const Measures& m : runs) values.push_back(m.*value);
+  return fmt::format("{:.4g} ± {:.2g}", mean(values), deviation(values));
+}
+
+}  // namespace
+
+void bench_paper(const ExperimentOptions& options) {
+  Table trials{{"map", "robots", "seed", "planner", "plan_s", "run_s", "path_length", "nodes_valid",
+                "nodes_invalid", "solved"},
+               {}};
+  Table means{{"map", "robots", "planner", "plan time s", "run time s", "path length m", "nodes",
+               "of these invalid", "solved"},
+              {}};
+  std::vector<Plot> plots;
+  for (const std::string& map : options.maps) {
+    std::vector<std::vector<Series>> series(columns.size(),
+                                            {{"MA-RRdT*", {}, {}, {}}, {"MA-RRT*", {}, {}, {}}});
+    for (const int robots : options.robots) {
+      std::vector<std::vector<Measures>> runs(2);
+      for (int k = 0; k < options.seeds_on(map) && !options.stop(); ++k) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+        const TrialCase trial = make_case(map, options.side, robots, options.radius, seed);
+        for (const bool sharing : {true, false}) {
+          const TrialResult result = sharing ? run_ma_rrdt_star(trial, seed, Improvement::taut)
+                                             : run_ma_rrt_star(trial, seed, most_samples);
+          Measures m = measures(result);
+          m.run_seconds = run_time(trial, sharing ? PlannerKind::ma_rrdt_star : PlannerKind::rrt_star, seed);
+          trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), result.planner,
+                                 fmt::format("{:.6f}", m.plan_seconds), fmt::format("{:.2f}", m.run_seconds),
+                                 fmt::format("{:.1f}", m.path_length), std::to_string(result.valid_nodes),
+                                 std::to_string(result.invalid_nodes), std::to_string(m.solved)});
+          runs[sharing ? 0 : 1].push_back(m);
+        }
+        options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
+      }
+      if (runs[0].empty()) continue;
+      for (std::size_t p = 0; p < runs.size(); ++p) {
+        std::vector<std::string> row{map, std::to_string(robots), series[0][p].name};
+        for (std::size_t c = 0; c < columns.size(); ++c) {
+          row.push_back(mean_and_spread(runs[p], columns[c].value));
+          std::vector<double> values;
+          for (const Measures& m : runs[p]) values.push_back(m.*columns[c].value);
+          series[c][p].x.push_back(robots);
+          series[c][p].y.push_back(mean(values));
+          series[c][p].spread.push_back(deviation(values));
+        }
+        row.push_back(mean_and_spread(runs[p], &Measures::invalid));
+        int solved = 0;
+        for (const Measures& m : runs[p]) solved += m.solved;
+        row.push_back(fmt::format("{} of {}", solved, robots * static_cast<int>(runs[p].size())));
+        means.rows.push_back(row);
+      }
+    }
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      plots.push_back({map, "robots", columns[c].name, columns[c].logarithmic, series[c]});
+  }
+  write_file(options.output + "/paper.csv", as_csv(trials));
+  write_file(options.output + "/paper.md", as_markdown(means));
+  write_file(options.output + "/paper.svg", plots_svg(plots, static_cast<int>(columns.size())));
+  options.tell(as_markdown(means));
+}
+
+}  // namespace coppice

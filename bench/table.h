@@ -1,0 +1,21 @@
+// A table of results, as CSV for programs and as Markdown for people.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace coppice {
+
+struct Table {
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;  ///< as long as the header
+};
+
+std::string as_csv(const Table& table);
+std::string as_markdown(const Table& table);
+
+/// Throws InputError if the file cannot be written.
+void write_file(const std::filesystem::path& path, const std::string& content);
+
+}  // namespace coppice

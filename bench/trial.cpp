@@ -1,0 +1,130 @@
+#include "bench/trial.h"
+
+#include <algorithm>
+
+#include "bench/grid_a_star.h"
+#include "files/input_error.h"
+#include "planning/path_shortening.h"
+#include "planning/rrt_star.h"
+#include "planning/step_length.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double least_way = 0.4;  // of the map's diagonal, from each start to its goal
+
+std::vector<double> lengths_of(const FleetPlanner& planner, std::size_t robots) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < robots; ++i) lengths.push_back(length_of(planner.path(i)));
+  return lengths;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0;
+  for (const double v : values) total += v;
+  return total;
+}
+
+}  // namespace
+
+TrialCase make_case(const std::string& kind, int side, int robots, double radius, std::uint64_t seed) {
+  const auto known = map_kind(kind);
+  if (!known) throw InputError("unknown kind of map " + kind + ", expected blank, dense, maze or room");
+  Random random(seed);
+  ClearanceField field(generate_map(*known, side, side, random));
+  std::vector<PlanningProblem> problems;
+  const double way = known == MapKind::blank || robots <= 20 ? least_way : 0.2;
+  for (const auto& [start, goal] : random_tasks(field, robots, radius, way, random))
+    problems.push_back({start, goal, radius});
+  return {kind, seed, std::move(field), std::move(problems)};
+}
+
+int TrialResult::solved() const {
+  return static_cast<int>(std::ranges::count_if(first_lengths, [](double length) { return length > 0; }));
+}
+
+TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, Improvement improvement) {
+  TrialResult result{.planner = "MA-RRdT*"};
+  const std::size_t robots = trial.problems.size();
+  const Stopwatch watch;
+  FleetPlanner planner(trial.field, trial.problems, {}, Random(seed));
+  while (planner.search()) {
+  }
+  planner.take_first_paths();
+  result.first_seconds = watch.seconds();
+  result.first_lengths = lengths_of(planner, robots);
+  double own = 0;  // what measuring costs is not the planner's time
+  bool improving = true;
+  while (improving) {
+    improving = planner.improve();
+    const double now = watch.seconds();
+    if (planner.all_taut() && result.simplified_seconds == 0) {
+      result.simplified_seconds = now - own;
+      result.lengths = lengths_of(planner, robots);
+      improving = improving && improvement == Improvement::all;
+    }
+    result.progress.push_back({now - own, sum(lengths_of(planner, robots))});
+    own += watch.seconds() - now;
+  }
+  result.lengths = lengths_of(planner, robots);
+  for (std::size_t i = 0; i < robots; ++i) {
+    result.valid_nodes += planner.counts(i).valid;
+    result.invalid_nodes += planner.counts(i).invalid;
+  }
+  result.valid_nodes += planner.disjointed_counts().valid;
+  result.invalid_nodes += planner.disjointed_counts().invalid;
+  return result;
+}
+
+TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples) {
+  TrialResult result{.planner = "MA-RRT*"};
+  for (std::size_t i = 0; i < trial.problems.size(); ++i) {
+    const PlanningProblem& p = trial.problems[i];
+    const Stopwatch watch;
+    RrtStar<ClearanceField> planner(trial.field, p.start, p.goal, p.radius,
+                                    suggested_epsilon(trial.field, p.radius), Random(seed + 1000 * i));
+    for (std::uint64_t k = 0; k < most_samples && planner.step(); ++k) {
+    }
+    Path path = planner.path();
+    result.first_lengths.push_back(length_of(path));
+    const double first = watch.seconds();
+    result.first_seconds += first;
+    path = optimise_line_of_sight(trial.field, path, p.radius);
+    result.simplified_seconds += watch.seconds();
+    result.lengths.push_back(length_of(path));
+    result.valid_nodes += planner.valid();
+    result.invalid_nodes += planner.invalid();
+  }
+  return result;
+}
+
+TrialResult run_grid_a_star(const TrialCase& trial) {
+  TrialResult result{.planner = "grid A*"};
+  GridAStar planner(trial.field);
+  for (const PlanningProblem& p : trial.problems) {
+    const Stopwatch watch;
+    Path path = planner.path(p.start, p.goal, p.radius);
+    result.first_lengths.push_back(length_of(path));
+    result.first_seconds += watch.seconds();
+    path = shorten(trial.field, std::move(path), p.radius);
+    result.simplified_seconds += watch.seconds();
+    result.lengths.push_back(length_of(path));
+  }
+  result.valid_nodes = planner.expanded();
+  return result;
+}
+
+double shortest_known(const std::vector<TrialResult>& results) {
+  double total = 0;
+  for (std::size_t i = 0; i < results.front().lengths.size(); ++i) {
+    double least = 0;
+    for (const TrialResult& result : results) {
+      if (result.lengths[i] > 0 && (least == 0 || result.lengths[i] < least)) least = result.lengths[i];
+    }
+    total += least;
+  }
+  return total;
+}
+
+}  // namespace coppice

@@ -1,0 +1,43 @@
+#include <iostream>
+
+#include "bench/experiments.h"
+#include "bus/process.h"
+#include "coppice/commands.h"
+#include "files/input_error.h"
+
+namespace coppice {
+
+int bench_command(const BenchOptions& options) {
+  install_stop_signals();
+  ExperimentOptions experiment{.output = options.output};
+  experiment.stop = [] { return stop_requested(); };
+  experiment.tell = [](const std::string& line) { std::cout << line << std::endl; };
+  if (options.experiment == "paper") {
+    experiment.robots = {2, 5, 10, 20, 50};
+    experiment.maze_seeds = 3;
+  }
+  if (options.experiment == "lifelong") {
+    experiment.maps = {"maze", "room"};
+    experiment.robots = {10};
+  }
+  if (options.quick) {
+    experiment.seeds = 3;
+    experiment.maze_seeds = 1;
+    experiment.cap = 0.2;
+    if (options.experiment == "paper") experiment.robots = {2, 10};
+    if (options.experiment == "peers") experiment.robots = {10};
+  }
+  if (!options.maps.empty()) experiment.maps = options.maps;
+  if (!options.robots.empty()) experiment.robots = options.robots;
+  if (options.seeds) {
+    experiment.seeds = *options.seeds;
+    experiment.maze_seeds.reset();
+  }
+  experiment.first_seed = options.first_seed;
+  if (options.experiment == "paper") bench_paper(experiment);
+  if (options.experiment == "peers") bench_peers(experiment);
+  if (options.experiment == "lifelong") bench_lifelong(experiment);
+  return 0;
+}
+
+}  // namespace coppice

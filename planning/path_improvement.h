@@ -1,0 +1,186 @@
+// Shorter paths for a whole fleet, a little at a time, for as long as there is time.
+//
+// First every path is pulled taut within its homotopy class (path_shortening.h). Then all places that the
+// trees have found are linked to a roadmap, which all robots of one radius share, and searched for a shorter
+// way round; then the roadmap becomes denser by random places, until that brings next to nothing. At any time
+// each robot's best path so far is at hand.
+//
+// Metres. No clock: `step` is a bounded piece of work, some tens to hundreds of microseconds.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "planning/path_shortening.h"
+#include "planning/random.h"
+#include "planning/roadmap.h"
+#include "planning/space.h"
+
+namespace coppice {
+
+template <Space S>
+class PathImprover {
+ public:
+  static constexpr int D = S::dimension;
+  using P = Point<D>;
+
+  /// `space` outlives it. `epsilon`: the trees' step, which their places are apart by.
+  PathImprover(const S& space, double epsilon, Random random)
+      : space_(space), reach_(reach_steps * epsilon), random_(random) {}
+
+  /// A place where a ball of `radius` is free.
+  void add_place(const P& p, double radius) { places_.push_back({p, radius}); }
+  /// A robot with its first path; its number. Before the first step.
+  std::size_t add_robot(std::vector<P> path, double radius) {
+    robots_.push_back({std::move(path), radius, 0, 0});
+    return robots_.size() - 1;
+  }
+
+  const std::vector<P>& path(std::size_t robot) const { return robots_[robot].path; }
+
+  /// Whether every path has been pulled taut.
+  bool all_taut() const { return stage_ != Stage::pull_taut; }
+
+  /// False once nothing shorter turns up.
+  bool step() {
+    switch (stage_) {
+      case Stage::pull_taut:
+        return pull_taut();
+      case Stage::link:
+        return link_places();
+      case Stage::search:
+        return search();
+      case Stage::done:
+        return false;
+    }
+    return false;
+  }
+
+ private:
+  enum class Stage : std::uint8_t { pull_taut, link, search, done };
+  struct Place {
+    P p;
+    double radius;
+  };
+  struct Robot {
+    std::vector<P> path;
+    double radius;
+    std::uint32_t start;  ///< in its roadmap
+    std::uint32_t goal;
+  };
+
+  static constexpr double reach_steps = 1.5;  // as far as the next node but one
+  static constexpr std::size_t places_a_step = 64;
+  static constexpr std::size_t least_batch =
+      400;  // random places of a round; later rounds add half as many again
+  static constexpr std::size_t most_places = 40'000;
+  static constexpr double worthwhile = 1e-3;  // of the fleet's length: a round that gains less is in vain
+  static constexpr int rounds_in_vain = 2;
+  static constexpr double straight = 1 + 1e-9;
+
+  static bool is_straight(const Robot& robot) {
+    return robot.path.size() < 2 ||
+           length_of(robot.path) <= straight * (robot.path.back() - robot.path.front()).norm();
+  }
+  double total() const {
+    double sum = 0;
+    for (const Robot& robot : robots_) sum += length_of(robot.path);
+    return sum;
+  }
+
+  bool pull_taut() {
+    if (next_ < robots_.size()) {
+      robots_[next_].path = shorten(space_, std::move(robots_[next_].path), robots_[next_].radius);
+      ++next_;
+      return true;
+    }
+    if (std::ranges::all_of(robots_, is_straight)) {
+      stage_ = Stage::done;
+      return false;
+    }
+    for (Robot& robot : robots_) {
+      if (is_straight(robot)) continue;
+      auto& map = roadmaps_.try_emplace(robot.radius, space_, robot.radius, reach_).first->second;
+      robot.start = map.add(robot.path.front());
+      robot.goal = map.add(robot.path.back());
+    }
+    next_ = 0;
+    stage_ = Stage::link;
+    return true;
+  }
+
+  /// A few of the places to every roadmap that they serve.
+  bool link_places() {
+    const std::size_t end = std::min(places_.size(), next_ + places_a_step);
+    for (; next_ < end; ++next_) {
+      for (auto& [radius, map] : roadmaps_) {
+        if (places_[next_].radius >= radius) map.add(places_[next_].p);
+      }
+    }
+    if (next_ < places_.size()) return true;
+    next_ = 0;
+    before_ = total();
+    stage_ = Stage::search;
+    return true;
+  }
+
+  /// One robot's search; after the last, another round or the end.
+  bool search() {
+    while (next_ < robots_.size() && is_straight(robots_[next_])) ++next_;
+    if (next_ < robots_.size()) {
+      Robot& robot = robots_[next_++];
+      const double known = length_of(robot.path);
+      std::vector<P> path = roadmaps_.at(robot.radius).path(robot.start, robot.goal, promising * known);
+      if (path.empty()) return true;
+      path = shorten(space_, std::move(path), robot.radius);
+      if (length_of(path) < known) robot.path = std::move(path);
+      return true;
+    }
+    vain_ = before_ - total() < worthwhile * before_ && round_ > 0 ? vain_ + 1 : 0;
+    ++round_;
+    if (vain_ == rounds_in_vain || !draw_places()) stage_ = Stage::done;
+    return stage_ != Stage::done;
+  }
+
+  /// Random places for the next round; false if the roadmaps are as dense as they get.
+  bool draw_places() {
+    const std::size_t batch = std::max(least_batch, places_.size() / 2);
+    next_ = places_.size();
+    if (next_ + batch > most_places) return false;
+    const Box<D> box = space_.bounds();
+    const double least_radius = roadmaps_.begin()->first;
+    for (std::size_t k = 0; k < batch; ++k) {
+      P p;
+      for (int d = 0; d < D; ++d) p[d] = random_.uniform(box.lower[d], box.upper[d]);
+      if (!space_.is_free(p, least_radius)) continue;
+      double radius = least_radius;
+      for (const auto& [larger, map] : roadmaps_) {
+        if (larger > radius && space_.is_free(p, larger)) radius = larger;
+      }
+      places_.push_back({p, radius});
+    }
+    stage_ = Stage::link;
+    return true;
+  }
+
+  // A path on the roadmap is not taut: one that is a little longer than the best may still become shorter.
+  static constexpr double promising = 1.1;
+
+  const S& space_;
+  double reach_;
+  Random random_;
+  std::vector<Place> places_;
+  std::vector<Robot> robots_;
+  std::map<double, Roadmap<S>> roadmaps_;  ///< by radius
+  Stage stage_ = Stage::pull_taut;
+  std::size_t next_ = 0;
+  double before_ = 0;
+  int round_ = 0;
+  int vain_ = 0;
+};
+
+}  // namespace coppice

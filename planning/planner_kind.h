@@ -1,0 +1,26 @@
+// The planners that a user can choose.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace coppice {
+
+enum class PlannerKind : std::uint8_t {
+  ma_rrdt_star,  ///< Algorithm 2: disjointed trees are shared by all robots
+  rrdt_star,     ///< Algorithm 1: each robot for itself, with disjointed trees of its own
+  rrt_star,      ///< the baseline: each robot its own RRT*
+};
+
+inline constexpr std::array<std::string_view, 3> planner_names{"ma-rrdt", "rrdt", "rrt-star"};
+
+inline std::optional<PlannerKind> planner_kind(std::string_view name) {
+  for (std::size_t k = 0; k < planner_names.size(); ++k) {
+    if (planner_names[k] == name) return static_cast<PlannerKind>(k);
+  }
+  return std::nullopt;
+}
+
+}  // namespace coppice

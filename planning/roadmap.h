@@ -1,0 +1,148 @@
+// A roadmap over the places that the trees have found, and the short paths through it.
+//
+// A tree knows one way between two of its nodes, so a path along it may take the wrong side of everything.
+// Here all places that see each other within a reach are linked (a probabilistic roadmap: Kavraki, Svestka,
+// Latombe, Overmars, 1996, on places that MA-RRdT* has paid for), and searched by Lazy Theta* (Nash, Koenig,
+// Tovey, 2010): A* whose nodes may have any earlier node as parent that they see, so that lengths are nearly
+// those of taut paths and the right homotopy class wins.
+//
+// Metres.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <queue>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "planning/neighbour_grid.h"
+#include "planning/space.h"
+
+namespace coppice {
+
+template <Space S>
+class Roadmap {
+ public:
+  static constexpr int D = S::dimension;
+  using P = Point<D>;
+
+  /// For balls of `radius`. Places are linked within `reach`, above 0.
+  Roadmap(const S& space, double radius, double reach)
+      : space_(space), radius_(radius), reach_(reach), grid_(space.bounds(), reach) {}
+
+  double radius() const { return radius_; }
+  std::size_t size() const { return places_.size(); }
+
+  /// A place where a ball of the radius is free; linked to all earlier ones that it sees. Its number.
+  std::uint32_t add(const P& p) {
+    const auto q = static_cast<std::uint32_t>(places_.size());
+    places_.push_back(p);
+    first_link_.push_back(none);
+    grid_.for_each_near(p, [&](NodeId n, const P& place) {
+      const double squared = (place - p).squaredNorm();
+      if (squared > reach_ * reach_ || !space_.segment_free(place, p, radius_)) return;
+      link(n, q);
+      link(q, n);
+    });
+    grid_.insert(p);
+    return q;
+  }
+
+  /// From one place to another: the points of a path that is free for the radius and about as short as the
+  /// roadmap has one; empty if the roadmap does not connect them within `shorter_than` metres.
+  std::vector<P> path(std::uint32_t from, std::uint32_t to,
+                      double shorter_than = std::numeric_limits<double>::infinity()) {
+    begin_search();
+    const auto estimate = [&](std::uint32_t n) { return (places_[n] - places_[to]).norm(); };
+    label(from) = {search_, false, from, 0};
+    open_.emplace(estimate(from), from);
+    while (!open_.empty()) {
+      const std::uint32_t n = open_.top().second;
+      open_.pop();
+      if (label(n).closed) continue;
+      label(n).closed = true;
+      see_parent(n);
+      if (n == to) break;
+      const std::uint32_t parent = label(n).parent;
+      for (std::uint32_t e = first_link_[n]; e != none; e = links_[e].next) {
+        const std::uint32_t m = links_[e].to;
+        Label& there = label(m);
+        if (there.closed) continue;
+        const double cost = label(parent).cost + (places_[parent] - places_[m]).norm();
+        const double through = cost + estimate(m);
+        if (cost >= there.cost || through >= shorter_than) continue;
+        there.cost = cost;
+        there.parent = parent;
+        open_.emplace(through, m);
+      }
+    }
+    std::vector<P> points;
+    if (!label(to).closed) return points;
+    for (std::uint32_t n = to; n != from; n = label(n).parent) points.push_back(places_[n]);
+    points.push_back(places_[from]);
+    std::reverse(points.begin(), points.end());
+    return points;
+  }
+
+ private:
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+  struct Link {
+    std::uint32_t to;
+    std::uint32_t next;
+  };
+  struct Label {
+    std::uint32_t search = 0;
+    bool closed = false;
+    std::uint32_t parent = 0;
+    double cost = std::numeric_limits<double>::infinity();
+  };
+
+  void link(std::uint32_t from, std::uint32_t to) {
+    links_.push_back({to, first_link_[from]});
+    first_link_[from] = static_cast<std::uint32_t>(links_.size() - 1);
+  }
+
+  void begin_search() {
+    ++search_;
+    labels_.resize(places_.size());
+    open_ = {};
+  }
+  Label& label(std::uint32_t n) {
+    Label& l = labels_[n];
+    if (l.search != search_) l = {search_, false, n, std::numeric_limits<double>::infinity()};
+    return l;
+  }
+
+  /// The parent was taken on trust: a node that does not see it falls back on the best neighbour.
+  void see_parent(std::uint32_t n) {
+    Label& here = label(n);
+    if (space_.segment_free(places_[here.parent], places_[n], radius_)) return;
+    here.cost = std::numeric_limits<double>::infinity();
+    for (std::uint32_t e = first_link_[n]; e != none; e = links_[e].next) {
+      const Label& there = label(links_[e].to);
+      if (!there.closed || links_[e].to == n) continue;
+      const double cost = there.cost + (places_[links_[e].to] - places_[n]).norm();
+      if (cost >= here.cost) continue;
+      here.cost = cost;
+      here.parent = links_[e].to;
+    }
+  }
+
+  const S& space_;
+  double radius_;
+  double reach_;
+  NeighbourGrid<D> grid_;
+  std::vector<P> places_;
+  std::vector<std::uint32_t> first_link_;
+  std::vector<Link> links_;
+  std::vector<Label> labels_;
+  std::uint32_t search_ = 0;
+  std::priority_queue<std::pair<double, std::uint32_t>, std::vector<std::pair<double, std::uint32_t>>,
+                      std::greater<>>
+      open_;
+};
+
+}  // namespace coppice

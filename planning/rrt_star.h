@@ -1,0 +1,132 @@
+// RRT*: one tree from the start, for one robot. The baseline that MA-RRdT* is measured against: MA-RRT* is
+// one of these for each robot, with nothing shared.
+//
+// Karaman, Frazzoli, "Sampling-based Algorithms for Optimal Motion Planning", 2011, Algorithm 6, until the
+// first node that sees the goal within a step. On the same trees, neighbour grid and collision checks as
+// MA-RRdT*. Metres.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "planning/random.h"
+#include "planning/space.h"
+#include "planning/trees.h"
+
+namespace coppice {
+
+template <Space S>
+class RrtStar {
+ public:
+  static constexpr int D = S::dimension;
+  using P = Point<D>;
+
+  /// From `start` to `goal`, both free for a ball of `radius`, in steps of at most `epsilon`.
+  RrtStar(const S& space, const P& start, const P& goal, double radius, double epsilon, Random random)
+      : space_(space),
+        goal_(goal),
+        radius_(radius),
+        epsilon_(epsilon),
+        random_(random),
+        trees_(space.bounds(), epsilon),
+        tree_(trees_.add_tree(TreeKind::root, radius)) {
+    trees_.add_node(tree_, start);
+    look_for_goal(0);
+  }
+
+  bool solved() const { return last_ != no_node; }
+
+  /// One sample. False once the goal is reached.
+  bool step() {
+    if (solved()) return false;
+    const P sample = random_.uniform() < goal_bias ? goal_ : random_point();
+    const NodeId nearest = trees_.grid().nearest(sample, [](NodeId) { return true; });
+    const P gap = sample - trees_.position(nearest);
+    const double distance = gap.norm();
+    if (distance == 0) return true;
+    const P p = distance <= epsilon_ ? sample : P(trees_.position(nearest) + gap * (epsilon_ / distance));
+    if (!space_.segment_free(trees_.position(nearest), p, radius_)) {
+      ++invalid_;
+      return true;
+    }
+    ++valid_;
+    look_for_goal(join(nearest, p));
+    return true;
+  }
+
+  std::vector<P> path() const {
+    std::vector<P> points;
+    if (!solved()) return points;
+    points.push_back(goal_);
+    for (NodeId n = last_; n != no_node; n = trees_.parent(n)) points.push_back(trees_.position(n));
+    std::ranges::reverse(points);
+    return points;
+  }
+
+  std::uint32_t valid() const { return valid_; }
+  std::uint32_t invalid() const { return invalid_; }
+
+ private:
+  static constexpr double goal_bias = 0.05;
+
+  P random_point() {
+    const Box<D> box = space_.bounds();
+    P p;
+    for (int d = 0; d < D; ++d) p[d] = random_.uniform(box.lower[d], box.upper[d]);
+    return p;
+  }
+
+  /// The cheapest parent among the near nodes, then the near nodes whose way through the new one is shorter.
+  NodeId join(NodeId nearest, const P& p) {
+    std::vector<NodeId> seen{nearest};
+    trees_.grid().for_each_near(p, [&](NodeId n, const P& place) {
+      if (n != nearest && (place - p).squaredNorm() <= epsilon_ * epsilon_ &&
+          space_.segment_free(place, p, radius_))
+        seen.push_back(n);
+    });
+    const auto distance = [&](NodeId n) { return (trees_.position(n) - p).norm(); };
+    const NodeId parent =
+        *std::ranges::min_element(seen, std::less{}, [&](NodeId n) { return trees_.cost(n) + distance(n); });
+    const NodeId q = trees_.add_node(tree_, p);
+    trees_.set_parent(q, parent, trees_.cost(parent) + distance(parent));
+    for (const NodeId n : seen) {
+      trees_.add_edge(q, n);
+      const double through = trees_.cost(q) + distance(n);
+      if (n != parent && through < trees_.cost(n)) rewire(n, q, through);
+    }
+    return q;
+  }
+
+  void rewire(NodeId n, NodeId parent, double cost) {
+    trees_.set_parent(n, parent, cost);
+    std::vector<NodeId> changed{n};
+    while (!changed.empty()) {
+      const NodeId above = changed.back();
+      changed.pop_back();
+      trees_.for_each_edge(above, [&](const auto& edge) {
+        if (trees_.parent(edge.to) != above) return;
+        const double length = (trees_.position(edge.to) - trees_.position(above)).norm();
+        trees_.set_parent(edge.to, above, trees_.cost(above) + length);
+        changed.push_back(edge.to);
+      });
+    }
+  }
+
+  void look_for_goal(NodeId n) {
+    const P& p = trees_.position(n);
+    if ((p - goal_).norm() <= epsilon_ && space_.segment_free(p, goal_, radius_)) last_ = n;
+  }
+
+  const S& space_;
+  P goal_;
+  double radius_;
+  double epsilon_;
+  Random random_;
+  Trees<D> trees_;
+  TreeIndex tree_;
+  NodeId last_ = no_node;  ///< the node that sees the goal
+  std::uint32_t valid_ = 0;
+  std::uint32_t invalid_ = 0;
+};
+
+}  // namespace coppice
