@@ -20,7 +20,7 @@ struct ExperimentOptions {
   std::uint64_t first_seed = 1;
   int side = 512;     ///< cells
   double radius = 5;  ///< metres
-  double cap = 2;     ///< seconds a robot and peer
+  double cap = 0.2;   ///< seconds a robot and peer
   std::string output = ".";
   std::function<bool()> stop = [] { return false; };
   std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< progress, a line each

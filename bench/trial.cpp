@@ -44,7 +44,7 @@ int TrialResult::solved() const {
   return static_cast<int>(std::ranges::count_if(first_lengths, [](double length) { return length > 0; }));
 }
 
-TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, Improvement improvement) {
+TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed) {
   TrialResult result{.planner = "MA-RRdT*"};
   const std::size_t robots = trial.problems.size();
   const Stopwatch watch;
@@ -62,7 +62,6 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, Improve
     if (planner.all_taut() && result.simplified_seconds == 0) {
       result.simplified_seconds = now - own;
       result.lengths = lengths_of(planner, robots);
-      improving = improving && improvement == Improvement::all;
     }
     result.progress.push_back({now - own, sum(lengths_of(planner, robots))});
     own += watch.seconds() - now;

@@ -54,10 +54,8 @@ struct TrialResult {
   int solved() const;
 };
 
-/// How far it goes on after the first paths.
-enum class Improvement : std::uint8_t { taut, all };
-TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed,
-                             Improvement improvement = Improvement::all);
+/// Goes on after the first paths until nothing shorter turns up.
+TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed);
 /// MA-RRT*: each robot its own RRT*, given up after so many samples.
 TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples);
 TrialResult run_grid_a_star(const TrialCase& trial);

@@ -116,6 +116,9 @@ class MaRrdtStar {
   std::size_t group_count() const { return groups_.size(); }
 
   std::uint32_t grafted_trees(GroupIndex g) const { return groups_[g].grafted; }
+  /// Whether an inactive tree belongs to that root tree by now.
+  bool has_grafted(GroupIndex g, Root side, TreeIndex t) const;
+  TreeIndex root_tree(GroupIndex g, Root side) const { return groups_[g].tree[index(side)]; }
   SampleCounts group_counts(GroupIndex g) const { return groups_[g].counts; }
   SampleCounts disjointed_counts() const { return disjointed_counts_; }
   SampleCounts all_counts() const {
@@ -209,7 +212,6 @@ class MaRrdtStar {
   void freeze(TreeIndex t);
   void link(TreeIndex a, TreeIndex b);
   void graft(GroupIndex g, Root side, const Entry& entry);
-  bool has_grafted(GroupIndex g, Root side, TreeIndex t) const;
   bool connected(TreeIndex a, TreeIndex b) const;
 
   // --- paths ---
