@@ -1,11 +1,16 @@
 #include <chrono>
+#include <functional>
 #include <iostream>
 #include <limits>
+#include <span>
 
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "files/report_file.h"
 #include "planning/fleet_plan.h"
+#include "planning/line_of_sight.h"
+#include "planning/rrt_star.h"
+#include "planning/step_length.h"
 
 namespace coppice {
 
@@ -13,40 +18,133 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::uint64_t samples_between_questions = 256;
+
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-proto::Report report_of(const Scenario& scenario, const FleetPlanner& planner,
-                        const std::vector<double>& solved_after) {
+/// What came of planning, whichever planner it was.
+struct Plans {
+  struct Robot {
+    Path path;
+    std::string reason;  ///< why there is no path
+    double solved_after = 0;
+    SampleCounts counts;
+    std::uint32_t grafted_trees = 0;
+  };
+  std::vector<Robot> robots;
+  SampleCounts disjointed;
+  std::uint32_t frozen_trees = 0;
+  std::vector<FleetPlanner::Edge> edges;
+  double plan_time = 0;
+  double improve_time = 0;
+};
+
+/// Algorithm 2 for all problems at once; with a single one it is Algorithm 1.
+Plans plan_together(const ClearanceField& field, std::span<const PlanningProblem> problems, Random random,
+                    double budget, const std::function<bool()>& out_of_time) {
+  const auto begin = Clock::now();
+  Plans plans;
+  plans.robots.resize(problems.size());
+  FleetPlanner planner(field, problems, {}, random);
+  for (bool going = true; going && !out_of_time();) {
+    going = planner.search();
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+      double& solved_after = plans.robots[i].solved_after;
+      if (solved_after == 0 && planner.solved(i)) solved_after = seconds_since(begin);
+    }
+  }
+  planner.take_first_paths();
+  plans.plan_time = seconds_since(begin);
+  const auto time_left = [&] { return seconds_since(begin) < plans.plan_time + budget && !out_of_time(); };
+  while ((!planner.all_taut() || time_left()) && planner.improve()) {
+  }
+  plans.improve_time = seconds_since(begin) - plans.plan_time;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    Plans::Robot& robot = plans.robots[i];
+    robot.path = planner.path(i);
+    robot.reason = planner.reason(i);
+    robot.counts = planner.counts(i);
+    robot.grafted_trees = planner.grafted_trees(i);
+  }
+  plans.disjointed = planner.disjointed_counts();
+  plans.frozen_trees = planner.frozen_trees();
+  plans.edges = planner.edges();
+  return plans;
+}
+
+/// One robot's RRT*, its path straightened by line of sight.
+Plans plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Random random,
+                       const std::function<bool()>& out_of_time) {
+  const auto begin = Clock::now();
+  RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, suggested_epsilon(field, p.radius),
+                                  random);
+  for (std::uint64_t k = 1; planner.step() && (k % samples_between_questions != 0 || !out_of_time()); ++k) {
+  }
+  Plans plans;
+  Plans::Robot& robot = plans.robots.emplace_back();
+  robot.path = optimise_line_of_sight(field, planner.path(), p.radius);
+  if (robot.path.empty()) robot.reason = "no path found before the time was over";
+  robot.counts = {planner.valid(), planner.invalid()};
+  robot.solved_after = plans.plan_time = seconds_since(begin);
+  return plans;
+}
+
+/// Each robot for itself, one after the other.
+Plans plan_apart(const ClearanceField& field, std::span<const PlanningProblem> problems, PlannerKind kind,
+                 std::uint64_t seed, double budget, const std::function<bool()>& out_of_time) {
+  Plans all;
+  for (std::size_t i = 0; i < problems.size(); ++i) {
+    const Random random(seed * 1'000'003 + i);
+    Plans one = kind == PlannerKind::rrt_star
+                    ? plan_by_rrt_star(field, problems[i], random, out_of_time)
+                    : plan_together(field, problems.subspan(i, 1), random, budget, out_of_time);
+    one.robots[0].solved_after += all.plan_time + all.improve_time;
+    all.robots.push_back(std::move(one.robots[0]));
+    all.disjointed.valid += one.disjointed.valid;
+    all.disjointed.invalid += one.disjointed.invalid;
+    all.frozen_trees += one.frozen_trees;
+    for (FleetPlanner::Edge edge : one.edges) {
+      if (edge.robot >= 0) edge.robot = static_cast<int>(i);
+      all.edges.push_back(edge);
+    }
+    all.plan_time += one.plan_time;
+    all.improve_time += one.improve_time;
+  }
+  return all;
+}
+
+proto::Report report_of(const Scenario& scenario, const Plans& plans) {
   proto::Report report;
   report.set_seed(scenario.seed);
   report.set_map(scenario.map_name);
-  report.set_nodes_valid(planner.disjointed_counts().valid);
-  report.set_nodes_invalid(planner.disjointed_counts().invalid);
-  report.set_trees_published(planner.frozen_trees());
+  report.set_plan_time(plans.plan_time);
+  report.set_improve_time(plans.improve_time);
+  report.set_nodes_valid(plans.disjointed.valid);
+  report.set_nodes_invalid(plans.disjointed.invalid);
+  report.set_trees_published(plans.frozen_trees);
   double sum = 0;
   int planned = 0;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
-    const Path& path = planner.path(i);
-    const SampleCounts counts = planner.counts(i);
+    const Plans::Robot& robot = plans.robots[i];
     auto* row = report.add_robots();
     row->set_name(scenario.robots[i].name);
-    row->set_planned(!path.empty());
-    row->set_reason(planner.reason(i));
-    row->set_plan_time(solved_after[i]);
-    row->set_path_length(length_of(path));
-    for (const Point2& p : path) {
+    row->set_planned(!robot.path.empty());
+    row->set_reason(robot.reason);
+    row->set_plan_time(robot.solved_after);
+    row->set_path_length(length_of(robot.path));
+    for (const Point2& p : robot.path) {
       auto* place = row->add_path();
       place->set_x(p.x());
       place->set_y(p.y());
     }
-    row->set_nodes_valid(counts.valid);
-    row->set_nodes_invalid(counts.invalid);
-    row->set_grafted_trees(planner.grafted_trees(i));
-    report.set_nodes_valid(report.nodes_valid() + counts.valid);
-    report.set_nodes_invalid(report.nodes_invalid() + counts.invalid);
-    report.set_trees_grafted(report.trees_grafted() + row->grafted_trees());
+    row->set_nodes_valid(robot.counts.valid);
+    row->set_nodes_invalid(robot.counts.invalid);
+    row->set_grafted_trees(robot.grafted_trees);
+    report.set_nodes_valid(report.nodes_valid() + robot.counts.valid);
+    report.set_nodes_invalid(report.nodes_invalid() + robot.counts.invalid);
+    report.set_trees_grafted(report.trees_grafted() + robot.grafted_trees);
     sum += row->path_length();
     planned += row->planned();
   }
@@ -55,13 +153,13 @@ proto::Report report_of(const Scenario& scenario, const FleetPlanner& planner,
   return report;
 }
 
-PictureContent picture_of(const Scenario& scenario, const FleetPlanner& planner) {
+PictureContent picture_of(const Scenario& scenario, const Plans& plans) {
   PictureContent content{.map = scenario.map, .edges = {}, .robots = {}};
-  for (const FleetPlanner::Edge& edge : planner.edges())
+  for (const FleetPlanner::Edge& edge : plans.edges)
     content.edges.push_back({edge.from, edge.to, edge.robot});
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const RobotTask& task = scenario.robots[i];
-    content.robots.push_back({task.name, task.radius, task.start, task.goal, planner.path(i), {}});
+    content.robots.push_back({task.name, task.radius, task.start, task.goal, plans.robots[i].path, {}});
   }
   return content;
 }
@@ -75,25 +173,14 @@ int plan_command(const RunOptions& options) {
   const ClearanceField field(scenario.map);
   std::vector<PlanningProblem> problems;
   for (const RobotTask& task : scenario.robots) problems.push_back({task.start, task.goal, task.radius});
-  FleetPlanner planner(field, problems, {}, Random(scenario.seed));
-  std::vector<double> solved_after(problems.size(), 0);
-  const auto out_of_time = [&] { return stop_requested() || seconds_since(begin) > options.timeout; };
-  for (bool going = true; going && !out_of_time();) {
-    going = planner.search();
-    for (std::size_t i = 0; i < problems.size(); ++i) {
-      if (solved_after[i] == 0 && planner.solved(i)) solved_after[i] = seconds_since(begin);
-    }
-  }
-  planner.take_first_paths();
-  const double planned_after = seconds_since(begin);
   const double budget = options.plan_budget.value_or(std::numeric_limits<double>::infinity());
-  while ((!planner.all_taut() || seconds_since(begin) < planned_after + budget) && !out_of_time() &&
-         planner.improve()) {
-  }
-  proto::Report report = report_of(scenario, planner, solved_after);
-  report.set_plan_time(planned_after);
-  report.set_improve_time(seconds_since(begin) - planned_after);
-  write_results(options, report, {}, picture_of(scenario, planner));
+  const auto out_of_time = [&] { return stop_requested() || seconds_since(begin) > options.timeout; };
+  const PlannerKind kind = chosen_planner(options);
+  const Plans plans = kind == PlannerKind::ma_rrdt_star
+                          ? plan_together(field, problems, Random(scenario.seed), budget, out_of_time)
+                          : plan_apart(field, problems, kind, scenario.seed, budget, out_of_time);
+  const proto::Report report = report_of(scenario, plans);
+  write_results(options, report, {}, picture_of(scenario, plans));
   if (!options.quiet) std::cout << report_table(report);
   return report.outcome() == "planned" ? 0 : 1;
 }

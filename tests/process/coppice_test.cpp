@@ -55,6 +55,47 @@ TEST(CoppicePlan, PlansTheSharedMaps) {
   }
 }
 
+TEST(CoppicePlan, EveryPlannerFindsSoundPaths) {
+  const TemporaryFolder folder;
+  const std::filesystem::path scenario = test::scenarios() / "rooms-8.json";
+  for (const char* planner : {"ma-rrdt", "rrdt", "rrt-star"}) {
+    const std::string report_file = folder.path() / "report.json";
+    const Outcome outcome = shell(program("coppice") + " plan " + scenario.string() +
+                                  " --plan-budget 0 --planner " + planner + " --report " + report_file);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    expect_sound_paths(read_scenario(scenario, {}), read_report(report_file));
+  }
+  EXPECT_EQ(shell(program("coppice") + " plan " + scenario.string() + " --planner prm").exit_code, 2);
+}
+
+TEST(CoppicePlan, ABudgetBuysShorterPaths) {
+  const TemporaryFolder folder;
+  const auto length = [&](const std::string& options) {
+    const std::string report_file = folder.path() / "report.json";
+    const std::string scenario = (test::scenarios() / "dense-8.json").string();
+    EXPECT_EQ(
+        shell(program("coppice") + " plan " + scenario + options + " --report " + report_file).exit_code, 0);
+    return read_report(report_file).path_length();
+  };
+  EXPECT_LT(length(""), 0.97 * length(" --plan-budget 0"));
+}
+
+TEST(CoppiceBench, QuickExperimentsWriteTablesAndPlots) {
+  const TemporaryFolder folder;
+  for (const std::string experiment : {"paper", "lifelong"}) {
+    const Outcome outcome =
+        shell(program("coppice") + " bench " + experiment +
+              " --quick --maps room --robots 3 --seeds 2 --output " + folder.path().string());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    const std::string csv = test::contents(folder.path() / (experiment + ".csv"));
+    EXPECT_EQ(count(csv, "\n"), experiment == "paper" ? 1 + 2 * 2 : 1 + 2 * 10) << csv;
+    EXPECT_NE(test::contents(folder.path() / (experiment + ".md")).find("| room"), std::string::npos);
+    EXPECT_NE(test::contents(folder.path() / (experiment + ".svg")).find("<polyline"), std::string::npos);
+  }
+  EXPECT_EQ(shell(program("coppice") + " bench nothing").exit_code, 2);
+  EXPECT_EQ(shell(program("coppice") + " bench paper --output /no/such/folder").exit_code, 2);
+}
+
 TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
   const TemporaryFolder folder;
   folder.write("small.map", "type octile\nheight 2\nwidth 40\nmap\n" + std::string(40, '.') + "\n");
