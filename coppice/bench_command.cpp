@@ -3,11 +3,12 @@
 #include "bench/experiments.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/sharing_bench.h"
 #include "files/input_error.h"
 
 namespace coppice {
 
-int bench_command(const BenchOptions& options) {
+int bench_command(const BenchOptions& options, const std::string& program) {
   install_stop_signals();
   ExperimentOptions experiment{.output = options.output};
   experiment.stop = [] { return stop_requested(); };
@@ -20,12 +21,18 @@ int bench_command(const BenchOptions& options) {
     experiment.maps = {"maze", "room"};
     experiment.robots = {10};
   }
+  if (options.experiment == "sharing") {
+    experiment.maps = {"maze", "room"};
+    experiment.robots = {2, 5, 10, 20};
+    experiment.seeds = 5;
+  }
   if (options.quick) {
     experiment.seeds = 3;
     experiment.maze_seeds = 1;
     experiment.cap = 0.2;
     if (options.experiment == "paper") experiment.robots = {2, 10};
     if (options.experiment == "peers") experiment.robots = {10};
+    if (options.experiment == "sharing") experiment.robots = {5};
   }
   if (!options.maps.empty()) experiment.maps = options.maps;
   if (!options.robots.empty()) experiment.robots = options.robots;
@@ -37,6 +44,7 @@ int bench_command(const BenchOptions& options) {
   if (options.experiment == "paper") bench_paper(experiment);
   if (options.experiment == "peers") bench_peers(experiment);
   if (options.experiment == "lifelong") bench_lifelong(experiment);
+  if (options.experiment == "sharing") bench_sharing(experiment, program);
   return 0;
 }
 

@@ -35,7 +35,7 @@ struct MapOptions {
 int map_command(const MapOptions& options);
 
 struct BenchOptions {
-  std::string experiment;  ///< paper, peers or lifelong
+  std::string experiment;  ///< paper, peers, lifelong or sharing
   bool quick = false;      ///< few seeds and robots: does it still run?
   std::vector<std::string> maps;
   std::vector<int> robots;
@@ -44,7 +44,7 @@ struct BenchOptions {
   std::string output = ".";
 };
 
-/// An experiment: writes its table as CSV and Markdown, and its plots.
-int bench_command(const BenchOptions& options);
+/// An experiment: writes its table as CSV and Markdown, and its plots. `program` is this executable.
+int bench_command(const BenchOptions& options, const std::string& program);
 
 }  // namespace coppice

@@ -40,9 +40,9 @@ int main(int argc, char** argv) {
 
   BenchOptions bench;
   auto* experiments = app.add_subcommand("bench", "measure against other planners, or mission after mission");
-  experiments->add_option("experiment", bench.experiment, "paper, peers or lifelong")
+  experiments->add_option("experiment", bench.experiment, "paper, peers, lifelong or sharing")
       ->required()
-      ->check(CLI::IsMember({"paper", "peers", "lifelong"}));
+      ->check(CLI::IsMember({"paper", "peers", "lifelong", "sharing"}));
   experiments->add_flag("--quick", bench.quick, "few seeds and robots");
   experiments->add_option("--maps", bench.maps, "kinds of map")
       ->delimiter(',')
@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
   experiments->add_option("--seeds", bench.seeds, "trials of each")->check(CLI::Range(1, 1000000));
   experiments->add_option("--seed", bench.first_seed, "the first one");
   experiments->add_option("--output", bench.output, "folder for the results")->check(CLI::ExistingDirectory);
-  experiments->callback([&] { exit_code = bench_command(bench); });
+  experiments->callback([&] { exit_code = bench_command(bench, "/proc/self/exe"); });
 
   set_up_logging("coppice", "info");
   try {

@@ -11,8 +11,10 @@ namespace coppice {
 namespace {
 
 constexpr int iterations_a_search = 256;
-// A search that has not ended by then may have no end: worth the milliseconds of a flood fill a robot.
-constexpr std::uint64_t doubt = 200'000;
+// A search in which nobody has succeeded for so long may have no end: worth a flood fill for each robot,
+// whose time is in proportion to the map.
+constexpr std::uint64_t least_doubt = 200'000;
+constexpr std::uint64_t cells_an_iteration = 8;
 constexpr std::size_t no_robot = std::numeric_limits<std::size_t>::max();
 const Path no_path{};
 
@@ -43,10 +45,14 @@ FleetPlanner::FleetPlanner(const ClearanceField& field, std::span<const Planning
 }
 
 bool FleetPlanner::search() {
-  for (int i = 0; i < iterations_a_search; ++i, ++iterations_) {
+  const std::size_t open_before = planner_.open_groups();
+  for (int i = 0; i < iterations_a_search; ++i) {
     if (!planner_.step()) return false;
   }
-  if (iterations_ >= doubt && !std::exchange(doubted_, true)) give_up_unreachable();
+  fruitless_ = planner_.open_groups() < open_before ? 0 : fruitless_ + iterations_a_search;
+  const std::uint64_t doubt =
+      std::max<std::uint64_t>(least_doubt, field_.map().blocked.size() / cells_an_iteration);
+  if (fruitless_ >= doubt && !std::exchange(doubted_, true)) give_up_unreachable();
   return planner_.open_groups() > 0;
 }
 

@@ -80,7 +80,7 @@ class FleetPlanner {
   Random random_;
   MaRrdtStar<ClearanceField> planner_;
   std::vector<bool> unreachable_;
-  std::uint64_t iterations_ = 0;
+  std::uint64_t fruitless_ = 0;  ///< iterations since somebody succeeded
   bool doubted_ = false;
   std::optional<PathImprover<ClearanceField>> improver_;
   std::vector<std::size_t> robot_of_;  ///< in the improver, for each problem; npos without a path

@@ -1,5 +1,6 @@
 #include "robot_agent/path_finder.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "planning/reachability.h"
@@ -14,8 +15,10 @@ constexpr double pause_between_steps = 0.0005;  // seconds; about what a tree ne
 // No tree for so many steps: there is no broker, or it has nothing for this robot.
 constexpr int patience = 40;
 constexpr int iterations_alone = 300;
-// A search that has not ended by then may have no end: worth the milliseconds of a flood fill.
-constexpr std::uint64_t doubt = 20'000;
+// A search that has not ended by then may have no end: worth a flood fill, whose time is in proportion to the
+// map.
+constexpr std::uint64_t least_doubt = 20'000;
+constexpr std::uint64_t cells_an_iteration = 8;
 // With no proof either way: more than a hundred times what the hardest of the tried maps needed.
 constexpr std::uint64_t most_iterations = 20'000'000;
 constexpr std::size_t trees_without_sharing = 16;
@@ -55,6 +58,8 @@ std::optional<std::variant<Path, NoPath>> PathFinder::step() {
   for (int i = 0; i < most && grow(); ++i) ++iterations_;
   ++steps_without_news_;
   if (solved()) return take_first_path();
+  const std::uint64_t doubt =
+      std::max<std::uint64_t>(least_doubt, field_.map().blocked.size() / cells_an_iteration);
   if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
       provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {
     return NoPath{"no path: the goal cannot be reached from the start with this radius"};

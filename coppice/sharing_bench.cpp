@@ -1,0 +1,106 @@
+#include "coppice/sharing_bench.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "bench/plot.h"
+#include "bench/statistics.h"
+#include "bench/table.h"
+#include "coppice/commands.h"
+#include "files/report_file.h"
+#include "planning/planner_kind.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double enough = 2;  // fleet seconds: planning is over long before
+
+/// Runs a command to its end, its output thrown away.
+void run_quietly(std::vector<std::string> command) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  std::vector<char*> arguments;
+  for (std::string& argument : command) arguments.push_back(argument.data());
+  arguments.push_back(nullptr);
+  pid_t pid = -1;
+  const int error = posix_spawn(&pid, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) throw std::runtime_error(command[0] + " cannot be started");
+  waitpid(pid, nullptr, 0);
+}
+
+/// Milliseconds from the last mission to the last path of one fleet; below 0 if somebody has no path.
+double plan_ms(const std::string& program, const std::string& scenario, std::string_view planner,
+               const std::string& report_file) {
+  run_quietly({program, "run", scenario, "--planner", std::string(planner), "--plan-budget", "0", "--timeout",
+               fmt::format("{}", enough), "--report", report_file});
+  const proto::Report report = read_report(report_file);
+  for (const auto& robot : report.robots()) {
+    if (!robot.planned()) return -1;
+  }
+  return 1e3 * report.plan_time();
+}
+
+}  // namespace
+
+void bench_sharing(const ExperimentOptions& options, const std::string& program) {
+  std::string name = (std::filesystem::temp_directory_path() / "coppice-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder can be made");
+  const std::filesystem::path folder = name;
+  const std::string executable = std::filesystem::canonical(program).string();
+  Table trials{{"map", "robots", "seed", "planner", "plan_ms"}, {}};
+  Table medians{{"map", "robots", "shared ms", "alone ms", "shared / alone"}, {}};
+  std::vector<Plot> plots;
+  for (const std::string& map : options.maps) {
+    std::vector<Series> series{{"shared", {}, {}, {}}, {"alone", {}, {}, {}}};
+    for (const int robots : options.robots) {
+      std::vector<std::vector<double>> ms(2);
+      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+        const std::string scenario = (folder / "scenario.json").string();
+        map_command({.kind = map,
+                     .width = options.side,
+                     .height = options.side,
+                     .seed = static_cast<std::uint32_t>(seed),
+                     .robots = robots,
+                     .radius = options.radius,
+                     .output = scenario});
+        for (std::size_t alone = 0; alone < 2; ++alone) {
+          const double time =
+              plan_ms(executable, scenario, planner_names[alone], (folder / "report.json").string());
+          ms[alone].push_back(time);
+          trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), series[alone].name,
+                                 fmt::format("{:.3f}", time)});
+        }
+        options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
+      }
+      if (ms[0].empty()) continue;
+      medians.rows.push_back({map, std::to_string(robots), fmt::format("{:.1f}", median(ms[0])),
+                              fmt::format("{:.1f}", median(ms[1])),
+                              fmt::format("{:.2f}", median(ms[0]) / median(ms[1]))});
+      for (std::size_t alone = 0; alone < 2; ++alone) {
+        series[alone].x.push_back(robots);
+        series[alone].y.push_back(median(ms[alone]));
+      }
+    }
+    plots.push_back({map, "robots", "mission to last path, ms", false, series});
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  write_file(options.output + "/sharing.csv", as_csv(trials));
+  write_file(options.output + "/sharing.md", as_markdown(medians));
+  write_file(options.output + "/sharing.svg", plots_svg(plots, 2));
+  options.tell(as_markdown(medians));
+}
+
+}  // namespace coppice

@@ -1,0 +1,13 @@
+// What sharing over DDS brings: whole fleets of processes, with the broker's trees and each robot alone.
+#pragma once
+
+#include <string>
+
+#include "bench/experiments.h"
+
+namespace coppice {
+
+/// Writes sharing.csv, sharing.md and sharing.svg. `program` is the coppice executable.
+void bench_sharing(const ExperimentOptions& options, const std::string& program);
+
+}  // namespace coppice
