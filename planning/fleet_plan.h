@@ -37,31 +37,26 @@ class FleetPlanner {
 
   /// Some hundred iterations. False once every robot is solved or is proved to have no path.
   bool search();
-  bool solved(std::size_t robot) const { return planner_.solved(static_cast<GroupIndex>(robot)); }
-  std::size_t open() const { return planner_.open_groups(); }
+  bool solved(std::size_t robot) const;
 
   /// Ends the search: each solved robot has a path from now on, straight off the trees.
   void take_first_paths();
 
-  /// A bounded piece of improving the paths. False once nothing shorter turns up.
-  bool improve();
-
   /// Whether every path has been pulled taut: the least that there is to improve.
-  bool all_taut() const { return improver_->all_taut(); }
+  bool all_taut() const { return !improver_ || improver_->all_taut(); }
+
+  /// A bounded piece of improving the paths. False once nothing shorter turns up.
+  bool improve() { return improver_ && improver_->step(); }
 
   /// From start to goal, keeps the radius clear; empty: none was found.
   const Path& path(std::size_t robot) const;
   /// Why there is none; empty if there is one.
   std::string reason(std::size_t robot) const;
 
-  SampleCounts counts(std::size_t robot) const {
-    return planner_.group_counts(static_cast<GroupIndex>(robot));
-  }
-  std::uint32_t grafted_trees(std::size_t robot) const {
-    return planner_.grafted_trees(static_cast<GroupIndex>(robot));
-  }
-  SampleCounts disjointed_counts() const { return planner_.disjointed_counts(); }
-  std::uint32_t frozen_trees() const { return planner_.frozen_trees(); }
+  SampleCounts counts(std::size_t robot) const;
+  std::uint32_t grafted_trees(std::size_t robot) const;
+  SampleCounts disjointed_counts() const { return planner_ ? planner_->disjointed_counts() : SampleCounts{}; }
+  std::uint32_t frozen_trees() const { return planner_ ? planner_->frozen_trees() : 0; }
 
   /// Edges of all trees, for a picture: whose root tree (index of the problem), or -1 for a disjointed one.
   struct Edge {
@@ -72,18 +67,25 @@ class FleetPlanner {
   std::vector<Edge> edges() const;
 
  private:
+  /// One robot's problem and how far it has come.
+  struct Robot {
+    PlanningProblem problem;
+    std::optional<GroupIndex> group;  ///< none: the straight line is its path
+    bool unreachable = false;
+    Path straight;
+    std::optional<std::size_t> improved;  ///< its number in the improver; none: straight, or no path
+  };
+
   void give_up_unreachable();
 
   const ClearanceField& field_;
-  std::vector<PlanningProblem> problems_;
-  double epsilon_;
+  double epsilon_ = 0;
   Random random_;
-  MaRrdtStar<ClearanceField> planner_;
-  std::vector<bool> unreachable_;
-  std::uint64_t fruitless_ = 0;  ///< iterations since somebody succeeded
+  std::vector<Robot> robots_;
+  std::optional<MaRrdtStar<ClearanceField>> planner_;  ///< for those whose straight line is not free
+  std::uint64_t fruitless_ = 0;                        ///< iterations since somebody succeeded
   bool doubted_ = false;
   std::optional<PathImprover<ClearanceField>> improver_;
-  std::vector<std::size_t> robot_of_;  ///< in the improver, for each problem; npos without a path
 };
 
 }  // namespace coppice
