@@ -1,0 +1,258 @@
+#include "files/scenario_generator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "files/input_error.h"
+#include "planning/clearance_field.h"
+#include "planning/map_generator.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double radius = 5;
+constexpr double speed = 20;
+
+OccupancyMap filled(int width, int height, bool blocked) {
+  OccupancyMap map{.width = width, .height = height, .blocked = {}};
+  map.blocked.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), blocked ? 1 : 0);
+  return map;
+}
+
+/// Makes the cells from (i, j) on free or blocked, as many as said.
+void set(OccupancyMap& map, int i, int j, int width, int height, bool blocked) {
+  for (int y = j; y < j + height; ++y) {
+    for (int x = i; x < i + width; ++x)
+      map.blocked[static_cast<std::size_t>(y * map.width + x)] = blocked ? 1 : 0;
+  }
+}
+
+void add_robot(Scenario& scenario, const Point2& start, const Point2& goal, double r = radius,
+               double v = speed) {
+  scenario.robots.push_back(
+      {fmt::format("r{}", scenario.robots.size() + 1), start, goal, r, v, 2 * v, scenario.map.resolution});
+}
+
+/// `count` places on a lattice in a rectangle, shuffled.
+std::vector<Point2> places(const Point2& lower, const Point2& upper, double apart, Random& random) {
+  std::vector<Point2> result;
+  for (double y = lower.y(); y <= upper.y(); y += apart) {
+    for (double x = lower.x(); x <= upper.x(); x += apart) result.emplace_back(x, y);
+  }
+  for (std::size_t k = result.size(); k > 1; --k) std::swap(result[k - 1], result[random.index(k)]);
+  return result;
+}
+
+/// On a circle, each to the opposite place.
+void circle_swap(Scenario& scenario, int robots, Random& random) {
+  const double ring = std::max(100.0, robots * 13.0 / (2 * std::numbers::pi));
+  const int side = 2 * static_cast<int>(ring) + 60;
+  scenario.map = filled(side, side, false);
+  const Point2 centre(side / 2.0, side / 2.0);
+  const double turn = random.uniform(0, 2 * std::numbers::pi);
+  for (int k = 0; k < robots; ++k) {
+    const double angle = turn + 2 * std::numbers::pi * k / robots;
+    const Point2 out = ring * Point2(std::cos(angle), std::sin(angle));
+    add_robot(scenario, centre + out, centre - out);
+  }
+}
+
+/// Two robots head-on between the ends of a corridor, with one pocket at its side.
+void pocket(Scenario& scenario, int width, Random& random) {
+  const int length = 220;
+  scenario.map = filled(length + 20, width + 50, true);
+  set(scenario.map, 10, 10, length, width, false);
+  const int at = 40 + static_cast<int>(random.index(120));
+  set(scenario.map, at, 10 + width, 20, 16, false);
+  const double y = 10 + width / 2.0;
+  add_robot(scenario, {16, y}, {length + 4.0, y});
+  add_robot(scenario, {length + 4.0, y}, {16, y});
+}
+
+/// The same, with a long way round instead of the pocket.
+void loop(Scenario& scenario, int width, Random& random) {
+  const int length = 220;
+  const int height = 100 + static_cast<int>(random.index(60));
+  scenario.map = filled(length + 20, height + 20, true);
+  set(scenario.map, 10, 10, length, height, false);
+  set(scenario.map, 10 + width, 10 + width, length - 2 * width, height - 2 * width, true);
+  const double y = 10 + width / 2.0;
+  add_robot(scenario, {40, y}, {length - 20.0, y});
+  add_robot(scenario, {length - 20.0, y}, {40, y});
+}
+
+/// Two halls with a passage between them; half of the robots on each side, all to the other.
+void halls(Scenario& scenario, int robots, int width, int length, Random& random) {
+  const int hall = 120;
+  scenario.map = filled(2 * hall + length, 160, false);
+  set(scenario.map, hall, 0, length, 160, true);
+  set(scenario.map, hall, 80 - width / 2, length, width, false);
+  const double right = hall + length;
+  const auto left_starts = places({10, 10}, {hall - 20.0, 150}, 14, random);
+  const auto right_starts = places({right + 20, 10}, {right + hall - 10, 150}, 14, random);
+  const auto left_goals = places({10, 10}, {hall - 20.0, 150}, 14, random);
+  const auto right_goals = places({right + 20, 10}, {right + hall - 10, 150}, 14, random);
+  for (int k = 0; k < robots; ++k) {
+    const auto n = static_cast<std::size_t>(k / 2);
+    if (k % 2 == 0) {
+      add_robot(scenario, left_starts[n], right_goals[n]);
+    } else {
+      add_robot(scenario, right_starts[n], left_goals[n]);
+    }
+  }
+}
+
+/// Two corridors that cross; a quarter of the robots in each arm, all to the arm opposite.
+void crossing(Scenario& scenario, int robots, Random& random) {
+  constexpr int side = 420;
+  constexpr int width = 24;
+  scenario.map = filled(side, side, true);
+  set(scenario.map, 0, (side - width) / 2, side, width, false);
+  set(scenario.map, (side - width) / 2, 0, width, side, false);
+  const double middle = side / 2.0;
+  std::vector<double> order;
+  for (int k = 0; k < (robots + 3) / 4; ++k) order.push_back(k);
+  const auto shuffled = [&] {
+    std::vector<double> s = order;
+    for (std::size_t k = s.size(); k > 1; --k) std::swap(s[k - 1], s[random.index(k)]);
+    return s;
+  };
+  // Two abreast, 12 m behind each other, from the arms' ends inwards.
+  const auto place = [&](double k) {
+    return Point2(8 + 12 * std::floor(k / 2), k - 2 * std::floor(k / 2) < 1 ? -6 : 6);
+  };
+  for (int arm = 0; arm < 4; ++arm) {
+    const std::vector<double> goals = shuffled();
+    for (std::size_t k = 0; k < order.size() && static_cast<int>(scenario.robots.size()) < robots; ++k) {
+      const Point2 s = place(order[k]);
+      const Point2 g = place(goals[k]);
+      const auto at = [&](const Point2& p, bool start) {
+        const double along = (arm % 2 == 0) == start ? p.x() : side - p.x();
+        return arm < 2 ? Point2(along, middle + p.y()) : Point2(middle + p.y(), along);
+      };
+      add_robot(scenario, at(s, true), at(g, false));
+    }
+  }
+}
+
+/// On a generated map, anywhere to anywhere.
+void random_goals(Scenario& scenario, MapKind kind, int robots, Random& random) {
+  scenario.map = generate_map(kind, 512, 512, random);
+  for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, radius, 0.1, random))
+    add_robot(scenario, start, goal);
+}
+
+/// Aisles one robot wide between shelves, open at both ends; goals in the aisles.
+void warehouse(Scenario& scenario, int robots, Random& random) {
+  constexpr int aisle = 12;
+  constexpr int shelf = 8;
+  constexpr int shelf_length = 90;
+  constexpr int lane = 30;
+  const int aisles = 10;
+  const int width = aisles * (aisle + shelf) + shelf + 2 * lane;
+  scenario.map = filled(width, 2 * shelf_length + 3 * lane, false);
+  for (int row = 0; row < 2; ++row) {
+    for (int k = 0; k <= aisles; ++k)
+      set(scenario.map, lane + k * (aisle + shelf), lane + row * (shelf_length + lane), shelf, shelf_length,
+          true);
+  }
+  std::vector<Point2> slots;
+  for (int row = 0; row < 2; ++row) {
+    for (int k = 0; k < aisles; ++k) {
+      for (int n = 0; n < 4; ++n)
+        slots.emplace_back(lane + shelf + k * (aisle + shelf) + aisle / 2.0,
+                           lane + row * (shelf_length + lane) + 12 + 22 * n);
+    }
+  }
+  std::vector<Point2> goals = slots;
+  for (std::size_t k = goals.size(); k > 1; --k) std::swap(goals[k - 1], goals[random.index(k)]);
+  std::vector<Point2> starts = slots;
+  for (std::size_t k = starts.size(); k > 1; --k) std::swap(starts[k - 1], starts[random.index(k)]);
+  for (int k = 0; k < robots; ++k)
+    add_robot(scenario, starts[static_cast<std::size_t>(k)], goals[static_cast<std::size_t>(k)]);
+}
+
+/// Goals one behind the other in a dead end; who must go in deepest is the furthest away.
+void dead_end(Scenario& scenario, int robots, Random& random) {
+  const int depth = 14 * robots + 10;
+  scenario.map = filled(140 + depth, 100, true);
+  set(scenario.map, 0, 0, 140, 100, false);
+  const int j = 20 + static_cast<int>(random.index(50));
+  set(scenario.map, 140, j, depth, 12, false);
+  for (int k = 0; k < robots; ++k) add_robot(scenario, {130.0 - 13 * k, j + 6.0}, {150.0 + 14 * k, j + 6.0});
+}
+
+/// Robots of very different sizes and speeds among dense obstacles.
+void mixed(Scenario& scenario, int robots, Random& random) {
+  scenario.map = generate_map(MapKind::dense, 512, 512, random);
+  // Room for the largest is room for all.
+  for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, 8, 0.1, random))
+    add_robot(scenario, start, goal, random.uniform(2, 8), random.uniform(5, 20));
+}
+
+using Maker = std::function<void(Scenario&, int, Random&)>;
+struct Entry {
+  ScenarioKind kind;
+  Maker make;
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> all{
+      {{"circle", 10, "circle swap"}, circle_swap},
+      {{"pocket-14", 2, "head-on in a corridor 14 wide, a pocket at its side"},
+       [](Scenario& s, int, Random& r) { pocket(s, 14, r); }},
+      {{"pocket-18", 2, "the same, 18 wide"}, [](Scenario& s, int, Random& r) { pocket(s, 18, r); }},
+      {{"loop-14", 2, "head-on in a corridor 14 wide, a long way round"},
+       [](Scenario& s, int, Random& r) { loop(s, 14, r); }},
+      {{"loop-18", 2, "the same, 18 wide"}, [](Scenario& s, int, Random& r) { loop(s, 18, r); }},
+      {{"corridor-24", 10, "half against half through a corridor 24 wide"},
+       [](Scenario& s, int n, Random& r) { halls(s, n, 24, 160, r); }},
+      {{"corridor-40", 20, "the same, 40 wide"},
+       [](Scenario& s, int n, Random& r) { halls(s, n, 40, 160, r); }},
+      {{"door-14", 10, "half against half through a door 14 wide"},
+       [](Scenario& s, int n, Random& r) { halls(s, n, 14, 4, r); }},
+      {{"door-20", 20, "the same, 20 wide"}, [](Scenario& s, int n, Random& r) { halls(s, n, 20, 4, r); }},
+      {{"crossing", 40, "four streams where two corridors 24 wide cross"}, crossing},
+      {{"rooms", 20, "rooms, anywhere to anywhere"},
+       [](Scenario& s, int n, Random& r) { random_goals(s, MapKind::room, n, r); }},
+      {{"maze", 10, "a maze, anywhere to anywhere"},
+       [](Scenario& s, int n, Random& r) { random_goals(s, MapKind::maze, n, r); }},
+      {{"warehouse", 30, "aisles one robot wide, from slot to slot"}, warehouse},
+      {{"dead-end", 6, "a dead end that fills in the wrong order"}, dead_end},
+      {{"mixed", 30, "radii 2 to 8, speeds 5 to 20, dense obstacles"}, mixed},
+  };
+  return all;
+}
+
+}  // namespace
+
+const std::vector<ScenarioKind>& scenario_kinds() {
+  static const std::vector<ScenarioKind> kinds = [] {
+    std::vector<ScenarioKind> result;
+    for (const Entry& entry : entries()) result.push_back(entry.kind);
+    return result;
+  }();
+  return kinds;
+}
+
+Scenario make_scenario(const std::string& name, int robots, std::uint32_t seed) {
+  const auto entry = std::ranges::find(entries(), name, [](const Entry& e) { return e.kind.name; });
+  if (entry == entries().end()) throw InputError(fmt::format("there is no kind of scenario \"{}\"", name));
+  Random random(seed);
+  Scenario scenario{.map_name = name + ".map", .map = {}, .seed = seed, .robots = {}};
+  try {
+    entry->make(scenario, robots, random);
+  } catch (const std::invalid_argument& problem) {
+    throw InputError(problem.what());
+  }
+  return scenario;
+}
+
+}  // namespace coppice

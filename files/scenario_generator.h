@@ -1,0 +1,26 @@
+// Scenarios that try a fleet's coordination: what blocks robots that only avoid each other.
+//
+// The same name, number of robots and seed give the same scenario. Discs of 5 m at 20 m/s unless the kind
+// says otherwise; metres.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "files/scenario.h"
+
+namespace coppice {
+
+/// The names that make_scenario knows, with the number of robots that each is meant for first.
+struct ScenarioKind {
+  std::string name;
+  int robots;
+  std::string what;
+};
+const std::vector<ScenarioKind>& scenario_kinds();
+
+/// Throws InputError for an unknown name or where there is no room for so many robots.
+Scenario make_scenario(const std::string& name, int robots, std::uint32_t seed);
+
+}  // namespace coppice
