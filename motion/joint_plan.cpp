@@ -12,6 +12,7 @@ constexpr int most_attempts = 12;
 constexpr int attempts_at_a_spacing = 4;  // then the lattice becomes finer
 constexpr std::size_t moves_a_robot = 8;  // in one attempt, on average: beyond, it runs in circles
 constexpr int most_depth = 12;            // of robots that wait for each other to clear a way
+constexpr double elbow_room = 2.5;        // radii between two robots that are not in each other's way
 constexpr std::size_t most_routes_a_step = 24;
 constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at: some seconds
 
@@ -82,6 +83,25 @@ void JointPlanner::begin_attempt() {
   } else {
     for (std::size_t i = priority_.size(); i > 1; --i)
       std::swap(priority_[i - 1], priority_[random_.index(i)]);
+    spread_out();
+  }
+}
+
+/// Gives robots that stand in a clinch elbow room: some of those that are under way step back to the nearest
+/// place with nobody close by. In a clinch, each blocks the very moves by which the other would make way.
+void JointPlanner::spread_out() {
+  for (const std::size_t i : priority_) {
+    if (!wants_to_move(i) || random_.uniform() < 0.5) continue;
+    std::vector<Sweep> close;
+    for (std::size_t k = 0; k < tasks_.size(); ++k) {
+      if (k != i) close.push_back({{at_[k], at_[k]}, tasks_[k].radius + elbow_room * tasks_[i].radius});
+    }
+    const bool crowded = std::ranges::any_of(close, [&](const Sweep& sweep) {
+      return (sweep.path[0] - at_[i]).norm() < tasks_[i].radius + sweep.radius;
+    });
+    if (!crowded) continue;
+    Path path = finder(i).refuge(at_[i], others(i), {}, close, {});
+    if (!path.empty()) commit(i, std::move(path));
   }
 }
 

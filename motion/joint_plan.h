@@ -64,6 +64,7 @@ class JointPlanner {
   void set_up();
   void refine(double share);
   void begin_attempt();
+  void spread_out();
   void end_attempt();
   bool move_directly();
   bool shuts_in(std::size_t robot);

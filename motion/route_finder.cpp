@@ -125,11 +125,18 @@ void RouteFinder::mark(const Point2& a, const Point2& b, double distance, Mark w
 
 std::vector<RouteFinder::Obstacle> RouteFinder::obstacles(std::span<const Disc> discs, const Point2& from,
                                                           const std::optional<Point2>& to) const {
+  // Where an end lies closer to a disc than is comfortable, the way there may use up half of what is left.
+  const auto at_end = [&](const Point2& end, const Disc& disc, double touching) {
+    const double gap = (end - disc.centre).norm() - touching;
+    return touching + (gap > 0 ? gap / 2 : gap);
+  };
   std::vector<Obstacle> result;
   for (const Disc& disc : discs) {
-    double distance = radius_ + disc.radius + std::max(standing_gap, comfort * radius_);
-    distance = std::min(distance, (from - disc.centre).norm());
-    if (to) distance = std::min(distance, (*to - disc.centre).norm());
+    const double touching = radius_ + disc.radius + standing_gap;
+    double distance = touching + comfort * radius_;
+    if ((from - disc.centre).norm() < distance) distance = at_end(from, disc, touching);
+    if (to && (*to - disc.centre).norm() < distance)
+      distance = std::min(distance, at_end(*to, disc, touching));
     result.push_back({disc.centre, distance});
   }
   return result;

@@ -15,6 +15,7 @@ constexpr WallTime longest_muster = 10;  // seconds to wait for the others' firs
 constexpr std::size_t track_batch = 20;  // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
+constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr double worth_swapping = 0.005;  // of what is left to drive
 constexpr double stall = 3;               // seconds without progress that make a robot call a knot
 constexpr double stall_radii = 0.5;       // metres that count as progress, in radii
@@ -91,6 +92,7 @@ void RobotAgent::begin_mission(WallTime now) {
   }
   mission_ = mission;
   mission_wall_ = now;
+  times_stranded_ = 0;
   follower_.reset();
   finder_ = std::make_unique<PathFinder>(*field_, mission, body_->position());
   for (const InactiveTreeMessage& tree : trees_) {
@@ -215,7 +217,7 @@ void RobotAgent::decide(double fleet_now) {
       if (status_.phase != Phase::planning) body_->stay(body_->time() + (free ? idle_lease : waiting_lease));
     }
   }
-  if (status_.phase != Phase::stopped) watch_arrival();
+  if (status_.phase != Phase::stopped) watch_arrival(fleet_now);
 }
 
 void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {
@@ -239,7 +241,7 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
 
 /// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way
 /// is under way again.
-void RobotAgent::watch_arrival() {
+void RobotAgent::watch_arrival(double fleet_now) {
   const bool at_goal = (body_->position() - mission_->goal).norm() <= mission_->goal_tolerance / 2;
   if (status_.phase == Phase::arrived && !at_goal) {
     status_.arrival_time = 0;
@@ -249,10 +251,18 @@ void RobotAgent::watch_arrival() {
   if (at_goal) {
     status_.arrival_time = body_->time();
     enter(Phase::arrived);
-  } else if (knot_.stranded()) {
+  } else if (knot_.stranded() && everybody_is_free(fleet_now)) {
+    // Where the others are now, another attempt may succeed.
+    if (++times_stranded_ < most_times_stranded) return knot_.call(fleet_now);
     status_.reason = "the robots cannot be sorted out: no order of moves brings this one to its goal";
     enter(Phase::no_path);
   }
+}
+
+/// Whether nobody holds or has moves of a joint plan left to make.
+bool RobotAgent::everybody_is_free(double fleet_now) const {
+  return std::ranges::all_of(fleet(fleet_now),
+                             [](const FleetMember& m) { return m.silent || m.stage == Stage::free; });
 }
 
 void RobotAgent::enter(Phase phase) {

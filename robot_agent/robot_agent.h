@@ -45,7 +45,8 @@ class RobotAgent {
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
-  void watch_arrival();
+  void watch_arrival(double fleet_now);
+  bool everybody_is_free(double fleet_now) const;
   void enter(Phase phase);
   bool heard_everyone(double fleet_now) const;
   std::vector<Neighbour> neighbours(double fleet_now) const;
@@ -72,6 +73,7 @@ class RobotAgent {
   bool status_changed_ = true;
   std::uint32_t sequence_ = 0;
   bool first_control_ = true;
+  int times_stranded_ = 0;
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;
   WallTime next_status_ = 0;

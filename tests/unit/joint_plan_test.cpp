@@ -84,6 +84,17 @@ TEST(JointPlan, PocketLetsOnePass) {
   EXPECT_TRUE(plan.stranded.empty());
 }
 
+// Each blocks the moves by which the other would make way: first somebody must step back.
+TEST(JointPlan, ClinchAtThePocketsMouth) {
+  OccupancyMap map = open_map(240, 64);
+  block(map, 0, 0, 240, 64);
+  block(map, 10, 10, 230, 24, false);
+  block(map, 121, 24, 141, 40, false);
+  const JointPlan plan =
+      solve(map, {{{118.574868, 18.999996}, {224, 17}, 5}, {{127.79216, 15.000015}, {16, 17}, 5}});
+  EXPECT_TRUE(plan.stranded.empty());
+}
+
 TEST(JointPlan, NoPocketStrandsThem) {
   OccupancyMap map = open_map(200, 60);
   block(map, 0, 0, 200, 60);
