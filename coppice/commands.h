@@ -25,7 +25,7 @@ struct MapOptions {
   int width = 512;
   int height = 512;
   std::uint32_t seed = 1;
-  int robots = 8;
+  std::optional<int> robots;  ///< as many as the kind is meant for
   double radius = 5;
   double max_speed = 20;
   std::string output;  ///< scenario (.json); the map is written beside it

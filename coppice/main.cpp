@@ -28,7 +28,10 @@ int main(int argc, char** argv) {
   add_run_options(*plan, options);
   plan->callback([&] { exit_code = plan_command(options); });
   auto* generate = app.add_subcommand("map", "generate a map and a scenario on it");
-  generate->add_option("kind", map.kind, "blank, dense, maze or room")->required();
+  generate
+      ->add_option("kind", map.kind,
+                   "blank, dense, maze, room, or a scenario that tries coordination: circle, pocket-14, ...")
+      ->required();
   generate->add_option("output", map.output, "scenario to write (.json); the map goes beside it")->required();
   generate->add_option("--width", map.width, "cells");
   generate->add_option("--height", map.height, "cells");

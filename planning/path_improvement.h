@@ -79,7 +79,7 @@ class PathImprover {
       400;  // random places of a round; later rounds add half as many again
   static constexpr std::size_t most_places = 40'000;
   static constexpr double worthwhile = 1e-3;  // of the fleet's length: a round that gains less is in vain
-  static constexpr int rounds_in_vain = 2;
+  static constexpr int rounds_in_vain = 4;
   static constexpr double straight = 1 + 1e-9;
 
   static bool is_straight(const Robot& robot) {

@@ -1,0 +1,74 @@
+// Fleets that only avoid each other would never end these: everybody arrives, and nobody touches anything.
+#include <gtest/gtest.h>
+
+#include "files/input_error.h"
+#include "files/scenario_generator.h"
+#include "simulation/fleet_simulation.h"
+
+namespace coppice {
+namespace {
+
+struct Trial {
+  std::string name;
+  int robots;
+  int seeds;
+};
+
+class Coordination : public testing::TestWithParam<Trial> {};
+
+TEST_P(Coordination, EverybodyArrivesAndNobodyTouchesAnything) {
+  const Trial& trial = GetParam();
+  for (int seed = 1; seed <= trial.seeds; ++seed) {
+    const Scenario scenario = make_scenario(trial.name, trial.robots, static_cast<std::uint32_t>(seed));
+    FleetSimulation simulation(scenario, {.timeout = 3000});
+    simulation.run([](const PlannerService&, double) { return true; });
+    const proto::Report report = simulation.service().report();
+    EXPECT_EQ(report.outcome(), "arrived") << trial.name << " seed " << seed;
+    EXPECT_GE(report.least_separation(), 0) << trial.name << " seed " << seed;
+    EXPECT_GE(report.least_clearance(), -overlap_tolerance) << trial.name << " seed " << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenarios, Coordination,
+                         testing::Values(Trial{"circle", 10, 5}, Trial{"pocket-14", 2, 20},
+                                         Trial{"pocket-18", 2, 20}, Trial{"loop-14", 2, 20},
+                                         Trial{"loop-18", 2, 20}, Trial{"corridor-24", 10, 5},
+                                         Trial{"corridor-40", 20, 2}, Trial{"door-14", 10, 5},
+                                         Trial{"door-20", 20, 2}, Trial{"rooms", 20, 3}, Trial{"maze", 10, 1},
+                                         Trial{"warehouse", 30, 2}, Trial{"dead-end", 6, 5},
+                                         Trial{"mixed", 30, 1}),
+                         [](const auto& trial) {
+                           std::string name = trial.param.name;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+// Head-on in a corridor without a pocket: within a bounded time they are told that there is no way.
+TEST(Coordination, WhatCannotBeSortedOutIsTold) {
+  Scenario scenario;
+  scenario.map = {.width = 240, .height = 34, .blocked = std::vector<std::uint8_t>(240 * 34, 1)};
+  for (int j = 10; j < 24; ++j) {
+    for (int i = 10; i < 230; ++i) scenario.map.blocked[static_cast<std::size_t>(j * 240 + i)] = 0;
+  }
+  scenario.robots = {{"a", {20, 17}, {220, 17}, 5, 20, 40, 1}, {"b", {220, 17}, {20, 17}, 5, 20, 40, 1}};
+  FleetSimulation simulation(scenario, {.timeout = 3000});
+  double ended = 0;
+  simulation.run([&](const PlannerService&, double now) {
+    ended = now;
+    return true;
+  });
+  const proto::Report report = simulation.service().report();
+  EXPECT_EQ(report.outcome(), "incomplete");
+  EXPECT_LT(ended, 120);
+  EXPECT_GE(report.least_separation(), 0);
+  for (const auto& robot : report.robots())
+    EXPECT_NE(robot.reason().find("cannot be sorted out"), std::string::npos) << robot.reason();
+}
+
+TEST(Coordination, UnknownKindsAndTooManyRobotsAreErrors) {
+  EXPECT_THROW(make_scenario("nothing", 2, 1), InputError);
+  EXPECT_THROW(make_scenario("rooms", 100'000, 1), InputError);
+}
+
+}  // namespace
+}  // namespace coppice
