@@ -56,13 +56,15 @@ idl::OccupancyMap to_dds(const MapMessage& m) {
   d.origin(to_dds(m.map.origin));
   d.y_axis(octet(m.map.y_axis));
   d.packed_occupancy(packed(m.map.blocked));
+  d.radii(m.radii);
   return d;
 }
 
 MapMessage from_dds(const idl::OccupancyMap& d) {
   return {text(d.map_id()),
           {d.width(), d.height(), d.resolution(), from_dds(d.origin()), static_cast<YAxis>(d.y_axis()),
-           unpacked(d.packed_occupancy(), d.width(), d.height())}};
+           unpacked(d.packed_occupancy(), d.width(), d.height())},
+          d.radii()};
 }
 
 idl::Mission to_dds(const Mission& m) {
@@ -307,6 +309,7 @@ idl::BrokerStatus to_dds(const BrokerStatus& m) {
   d.nodes_invalid(m.nodes_invalid);
   d.trees_active(m.trees_active);
   d.trees_published(m.trees_published);
+  d.covered_map(m.covered_map);
   d.rejected(m.rejected);
   return d;
 }
@@ -317,6 +320,7 @@ BrokerStatus from_dds(const idl::BrokerStatus& d) {
           .nodes_invalid = d.nodes_invalid(),
           .trees_active = d.trees_active(),
           .trees_published = d.trees_published(),
+          .covered_map = text(d.covered_map()),
           .rejected = d.rejected()};
 }
 

@@ -30,6 +30,7 @@ struct TreeId {
 struct MapMessage {
   std::string map_id;
   OccupancyMap map;
+  std::vector<double> radii{};  ///< of the robots that are to drive on it, each once: brokers may grow ahead
   bool operator==(const MapMessage&) const = default;
 };
 
@@ -212,6 +213,7 @@ struct BrokerStatus {
   std::uint32_t nodes_invalid = 0;
   std::uint32_t trees_active = 0;
   std::uint32_t trees_published = 0;
+  std::string covered_map{};  ///< id of the map that its trees cover by now, for all radii; empty: not yet
   std::uint32_t rejected = 0;
   bool operator==(const BrokerStatus&) const = default;
 };

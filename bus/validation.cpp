@@ -45,7 +45,8 @@ Problem check(const MapMessage& m) {
                    {m.map.y_axis <= YAxis::up, "unknown y axis"},
                    {m.map.blocked.size() == static_cast<std::size_t>(std::max(m.map.width, 0)) *
                                                 static_cast<std::size_t>(std::max(m.map.height, 0)),
-                    "number of cells does not agree with the size"}});
+                    "number of cells does not agree with the size"},
+                   {std::ranges::all_of(m.radii, positive), "a radius is not positive"}});
 }
 
 Problem check(const Mission& m) {
@@ -149,8 +150,8 @@ Problem check(const AgentStatus& m) {
                    {not_negative(m.driven_length), "length is negative or not finite"}});
 }
 
-Problem check(const BrokerStatus&) {
-  return std::nullopt;
+Problem check(const BrokerStatus& m) {
+  return first_of({{m.covered_map.size() <= longest_name, "map id is too long"}});
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ constexpr WallTime beat = 0.1;             // seconds between looks at what has 
 constexpr WallTime agent_lease = 5;        // seconds without a status: the agent counts as lost
 constexpr WallTime first_sign_lease = 30;  // seconds until an agent must have appeared at all
 constexpr WallTime longest_wait_for_tracks = 3;
+constexpr WallTime longest_wait_for_forest = 3;
 constexpr std::uint32_t mission_number = 1;
 // A picture with more edges than that shows nothing but ink.
 constexpr std::size_t most_picture_edges = 100'000;
@@ -48,7 +49,8 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
     : scenario_(std::move(scenario)),
       settings_(settings),
       map_id_(content_id(scenario_.map)),
-      clock_{now, settings.time_scale} {
+      clock_{now, settings.time_scale},
+      begun_(now) {
   for (const RobotTask& task : scenario_.robots) {
     Robot robot;
     robot.task = task;
@@ -78,6 +80,8 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
   brokers_[status.broker] = status;
+  forest_ready_ = forest_ready_ || status.covered_map == map_id_;
+  if (forest_ready_ && !missions_published_) next_wake_ = begun_;
 }
 
 void PlannerService::receive(const PathMessage& path, WallTime) {
@@ -112,6 +116,15 @@ void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
   }
 }
 
+MapMessage PlannerService::map() const {
+  MapMessage message{map_id_, scenario_.map, {}};
+  if (settings_.planner != PlannerKind::ma_rrdt_star) return message;
+  for (const RobotTask& task : scenario_.robots) {
+    if (std::ranges::count(message.radii, task.radius) == 0) message.radii.push_back(task.radius);
+  }
+  return message;
+}
+
 Mission PlannerService::mission_of(const Robot& robot) const {
   const auto place = std::ranges::find(order_, robot.task.name) - order_.begin();
   return {.robot = robot.task.name,
@@ -131,19 +144,28 @@ Mission PlannerService::mission_of(const Robot& robot) const {
           .clock = clock_};
 }
 
+void PlannerService::publish_missions(std::vector<Message>& out) const {
+  for (const RobotName& name : order_) out.emplace_back(mission_of(robots_.at(name)));
+}
+
+/// Robots that come to a forest plan in a fraction of the time; but without a broker they plan too.
+bool PlannerService::time_for_missions(WallTime now) const {
+  return forest_ready_ || settings_.planner != PlannerKind::ma_rrdt_star ||
+         now - begun_ >= longest_wait_for_forest;
+}
+
 std::vector<Message> PlannerService::step(WallTime now) {
   std::vector<Message> out;
-  const auto publish_missions = [&] {
-    for (const RobotName& name : order_) out.emplace_back(mission_of(robots_.at(name)));
-  };
-  if (!std::exchange(published_, true)) {
-    out.emplace_back(MapMessage{map_id_, scenario_.map});
-    publish_missions();
+  if (!std::exchange(map_published_, true)) out.emplace_back(map());
+  if (!missions_published_ && time_for_missions(now)) {
+    missions_published_ = true;
+    clock_.epoch = now;
+    publish_missions(out);
   }
   watch_liveliness(now);
   if (!ended_ && run_is_over(now)) {
     ended_ = now;
-    publish_missions();  // as cancelled
+    publish_missions(out);  // as cancelled
   }
   if (ended_) finished_ = tracks_complete() || now - *ended_ > longest_wait_for_tracks;
   next_wake_ = now + beat;
@@ -158,7 +180,7 @@ void PlannerService::watch_liveliness(WallTime now) {
 }
 
 bool PlannerService::run_is_over(WallTime now) {
-  timed_out_ = clock_.fleet_time(now) > settings_.timeout;
+  timed_out_ = missions_published_ && clock_.fleet_time(now) > settings_.timeout;
   return interrupted_ || timed_out_ ||
          std::ranges::all_of(robots_, [](const auto& entry) { return entry.second.done(); });
 }
@@ -177,7 +199,8 @@ bool PlannerService::everybody_arrived() const {
 }
 
 Progress PlannerService::progress(WallTime now) const {
-  Progress progress{.robots = static_cast<int>(robots_.size()), .elapsed = clock_.fleet_time(now)};
+  Progress progress{.robots = static_cast<int>(robots_.size()),
+                    .elapsed = missions_published_ ? clock_.fleet_time(now) : 0};
   for (const auto& [name, robot] : robots_) {
     progress.planned += !robot.path.empty();
     progress.arrived += robot.status && robot.status->arrival_time > 0;

@@ -36,7 +36,7 @@ struct Progress {
 
 class PlannerService {
  public:
-  /// The run begins at `now`; fleet time is 0 then.
+  /// Hands out the map at once and the missions when a broker's trees cover it; fleet time is 0 then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now);
 
   void on(const Message& message, WallTime now);
@@ -75,7 +75,10 @@ class PlannerService {
   void receive(const RootNodes& batch, WallTime now);
   void receive(const InactiveTreeMessage& tree, WallTime now);
 
+  MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
+  void publish_missions(std::vector<Message>& out) const;
+  bool time_for_missions(WallTime now) const;
   void watch_liveliness(WallTime now);
   bool run_is_over(WallTime now);
   bool tracks_complete() const;
@@ -92,7 +95,10 @@ class PlannerService {
   std::map<std::uint64_t, BrokerStatus> brokers_;
   std::vector<PictureContent::Edge> shared_edges_;
   std::map<TreeId, bool> trees_seen_;
-  bool published_ = false;
+  WallTime begun_;
+  bool map_published_ = false;
+  bool forest_ready_ = false;
+  bool missions_published_ = false;
   bool interrupted_ = false;
   bool timed_out_ = false;
   bool finished_ = false;

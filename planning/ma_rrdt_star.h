@@ -103,6 +103,12 @@ class MaRrdtStar {
   /// One iteration of Algorithm 2. False if nothing grows here or every group is solved.
   bool step();
 
+  /// One iteration of growing disjointed trees for robots of `radius` before there is any group. False once
+  /// the trees cover what such robots can reach: many random free points in a row taught nothing, for each
+  /// saw a tree and no two that are not connected (the end of Visibility-PRM: Simeon, Laumond, Nissoux,
+  /// 2000). The trees are inactive then.
+  bool grow_ahead(double radius);
+
   bool solved(GroupIndex g) const { return groups_[g].state == State::solved; }
   bool is_open(GroupIndex g) const { return groups_[g].state == State::open; }
   std::size_t open_groups() const { return open_.size(); }
@@ -181,6 +187,8 @@ class MaRrdtStar {
   static constexpr double least_spacing = 0.25;
   static constexpr std::uint32_t few_nodes = 64;  // a tree of so many is looked through faster than the grid
   static constexpr int free_point_tries = 1000;   // a map with less free room than that restarts later
+  // Random points in a row: the larger the map, the smaller a part of it is the door that nobody saw yet.
+  static constexpr std::size_t least_in_vain = 300;
 
   static constexpr std::size_t index(Root side) { return static_cast<std::size_t>(side); }
   NodeId root(GroupIndex g, Root side) const { return groups_[g].root_node[index(side)]; }
@@ -190,9 +198,12 @@ class MaRrdtStar {
   void leave(GroupIndex g);
 
   // --- the iteration ---
+  void iterate();
   Arm& pick_tree();
   bool failing(const Arm& arm) const;
+  double radius_of_new_tree();
   void restart(Arm& arm);
+  bool teaches(const P& p, double radius) const;
   bool worth_a_node(const P& p, double radius);
   void restart_root(Arm& arm);
   void grow(Arm& arm);
@@ -239,6 +250,8 @@ class MaRrdtStar {
   std::vector<Arm> arms_;
   std::size_t disjointed_arms_ = 0;  ///< of arms_
   bool some_group_left_ = false;     // its arms are still in arms_
+  double ahead_radius_ = 0;          // of the trees that grow before there is a group
+  int in_vain_ = 0;                  // random points in a row that taught nothing
   SampleCounts disjointed_counts_;
   std::vector<TreeIndex> frozen_;
   std::uint32_t frozen_trees_ = 0;

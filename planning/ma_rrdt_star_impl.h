@@ -12,12 +12,30 @@ namespace coppice {
 template <Space S>
 bool MaRrdtStar<S>::step() {
   if (open_.empty()) return false;
+  if (arms_.empty() && settings_.disjointed_trees == 0) return false;
+  iterate();
+  return true;
+}
+
+template <Space S>
+bool MaRrdtStar<S>::grow_ahead(double radius) {
+  if (std::exchange(ahead_radius_, radius) != radius) in_vain_ = 0;
+  if (static_cast<std::size_t>(in_vain_) < std::max(least_in_vain, trees_.node_count() / 2)) {
+    iterate();
+    return true;
+  }
+  for (TreeIndex t = 0; t < trees_.tree_count(); ++t) {
+    if (trees_.is_tree(t) && trees_.tree(t).kind == TreeKind::active && trees_.tree(t).size > 0) freeze(t);
+  }
+  return false;
+}
+
+template <Space S>
+void MaRrdtStar<S>::iterate() {
   for (; disjointed_arms_ < settings_.disjointed_trees; ++disjointed_arms_) arms_.emplace_back();
   if (std::exchange(some_group_left_, false)) {
     std::erase_if(arms_, [&](const Arm& arm) { return arm.group != no_group && !is_open(arm.group); });
   }
-  if (arms_.empty()) return false;
-
   Arm& arm = pick_tree();
   if (!failing(arm)) {
     grow(arm);
@@ -26,7 +44,6 @@ bool MaRrdtStar<S>::step() {
   } else {
     restart_root(arm);
   }
-  return true;
 }
 
 /// At random, in proportion to the weights: a uniform choice that is kept with probability weight / full
@@ -45,18 +62,44 @@ bool MaRrdtStar<S>::failing(const Arm& arm) const {
   return arm.group == no_group && trees_.tree(trees_.tree_of(arm.node)).kind != TreeKind::active;
 }
 
+/// That of a group which still needs trees, at random.
+template <Space S>
+double MaRrdtStar<S>::radius_of_new_tree() {
+  return open_.empty() ? ahead_radius_ : groups_[open_[random_.index(open_.size())]].radius;
+}
+
 /// A new disjointed tree at a random free point. Near a disjointed tree it becomes a node of that one; near a
 /// root tree, or one that is grafted, it is a shared tree of one node that is grafted at once.
 template <Space S>
 void MaRrdtStar<S>::restart(Arm& arm) {
-  const double radius = groups_[open_[random_.index(open_.size())]].radius;
+  const double radius = radius_of_new_tree();
   const std::optional<P> p = random_free_point(radius);
-  if (!p) return;
+  if (!p) {
+    ++in_vain_;
+    return;
+  }
   look_around(*p);
+  if (open_.empty()) in_vain_ = teaches(*p, radius) ? 0 : in_vain_ + 1;
   if (!worth_a_node(*p, radius)) return;
   ++disjointed_counts_.valid;
   arm = Arm{trees_.add_node(trees_.add_tree(TreeKind::active, radius), *p)};
   compare_disjointed_node(arm.node);
+}
+
+/// Whether a point sees no tree, or brings together two that are not connected yet.
+template <Space S>
+bool MaRrdtStar<S>::teaches(const P& p, double radius) const {
+  std::optional<TreeIndex> seen;
+  for (const NodeId n : near_) {
+    const TreeIndex t = trees_.tree_of(n);
+    const Tree& tree = trees_.tree(t);
+    if (tree.kind == TreeKind::root || tree.radius < radius) continue;
+    if (seen && (*seen == t || connected(*seen, t))) continue;
+    if (!space_.segment_free(trees_.position(n), p, radius)) continue;
+    if (seen) return true;
+    seen = t;
+  }
+  return !seen;
 }
 
 /// The more nodes of shared trees a point sees close by, the less it teaches, and the less likely it is to be

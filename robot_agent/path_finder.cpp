@@ -53,7 +53,7 @@ void PathFinder::take(const InactiveTreeMessage& message) {
   planner_.add_inactive_tree(tree);
 }
 
-std::optional<std::variant<Path, NoPath>> PathFinder::step() {
+std::optional<PathFinder::Result> PathFinder::step() {
   const int most = pause() > 0 ? iterations_a_step : iterations_alone;
   for (int i = 0; i < most && grow(); ++i) ++iterations_;
   ++steps_without_news_;

@@ -24,13 +24,15 @@ struct NoPath {
 
 class PathFinder {
  public:
+  using Result = std::variant<Path, NoPath>;
+
   /// Plans from `start` to the mission's goal on `field`, which outlives it.
   PathFinder(const ClearanceField& field, const Mission& mission, const Point2& start);
 
   void take(const InactiveTreeMessage& tree);
 
   /// A bounded amount of growing. The result, once there is one.
-  std::optional<std::variant<Path, NoPath>> step();
+  std::optional<Result> step();
 
   /// A bounded amount of looking for a shorter path than the one that step() found. False once none turns up.
   bool improve();

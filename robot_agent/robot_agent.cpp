@@ -92,6 +92,7 @@ void RobotAgent::begin_mission(WallTime now) {
   }
   mission_ = mission;
   mission_wall_ = now;
+  found_.reset();
   times_stranded_ = 0;
   follower_.reset();
   finder_ = std::make_unique<PathFinder>(*field_, mission, body_->position());
@@ -120,30 +121,37 @@ std::vector<Message> RobotAgent::step(WallTime now) {
   if (body_) next_wake_ = std::min(next_wake_, mission_->clock.wall_time(body_->time() + period));
   if (finder_) {
     const bool planning = status_.phase == Phase::planning;
-    next_wake_ = std::min(next_wake_, now + (planning ? finder_->pause() : pause_between_improvements));
+    const double pause = found_ ? 0 : planning ? finder_->pause() : pause_between_improvements;
+    next_wake_ = std::min(next_wake_, now + pause);
   }
   return out;
 }
 
+/// What a step finds is taken up by the next one: its time then counts what the finding took.
 void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
-  const auto result = finder_->step();
+  if (found_) {
+    take_up(*std::exchange(found_, std::nullopt), now, out);
+    return;
+  }
+  found_ = finder_->step();
   if (const auto batch = finder_->take_root_nodes(); batch) out.emplace_back(*batch);
-  if (!result) return;
+}
 
+void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out) {
   status_.nodes_valid = finder_->counts().valid;
   status_.nodes_invalid = finder_->counts().invalid;
   status_.trees_received = finder_->received_trees();
   status_.trees_grafted = finder_->grafted_trees();
   status_.path_time = mission_->clock.fleet_time(now);
   status_.plan_seconds = now - mission_wall_;
-  if (const auto* failure = std::get_if<NoPath>(&*result)) {
+  if (const auto* failure = std::get_if<NoPath>(&result)) {
     status_.reason = failure->reason;
     finder_.reset();
     enter(Phase::no_path);
   } else {
     first_path_wall_ = now;
     last_gain_time_ = mission_->clock.fleet_time(now);
-    follow(std::get<Path>(*result), out);
+    follow(std::get<Path>(result), out);
     enter(Phase::driving);
   }
 }

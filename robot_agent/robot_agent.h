@@ -38,6 +38,7 @@ class RobotAgent {
 
   void begin_mission(WallTime now);
   void plan(WallTime now, std::vector<Message>& out);
+  void take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out);
   void follow(const Path& path, std::vector<Message>& out);
   void improve(WallTime now, std::vector<Message>& out);
   bool others_plan() const;
@@ -63,6 +64,7 @@ class RobotAgent {
 
   std::optional<Mission> mission_;  ///< the one that is being carried out
   std::unique_ptr<PathFinder> finder_;
+  std::optional<PathFinder::Result> found_;  ///< in the last step
   std::optional<Driver> body_;
   std::optional<PathFollower> follower_;
   Knot knot_;

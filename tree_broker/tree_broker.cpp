@@ -16,9 +16,10 @@ constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet
 
 }  // namespace
 
-TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, std::size_t trees, Random random)
+TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, Random random)
     : field(map),
-      planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = trees}, random) {}
+      planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = least_trees}, random) {
+}
 
 void TreeBroker::on(const Message& message, WallTime now) {
   std::visit(
@@ -34,6 +35,13 @@ void TreeBroker::receive(const MapMessage& message) {
   map_ = message;
   forest_.reset();
   groups_.clear();
+  if (!message.radii.empty()) {
+    // The trees of large robots serve the small ones too: those need more only where no large one fits.
+    std::vector<double> radii = message.radii;
+    std::ranges::sort(radii);
+    forest_ = std::make_unique<Forest>(map_->map, radii.back(), Random(seed_));
+    forest_->uncovered = std::move(radii);
+  }
   for (const auto& [robot, mission] : std::exchange(waiting_missions_, {})) receive(mission);
 }
 
@@ -48,10 +56,14 @@ void TreeBroker::receive(const Mission& mission) {
   end_group(mission.robot);
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
-    forest_ = std::make_unique<Forest>(map_->map, mission.radius, least_trees, Random(seed_));
+    forest_ = std::make_unique<Forest>(map_->map, mission.radius, Random(seed_));
   }
-  groups_[mission.robot] = {mission.number, forest_->planner.add_remote_group(mission.radius), 0};
+  const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
+  groups_[mission.robot] = {mission.number, group, 0};
   forest_->planner.grow_disjointed_trees(std::max(least_trees, 2 * groups_.size()));
+  // The roots are known from here: where both see the forest, as the agent will find too, no tree need grow.
+  forest_->planner.add_remote_node(group, Root::start, mission.start);
+  forest_->planner.add_remote_node(group, Root::goal, mission.goal);
 }
 
 void TreeBroker::receive(const RootNodes& batch) {
@@ -82,13 +94,8 @@ void TreeBroker::end_group(const RobotName& robot) {
 
 std::vector<Message> TreeBroker::step(WallTime now) {
   std::vector<Message> out;
-  bool grows = false;
-  if (forest_ && forest_->planner.trees().node_count() < most_nodes) {
-    for (int i = 0; i < iterations_a_step; ++i) {
-      grows = forest_->planner.step();
-      if (!grows) break;
-    }
-  }
+  bool grows = forest_ != nullptr;
+  for (int i = 0; i < iterations_a_step && grows; ++i) grows = grow();
   if (forest_) {
     for (const TreeIndex tree : forest_->planner.take_frozen()) out.emplace_back(describe(tree));
   }
@@ -98,6 +105,16 @@ std::vector<Message> TreeBroker::step(WallTime now) {
   }
   next_wake_ = grows ? now : next_status_;
   return out;
+}
+
+/// For the groups that wait for trees; when there are none, ahead. False: nothing to do.
+bool TreeBroker::grow() {
+  Planner& planner = forest_->planner;
+  if (planner.trees().node_count() >= most_nodes) return false;
+  if (planner.step()) return true;
+  if (forest_->uncovered.empty()) return false;
+  if (!planner.grow_ahead(forest_->uncovered.back())) forest_->uncovered.pop_back();
+  return true;
 }
 
 InactiveTreeMessage TreeBroker::describe(TreeIndex tree) {
@@ -119,6 +136,7 @@ BrokerStatus TreeBroker::status() const {
   if (forest_) {
     status.nodes_valid = forest_->planner.disjointed_counts().valid;
     status.nodes_invalid = forest_->planner.disjointed_counts().invalid;
+    if (forest_->uncovered.empty()) status.covered_map = map_->map_id;
     status.trees_active = static_cast<std::uint32_t>(forest_->planner.active_trees());
   }
   return status;

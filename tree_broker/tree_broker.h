@@ -1,7 +1,8 @@
 // The tree broker: grows the disjointed trees of the whole fleet and publishes each once it is inactive.
 //
-// It learns of the groups from the missions, of their root trees from `root_nodes`, and of their success from
-// `agent_status`. A state machine: messages and the time go in, messages come out; no clock, thread or I/O.
+// It grows ahead as soon as it has the map, so that a mission finds trees in place. Then it learns of the
+// groups from the missions, of their root trees from `root_nodes`, and of their success from `agent_status`.
+// A state machine: messages and the time go in, messages come out; no clock, thread or I/O.
 #pragma once
 
 #include <cstdint>
@@ -33,9 +34,11 @@ class TreeBroker {
 
   /// The trees of one map; a new map begins with none.
   struct Forest {
-    Forest(const OccupancyMap& map, double radius, std::size_t trees, Random random);
+    /// With steps that suit robots of `radius`.
+    Forest(const OccupancyMap& map, double radius, Random random);
     ClearanceField field;
     Planner planner;
+    std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
   };
   struct Group {
     std::uint32_t mission = 0;
@@ -48,6 +51,7 @@ class TreeBroker {
   void receive(const RootNodes& batch);
   void receive(const AgentStatus& status);
   void end_group(const RobotName& robot);
+  bool grow();
   InactiveTreeMessage describe(TreeIndex tree);
   BrokerStatus status() const;
 

@@ -33,15 +33,44 @@ Scenario two_robots() {
   return scenario;
 }
 
-TEST(PlannerService, HandsOutMapAndMissionsOnce) {
+/// What a service hands out when a broker's trees cover the map at once.
+std::vector<Message> map_and_missions(PlannerService& service) {
+  std::vector<Message> all = service.step(0);
+  service.on(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(all).at(0).map_id}, 0);
+  for (Message& message : service.step(0)) all.push_back(std::move(message));
+  return all;
+}
+
+TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
   PlannerService service(two_robots(), {}, 0);
   const auto first = service.step(0);
-  EXPECT_EQ(of<MapMessage>(first).size(), 1u);
-  ASSERT_EQ(of<Mission>(first).size(), 2u);
-  EXPECT_EQ(of<Mission>(first)[1].robot, "b");
-  EXPECT_EQ(of<Mission>(first)[0].fleet_size, 2u);
-  EXPECT_NE(of<Mission>(first)[0].seed, of<Mission>(first)[1].seed);
+  ASSERT_EQ(of<MapMessage>(first).size(), 1u);
+  EXPECT_EQ(of<MapMessage>(first)[0].radii, std::vector<double>{5});
+  EXPECT_TRUE(of<Mission>(first).empty());
+  service.on(BrokerStatus{.broker = 1, .covered_map = "another map"}, 0.1);
   EXPECT_TRUE(service.step(0.1).empty());
+
+  service.on(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(first)[0].map_id}, 0.2);
+  EXPECT_LE(service.next_wake(), 0.2);
+  const auto missions = of<Mission>(service.step(0.2));
+  ASSERT_EQ(missions.size(), 2u);
+  EXPECT_EQ(missions[1].robot, "b");
+  EXPECT_EQ(missions[0].fleet_size, 2u);
+  EXPECT_NE(missions[0].seed, missions[1].seed);
+  EXPECT_EQ(missions[0].clock.fleet_time(0.2), 0);
+  EXPECT_TRUE(service.step(0.3).empty());
+}
+
+TEST(PlannerService, DoesNotWaitLongForABrokerAndNotAtAllWithoutSharing) {
+  PlannerService service(two_robots(), {}, 0);
+  service.step(0);
+  EXPECT_TRUE(of<Mission>(service.step(2.9)).empty());
+  EXPECT_EQ(of<Mission>(service.step(3.1)).size(), 2u);
+
+  PlannerService alone(two_robots(), {.planner = PlannerKind::rrdt_star}, 0);
+  const auto first = alone.step(0);
+  EXPECT_EQ(of<Mission>(first).size(), 2u);
+  EXPECT_TRUE(of<MapMessage>(first)[0].radii.empty());
 }
 
 TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
@@ -75,7 +104,7 @@ TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
 
 TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
   PlannerService service(two_robots(), {.time_scale = 10, .timeout = 20}, 0);
-  service.step(0);
+  map_and_missions(service);
   service.step(1.9);
   EXPECT_FALSE(service.finished());
   service.step(2.1);
@@ -88,9 +117,12 @@ TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
 TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
-  for (const Message& message : service.step(0)) broker.on(message, 0);
+  for (Message& message : map_and_missions(service)) {
+    if (auto* map = std::get_if<MapMessage>(&message)) map->radii.clear();  // nothing is grown ahead
+    broker.on(message, 0);
+  }
   RootNodes roots{.robot = "a", .mission = 1, .nodes = {}};
-  for (int k = 0; k < 40; ++k)
+  for (int k = 0; k < 16; ++k)  // on the start's side of the wall
     roots.nodes.push_back({Side::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
   broker.on(roots, 0);
   std::map<TreeId, int> seen;
@@ -104,12 +136,44 @@ TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
   }
 }
 
-TEST(TreeBroker, RestsWhenEveryGroupIsSolved) {
-  PlannerService service(two_robots(), {}, 0);
+TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
+  Scenario scenario = two_robots();
+  scenario.robots[1].radius = 3;
+  PlannerService service(scenario, {}, 0);
   TreeBroker broker(7, 1);
   for (const Message& message : service.step(0)) broker.on(message, 0);
-  broker.step(0);
-  EXPECT_EQ(broker.next_wake(), 0);  // grows on
+  std::vector<InactiveTreeMessage> trees;
+  std::string covered;
+  double now = 0;
+  for (; covered.empty() && now < 10; now += 0.001) {
+    const auto said = broker.step(now);
+    for (const auto& tree : of<InactiveTreeMessage>(said)) trees.push_back(tree);
+    for (const auto& status : of<BrokerStatus>(said)) covered = status.covered_map;
+    service.on(BrokerStatus{.broker = 7, .covered_map = covered}, now);
+  }
+  EXPECT_TRUE(of<InactiveTreeMessage>(broker.step(now)).empty());
+  EXPECT_GT(broker.next_wake(), now);  // it rests until a mission comes
+  ASSERT_FALSE(trees.empty());
+
+  // An agent that gets the trees first finds its path in the step in which it gets its mission, and says so
+  // in the next one, when the time that it took is known.
+  RobotAgent agent("a");
+  agent.on(MapMessage{covered, scenario.map, {}}, now);
+  for (const InactiveTreeMessage& tree : trees) agent.on(tree, now);
+  for (const Message& message : service.step(now)) agent.on(message, now);
+  agent.step(now);
+  EXPECT_EQ(agent.next_wake(), now);
+  const auto said = agent.step(now + 0.003);
+  ASSERT_EQ(of<PathMessage>(said).size(), 1u);
+  EXPECT_GT(of<AgentStatus>(said).back().trees_grafted, 0u);
+  EXPECT_NEAR(of<AgentStatus>(said).back().plan_seconds, 0.003, 1e-9);
+}
+
+TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  for (const Message& message : map_and_missions(service)) broker.on(message, 0);
+  EXPECT_EQ(broker.next_wake(), 0);  // there is something to grow
   for (const char* robot : {"a", "b"}) {
     AgentStatus status;
     status.robot = robot;
@@ -117,7 +181,7 @@ TEST(TreeBroker, RestsWhenEveryGroupIsSolved) {
     status.phase = Phase::driving;
     broker.on(status, 0.1);
   }
-  broker.step(0.1);
+  for (int k = 0; k < 1000; ++k) broker.step(0.1);
   EXPECT_GT(broker.next_wake(), 0.1);
 }
 
@@ -136,7 +200,7 @@ TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
   EXPECT_FALSE(of<AgentStatus>(agent.step(0)).empty());
-  for (const Message& message : service.step(0)) agent.on(message, 0);
+  for (const Message& message : map_and_missions(service)) agent.on(message, 0);
   const auto said = run(agent, 0, 30);
   ASSERT_EQ(of<PathMessage>(said).size(), 1u);
   EXPECT_EQ(of<PathMessage>(said)[0].waypoints.back(), Point2(100, 60));
@@ -159,7 +223,7 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
   Mission mission;
-  for (const Message& message : service.step(0)) {
+  for (const Message& message : map_and_missions(service)) {
     agent.on(message, 0);
     if (const auto* m = std::get_if<Mission>(&message)) mission = *m;
   }
@@ -174,7 +238,7 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
 TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
-  for (const Message& message : service.step(0)) agent.on(message, 0);
+  for (const Message& message : map_and_missions(service)) agent.on(message, 0);
   RobotState other{.robot = "b",
                    .stamp = 0.1,
                    .position = {20, 20},

@@ -115,6 +115,7 @@ TEST(Validation, RootNodesTracksAndMaps) {
   EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{static_cast<Side>(2), {0, 0}, 1}}}));
   EXPECT_TRUE(problem_with(TrackMessage{"r1", 1, 0, {{2, {0, 0}, {0, 0}}, {1, {0, 0}, {0, 0}}}}));
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 2, .height = 2, .blocked = {0, 1}}}));
+  EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 1, .height = 1, .blocked = {0}}, {5, -1}}));
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = -1, .height = 2, .blocked = {}}}));
 }
 
