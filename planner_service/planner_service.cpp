@@ -73,6 +73,8 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   const auto known = robots_.find(status.robot);
   if (known == robots_.end()) return;
   known->second.last_heard = now;
+  known->second.trees_received = status.trees_received;
+  if (!missions_published_) next_wake_ = begun_;
   if (status.mission != mission_number) return;
   known->second.lost = false;
   known->second.status = status;
@@ -80,8 +82,8 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
   brokers_[status.broker] = status;
-  forest_ready_ = forest_ready_ || status.covered_map == map_id_;
-  if (forest_ready_ && !missions_published_) next_wake_ = begun_;
+  if (!forest_size_ && status.covered_map == map_id_) forest_size_ = status.trees_published;
+  if (!missions_published_) next_wake_ = begun_;
 }
 
 void PlannerService::receive(const PathMessage& path, WallTime) {
@@ -148,9 +150,15 @@ void PlannerService::publish_missions(std::vector<Message>& out) const {
   for (const RobotName& name : order_) out.emplace_back(mission_of(robots_.at(name)));
 }
 
+bool PlannerService::everybody_has_the_forest() const {
+  return forest_size_ && std::ranges::all_of(robots_, [&](const auto& entry) {
+           return entry.second.trees_received >= *forest_size_;  // none is less than any number
+         });
+}
+
 /// Robots that come to a forest plan in a fraction of the time; but without a broker they plan too.
 bool PlannerService::time_for_missions(WallTime now) const {
-  return forest_ready_ || settings_.planner != PlannerKind::ma_rrdt_star ||
+  return everybody_has_the_forest() || settings_.planner != PlannerKind::ma_rrdt_star ||
          now - begun_ >= longest_wait_for_forest;
 }
 

@@ -36,7 +36,8 @@ struct Progress {
 
 class PlannerService {
  public:
-  /// Hands out the map at once and the missions when a broker's trees cover it; fleet time is 0 then.
+  /// Hands out the map at once, and the missions when every agent has trees that cover it; fleet time is 0
+  /// then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now);
 
   void on(const Message& message, WallTime now);
@@ -60,6 +61,7 @@ class PlannerService {
     RobotTask task;
     std::optional<AgentStatus> status;
     WallTime last_heard = 0;
+    std::optional<std::uint32_t> trees_received;  ///< none: it has not appeared yet
     bool lost = false;
     Path path;
     Track track;
@@ -78,6 +80,7 @@ class PlannerService {
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;
+  bool everybody_has_the_forest() const;
   bool time_for_missions(WallTime now) const;
   void watch_liveliness(WallTime now);
   bool run_is_over(WallTime now);
@@ -97,7 +100,7 @@ class PlannerService {
   std::map<TreeId, bool> trees_seen_;
   WallTime begun_;
   bool map_published_ = false;
-  bool forest_ready_ = false;
+  std::optional<std::uint32_t> forest_size_;  ///< trees that cover the map; none: not yet
   bool missions_published_ = false;
   bool interrupted_ = false;
   bool timed_out_ = false;

@@ -42,7 +42,6 @@ PathFinder::PathFinder(const ClearanceField& field, const Mission& mission, cons
 }
 
 void PathFinder::take(const InactiveTreeMessage& message) {
-  ++received_;
   if (mission_.planner != PlannerKind::ma_rrdt_star) return;
   steps_without_news_ = 0;
   FrozenTree<2> tree{.radius = message.radius, .nodes = {}, .parents = {}};

@@ -49,7 +49,6 @@ class PathFinder {
 
   SampleCounts counts() const;
   std::uint32_t grafted_trees() const { return rrt_star_ ? 0 : planner_.grafted_trees(group_); }
-  std::uint32_t received_trees() const { return received_; }
 
  private:
   bool solved() const { return rrt_star_ ? rrt_star_->solved() : planner_.solved(group_); }
@@ -67,7 +66,6 @@ class PathFinder {
   std::uint64_t iterations_ = 0;
   int steps_without_news_ = 0;
   bool reachability_checked_ = false;
-  std::uint32_t received_ = 0;
   std::uint32_t sent_ = 0;
   std::map<NodeId, std::int32_t> sent_index_;
 };

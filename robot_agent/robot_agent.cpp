@@ -49,6 +49,7 @@ void RobotAgent::receive(const MapMessage& message) {
   map_ = message;
   field_ = std::make_unique<ClearanceField>(message.map);
   std::erase_if(trees_, [&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
+  status_.trees_received = static_cast<std::uint32_t>(trees_.size());
 }
 
 void RobotAgent::receive(const Mission& mission) {
@@ -58,6 +59,8 @@ void RobotAgent::receive(const Mission& mission) {
 void RobotAgent::receive(const InactiveTreeMessage& tree) {
   if (map_ && tree.map_id != map_->map_id) return;
   trees_.push_back(tree);
+  ++status_.trees_received;
+  if (status_.phase == Phase::waiting) status_changed_ = true;  // the service waits for that
   if (finder_ && status_.phase == Phase::planning) finder_->take(tree);
 }
 
@@ -103,6 +106,7 @@ void RobotAgent::begin_mission(WallTime now) {
                         .mission = mission.number,
                         .reason = {},
                         .mission_time = fleet_now,
+                        .trees_received = static_cast<std::uint32_t>(trees_.size()),
                         .track_points = status_.track_points};
   enter(Phase::planning);
 }
@@ -140,7 +144,6 @@ void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
 void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out) {
   status_.nodes_valid = finder_->counts().valid;
   status_.nodes_invalid = finder_->counts().invalid;
-  status_.trees_received = finder_->received_trees();
   status_.trees_grafted = finder_->grafted_trees();
   status_.path_time = mission_->clock.fleet_time(now);
   status_.plan_seconds = now - mission_wall_;

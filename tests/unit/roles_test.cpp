@@ -37,6 +37,7 @@ Scenario two_robots() {
 std::vector<Message> map_and_missions(PlannerService& service) {
   std::vector<Message> all = service.step(0);
   service.on(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(all).at(0).map_id}, 0);
+  for (const char* robot : {"a", "b"}) service.on(AgentStatus{.robot = robot}, 0);
   for (Message& message : service.step(0)) all.push_back(std::move(message));
   return all;
 }
@@ -47,10 +48,16 @@ TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
   ASSERT_EQ(of<MapMessage>(first).size(), 1u);
   EXPECT_EQ(of<MapMessage>(first)[0].radii, std::vector<double>{5});
   EXPECT_TRUE(of<Mission>(first).empty());
-  service.on(BrokerStatus{.broker = 1, .covered_map = "another map"}, 0.1);
+  service.on(BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = "another map"}, 0.1);
+  service.on(AgentStatus{.robot = "a", .trees_received = 3}, 0.1);
   EXPECT_TRUE(service.step(0.1).empty());
+  service.on(BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = of<MapMessage>(first)[0].map_id},
+             0.1);
+  EXPECT_TRUE(service.step(0.1).empty());  // of b nothing was heard
+  service.on(AgentStatus{.robot = "b", .trees_received = 2}, 0.1);
+  EXPECT_TRUE(service.step(0.1).empty());  // it has not all trees
 
-  service.on(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(first)[0].map_id}, 0.2);
+  service.on(AgentStatus{.robot = "b", .trees_received = 3}, 0.2);
   EXPECT_LE(service.next_wake(), 0.2);
   const auto missions = of<Mission>(service.step(0.2));
   ASSERT_EQ(missions.size(), 2u);
@@ -150,6 +157,7 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
     for (const auto& tree : of<InactiveTreeMessage>(said)) trees.push_back(tree);
     for (const auto& status : of<BrokerStatus>(said)) covered = status.covered_map;
     service.on(BrokerStatus{.broker = 7, .covered_map = covered}, now);
+    for (const char* robot : {"a", "b"}) service.on(AgentStatus{.robot = robot}, now);
   }
   EXPECT_TRUE(of<InactiveTreeMessage>(broker.step(now)).empty());
   EXPECT_GT(broker.next_wake(), now);  // it rests until a mission comes
