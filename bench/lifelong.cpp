@@ -6,7 +6,7 @@
 #include "bench/table.h"
 #include "bench/trial.h"
 #include "planning/ma_rrdt_star.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 
@@ -29,10 +29,9 @@ void bench_lifelong(const ExperimentOptions& options) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
         const TrialCase trial = make_case(map, options.side, robots, options.radius, seed);
         Random random(seed + 7);
+        const double epsilon = suggested_epsilon(trial.field, options.radius);
         MaRrdtStar<ClearanceField> planner(
-            trial.field,
-            {.epsilon = suggested_epsilon(trial.field, options.radius),
-             .disjointed_trees = std::max<std::size_t>(16, 2 * static_cast<std::size_t>(robots))},
+            trial.field, {.epsilon = epsilon, .disjointed_trees = suggested_trees(trial.field, epsilon)},
             Random(seed));
         std::uint32_t known = 0;
         std::uint32_t known_invalid = 0;

@@ -6,7 +6,7 @@
 #include "files/input_error.h"
 #include "planning/path_shortening.h"
 #include "planning/rrt_star.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 
@@ -48,7 +48,7 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed) {
   TrialResult result{.planner = "MA-RRdT*"};
   const std::size_t robots = trial.problems.size();
   const Stopwatch watch;
-  FleetPlanner planner(trial.field, trial.problems, {}, Random(seed));
+  FleetPlanner planner(trial.field, trial.problems, Random(seed));
   while (planner.search()) {
   }
   planner.take_first_paths();

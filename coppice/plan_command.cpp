@@ -10,7 +10,7 @@
 #include "planning/fleet_plan.h"
 #include "planning/line_of_sight.h"
 #include "planning/rrt_star.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 
@@ -47,7 +47,7 @@ Plans plan_together(const ClearanceField& field, std::span<const PlanningProblem
   const auto begin = Clock::now();
   Plans plans;
   plans.robots.resize(problems.size());
-  FleetPlanner planner(field, problems, {}, random);
+  FleetPlanner planner(field, problems, random);
   for (bool going = true; going && !out_of_time();) {
     going = planner.search();
     for (std::size_t i = 0; i < problems.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 namespace coppice {
@@ -32,7 +33,8 @@ std::vector<std::int32_t> vertical_steps(const OccupancyMap& map, std::size_t st
     const std::uint8_t* blocked = map.blocked.data() + (j - 1) * (stride - 2);
     std::int32_t* row = steps.data() + j * stride + 1;
     const std::int32_t* before = row - stride;
-    for (std::size_t i = 0; i + 2 < stride; ++i) row[i] = blocked[i] != 0 ? 0 : before[i] + 1;
+    for (std::size_t i = 0; i + 2 < stride; ++i)
+      row[i] = (before[i] + 1) * std::int32_t{blocked[i] == 0};  // no branch to mispredict
   }
   for (std::size_t j = rows - 2; j > 0; --j) {
     std::int32_t* row = steps.data() + j * stride + 1;
@@ -46,23 +48,20 @@ std::vector<std::int32_t> vertical_steps(const OccupancyMap& map, std::size_t st
 ///
 /// Lengths are in half cells: centres stand at even places, edges between cells at odd ones. The nearest
 /// point of a blocked square that is not straight above or below lies on one of its upright edges, so the
-/// squares' own transform is that of points on edges, joined with the column's own value.
+/// squares' own transform is that of points on edges, joined with the column's own value. What lies beyond a
+/// blocked cell of the row is never nearer than that one, so each run of free cells is by itself.
 class RowTransform {
  public:
   explicit RowTransform(std::size_t cells) : own_(cells), hull_(cells) {}
 
-  void operator()(std::int32_t* row) {
-    for (std::size_t i = 0; i < own_.size(); ++i) {
-      const double distance = std::max(2.0 * row[i] - 1, 0.0);
-      own_[i] = distance * distance;
-    }
-    build_hull();
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < own_.size(); ++i) {
-      const double place = 2.0 * static_cast<double>(i);
-      while (k + 1 < hull_size_ && hull_[k + 1].from < place) ++k;
-      const double offset = place - hull_[k].place;
-      row[i] = static_cast<std::int32_t>(std::min(own_[i], hull_[k].value + offset * offset));
+  /// The first and the last cell of the row are blocked.
+  void operator()(std::span<std::int32_t> row) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (row[i] == 0) continue;
+      std::size_t end = i;
+      while (row[end] != 0) ++end;
+      transform_run(row.subspan(i, end - i));
+      i = end;
     }
   }
 
@@ -73,27 +72,42 @@ class RowTransform {
     double from;  // where it becomes the lowest
   };
 
-  void build_hull() {
-    hull_size_ = 0;
-    for (std::size_t i = 0; i + 1 < own_.size(); ++i) {
-      const double place = 2.0 * static_cast<double>(i) + 1;
-      const double value = std::min(own_[i], own_[i + 1]);
-      double from = -std::numeric_limits<double>::infinity();
-      while (hull_size_ > 0) {
-        const Parabola& top = hull_[hull_size_ - 1];
-        const double gap = place - top.place;
-        from = ((value - top.value) / gap + place + top.place) / 2;
-        if (from > top.from) break;
-        --hull_size_;
-        from = -std::numeric_limits<double>::infinity();
+  /// Free cells between two blocked ones; places count from the first of them.
+  void transform_run(std::span<std::int32_t> run) {
+    Parabola* top = hull_.data();
+    *top = {-1, 0, -std::numeric_limits<double>::infinity()};
+    double own = 0;
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      const double before = own;
+      const double distance = 2.0 * run[i] - 1;
+      own_[i] = own = distance * distance;
+      if (i > 0) top = join_hull(top, 2.0 * static_cast<double>(i) - 1, std::min(before, own));
+    }
+    const Parabola* last = join_hull(top, 2.0 * static_cast<double>(run.size()) - 1, 0);
+    Parabola lowest = hull_.front();
+    const Parabola* next = hull_.data() + 1;
+    for (std::size_t i = 0; i < run.size(); ++i) {
+      const double place = 2.0 * static_cast<double>(i);
+      while (next <= last && next->from < place) lowest = *next++;
+      const double offset = place - lowest.place;
+      run[i] = static_cast<std::int32_t>(std::min(own_[i], lowest.value + offset * offset));
+    }
+  }
+
+  /// Takes from the hull's top what the new parabola hides, and puts that on it; returns the new top.
+  Parabola* join_hull(Parabola* top, double place, double value) {
+    while (true) {
+      const double from = ((value - top->value) / (place - top->place) + place + top->place) / 2;
+      if (from > top->from) {
+        *++top = {place, value, from};
+        return top;
       }
-      hull_[hull_size_++] = {place, value, from};
+      --top;
     }
   }
 
   std::vector<double> own_;
   std::vector<Parabola> hull_;
-  std::size_t hull_size_ = 0;
 };
 
 /// Distance from x to the interval [lower, lower + 1].
@@ -175,22 +189,60 @@ ClearanceField::ClearanceField(OccupancyMap map)
   const auto rows = static_cast<std::size_t>(map_.height) + 2;
   centre_squared_ = vertical_steps(map_, stride, rows);
   RowTransform transform(stride);
-  for (std::size_t j = 0; j < rows; ++j) transform(centre_squared_.data() + j * stride);
+  for (std::size_t j = 0; j < rows; ++j) transform({centre_squared_.data() + j * stride, stride});
   mark_edges();
 }
 
+/// 64 cells at a time: one is at the edge if it is blocked and not all four at its sides are; what is outside
+/// counts as blocked.
 void ClearanceField::mark_edges() {
+  const auto width = static_cast<std::size_t>(map_.width);
   const auto height = static_cast<std::size_t>(map_.height);
-  words_per_row_ = (static_cast<std::size_t>(map_.width) + 63) / 64;
-  edges_.assign(words_per_row_ * height, 0);
-  for (std::ptrdiff_t j = 0; j < map_.height; ++j) {
-    std::uint64_t* row = edges_.data() + static_cast<std::size_t>(j) * words_per_row_;
-    for (std::ptrdiff_t i = 0; i < map_.width; ++i) {
-      if (at(i, j) != 0) continue;
-      const bool at_free = (at(i - 1, j) | at(i + 1, j) | at(i, j - 1) | at(i, j + 1)) != 0;
-      row[i / 64] |= std::uint64_t{at_free} << (i % 64);
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  words_per_row_ = (width + 63) / 64;
+  std::vector<std::uint64_t> blocked((height + 2) * words_per_row_, all);
+  for (std::size_t j = 0; j < height; ++j) {
+    const std::uint8_t* cells = map_.blocked.data() + j * width;
+    std::uint64_t* row = blocked.data() + (j + 1) * words_per_row_;
+    for (std::size_t w = 0; w < words_per_row_; ++w) {
+      const std::size_t most = std::min<std::size_t>(64, width - 64 * w);
+      std::uint64_t free = 0;
+      for (std::size_t i = 0; i < most; ++i) free |= std::uint64_t{cells[64 * w + i] == 0} << i;
+      row[w] = ~free;
     }
   }
+  edges_.assign(words_per_row_ * height, 0);
+  for (std::size_t j = 0; j < height; ++j) {
+    const std::uint64_t* row = blocked.data() + (j + 1) * words_per_row_;
+    for (std::size_t w = 0; w < words_per_row_; ++w) {
+      const std::uint64_t left = row[w] << 1 | (w > 0 ? row[w - 1] >> 63 : 1);
+      const std::uint64_t right = row[w] >> 1 | (w + 1 < words_per_row_ ? row[w + 1] : all) << 63;
+      const std::uint64_t above = *(row + w - words_per_row_);
+      const std::uint64_t below = *(row + w + words_per_row_);
+      edges_[j * words_per_row_ + w] = row[w] & ~(left & right & above & below);
+    }
+    if (width % 64 != 0) edges_[(j + 1) * words_per_row_ - 1] &= ~(all << (width % 64));
+  }
+  tiles_.assign((height + tile - 1) / tile * words_per_row_, 0);
+  for (std::size_t j = 0; j < height; ++j) {
+    for (std::size_t w = 0; w < words_per_row_; ++w)
+      tiles_[j / tile * words_per_row_ + w] |= edges_[j * words_per_row_ + w] != 0;
+  }
+}
+
+/// Whether no tile that the segment's bounding box, wider by `margin` on all sides, touches has an edge in
+/// it: then all cells there are free if one is. Answers for open ground at once; false says nothing.
+bool ClearanceField::without_edges(const Point2& a, const Point2& b, double margin) const {
+  const Point2 lower = a.cwiseMin(b).array() - margin;
+  const Point2 upper = a.cwiseMax(b).array() + margin;
+  if (lower.minCoeff() < 0 || (extent_ - upper).minCoeff() <= 0) return false;
+  const auto index = [](double cells) { return static_cast<std::size_t>(cells) / tile; };
+  for (std::size_t j = index(lower.y()); j <= index(upper.y()); ++j) {
+    for (std::size_t i = index(lower.x()); i <= index(upper.x()); ++i) {
+      if (tiles_[j * words_per_row_ + i] != 0) return false;
+    }
+  }
+  return true;
 }
 
 inline double ClearanceField::lower_squared(const Point2& q) const {
@@ -276,6 +328,7 @@ bool ClearanceField::segment_free(const Point2& a, const Point2& b, double radiu
   const Piece whole{to_cells(a), 0, to_cells(b), 0};
   if (!contains(whole.a) || !contains(whole.b) || !std::isfinite(radius)) return false;
   const double needed = needed_clearance(radius, cells_per_metre_);
+  if (without_edges(whole.a, whole.b, needed)) return !in_blocked_cell(whole.a);
   const double needed_squared = needed * needed;
   const Piece bounded{whole.a, lower_squared(whole.a), whole.b, lower_squared(whole.b)};
   if (bounded.at_a < needed_squared && upper_squared(bounded.a) < needed_squared) return false;

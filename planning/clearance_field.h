@@ -94,6 +94,7 @@ class ClearanceField {
   double least_squared(const Point2& a, const Point2& b, double limit_squared) const;
   bool piece_free(const Piece& piece, double needed_squared) const;
   void mark_edges();
+  bool without_edges(const Point2& a, const Point2& b, double margin) const;
 
   /// Calls fn(i) for the edge cells of row j from column `first` to `last`, both inside of the grid.
   template <class Fn>
@@ -117,6 +118,9 @@ class ClearanceField {
   /// word.
   std::vector<std::uint64_t> edges_;
   std::size_t words_per_row_;
+  /// Whether there is an edge cell among tile x tile cells.
+  static constexpr std::size_t tile = 64;
+  std::vector<std::uint8_t> tiles_;
 };
 
 }  // namespace coppice

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "planning/reachability.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 
@@ -15,32 +15,23 @@ constexpr int iterations_a_search = 256;
 constexpr std::uint64_t least_doubt = 200'000;
 constexpr std::uint64_t cells_an_iteration = 8;
 
-double chosen_epsilon(const ClearanceField& field, std::span<const PlanningProblem> problems,
-                      const FleetPlanSettings& settings) {
-  if (settings.epsilon > 0) return settings.epsilon;
-  const auto least = std::ranges::min_element(problems, std::less{}, &PlanningProblem::radius);
-  return suggested_epsilon(field, least->radius);
-}
-
 }  // namespace
 
 FleetPlanner::FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems,
-                           const FleetPlanSettings& settings, Random random)
+                           Random random)
     : field_(field), random_(random) {
   robots_.reserve(problems.size());
   for (const PlanningProblem& p : problems) {
     Robot& robot = robots_.emplace_back();
     robot.problem = p;
-    // On open ground the straight line is all that is needed.
-    if (field.segment_free(p.start, p.goal, p.radius)) {
-      robot.straight = {p.start, p.goal};
-      continue;
-    }
     if (!planner_) {
-      epsilon_ = chosen_epsilon(field, problems, settings);
-      const std::size_t trees = settings.disjointed_trees > 0
-                                    ? settings.disjointed_trees
-                                    : std::max<std::size_t>(16, 2 * problems.size());
+      // As long as straight lines are free, there is nothing to build.
+      if (field.segment_free(p.start, p.goal, p.radius)) {
+        robot.straight = {p.start, p.goal};
+        continue;
+      }
+      epsilon_ = suggested_epsilon(field, std::ranges::min(problems, {}, &PlanningProblem::radius).radius);
+      const std::size_t trees = suggested_trees(field, epsilon_);
       planner_.emplace(field, MaRrdtStarSettings{.epsilon = epsilon_, .disjointed_trees = trees}, random);
     }
     robot.group = planner_->add_group(p.start, p.goal, p.radius);

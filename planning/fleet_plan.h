@@ -24,16 +24,10 @@ struct PlanningProblem {
   double radius = 0;  ///< a disc of it is free at start and goal
 };
 
-struct FleetPlanSettings {
-  double epsilon = 0;                ///< 0: from the map (step_length.h)
-  std::size_t disjointed_trees = 0;  ///< 0: max(16, 2 n)
-};
-
 class FleetPlanner {
  public:
   /// `field` outlives it.
-  FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems,
-               const FleetPlanSettings& settings, Random random);
+  FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems, Random random);
 
   /// Some hundred iterations. False once every robot is solved or is proved to have no path.
   bool search();

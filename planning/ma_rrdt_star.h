@@ -33,6 +33,7 @@
 #include <vector>
 
 #include "planning/directed_sampler.h"
+#include "planning/even_points.h"
 #include "planning/forest.h"
 #include "planning/frozen_tree.h"
 #include "planning/path_search.h"
@@ -60,7 +61,11 @@ class MaRrdtStar {
   using P = Point<D>;
 
   MaRrdtStar(const S& space, const MaRrdtStarSettings& settings, Random random)
-      : space_(space), settings_(settings), random_(random), trees_(space.bounds(), settings.epsilon) {}
+      : space_(space),
+        settings_(settings),
+        random_(random),
+        even_points_(space.bounds(), random_),
+        trees_(space.bounds(), settings.epsilon) {}
 
   /// A group whose root trees grow here. Start and goal are free for `radius`.
   GroupIndex add_group(const P& start, const P& goal, double radius) {
@@ -70,9 +75,12 @@ class MaRrdtStar {
       look_around(p);
       groups_[g].root_node[index(side)] = add_root_node(g, side, p, no_node);
     }
-    connect_greedily(g, Root::start, goal);
-    connect_greedily(g, Root::goal, start);
     for (const Root side : {Root::start, Root::goal}) arms_.push_back(Arm{root(g, side), g, side});
+    // On open ground the straight line is all that is needed.
+    if (is_open(g) && space_.segment_free(start, goal, radius)) {
+      groups_[g].met = groups_[g].root_node;
+      solve(g);
+    }
     return g;
   }
 
@@ -95,16 +103,11 @@ class MaRrdtStar {
   /// Takes up an inactive tree that was grown elsewhere; parents come before their children.
   TreeIndex add_inactive_tree(const FrozenTree<D>& frozen);
 
-  /// From now on this many disjointed trees grow here at a time; never fewer than before.
-  void grow_disjointed_trees(std::size_t count) {
-    settings_.disjointed_trees = std::max(settings_.disjointed_trees, count);
-  }
-
   /// One iteration of Algorithm 2. False if nothing grows here or every group is solved.
   bool step();
 
   /// One iteration of growing disjointed trees for robots of `radius` before there is any group. False once
-  /// the trees cover what such robots can reach: many random free points in a row taught nothing, for each
+  /// the trees cover what such robots can reach: many free points in a row taught nothing, for each
   /// saw a tree and no two that are not connected (the end of Visibility-PRM: Simeon, Laumond, Nissoux,
   /// 2000). The trees are inactive then.
   bool grow_ahead(double radius);
@@ -187,7 +190,7 @@ class MaRrdtStar {
   static constexpr double least_spacing = 0.25;
   static constexpr std::uint32_t few_nodes = 64;  // a tree of so many is looked through faster than the grid
   static constexpr int free_point_tries = 1000;   // a map with less free room than that restarts later
-  // Random points in a row: the larger the map, the smaller a part of it is the door that nobody saw yet.
+  // Points in a row: the larger the map, the smaller a part of it is the door that nobody saw yet.
   static constexpr std::size_t least_in_vain = 300;
 
   static constexpr std::size_t index(Root side) { return static_cast<std::size_t>(side); }
@@ -198,8 +201,8 @@ class MaRrdtStar {
   void leave(GroupIndex g);
 
   // --- the iteration ---
-  void iterate();
-  Arm& pick_tree();
+  bool iterate();
+  Arm* pick_tree();
   bool failing(const Arm& arm) const;
   double radius_of_new_tree();
   void restart(Arm& arm);
@@ -210,7 +213,7 @@ class MaRrdtStar {
   NodeId nearest_in_tree(const P& p, TreeIndex t, NodeId otherwise) const;
   bool is_known_ground(NodeId nearest, const P& p, double radius) const;
   bool extends_from(NodeId& from, const Arm& arm, const P& proposal, double radius) const;
-  std::optional<P> random_free_point(double radius);
+  std::optional<P> next_free_point(double radius);
   P random_point();
 
   // --- merging within epsilon ---
@@ -219,7 +222,6 @@ class MaRrdtStar {
   NodeId add_root_node(GroupIndex g, Root side, const P& p, NodeId from);
   void choose_parent_and_rewire(NodeId q, NodeId from);
   void propagate_cost(NodeId n);
-  void connect_greedily(GroupIndex g, Root side, const P& target);
   void freeze(TreeIndex t);
   void link(TreeIndex a, TreeIndex b);
   void graft(GroupIndex g, Root side, const Entry& entry);
@@ -243,15 +245,15 @@ class MaRrdtStar {
   const S& space_;
   MaRrdtStarSettings settings_;
   Random random_;
+  EvenPoints<D> even_points_;
   Trees<D> trees_;
   Forest forest_;
   std::vector<Group> groups_;
   std::vector<GroupIndex> open_;
   std::vector<Arm> arms_;
   std::size_t disjointed_arms_ = 0;  ///< of arms_
-  bool some_group_left_ = false;     // its arms are still in arms_
   double ahead_radius_ = 0;          // of the trees that grow before there is a group
-  int in_vain_ = 0;                  // random points in a row that taught nothing
+  int in_vain_ = 0;                  // points in a row that taught nothing
   SampleCounts disjointed_counts_;
   std::vector<TreeIndex> frozen_;
   std::uint32_t frozen_trees_ = 0;

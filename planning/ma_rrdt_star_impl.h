@@ -12,15 +12,13 @@ namespace coppice {
 template <Space S>
 bool MaRrdtStar<S>::step() {
   if (open_.empty()) return false;
-  if (arms_.empty() && settings_.disjointed_trees == 0) return false;
-  iterate();
-  return true;
+  return iterate();
 }
 
 template <Space S>
 bool MaRrdtStar<S>::grow_ahead(double radius) {
   if (std::exchange(ahead_radius_, radius) != radius) in_vain_ = 0;
-  if (static_cast<std::size_t>(in_vain_) < std::max(least_in_vain, trees_.node_count() / 2)) {
+  if (static_cast<std::size_t>(in_vain_) < std::max(least_in_vain, trees_.node_count())) {
     iterate();
     return true;
   }
@@ -31,29 +29,37 @@ bool MaRrdtStar<S>::grow_ahead(double radius) {
 }
 
 template <Space S>
-void MaRrdtStar<S>::iterate() {
-  for (; disjointed_arms_ < settings_.disjointed_trees; ++disjointed_arms_) arms_.emplace_back();
-  if (std::exchange(some_group_left_, false)) {
-    std::erase_if(arms_, [&](const Arm& arm) { return arm.group != no_group && !is_open(arm.group); });
+bool MaRrdtStar<S>::iterate() {
+  if (disjointed_arms_ < settings_.disjointed_trees) {
+    arms_.resize(arms_.size() + settings_.disjointed_trees - disjointed_arms_);
+    disjointed_arms_ = settings_.disjointed_trees;
   }
-  Arm& arm = pick_tree();
-  if (!failing(arm)) {
-    grow(arm);
-  } else if (arm.group == no_group) {
-    restart(arm);
+  Arm* const arm = pick_tree();
+  if (arm == nullptr) return false;
+  if (!failing(*arm)) {
+    grow(*arm);
+  } else if (arm->group == no_group) {
+    restart(*arm);
   } else {
-    restart_root(arm);
+    restart_root(*arm);
   }
+  return true;
 }
 
 /// At random, in proportion to the weights: a uniform choice that is kept with probability weight / full
-/// weight.
+/// weight. The arms of a group that needs no more are dropped when they come up.
 template <Space S>
-auto MaRrdtStar<S>::pick_tree() -> Arm& {
-  while (true) {
+auto MaRrdtStar<S>::pick_tree() -> Arm* {
+  while (!arms_.empty()) {
     Arm& arm = arms_[random_.index(arms_.size())];
-    if (random_.uniform() * full_weight < arm.weight) return arm;
+    if (arm.group != no_group && !is_open(arm.group)) {
+      arm = arms_.back();
+      arms_.pop_back();
+      continue;
+    }
+    if (random_.uniform() * full_weight < arm.weight) return &arm;
   }
+  return nullptr;
 }
 
 template <Space S>
@@ -68,12 +74,13 @@ double MaRrdtStar<S>::radius_of_new_tree() {
   return open_.empty() ? ahead_radius_ : groups_[open_[random_.index(open_.size())]].radius;
 }
 
-/// A new disjointed tree at a random free point. Near a disjointed tree it becomes a node of that one; near a
-/// root tree, or one that is grafted, it is a shared tree of one node that is grafted at once.
+/// A new disjointed tree at the next free one of evenly spread points. Near a disjointed tree it becomes a
+/// node of that one; near a root tree, or one that is grafted, it is a shared tree of one node that is
+/// grafted at once.
 template <Space S>
 void MaRrdtStar<S>::restart(Arm& arm) {
   const double radius = radius_of_new_tree();
-  const std::optional<P> p = random_free_point(radius);
+  const std::optional<P> p = next_free_point(radius);
   if (!p) {
     ++in_vain_;
     return;
@@ -218,9 +225,9 @@ auto MaRrdtStar<S>::random_point() -> P {
 }
 
 template <Space S>
-auto MaRrdtStar<S>::random_free_point(double radius) -> std::optional<P> {
+auto MaRrdtStar<S>::next_free_point(double radius) -> std::optional<P> {
   for (int i = 0; i < free_point_tries; ++i) {
-    const P p = random_point();
+    const P p = even_points_.next();
     if (space_.is_free(p, radius)) return p;
     ++disjointed_counts_.invalid;
   }
@@ -230,11 +237,7 @@ auto MaRrdtStar<S>::random_free_point(double radius) -> std::optional<P> {
 /// Leaves in near_ the nodes within epsilon of p: those that a node there is compared with.
 template <Space S>
 void MaRrdtStar<S>::look_around(const P& p) {
-  near_.clear();
-  const double reach = settings_.epsilon * settings_.epsilon;
-  trees_.grid().for_each_near(p, [&](NodeId n, const P& place) {
-    if ((place - p).squaredNorm() <= reach) near_.push_back(n);
-  });
+  trees_.grid().collect_near(p, settings_.epsilon, near_);
 }
 
 /// MergeTrees for a node q of a disjointed tree: it takes in the active trees that q sees, and becomes
@@ -346,21 +349,6 @@ void MaRrdtStar<S>::propagate_cost(NodeId n) {
   }
 }
 
-/// Straight towards the target as far as the way is free: on open ground that is the whole path.
-template <Space S>
-void MaRrdtStar<S>::connect_greedily(GroupIndex g, Root side, const P& target) {
-  NodeId from = root(g, side);
-  while (is_open(g)) {
-    const P gap = target - trees_.position(from);
-    if (gap.norm() < settings_.epsilon) return;
-    const P next = trees_.position(from) + settings_.epsilon * gap.normalized();
-    if (!space_.segment_free(trees_.position(from), next, groups_[g].radius)) return;
-    ++groups_[g].counts.valid;
-    look_around(next);
-    from = add_root_node(g, side, next, from);
-  }
-}
-
 template <Space S>
 GroupIndex MaRrdtStar<S>::add_group(double radius) {
   const auto g = static_cast<GroupIndex>(groups_.size());
@@ -394,7 +382,6 @@ void MaRrdtStar<S>::solve(GroupIndex g) {
 template <Space S>
 void MaRrdtStar<S>::leave(GroupIndex g) {
   std::erase(open_, g);
-  some_group_left_ = true;
 }
 
 /// From now on the tree never changes.

@@ -49,6 +49,24 @@ class NeighbourGrid {
     block.node[block.size++] = count_++;
   }
 
+  /// Leaves in `out` the nodes within the grid's reach of p.
+  void collect_near(const Point<D>& p, double reach, std::vector<NodeId>& out) const {
+    // Which of the nodes in the cells around are near is as good as random: no branch is to depend on it.
+    std::size_t count = 0;
+    const auto [lo, hi] = around(cell_of(p), 1);
+    for_each_cell(lo, hi, [&](const Cell& cell) {
+      for (std::uint32_t b = head_[offset(cell)]; b != no_block; b = blocks_[b].next) {
+        const Block& block = blocks_[b];
+        if (out.size() < count + block_size) out.resize(2 * (count + block_size));
+        for (std::uint32_t i = 0; i < block.size; ++i) {
+          out[count] = block.node[i];
+          count += (block.place[i] - p).squaredNorm() <= reach * reach;
+        }
+      }
+    });
+    out.resize(count);
+  }
+
   /// Calls fn(node, place) for every node in the cells around p: all within `reach` of p, and some beyond.
   template <class Fn>
   void for_each_near(const Point<D>& p, Fn&& fn) const {

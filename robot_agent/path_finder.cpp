@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "planning/reachability.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 
@@ -21,7 +21,6 @@ constexpr std::uint64_t least_doubt = 20'000;
 constexpr std::uint64_t cells_an_iteration = 8;
 // With no proof either way: more than a hundred times what the hardest of the tried maps needed.
 constexpr std::uint64_t most_iterations = 20'000'000;
-constexpr std::size_t trees_without_sharing = 16;
 
 }  // namespace
 
@@ -32,7 +31,8 @@ PathFinder::PathFinder(const ClearanceField& field, const Mission& mission, cons
       epsilon_(suggested_epsilon(field, mission.radius)),
       planner_(field,
                {.epsilon = epsilon_,
-                .disjointed_trees = mission.planner == PlannerKind::rrdt_star ? trees_without_sharing : 0},
+                .disjointed_trees =
+                    mission.planner == PlannerKind::rrdt_star ? suggested_trees(field, epsilon_) : 0},
                Random(mission.seed)) {
   if (mission.planner == PlannerKind::rrt_star) {
     rrt_star_.emplace(field, start, mission.goal, mission.radius, epsilon_, Random(mission.seed));

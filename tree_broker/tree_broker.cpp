@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 
 namespace {
 
 constexpr int iterations_a_step = 500;         // about half a millisecond: roots that come near are seen soon
-constexpr std::size_t least_trees = 16;        // docs/planning.md: max(16, 2 n)
 constexpr WallTime status_period = 0.5;        // seconds
 constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
 
@@ -18,8 +17,8 @@ constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet
 
 TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, Random random)
     : field(map),
-      planner(field, {.epsilon = suggested_epsilon(field, radius), .disjointed_trees = least_trees}, random) {
-}
+      epsilon(suggested_epsilon(field, radius)),
+      planner(field, {.epsilon = epsilon, .disjointed_trees = suggested_trees(field, epsilon)}, random) {}
 
 void TreeBroker::on(const Message& message, WallTime now) {
   std::visit(
@@ -60,7 +59,6 @@ void TreeBroker::receive(const Mission& mission) {
   }
   const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
   groups_[mission.robot] = {mission.number, group, 0};
-  forest_->planner.grow_disjointed_trees(std::max(least_trees, 2 * groups_.size()));
   // The roots are known from here: where both see the forest, as the agent will find too, no tree need grow.
   forest_->planner.add_remote_node(group, Root::start, mission.start);
   forest_->planner.add_remote_node(group, Root::goal, mission.goal);

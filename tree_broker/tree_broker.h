@@ -37,6 +37,7 @@ class TreeBroker {
     /// With steps that suit robots of `radius`.
     Forest(const OccupancyMap& map, double radius, Random random);
     ClearanceField field;
+    double epsilon;
     Planner planner;
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
   };

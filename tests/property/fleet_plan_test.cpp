@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/map_generator.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 namespace {
@@ -21,7 +21,7 @@ TEST_P(FourKinds, TenRobotsAllHaveAPathIn20Seeds) {
     std::vector<PlanningProblem> problems;
     for (const auto& [start, goal] : random_tasks(field, 10, radius, 0.4, random))
       problems.push_back({start, goal, radius});
-    FleetPlanner planner(field, problems, {}, Random(seed));
+    FleetPlanner planner(field, problems, Random(seed));
     while (planner.search()) {
     }
     planner.take_first_paths();
@@ -80,7 +80,7 @@ TEST(FleetPlan, UnreachableGoalEndsWithAReason) {
   for (int j = 0; j < 40; ++j) map.blocked[static_cast<std::size_t>(j * 100 + 50)] = 1;
   const ClearanceField field(map);
   const std::vector<PlanningProblem> problems{{{20, 20}, {80, 20}, 5}, {{10, 10}, {10, 30}, 5}};
-  FleetPlanner planner(field, problems, {}, Random(1));
+  FleetPlanner planner(field, problems, Random(1));
   while (planner.search()) {
   }
   planner.take_first_paths();

@@ -8,7 +8,7 @@
 #include "planning/map_generator.h"
 #include "planning/path_improvement.h"
 #include "planning/rrt_star.h"
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 namespace coppice {
 namespace {

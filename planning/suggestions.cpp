@@ -1,4 +1,4 @@
-#include "planning/step_length.h"
+#include "planning/suggestions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,14 @@ namespace coppice {
 
 namespace {
 
-// Best of 12, 20, 30, 40 and 60 m on six maps (mazes, rooms, dense obstacles; bench/): about four times the
-// mean clearance of the places where the robot fits.
-constexpr double mean_clearances = 4;
+// Both tried on mazes, rooms and dense obstacles with 10 and 50 robots (docs/performance.md): epsilon is
+// about four times the mean clearance of the places where the robot fits, and there are four trees for each
+// square of it.
+constexpr double mean_clearances = 4.4;
+constexpr double trees_a_square = 4;
+// On large maps with few robots, more trees would grow where nobody drives.
+constexpr std::size_t least_trees = 16;
+constexpr std::size_t most_trees = 800;
 constexpr int samples_a_side = 20;  // of the map; enough for a mean to some per cent
 
 }  // namespace
@@ -31,6 +36,12 @@ double suggested_epsilon(const ClearanceField& field, double radius) {
   // Where no sample fits, free space is sparse and narrow: a step of the robot's own size.
   const double mean = count > 0 ? sum / count : radius / 2;
   return std::clamp(mean_clearances * mean, field.map().resolution, extent.norm());
+}
+
+std::size_t suggested_trees(const ClearanceField& field, double epsilon) {
+  const Box<2> box = field.bounds();
+  const double squares = (box.upper - box.lower).prod() / (epsilon * epsilon);
+  return static_cast<std::size_t>(std::clamp<double>(trees_a_square * squares, least_trees, most_trees));
 }
 
 }  // namespace coppice

@@ -1,5 +1,8 @@
-// How long a step the trees take, from the map: the best epsilon follows the width of the free space.
+// How long a step the trees take and how many grow at a time, from the map: the best values follow the width
+// of the free space.
 #pragma once
+
+#include <cstddef>
 
 #include "planning/clearance_field.h"
 
@@ -9,5 +12,8 @@ namespace coppice {
 /// a robot fits leave around it. Measured in bench/ (docs/planning.md): four times too large costs ten times
 /// the time.
 double suggested_epsilon(const ClearanceField& field, double radius);
+
+/// Disjointed trees that grow at a time: in proportion to the map's size in steps, within bounds.
+std::size_t suggested_trees(const ClearanceField& field, double epsilon);
 
 }  // namespace coppice
