@@ -1,7 +1,8 @@
 // The bus of the simulation: in memory, on a virtual clock, the same for the same seed.
 //
-// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive, late joiners get
-// what transient-local topics keep. Every sample takes `delay` seconds.
+// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end, late
+// joiners get what transient-local topics keep. Every sample takes `delay` seconds; what goes wrong beyond
+// that is BusFaults.
 #pragma once
 
 #include <cstddef>
@@ -9,12 +10,30 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bus/bus.h"
 #include "bus/messages.h"
+#include "bus/topics.h"
+#include "planning/random.h"
 
 namespace coppice {
+
+/// A time in which the participants of one side and of the other do not reach each other, seconds.
+struct Partition {
+  double from = 0;
+  double until = 0;
+};
+
+struct BusFaults {
+  double loss = 0;       ///< share of the samples, below 1; reliable ones are sent again
+  double delay = 0;      ///< seconds, of every sample
+  double jitter = 0;     ///< seconds by which a delay may be longer or shorter
+  double duplicate = 0;  ///< share of the samples that arrive twice
+  bool reorder = false;  ///< best-effort samples of one sender may overtake each other
+  std::vector<Partition> partitions{};
+};
 
 class SimulatedBus {
  public:
@@ -26,36 +45,45 @@ class SimulatedBus {
     std::vector<Message> take();
     /// When the next message is due; infinity if none is under way.
     double next_delivery() const;
+    /// Its process is dead: nothing reaches it any more.
+    void close();
 
    private:
     friend class SimulatedBus;
-    Port(SimulatedBus& bus, Role role) : bus_(bus), role_(role) {}
+    Port(SimulatedBus& bus, Role role, int side) : bus_(bus), role_(role), side_(side) {}
 
-    struct UnderWay {
-      double due;
-      Message message;
-    };
     SimulatedBus& bus_;
     Role role_;
-    std::vector<UnderWay> inbox_;  ///< in the order in which it was sent; due times do not fall
+    int side_;
+    bool closed_ = false;
+    std::multimap<double, std::shared_ptr<const Message>> inbox_;  ///< by the time when it is due
+    std::map<std::pair<const Port*, Reliability>, double> last_due_;
   };
 
-  /// `delay`: seconds from publishing to delivery, above 0.
-  explicit SimulatedBus(double delay) : delay_(delay) {}
+  /// `delay`: seconds from publishing to delivery where nothing goes wrong, above 0.
+  explicit SimulatedBus(double delay, BusFaults faults = {}, Random random = Random(0))
+      : delay_(delay), faults_(std::move(faults)), random_(random) {}
 
-  Port& attach(Role role);
+  /// `side`: of the partitions.
+  Port& attach(Role role, int side = 0);
 
   /// Virtual time, seconds; never runs back.
   void set_time(double now) { now_ = now; }
 
  private:
   void publish(const Port& sender, const Message& message);
+  void send(const Port& sender, Port& receiver, const std::shared_ptr<const Message>& message,
+            Reliability reliability);
+  bool fails(const Port& sender, const Port& receiver, double time);
+  double delay_of_a_sample();
 
   double delay_;
+  BusFaults faults_;
+  Random random_;
   double now_ = 0;
   std::vector<std::unique_ptr<Port>> ports_;
   /// What transient-local topics keep, by topic and key, in the order of first publication.
-  std::vector<std::pair<std::string, std::vector<Message>>> kept_;
+  std::vector<std::pair<std::string, std::vector<std::shared_ptr<const Message>>>> kept_;
   std::map<std::string, std::size_t> kept_index_;
 };
 

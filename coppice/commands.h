@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "files/run_options.h"
+#include "simulation/faults.h"
 
 namespace coppice {
 
 /// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
 int run_command(const RunOptions& options, const std::string& program);
 
-/// All roles in this process, on a virtual clock.
-int simulate_command(const RunOptions& options);
+/// All roles in this process, on a virtual clock, with faults. 1 also if anything touched.
+int simulate_command(const RunOptions& options, const Faults& faults);
 
 /// Algorithm 2 in this process: paths only, no bus and no motion.
 int plan_command(const RunOptions& options);

@@ -7,6 +7,7 @@
 
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/fault_options.h"
 #include "files/run_options.h"
 
 int main(int argc, char** argv) {
@@ -23,7 +24,9 @@ int main(int argc, char** argv) {
   run->callback([&] { exit_code = run_command(options, "/proc/self/exe"); });
   auto* simulate = app.add_subcommand("simulate", "the same roles in one process on a virtual clock");
   add_run_options(*simulate, options);
-  simulate->callback([&] { exit_code = simulate_command(options); });
+  Faults faults;
+  add_fault_options(*simulate, faults);
+  simulate->callback([&] { exit_code = simulate_command(options, faults); });
   auto* plan = app.add_subcommand("plan", "paths only: MA-RRdT* in one process");
   add_run_options(*plan, options);
   plan->callback([&] { exit_code = plan_command(options); });

@@ -1,21 +1,29 @@
+#include <algorithm>
 #include <iostream>
 
 #include <unistd.h>
 
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "files/input_error.h"
 #include "files/report_file.h"
 #include "planner_service/progress.h"
 #include "simulation/fleet_simulation.h"
+#include "simulation/invariants.h"
 
 namespace coppice {
 
-int simulate_command(const RunOptions& options) {
+int simulate_command(const RunOptions& options, const Faults& faults) {
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  for (const Faults::Kill& kill : faults.kills) {
+    if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)
+      throw InputError(options.scenario + ": --kill: there is no robot " + kill.robot);
+  }
   install_stop_signals();
   FleetSimulation simulation(scenario, {.timeout = options.timeout,
                                         .planner = chosen_planner(options),
-                                        .plan_budget = options.plan_budget.value_or(default_plan_budget)});
+                                        .plan_budget = options.plan_budget.value_or(default_plan_budget),
+                                        .faults = faults});
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;
   simulation.run([&](const PlannerService& service, double now) {
@@ -25,10 +33,13 @@ int simulate_command(const RunOptions& options) {
   });
   display.finish(last);
   const PlannerService& service = simulation.service();
-  const proto::Report report = service.report();
-  write_results(options, report, service.tracks(), service.picture());
+  const std::vector<NamedTrack> tracks = simulation.tracks();
+  const proto::Report report = service.report(tracks);
+  write_results(options, report, tracks, service.picture());
   if (!options.quiet) std::cout << '\n' << report_table(report);
-  return service.everybody_arrived() ? 0 : 1;
+  const auto broken = broken_invariants(scenario, tracks, control_period);
+  for (const std::string& line : broken) std::cerr << line << '\n';
+  return report.outcome() == "arrived" && broken.empty() ? 0 : 1;
 }
 
 }  // namespace coppice

@@ -37,8 +37,9 @@ std::string content_id(const OccupancyMap& map) {
 }  // namespace
 
 /// By the record: stands at the end within the tolerance of the goal.
-bool PlannerService::Robot::at_goal() const {
-  return !track.points.empty() && (track.points.back().position - task.goal).norm() <= task.goal_tolerance;
+bool PlannerService::Robot::at_goal(const Track& recorded) const {
+  return !recorded.points.empty() &&
+         (recorded.points.back().position - task.goal).norm() <= task.goal_tolerance;
 }
 
 bool PlannerService::Robot::done() const {
@@ -203,7 +204,8 @@ bool PlannerService::tracks_complete() const {
 }
 
 bool PlannerService::everybody_arrived() const {
-  return std::ranges::all_of(robots_, [](const auto& entry) { return entry.second.at_goal(); });
+  return std::ranges::all_of(robots_,
+                             [](const auto& entry) { return entry.second.at_goal(entry.second.track); });
 }
 
 Progress PlannerService::progress(WallTime now) const {
@@ -218,8 +220,8 @@ Progress PlannerService::progress(WallTime now) const {
   return progress;
 }
 
-std::string PlannerService::reason_of(const Robot& robot) const {
-  if (robot.at_goal()) return {};
+std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
+  if (at_goal) return {};
   if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
   if (!robot.status->reason.empty()) return robot.status->reason;
   if (robot.track.points.size() < robot.status->track_points)
@@ -261,23 +263,27 @@ std::vector<NamedTrack> PlannerService::tracks() const {
   return tracks;
 }
 
-proto::Report PlannerService::report() const {
+proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) const {
   proto::Report report;
   double path_sum = 0;
   int planned = 0;
-  for (const RobotName& name : order_) {
-    const Robot& robot = robots_.at(name);
+  bool all_arrived = true;
+  std::vector<Track> all;
+  for (const NamedTrack& named : tracks) {
+    const Robot& robot = robots_.at(named.robot);
     auto* row = report.add_robots();
-    row->set_name(name);
+    row->set_name(named.robot);
     row->set_planned(!robot.path.empty());
-    row->set_arrived(robot.at_goal());
-    row->set_reason(reason_of(robot));
+    row->set_arrived(robot.at_goal(named.track));
+    row->set_reason(reason_of(robot, row->arrived()));
+    all_arrived = all_arrived && row->arrived();
+    all.push_back(named.track);
     for (const Point2& p : robot.path) {
       row->add_path()->set_x(p.x());
       row->mutable_path()->rbegin()->set_y(p.y());
     }
     row->set_path_length(length_of(robot.path));
-    const auto& points = robot.track.points;
+    const auto& points = named.track.points;
     for (std::size_t i = 1; i < points.size(); ++i) {
       row->set_driven_length(row->driven_length() + (points[i].position - points[i - 1].position).norm());
     }
@@ -301,18 +307,16 @@ proto::Report PlannerService::report() const {
     report.set_nodes_invalid(report.nodes_invalid() + broker.nodes_invalid);
     report.set_trees_published(report.trees_published() + broker.trees_published);
   }
-  report.set_outcome(everybody_arrived() ? "arrived"
-                     : interrupted_      ? "interrupted"
-                     : timed_out_        ? "timeout"
-                                         : "incomplete");
+  report.set_outcome(all_arrived    ? "arrived"
+                     : interrupted_ ? "interrupted"
+                     : timed_out_   ? "timeout"
+                                    : "incomplete");
   report.set_plan_time(plan_time());
   report.set_improve_time(improve_time());
   report.set_path_length(planned > 0 ? path_sum / planned : 0);
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);
 
-  std::vector<Track> all;
-  for (const auto& [name, robot] : robots_) all.push_back(robot.track);
   if (const auto separation = separation_of(all)) {
     report.set_least_separation(separation->least);
     report.set_collisions(static_cast<std::uint32_t>(separation->overlapping));

@@ -51,7 +51,10 @@ class PlannerService {
   bool everybody_arrived() const;
 
   Progress progress(WallTime now) const;
-  proto::Report report() const;
+  /// From what the agents recorded.
+  proto::Report report() const { return report(tracks()); }
+  /// From another record of the same run, one track for each robot in the scenario's order.
+  proto::Report report(const std::vector<NamedTrack>& tracks) const;
   std::vector<NamedTrack> tracks() const;
   PictureContent picture() const;
 
@@ -66,7 +69,7 @@ class PlannerService {
     Path path;
     Track track;
     std::vector<RootNodes::Node> root_nodes;
-    bool at_goal() const;
+    bool at_goal(const Track& recorded) const;
     bool done() const;
   };
 
@@ -85,7 +88,7 @@ class PlannerService {
   void watch_liveliness(WallTime now);
   bool run_is_over(WallTime now);
   bool tracks_complete() const;
-  std::string reason_of(const Robot& robot) const;
+  std::string reason_of(const Robot& robot, bool at_goal) const;
   double plan_time() const;
   double improve_time() const;
 

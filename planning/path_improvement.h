@@ -2,8 +2,8 @@
 //
 // First every path is pulled taut within its homotopy class (path_shortening.h). Then all places that the
 // trees have found are linked to a roadmap, which all robots of one radius share, and searched for a shorter
-// way round; then the roadmap becomes denser by random places, until that brings next to nothing. At any time
-// each robot's best path so far is at hand.
+// way round; then the roadmap becomes denser by evenly spread places, until that brings next to nothing. At
+// any time each robot's best path so far is at hand.
 //
 // Metres. No clock: `step` is a bounded piece of work, some tens to hundreds of microseconds.
 #pragma once
@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "planning/directed_sampler.h"
+#include "planning/even_points.h"
 #include "planning/path_shortening.h"
 #include "planning/random.h"
 #include "planning/roadmap.h"
@@ -30,7 +32,10 @@ class PathImprover {
 
   /// `space` outlives it. `epsilon`: the trees' step, which their places are apart by.
   PathImprover(const S& space, double epsilon, Random random)
-      : space_(space), reach_(reach_steps * epsilon), random_(random) {}
+      : space_(space),
+        reach_(reach_steps * epsilon),
+        random_(random),
+        even_points_(space.bounds(), random_) {}
 
   /// A place where a ball of `radius` is free.
   void add_place(const P& p, double radius) { places_.push_back({p, radius}); }
@@ -76,10 +81,11 @@ class PathImprover {
   static constexpr double reach_steps = 1.5;  // as far as the next node but one
   static constexpr std::size_t places_a_step = 64;
   static constexpr std::size_t least_batch =
-      400;  // random places of a round; later rounds add half as many again
+      400;  // new places of a round; later rounds add half as many again
   static constexpr std::size_t most_places = 40'000;
   static constexpr double worthwhile = 1e-3;  // of the fleet's length: a round that gains less is in vain
   static constexpr int rounds_in_vain = 4;
+  static constexpr int steps_to_edge = 8;  // each as long as the radius
   static constexpr double straight = 1 + 1e-9;
 
   static bool is_straight(const Robot& robot) {
@@ -146,17 +152,15 @@ class PathImprover {
     return stage_ != Stage::done;
   }
 
-  /// Random places for the next round; false if the roadmaps are as dense as they get.
+  /// Evenly spread places for the next round; false if the roadmaps are as dense as they get.
   bool draw_places() {
     const std::size_t batch = std::max(least_batch, places_.size() / 2);
     next_ = places_.size();
     if (next_ + batch > most_places) return false;
-    const Box<D> box = space_.bounds();
     const double least_radius = roadmaps_.begin()->first;
     for (std::size_t k = 0; k < batch; ++k) {
-      P p;
-      for (int d = 0; d < D; ++d) p[d] = random_.uniform(box.lower[d], box.upper[d]);
-      if (!space_.is_free(p, least_radius)) continue;
+      P p = even_points_.next();
+      if (!space_.is_free(p, least_radius) && !move_to_edge(p, least_radius)) continue;
       double radius = least_radius;
       for (const auto& [larger, map] : roadmaps_) {
         if (larger > radius && space_.is_free(p, larger)) radius = larger;
@@ -167,12 +171,32 @@ class PathImprover {
     return true;
   }
 
+  /// From within an obstacle to its edge, in a random direction (OBPRM: Amato, Bayazit, Dale, Jones, Vallejo,
+  /// 1998): shortest paths run there, and many of these places lie in narrow gaps. False if there is none
+  /// near.
+  bool move_to_edge(P& p, double radius) {
+    const P direction = random_direction<D>(random_);
+    for (int k = 1; k <= steps_to_edge; ++k) {
+      const P there = p + k * radius * direction;
+      if (!space_.is_free(there, radius)) continue;
+      P inside = there - radius * direction;
+      p = there;
+      for (int halving = 0; halving < 4; ++halving) {
+        const P middle = 0.5 * (inside + p);
+        (space_.is_free(middle, radius) ? p : inside) = middle;
+      }
+      return true;
+    }
+    return false;
+  }
+
   // A path on the roadmap is not taut: one that is a little longer than the best may still become shorter.
   static constexpr double promising = 1.1;
 
   const S& space_;
   double reach_;
   Random random_;
+  EvenPoints<D> even_points_;
   std::vector<Place> places_;
   std::vector<Robot> robots_;
   std::map<double, Roadmap<S>> roadmaps_;  ///< by radius

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <queue>
 #include <span>
 #include <utility>
@@ -29,9 +30,13 @@ class Roadmap {
   static constexpr int D = S::dimension;
   using P = Point<D>;
 
-  /// For balls of `radius`. Places are linked within `reach`, above 0.
+  /// For balls of `radius`. Places are linked within `reach`, above 0, and less as they become many.
   Roadmap(const S& space, double radius, double reach)
-      : space_(space), radius_(radius), reach_(reach), grid_(space.bounds(), reach) {}
+      : space_(space),
+        radius_(radius),
+        reach_(reach),
+        dense_reach_(reach_of_prm_star(space.bounds())),
+        grid_(space.bounds(), reach) {}
 
   double radius() const { return radius_; }
   std::size_t size() const { return places_.size(); }
@@ -41,9 +46,11 @@ class Roadmap {
     const auto q = static_cast<std::uint32_t>(places_.size());
     places_.push_back(p);
     first_link_.push_back(none);
+    const auto count = static_cast<double>(std::max<std::size_t>(places_.size(), 3));
+    const double reach = std::min(reach_, dense_reach_ * std::pow(std::log(count) / count, 1.0 / D));
     grid_.for_each_near(p, [&](NodeId n, const P& place) {
       const double squared = (place - p).squaredNorm();
-      if (squared > reach_ * reach_ || !space_.segment_free(place, p, radius_)) return;
+      if (squared > reach * reach || !space_.segment_free(place, p, radius_)) return;
       link(n, q);
       link(q, n);
     });
@@ -88,6 +95,14 @@ class Roadmap {
   }
 
  private:
+  /// Linked within this times (log n / n)^(1/D), n places have some log n links each, and the roadmap still
+  /// comes as near to the shortest paths as one likes (PRM*: Karaman, Frazzoli, "Sampling-based Algorithms
+  /// for Optimal Motion Planning", 2011). A little more than that needs fewer places.
+  static double reach_of_prm_star(const Box<D>& box) {
+    const double ball = std::pow(std::numbers::pi, D / 2.0) / std::tgamma(D / 2.0 + 1);
+    return 1.4 * 2 * std::pow((1 + 1.0 / D) * (box.upper - box.lower).prod() / ball, 1.0 / D);
+  }
+
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   struct Link {
     std::uint32_t to;
@@ -134,6 +149,7 @@ class Roadmap {
   const S& space_;
   double radius_;
   double reach_;
+  double dense_reach_;
   NeighbourGrid<D> grid_;
   std::vector<P> places_;
   std::vector<std::uint32_t> first_link_;

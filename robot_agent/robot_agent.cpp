@@ -8,7 +8,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double period = 0.05;          // seconds of fleet time: control at 20 Hz
+constexpr double period = control_period;
 constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for liveliness
 constexpr WallTime silence = 0.5;        // seconds without a state: the robot counts as dead
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' first states before setting off

@@ -19,6 +19,9 @@
 
 namespace coppice {
 
+/// Seconds of fleet time between two decisions: 20 Hz.
+inline constexpr double control_period = 0.05;
+
 class RobotAgent {
  public:
   explicit RobotAgent(RobotName name) : name_(std::move(name)), knot_(name_) { status_.robot = name_; }
@@ -28,6 +31,9 @@ class RobotAgent {
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
+
+  /// Where it drives; none before its first mission.
+  const std::optional<Driver>& body() const { return body_; }
 
  private:
   void receive(const MapMessage& message);

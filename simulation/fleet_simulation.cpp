@@ -1,6 +1,8 @@
 #include "simulation/fleet_simulation.h"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace coppice {
 
@@ -13,7 +15,7 @@ constexpr double watch_period = 0.1;
 }  // namespace
 
 FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSettings& settings)
-    : bus_(bus_delay),
+    : bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),
       service_{
           PlannerService(
               scenario,
@@ -21,28 +23,61 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
               0),
           bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
+  Random random(scenario.seed + 1);
   for (const RobotTask& task : scenario.robots) {
-    agents_.push_back({RobotAgent(task.name), bus_.attach(Role::agent)});
+    AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);
+    auto& port = bus_.attach(Role::agent, faults.side);
+    agents_.push_back({task.name, {RobotAgent(task.name), port}, std::move(faults)});
+    agents_.back().track.radius = task.radius;
   }
 }
 
 template <class R>
-double FleetSimulation::Participant<R>::next_event() const {
-  return std::max(earliest, std::min(role.next_wake(), port.next_delivery()));
+double FleetSimulation::Participant<R>::next_event(double clock_offset) const {
+  return std::max(earliest, std::min(role.next_wake() - clock_offset, port.next_delivery()));
+}
+
+double FleetSimulation::Agent::next_event() const {
+  const double next = faults.awake_from(participant.next_event(faults.clock_offset));
+  return next < faults.killed_at ? next : std::numeric_limits<double>::infinity();
 }
 
 template <class R>
-void FleetSimulation::turn(Participant<R>& participant) {
-  if (participant.next_event() > now_) return;
-  for (const Message& message : participant.port.take()) participant.role.on(message, now_);
-  if (participant.role.next_wake() > now_) return;
-  for (const Message& message : participant.role.step(now_)) participant.port.publish(message);
+void FleetSimulation::turn(Participant<R>& participant, double clock_offset) {
+  if (participant.next_event(clock_offset) > now_) return;
+  const WallTime local = now_ + clock_offset;
+  for (const Message& message : participant.port.take()) participant.role.on(message, local);
+  if (participant.role.next_wake() - clock_offset > now_) return;  // as next_event has it, to the bit
+  for (const Message& message : participant.role.step(local)) participant.port.publish(message);
   participant.earliest = now_ + step_duration;
+}
+
+void FleetSimulation::turn(Agent& agent) {
+  if (now_ >= agent.faults.killed_at) {
+    agent.participant.port.close();
+    return;
+  }
+  if (agent.next_event() > now_) return;
+  turn(agent.participant, agent.faults.clock_offset);
+  const auto& body = agent.participant.role.body();
+  if (!body) return;
+  record(agent, body->time());
+  agent.body = *body;
+}
+
+/// Every period that has passed since the last turn, as the body drives by itself.
+void FleetSimulation::record(Agent& agent, double until) {
+  if (!agent.body) return;
+  Driver& body = *agent.body;
+  while (body.time() + body.period() / 2 < until) {
+    agent.track.points.push_back({body.time() - agent.faults.clock_offset, body.position(), body.velocity()});
+    body.advance();
+  }
 }
 
 double FleetSimulation::next_event() const {
   double next = std::min(service_.next_event(), broker_.next_event());
-  for (const auto& agent : agents_) next = std::min(next, agent.next_event());
+  for (const Agent& agent : agents_) next = std::min(next, agent.next_event());
   return next;
 }
 
@@ -53,11 +88,20 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
     bus_.set_time(now_);
     turn(service_);
     turn(broker_);
-    for (auto& agent : agents_) turn(agent);
+    for (Agent& agent : agents_) turn(agent);
     if (now_ < next_watch) continue;
     next_watch = now_ + watch_period;
     if (!watch(service_.role, now_)) service_.role.interrupt();
   }
+  for (Agent& agent : agents_) {
+    if (agent.body) record(agent, service_.role.progress(now_).elapsed + agent.faults.clock_offset);
+  }
+}
+
+std::vector<NamedTrack> FleetSimulation::tracks() const {
+  std::vector<NamedTrack> tracks;
+  for (const Agent& agent : agents_) tracks.push_back({agent.name, agent.track});
+  return tracks;
 }
 
 }  // namespace coppice

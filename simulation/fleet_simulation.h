@@ -3,6 +3,10 @@
 //
 // The roles are the ones that run over DDS, unchanged. Each may step once a millisecond of virtual time,
 // about what its planning takes on a real machine, and has all the time that it needs for that.
+//
+// Agents may be killed or paused, have wrong clocks, and hear of each other late or not at all (faults.h). A
+// robot whose agent does not decide brakes in a straight line. The simulation keeps its own record of where
+// the bodies were, also of those whose agent can no longer tell.
 #pragma once
 
 #include <functional>
@@ -13,6 +17,7 @@
 #include "files/scenario.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
+#include "simulation/faults.h"
 #include "tree_broker/tree_broker.h"
 
 namespace coppice {
@@ -21,6 +26,7 @@ struct SimulationSettings {
   double timeout = 600;  ///< virtual seconds
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   double plan_budget = 1;  ///< virtual seconds
+  Faults faults{};
 };
 
 class FleetSimulation {
@@ -33,24 +39,38 @@ class FleetSimulation {
 
   const PlannerService& service() const { return service_.role; }
 
+  /// Where the bodies were, in fleet time by the true clock.
+  std::vector<NamedTrack> tracks() const;
+
  private:
   template <class R>
   struct Participant {
     R role;
     SimulatedBus::Port& port;
     double earliest = 0;  ///< of its next step
+    double next_event(double clock_offset = 0) const;
+  };
+
+  struct Agent {
+    RobotName name;
+    Participant<RobotAgent> participant;
+    AgentFaults faults;
+    std::optional<Driver> body{};  ///< as it was when the agent last had its turn
+    Track track{};
     double next_event() const;
   };
 
   template <class R>
-  void turn(Participant<R>& participant);
+  void turn(Participant<R>& participant, double clock_offset = 0);
+  void turn(Agent& agent);
+  void record(Agent& agent, double until);
   double next_event() const;
 
   SimulatedBus bus_;
   double now_ = 0;
   Participant<PlannerService> service_;
   Participant<TreeBroker> broker_;
-  std::vector<Participant<RobotAgent>> agents_;
+  std::vector<Agent> agents_;
 };
 
 }  // namespace coppice

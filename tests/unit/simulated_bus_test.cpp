@@ -50,5 +50,75 @@ TEST(SimulatedBus, StatesAreNotKeptForLateJoiners) {
   EXPECT_TRUE(late.take().empty());
 }
 
+RobotState state(double stamp) {
+  return {.robot = "r1",
+          .stamp = stamp,
+          .radius = 1,
+          .max_speed = 1,
+          .max_acceleration = 1,
+          .promise = {stamp + 0.05, {0, 0}, stamp + 0.1}};
+}
+
+/// The stamps of 1000 states, one each 0.05 s, as they arrive.
+std::vector<double> stamps_through(const BusFaults& faults) {
+  SimulatedBus bus(0.001, faults, Random(3));
+  auto& sender = bus.attach(Role::agent, 0);
+  auto& receiver = bus.attach(Role::agent, 1);
+  std::vector<double> stamps;
+  for (int k = 0; k < 1100; ++k) {
+    bus.set_time(0.05 * k);
+    if (k < 1000) sender.publish(state(0.05 * k));
+    for (const Message& m : receiver.take()) stamps.push_back(std::get<RobotState>(m).stamp);
+  }
+  return stamps;
+}
+
+TEST(SimulatedBus, LosesAsManyAsItIsToldTo) {
+  const auto stamps = stamps_through({.loss = 0.3});
+  EXPECT_NEAR(static_cast<double>(stamps.size()), 700, 60);
+  EXPECT_TRUE(std::ranges::is_sorted(stamps));
+}
+
+TEST(SimulatedBus, DelaysWithinTheJitterAndInOrderUnlessToldOtherwise) {
+  const auto in_order = stamps_through({.delay = 0.2, .jitter = 0.1});
+  EXPECT_EQ(in_order.size(), 1000u);
+  EXPECT_TRUE(std::ranges::is_sorted(in_order));
+  const auto reordered = stamps_through({.delay = 0.2, .jitter = 0.1, .reorder = true});
+  EXPECT_EQ(reordered.size(), 1000u);
+  EXPECT_FALSE(std::ranges::is_sorted(reordered));
+}
+
+TEST(SimulatedBus, DuplicatesArriveTwice) {
+  EXPECT_NEAR(static_cast<double>(stamps_through({.duplicate = 0.5}).size()), 1500, 60);
+}
+
+TEST(SimulatedBus, NothingCrossesAPartition) {
+  for (const double stamp : stamps_through({.partitions = {{10, 20}}}))
+    EXPECT_TRUE(stamp < 10 || stamp >= 20);
+}
+
+TEST(SimulatedBus, ReliableSamplesArriveOnceEachAndInOrderWhateverIsLost) {
+  SimulatedBus bus(0.001, {.loss = 0.5, .delay = 0.1, .jitter = 0.1, .duplicate = 0.5, .reorder = true},
+                   Random(1));
+  auto& service = bus.attach(Role::service);
+  auto& agent = bus.attach(Role::agent);
+  for (std::uint32_t k = 1; k <= 200; ++k) service.publish(mission("r1", k));
+  bus.set_time(1000);
+  std::uint32_t next = 1;
+  for (const Message& m : agent.take()) EXPECT_EQ(std::get<Mission>(m).number, next++);
+  EXPECT_EQ(next, 201u);
+}
+
+TEST(SimulatedBus, NothingReachesAPortThatIsClosed) {
+  SimulatedBus bus(0.5);
+  auto& service = bus.attach(Role::service);
+  auto& agent = bus.attach(Role::agent);
+  service.publish(mission("r1", 1));
+  agent.close();
+  service.publish(mission("r1", 2));
+  bus.set_time(5);
+  EXPECT_TRUE(agent.take().empty());
+}
+
 }  // namespace
 }  // namespace coppice

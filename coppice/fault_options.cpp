@@ -1,0 +1,74 @@
+#include "coppice/fault_options.h"
+
+#include <charconv>
+#include <string>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+/// Two parts around the last `separator`; throws a usage error that names the option and what it expects.
+std::pair<std::string, std::string> split(const std::string& text, char separator, const std::string& option,
+                                          const std::string& expected) {
+  const auto at = text.rfind(separator);
+  if (at == std::string::npos) throw CLI::ValidationError(option, text + " is not " + expected);
+  return {text.substr(0, at), text.substr(at + 1)};
+}
+
+double seconds(const std::string& text, const std::string& option) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0))
+    throw CLI::ValidationError(option, "'" + text + "' is not a number of seconds");
+  return value;
+}
+
+}  // namespace
+
+void add_fault_options(CLI::App& command, Faults& faults) {
+  const char* group = "Faults (drawn from the scenario's seed)";
+  const auto number = [&](const char* name, double& value, const char* what) {
+    return command.add_option(name, value, what)->group(group);
+  };
+  number("--loss", faults.bus.loss, "share of the samples that are lost; reliable ones are sent again")
+      ->check(CLI::Range(0.0, 0.95));
+  number("--delay", faults.bus.delay, "of every sample, seconds")->check(CLI::Range(0.0, 60.0));
+  number("--jitter", faults.bus.jitter, "by which a delay may differ either way, seconds")
+      ->check(CLI::Range(0.0, 60.0));
+  number("--duplicate", faults.bus.duplicate, "share of the samples that arrive twice")
+      ->check(CLI::Range(0.0, 1.0));
+  command.add_flag("--reorder", faults.bus.reorder, "samples of one sender may overtake each other")
+      ->group(group);
+  number("--kill-rate", faults.kill_rate, "agents killed, for each robot and hour")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--kill",
+          [&faults](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              const auto [robot, time] = split(text, '@', "--kill", "ROBOT@SECONDS");
+              faults.kills.push_back({robot, seconds(time, "--kill")});
+            }
+          },
+          "an agent to kill and when, ROBOT@SECONDS")
+      ->group(group);
+  number("--pause-rate", faults.pause_rate, "agents that stop for a while, for each robot and hour")
+      ->check(CLI::NonNegativeNumber);
+  number("--pause", faults.pause, "how long, seconds")->check(CLI::PositiveNumber);
+  number("--clock-skew", faults.clock_skew, "by which an agent's clock may be wrong, seconds")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option_function<std::vector<std::string>>(
+          "--partition",
+          [&faults](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              const auto [from, until] = split(text, ':', "--partition", "FROM:UNTIL");
+              faults.bus.partitions.push_back({seconds(from, "--partition"), seconds(until, "--partition")});
+            }
+          },
+          "a time in which the fleet is cut in two, FROM:UNTIL, seconds")
+      ->group(group);
+}
+
+}  // namespace coppice

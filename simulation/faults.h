@@ -1,0 +1,43 @@
+// What goes wrong in a simulated run, and when: a schedule that follows from the seed.
+//
+// Seconds of virtual time, which is fleet time.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "bus/simulated_bus.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+struct Faults {
+  BusFaults bus;  ///< its partitions put each agent on a side of its own draw; service and broker are on one
+  double kill_rate = 0;   ///< agents killed, for each robot and hour
+  double pause_rate = 0;  ///< agents that stop and go on later, for each robot and hour
+  double pause = 1;       ///< seconds
+  double clock_skew = 0;  ///< seconds by which an agent's clock may be wrong, either way
+  struct Kill {
+    std::string robot;
+    double time = 0;
+  };
+  std::vector<Kill> kills{};  ///< beyond those that are drawn
+};
+
+/// What happens to one agent.
+struct AgentFaults {
+  int side = 0;  ///< of partitions
+  double clock_offset = 0;
+  double killed_at = std::numeric_limits<double>::infinity();
+  std::vector<double> pauses{};  ///< when they begin; in order
+  double pause = 0;
+
+  /// The end of the pause that holds `time`, or `time`.
+  double awake_from(double time) const;
+};
+
+/// For a run of at most `horizon` seconds.
+AgentFaults draw_faults(const Faults& faults, const std::string& robot, double horizon, Random& random);
+
+}  // namespace coppice

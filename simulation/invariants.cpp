@@ -1,0 +1,58 @@
+#include "simulation/invariants.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace coppice {
+
+namespace {
+
+constexpr double rounding = 1e-6;
+
+/// The first thing that a robot by itself did wrong.
+std::optional<std::string> broken_by(const RobotTask& task, const Track& track, double period) {
+  const auto& points = track.points;
+  if (points.empty()) return std::nullopt;
+  if ((points.front().position - task.start).norm() > rounding) return "did not begin at its start";
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const TrackPoint& p = points[k];
+    if (p.velocity.norm() > task.max_speed + rounding)
+      return fmt::format("drove {:.3f} m/s at {:.2f} s", p.velocity.norm(), p.time);
+    if (k == 0) continue;
+    const TrackPoint& before = points[k - 1];
+    if (std::abs(p.time - before.time - period) > rounding)
+      return fmt::format("has a gap in its record before {:.2f} s", p.time);
+    if ((before.position + period * before.velocity - p.position).norm() > rounding)
+      return fmt::format("jumped at {:.2f} s", p.time);
+    if ((p.velocity - before.velocity).norm() > task.max_acceleration * period + rounding)
+      return fmt::format("changed its speed too fast at {:.2f} s", p.time);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::string> broken_invariants(const Scenario& scenario, const std::vector<NamedTrack>& tracks,
+                                           double period) {
+  std::vector<std::string> broken;
+  std::vector<Track> all;
+  for (const NamedTrack& named : tracks) {
+    all.push_back(named.track);
+    const auto task = std::ranges::find(scenario.robots, named.robot, &RobotTask::name);
+    if (const auto problem = broken_by(*task, named.track, period))
+      broken.push_back(named.robot + " " + *problem);
+  }
+  const auto separation = separation_of(all);
+  if (separation && separation->least < -overlap_tolerance)
+    broken.push_back(fmt::format("robots touched: least separation {:.6f} m, {} pairs", separation->least,
+                                 separation->overlapping));
+  const auto clearance = clearance_of(all, ClearanceField(scenario.map));
+  if (clearance && clearance->least < -overlap_tolerance)
+    broken.push_back(fmt::format("obstacles were touched: least clearance {:.6f} m, {} robots",
+                                 clearance->least, clearance->overlapping));
+  return broken;
+}
+
+}  // namespace coppice

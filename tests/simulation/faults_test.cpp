@@ -1,0 +1,65 @@
+// Whatever is late, lost or dead: nothing touches, and who can arrive does.
+#include <gtest/gtest.h>
+
+#include "files/scenario_generator.h"
+#include "simulation/fleet_simulation.h"
+#include "simulation/invariants.h"
+
+namespace coppice {
+namespace {
+
+struct Outcome {
+  proto::Report report;
+  std::vector<std::string> broken;
+};
+
+Outcome simulate(const std::string& name, int robots, std::uint32_t seed, const Faults& faults) {
+  const Scenario scenario = make_scenario(name, robots, seed);
+  FleetSimulation simulation(scenario, {.timeout = 1000, .faults = faults});
+  simulation.run([](const PlannerService&, double) { return true; });
+  return {simulation.service().report(simulation.tracks()),
+          broken_invariants(scenario, simulation.tracks(), control_period)};
+}
+
+void expect_all_arrive(const Outcome& outcome, const std::string& what) {
+  EXPECT_EQ(outcome.report.outcome(), "arrived") << what;
+  EXPECT_TRUE(outcome.broken.empty()) << what << ": " << outcome.broken.front();
+}
+
+TEST(Faults, LossAndDelayCostTimeOnly) {
+  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+    for (const char* name : {"circle", "door-14", "corridor-24"}) {
+      const Faults faults{
+          .bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1, .duplicate = 0.05, .reorder = true}};
+      expect_all_arrive(simulate(name, 10, seed, faults), name);
+    }
+  }
+}
+
+TEST(Faults, PausesCostTimeOnly) {
+  for (std::uint32_t seed = 1; seed <= 2; ++seed)
+    expect_all_arrive(simulate("circle", 10, seed, {.pause_rate = 300}), "circle");
+}
+
+TEST(Faults, NothingTouchesARobotWhoseAgentIsKilled) {
+  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+    const Outcome outcome = simulate("rooms", 20, seed, {.kills = {{"r3", 4}}});
+    EXPECT_TRUE(outcome.broken.empty()) << seed << ": " << outcome.broken.front();
+    int arrived = 0;
+    for (const auto& robot : outcome.report.robots()) {
+      arrived += robot.arrived();
+      EXPECT_EQ(robot.arrived(), robot.reason().empty()) << robot.name();
+    }
+    EXPECT_GE(arrived, 15) << seed;
+  }
+}
+
+TEST(Faults, TheSameSeedGivesTheSameRun) {
+  const Faults faults{.bus = {.loss = 0.2, .delay = 0.1, .jitter = 0.05}, .kill_rate = 20, .pause_rate = 100};
+  const Outcome first = simulate("circle", 10, 5, faults);
+  const Outcome second = simulate("circle", 10, 5, faults);
+  EXPECT_EQ(first.report.SerializeAsString(), second.report.SerializeAsString());
+}
+
+}  // namespace
+}  // namespace coppice
