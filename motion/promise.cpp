@@ -41,7 +41,7 @@ class NeighbourRegion {
   bool clear_part(const Point2& a0, const Point2& a1, double t0, double t1) const {
     const Commitment& c = n_.commitment;
     if (t1 <= c.expiry) return closest_approach(a0, a1, committed(t0), committed(t1)) >= reach_;
-    if (n_.silent) return clear_of_braking(a0, a1);
+    if (n_.silent) return clear_of_braking(a0, a1, t0);
     const double since = t1 - c.expiry;
     const double free_reach = n_.limits.max_speed * since;
     if (closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach) return true;
@@ -49,12 +49,14 @@ class NeighbourRegion {
     return closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift;
   }
 
-  /// The straight line from the end of the commitment to where braking ends, at any time.
-  bool clear_of_braking(const Point2& a0, const Point2& a1) const {
-    const double speed = n_.commitment.next_velocity.norm();
-    const Point2 direction = speed > 0 ? Point2(n_.commitment.next_velocity / speed) : Point2::Zero();
-    const Point2 stop = at_expiry_ + direction * braking_distance(speed, n_.limits, period_);
-    return segment_distance(a0, a1, at_expiry_, stop) >= reach_;
+  /// The straight line from the end of the commitment to where braking ends; once it must have, that place
+  /// alone.
+  bool clear_of_braking(const Point2& a0, const Point2& a1, double t0) const {
+    const Commitment& c = n_.commitment;
+    const Point2 rest = rest_after(c, n_.limits, period_);
+    const double rests_from =
+        c.expiry + period_ * braking_periods(c.next_velocity.norm(), n_.limits, period_);
+    return segment_distance(a0, a1, t0 < rests_from ? at_expiry_ : rest, rest) >= reach_;
   }
 
   Point2 committed(double t) const {
@@ -74,6 +76,13 @@ class NeighbourRegion {
 };
 
 }  // namespace
+
+Point2 rest_after(const Commitment& commitment, const Limits& limits, double period) {
+  const double speed = commitment.next_velocity.norm();
+  if (speed == 0) return commitment.position_at_expiry();
+  return commitment.position_at_expiry() +
+         commitment.next_velocity * (braking_distance(speed, limits, period) / speed);
+}
 
 bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
                          const Limits& limits, double period, std::span<const Neighbour> neighbours) {

@@ -43,6 +43,9 @@ struct Neighbour {
   bool silent = false;
 };
 
+/// Where a robot stands in the end that brakes in a straight line after its commitment.
+Point2 rest_after(const Commitment& commitment, const Limits& limits, double period);
+
 /// Where this robot will be if it executes `velocity` for one period from `from` on and then brakes in a
 /// straight line: whether it overlaps nothing that a neighbour may cover until it stands.
 bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,

@@ -9,8 +9,14 @@ namespace coppice {
 namespace {
 
 constexpr double period = control_period;
-constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for liveliness
-constexpr WallTime silence = 0.5;        // seconds without a state: the robot counts as dead
+constexpr WallTime status_beat = 0.5;  // seconds: at least this often, for liveliness
+// Seconds without a state after which a robot counts as dead: far longer than a pause of a process or a run
+// of lost samples lasts, for one that drives on unheard may touch those who think it dead.
+constexpr WallTime silence = 2;
+// Who falls silent may have sent states that only some have heard: in this time they are passed on.
+constexpr WallTime relay_from = 0.3;
+constexpr WallTime relay_until = 4;
+constexpr std::uint32_t relay_each = 4;  // control periods
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' first states before setting off
 constexpr std::size_t track_batch = 20;  // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
@@ -27,6 +33,15 @@ constexpr double lean = 0.05;  // radians
 
 Point2 leaning_right(const Point2& v) {
   return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
+}
+
+Commitment commitment_of(const RobotState& s) {
+  return {.stamp = s.stamp,
+          .position = s.position,
+          .velocity = s.velocity,
+          .turn = s.promise.turn,
+          .next_velocity = s.promise.velocity,
+          .expiry = s.promise.expiry};
 }
 
 Limits limits_of(const Mission& mission) {
@@ -68,7 +83,7 @@ void RobotAgent::receive(const RobotState& state) {
   if (state.robot == name_) return;
   const auto known = heard_.find(state.robot);
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
-  if (known != heard_.end() && state.stamp < known->second.stamp) return;
+  if (known != heard_.end() && state.stamp <= known->second.stamp) return;
   heard_[state.robot] = state;
   knot_.hear(state);
 }
@@ -196,6 +211,9 @@ bool RobotAgent::others_plan() const {
 /// Brings the body up to the present, and decides once for the newest period.
 void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
   bool due = std::exchange(first_control_, false);
+  // Who was silent for long lets itself be heard before it moves on.
+  const double grace = silence / 2 * mission_->clock.scale;
+  if (fleet_now - body_->time() > grace) heard_again_at_ = fleet_now + grace;
   while (body_->time() + period <= fleet_now) {
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
@@ -206,8 +224,18 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 
   decide(fleet_now);
   out.emplace_back(state());
+  if (sequence_ % relay_each == 0) relay(fleet_now, out);
   ++sequence_;
   if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
+}
+
+/// Passes on the last states of those who are silent: where they stand in the end follows from the very last
+/// one.
+void RobotAgent::relay(double fleet_now, std::vector<Message>& out) const {
+  for (const auto& [robot, last] : heard_) {
+    const WallTime age = (fleet_now - last.stamp) / mission_->clock.scale;
+    if (age > relay_from && age < relay_until) out.emplace_back(last);
+  }
 }
 
 /// Chooses the velocity of the next period.
@@ -216,7 +244,9 @@ void RobotAgent::decide(double fleet_now) {
   if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(fleet(fleet_now), *field_, body_->limits().max_acceleration, period, fleet_now);
   const bool free = knot_.stage() == Stage::free;
-  if (status_.phase == Phase::driving && free && heard_everyone(fleet_now)) {
+  if (fleet_now < heard_again_at_) {
+    body_->choose(Point2::Zero(), others, *field_);
+  } else if (status_.phase == Phase::driving && free && heard_everyone(fleet_now)) {
     drive_freely(fleet_now, others);
   } else {
     last_gain_time_ = fleet_now;
@@ -301,12 +331,7 @@ std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
                    .silent = true});
   }
   for (const auto& [robot, s] : heard_) {
-    all.push_back({.commitment = {.stamp = s.stamp,
-                                  .position = s.position,
-                                  .velocity = s.velocity,
-                                  .turn = s.promise.turn,
-                                  .next_velocity = s.promise.velocity,
-                                  .expiry = s.promise.expiry},
+    all.push_back({.commitment = commitment_of(s),
                    .radius = s.radius,
                    .limits = {s.max_speed, s.max_acceleration},
                    .silent = fleet_now - s.stamp > silence * mission_->clock.scale});
@@ -320,9 +345,12 @@ std::vector<FleetMember> RobotAgent::fleet(double fleet_now) const {
     const auto mission = missions_.find(s.robot);
     const bool wants_goal =
         mission != missions_.end() && (s.phase == Phase::planning || s.phase == Phase::driving);
+    // One that is silent stands where braking took it.
+    const Point2 position =
+        silent ? rest_after(commitment_of(s), {s.max_speed, s.max_acceleration}, period) : s.position;
     return FleetMember{.robot = s.robot,
-                       .position = s.position,
-                       .goal = wants_goal ? mission->second.goal : s.position,
+                       .position = position,
+                       .goal = wants_goal && !silent ? mission->second.goal : position,
                        .radius = s.radius,
                        .stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0),
                        .silent = silent,

@@ -49,6 +49,7 @@ class RobotAgent {
   void improve(WallTime now, std::vector<Message>& out);
   bool others_plan() const;
   void control(double fleet_now, std::vector<Message>& out);
+  void relay(double fleet_now, std::vector<Message>& out) const;
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
@@ -81,6 +82,7 @@ class RobotAgent {
   bool status_changed_ = true;
   std::uint32_t sequence_ = 0;
   bool first_control_ = true;
+  double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence of its own
   int times_stranded_ = 0;
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;

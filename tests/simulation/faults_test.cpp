@@ -54,6 +54,16 @@ TEST(Faults, NothingTouchesARobotWhoseAgentIsKilled) {
   }
 }
 
+// Found by trying seeds: the last states of the robot that was killed were lost on their way to some, who
+// then took it to stand short of where it did.
+TEST(Faults, WhereADeadRobotStandsIsKnownToAllThoughItsLastStatesWereLost) {
+  for (const std::uint32_t seed : {2u, 3u}) {
+    const Faults faults{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}, .kills = {{"r2", 3}}};
+    const Outcome outcome = simulate("rooms", 20, seed, faults);
+    EXPECT_TRUE(outcome.broken.empty()) << seed << ": " << outcome.broken.front();
+  }
+}
+
 TEST(Faults, TheSameSeedGivesTheSameRun) {
   const Faults faults{.bus = {.loss = 0.2, .delay = 0.1, .jitter = 0.05}, .kill_rate = 20, .pause_rate = 100};
   const Outcome first = simulate("circle", 10, 5, faults);
