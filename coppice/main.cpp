@@ -4,11 +4,13 @@
 #include <iostream>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/fault_options.h"
 #include "files/run_options.h"
+#include "files/scenario_generator.h"
 
 int main(int argc, char** argv) {
   using namespace coppice;
@@ -31,10 +33,11 @@ int main(int argc, char** argv) {
   add_run_options(*plan, options);
   plan->callback([&] { exit_code = plan_command(options); });
   auto* generate = app.add_subcommand("map", "generate a map and a scenario on it");
-  generate
-      ->add_option("kind", map.kind,
-                   "blank, dense, maze, room, or a scenario that tries coordination: circle, pocket-14, ...")
-      ->required();
+  generate->add_option("kind", map.kind, "blank, dense, maze, room, or one of those below")->required();
+  std::string kinds = "Kinds that try coordination:\n";
+  for (const ScenarioKind& kind : scenario_kinds())
+    kinds += fmt::format("  {:<12} {} robots: {}\n", kind.name, kind.robots, kind.what);
+  generate->footer(kinds);
   generate->add_option("output", map.output, "scenario to write (.json); the map goes beside it")->required();
   generate->add_option("--width", map.width, "cells");
   generate->add_option("--height", map.height, "cells");
