@@ -246,7 +246,8 @@ void RobotAgent::decide(double fleet_now) {
   const bool free = knot_.stage() == Stage::free;
   if (fleet_now < heard_again_at_) {
     body_->choose(Point2::Zero(), others, *field_);
-  } else if (status_.phase == Phase::driving && free && heard_everyone(fleet_now)) {
+  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && heard_everyone(fleet_now)) {
+    // One that the joint plan cannot help stands out of the others' way until they are done.
     drive_freely(fleet_now, others);
   } else {
     last_gain_time_ = fleet_now;
@@ -269,7 +270,8 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;
   }
-  if (fleet_now - last_gain_time_ > stall) knot_.call(fleet_now);
+  // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
+  if (fleet_now - last_gain_time_ > stall && everybody_is_free(fleet_now)) knot_.call(fleet_now);
 }
 
 void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
