@@ -76,13 +76,17 @@ double PathFinder::pause() const {
   return shares && steps_without_news_ < patience ? pause_between_steps : 0;
 }
 
-/// Straight off the trees, pulled taut; from now on it may become shorter.
+/// Straight off the trees; from now on it may become shorter.
 Path PathFinder::take_first_path() {
   improver_.emplace(field_, epsilon_, Random(mission_.seed + 1));
   improver_->add_robot(rrt_star_ ? rrt_star_->path() : planner_.path(group_), mission_.radius);
   const Trees<2>& trees = planner_.trees();
   for (NodeId n = 0; n < trees.node_count(); ++n)
     improver_->add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+  return improver_->path(0);
+}
+
+const Path& PathFinder::pull_taut() {
   while (!improver_->all_taut()) improver_->step();
   return improver_->path(0);
 }

@@ -34,6 +34,10 @@ class PathFinder {
   /// A bounded amount of growing. The result, once there is one.
   std::optional<Result> step();
 
+  /// Whether the first path has been pulled taut already; pulls it taut.
+  bool is_taut() const { return improver_->all_taut(); }
+  const Path& pull_taut();
+
   /// A bounded amount of looking for a shorter path than the one that step() found. False once none turns up.
   bool improve();
   /// The shortest path so far.

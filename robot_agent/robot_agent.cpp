@@ -180,9 +180,11 @@ void RobotAgent::follow(const Path& path, std::vector<Message>& out) {
   last_gain_ = 0;
 }
 
-/// Looks for a shorter path while the budget lasts and nobody needs the processor for its first one, and
-/// swaps to it where the robot sees its way onto it and has less left to drive.
+/// Pulls the first path taut, before the robot has come far along it. Then looks for a shorter path while the
+/// budget lasts and nobody needs the processor for its first one, and swaps to it where the robot sees its
+/// way onto it and has less left to drive.
 void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
+  if (!finder_->is_taut()) return follow(finder_->pull_taut(), out);
   const bool over = now > first_path_wall_ + mission_->plan_budget || status_.phase != Phase::driving ||
                     knot_.stage() != Stage::free;
   bool going = !over;
