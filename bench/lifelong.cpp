@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
 #include "bench/experiments.h"
-#include "bench/plot.h"
+#include "bench/output.h"
 #include "bench/statistics.h"
-#include "bench/table.h"
 #include "bench/trial.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/suggestions.h"
@@ -67,10 +66,7 @@ void bench_lifelong(const ExperimentOptions& options) {
     }
     plots.push_back({map, "mission", "plan time, ms", true, series});
   }
-  write_file(options.output + "/lifelong.csv", as_csv(trials));
-  write_file(options.output + "/lifelong.md", as_markdown(medians));
-  write_file(options.output + "/lifelong.svg", plots_svg(plots, 2));
-  options.tell(as_markdown(medians));
+  write_experiment(options, "lifelong", trials, medians, plots, 2);
 }
 
 }  // namespace coppice

@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
 #include "bench/experiments.h"
-#include "bench/plot.h"
+#include "bench/output.h"
 #include "bench/statistics.h"
-#include "bench/table.h"
 #include "bench/trial.h"
 #include "simulation/fleet_simulation.h"
 
@@ -120,10 +119,7 @@ void bench_paper(const ExperimentOptions& options) {
     for (std::size_t c = 0; c < columns.size(); ++c)
       plots.push_back({map, "robots", columns[c].name, columns[c].logarithmic, series[c]});
   }
-  write_file(options.output + "/paper.csv", as_csv(trials));
-  write_file(options.output + "/paper.md", as_markdown(means));
-  write_file(options.output + "/paper.svg", plots_svg(plots, static_cast<int>(columns.size())));
-  options.tell(as_markdown(means));
+  write_experiment(options, "paper", trials, means, plots, static_cast<int>(columns.size()));
 }
 
 }  // namespace coppice

@@ -4,9 +4,8 @@
 #include <fmt/format.h>
 
 #include "bench/experiments.h"
-#include "bench/plot.h"
+#include "bench/output.h"
 #include "bench/statistics.h"
-#include "bench/table.h"
 #include "bench/trial.h"
 #include "files/input_error.h"
 
@@ -159,10 +158,7 @@ void bench_peers(const ExperimentOptions& options) {
     }
     plots.push_back({map, "robots", "first paths, ms", true, series});
   }
-  write_file(options.output + "/peers.csv", as_csv(trials));
-  write_file(options.output + "/peers.md", as_markdown(medians));
-  write_file(options.output + "/peers.svg", plots_svg(plots, 2));
-  options.tell(as_markdown(medians));
+  write_experiment(options, "peers", trials, medians, plots, 2);
 }
 
 }  // namespace coppice

@@ -31,6 +31,18 @@ void add_fault_options(CLI::App& command, Faults& faults) {
   const auto number = [&](const char* name, double& value, const char* what) {
     return command.add_option(name, value, what)->group(group);
   };
+  const auto pairs = [&](const char* name, char separator, const char* expected, const char* what,
+                         auto&& take) {
+    const auto take_all = [=](const std::vector<std::string>& texts) {
+      for (const std::string& text : texts) {
+        const auto [first, second] = split(text, separator, name, expected);
+        take(first, second);
+      }
+    };
+    command.add_option_function<std::vector<std::string>>(name, take_all, what)
+        ->type_name(expected)
+        ->group(group);
+  };
   number("--loss", faults.bus.loss, "share of the samples that are lost; reliable ones are sent again")
       ->check(CLI::Range(0.0, 0.95));
   number("--delay", faults.bus.delay, "of every sample, seconds")->check(CLI::Range(0.0, 60.0));
@@ -42,33 +54,19 @@ void add_fault_options(CLI::App& command, Faults& faults) {
       ->group(group);
   number("--kill-rate", faults.kill_rate, "agents killed, for each robot and hour")
       ->check(CLI::NonNegativeNumber);
-  command
-      .add_option_function<std::vector<std::string>>(
-          "--kill",
-          [&faults](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) {
-              const auto [robot, time] = split(text, '@', "--kill", "ROBOT@SECONDS");
-              faults.kills.push_back({robot, seconds(time, "--kill")});
-            }
-          },
-          "an agent to kill and when, ROBOT@SECONDS")
-      ->group(group);
+  pairs("--kill", '@', "ROBOT@SECONDS", "an agent to kill and when",
+        [&faults](const std::string& robot, const std::string& time) {
+          faults.kills.push_back({robot, seconds(time, "--kill")});
+        });
   number("--pause-rate", faults.pause_rate, "agents that stop for a while, for each robot and hour")
       ->check(CLI::NonNegativeNumber);
   number("--pause", faults.pause, "how long, seconds")->check(CLI::PositiveNumber);
   number("--clock-skew", faults.clock_skew, "by which an agent's clock may be wrong, seconds")
       ->check(CLI::NonNegativeNumber);
-  command
-      .add_option_function<std::vector<std::string>>(
-          "--partition",
-          [&faults](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) {
-              const auto [from, until] = split(text, ':', "--partition", "FROM:UNTIL");
-              faults.bus.partitions.push_back({seconds(from, "--partition"), seconds(until, "--partition")});
-            }
-          },
-          "a time in which the fleet is cut in two, FROM:UNTIL, seconds")
-      ->group(group);
+  pairs("--partition", ':', "FROM:UNTIL", "a time in which the fleet is cut in two, seconds",
+        [&faults](const std::string& from, const std::string& until) {
+          faults.bus.partitions.push_back({seconds(from, "--partition"), seconds(until, "--partition")});
+        });
 }
 
 }  // namespace coppice

@@ -10,9 +10,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bench/plot.h"
+#include "bench/output.h"
 #include "bench/statistics.h"
-#include "bench/table.h"
 #include "coppice/commands.h"
 #include "files/report_file.h"
 #include "planning/planner_kind.h"
@@ -97,10 +96,7 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
   }
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
-  write_file(options.output + "/sharing.csv", as_csv(trials));
-  write_file(options.output + "/sharing.md", as_markdown(medians));
-  write_file(options.output + "/sharing.svg", plots_svg(plots, 2));
-  options.tell(as_markdown(medians));
+  write_experiment(options, "sharing", trials, medians, plots, 2);
 }
 
 }  // namespace coppice

@@ -29,6 +29,14 @@ Point<D> random_direction(Random& random) {
   }
 }
 
+/// Uniform in a box.
+template <int D>
+Point<D> random_point(const Box<D>& box, Random& random) {
+  Point<D> p;
+  for (int d = 0; d < D; ++d) p[d] = random.uniform(box.lower[d], box.upper[d]);
+  return p;
+}
+
 template <int D>
 class DirectedSampler {
  public:

@@ -38,6 +38,7 @@
 #include "planning/frozen_tree.h"
 #include "planning/path_search.h"
 #include "planning/random.h"
+#include "planning/rewiring.h"
 #include "planning/space.h"
 #include "planning/trees.h"
 
@@ -70,7 +71,6 @@ class MaRrdtStar {
   /// A group whose root trees grow here. Start and goal are free for `radius`.
   GroupIndex add_group(const P& start, const P& goal, double radius) {
     const GroupIndex g = add_group(radius);
-    groups_[g].grows_here = true;
     for (const auto& [side, p] : {std::pair(Root::start, start), std::pair(Root::goal, goal)}) {
       look_around(p);
       groups_[g].root_node[index(side)] = add_root_node(g, side, p, no_node);
@@ -163,7 +163,6 @@ class MaRrdtStar {
     double radius = 0;
     Forest::Layer layer = 0;
     State state = State::open;
-    bool grows_here = false;
     std::array<TreeIndex, 2> tree{};
     std::array<NodeId, 2> root_node{no_node, no_node};
     std::array<std::vector<Entry>, 2> entries;    ///< one for each component that the root tree grafted
@@ -214,14 +213,12 @@ class MaRrdtStar {
   bool is_known_ground(NodeId nearest, const P& p, double radius) const;
   bool extends_from(NodeId& from, const Arm& arm, const P& proposal, double radius) const;
   std::optional<P> next_free_point(double radius);
-  P random_point();
 
   // --- merging within epsilon ---
   void compare_disjointed_node(NodeId q);
   void compare_root_node(NodeId q, GroupIndex g, Root side);
   NodeId add_root_node(GroupIndex g, Root side, const P& p, NodeId from);
-  void choose_parent_and_rewire(NodeId q, NodeId from);
-  void propagate_cost(NodeId n);
+  std::vector<NodeId> seen_in_tree(NodeId q, NodeId from) const;
   void freeze(TreeIndex t);
   void link(TreeIndex a, TreeIndex b);
   void graft(GroupIndex g, Root side, const Entry& entry);
@@ -229,13 +226,12 @@ class MaRrdtStar {
 
   // --- paths ---
   std::optional<std::pair<Entry, Entry>> meeting(GroupIndex g) const;
-  std::vector<P> joined(GroupIndex g, const Entry& first, std::span<const NodeId> between,
-                        const Entry& last) const;
+  std::vector<P> joined(const Entry& first, std::span<const NodeId> between, const Entry& last) const;
   /// The trees that robots of a radius may use on their way from one root tree to the other.
   static auto usable(double radius) {
     return [radius](const Tree& tree) { return tree.kind == TreeKind::inactive && tree.radius >= radius; };
   }
-  std::vector<P> branch(GroupIndex g, Root side, NodeId n) const;
+  std::vector<P> branch(NodeId n) const;
 
   bool visible(NodeId a, NodeId b, double radius) const {
     return space_.segment_free(trees_.position(a), trees_.position(b), radius);
@@ -264,3 +260,4 @@ class MaRrdtStar {
 }  // namespace coppice
 
 #include "planning/ma_rrdt_star_impl.h"
+#include "planning/ma_rrdt_star_paths.h"

@@ -1,7 +1,7 @@
-// The bodies of ma_rrdt_star.h, in the order of Algorithm 2: the loop, the samples, merging, grafting, paths.
+// The bodies of ma_rrdt_star.h, in the order of Algorithm 2: the loop, the samples, merging, grafting. Those
+// of the paths are in ma_rrdt_star_paths.h.
 #pragma once
 
-#include <cassert>
 #include <limits>
 #include <optional>
 
@@ -134,7 +134,7 @@ bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
 template <Space S>
 void MaRrdtStar<S>::restart_root(Arm& arm) {
   const TreeIndex t = groups_[arm.group].tree[index(arm.side)];
-  const P p = random_point();
+  const P p = random_point(space_.bounds(), random_);
   if (trees_.tree(t).size <= few_nodes) {
     double least = std::numeric_limits<double>::infinity();
     trees_.for_each_node(t, [&](NodeId n) {
@@ -217,14 +217,6 @@ bool MaRrdtStar<S>::extends_from(NodeId& from, const Arm& arm, const P& proposal
 }
 
 template <Space S>
-auto MaRrdtStar<S>::random_point() -> P {
-  const Box<D> box = space_.bounds();
-  P p;
-  for (int d = 0; d < D; ++d) p[d] = random_.uniform(box.lower[d], box.upper[d]);
-  return p;
-}
-
-template <Space S>
 auto MaRrdtStar<S>::next_free_point(double radius) -> std::optional<P> {
   for (int i = 0; i < free_point_tries; ++i) {
     const P p = even_points_.next();
@@ -303,50 +295,23 @@ void MaRrdtStar<S>::compare_root_node(NodeId q, GroupIndex g, Root side) {
 template <Space S>
 NodeId MaRrdtStar<S>::add_root_node(GroupIndex g, Root side, const P& p, NodeId from) {
   const NodeId q = trees_.add_node(groups_[g].tree[index(side)], p);
-  if (from != no_node) choose_parent_and_rewire(q, from);
+  if (from != no_node) choose_parent_and_rewire<D>(trees_, q, seen_in_tree(q, from));
   groups_[g].fresh.push_back(q);
   compare_root_node(q, g, side);
   return q;
 }
 
-/// RRT* (Karaman, Frazzoli, 2011, Algorithm 6): the cheapest parent among the near nodes of the own tree,
-/// then the near nodes whose way through q is shorter. Edges that were found to be free stay, for the path's
-/// search.
+/// The nodes of its own tree that a new one may have as its parent, and rewire.
 template <Space S>
-void MaRrdtStar<S>::choose_parent_and_rewire(NodeId q, NodeId from) {
+std::vector<NodeId> MaRrdtStar<S>::seen_in_tree(NodeId q, NodeId from) const {
   const TreeIndex t = trees_.tree_of(q);
   const double radius = trees_.tree(t).radius;
-  auto distance = [&](NodeId n) { return (trees_.position(n) - trees_.position(q)).norm(); };
   std::vector<NodeId> seen;
   for (const NodeId n : near_) {
     if (n != from && trees_.tree_of(n) == t && visible(n, q, radius)) seen.push_back(n);
   }
   seen.push_back(from);
-  const NodeId parent =
-      *std::ranges::min_element(seen, std::less{}, [&](NodeId n) { return trees_.cost(n) + distance(n); });
-  trees_.set_parent(q, parent, trees_.cost(parent) + distance(parent));
-  for (const NodeId n : seen) {
-    trees_.add_edge(q, n);
-    const double through = trees_.cost(q) + distance(n);
-    if (n == parent || through >= trees_.cost(n)) continue;
-    trees_.set_parent(n, q, through);
-    propagate_cost(n);
-  }
-}
-
-template <Space S>
-void MaRrdtStar<S>::propagate_cost(NodeId n) {
-  std::vector<NodeId> changed{n};
-  while (!changed.empty()) {
-    const NodeId parent = changed.back();
-    changed.pop_back();
-    trees_.for_each_edge(parent, [&](const auto& edge) {
-      if (trees_.parent(edge.to) != parent) return;
-      const double length = (trees_.position(edge.to) - trees_.position(parent)).norm();
-      trees_.set_parent(edge.to, parent, trees_.cost(parent) + length);
-      changed.push_back(edge.to);
-    });
-  }
+  return seen;
 }
 
 template <Space S>
@@ -461,85 +426,6 @@ TreeIndex MaRrdtStar<S>::add_inactive_tree(const FrozenTree<D>& frozen) {
     }
   }
   return t;
-}
-
-/// Where the two root trees entered the component by which they met; of several, the nearest to each other.
-template <Space S>
-auto MaRrdtStar<S>::meeting(GroupIndex g) const -> std::optional<std::pair<Entry, Entry>> {
-  const Group& group = groups_[g];
-  std::optional<std::pair<Entry, Entry>> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const Entry& a : group.entries[index(Root::start)]) {
-    for (const Entry& b : group.entries[index(Root::goal)]) {
-      if (forest_.component(group.layer, a.tree) != forest_.component(group.layer, b.tree)) continue;
-      const double length = trees_.cost(a.root_tree_node) + trees_.cost(b.root_tree_node) +
-                            (trees_.position(a.forest_node) - trees_.position(b.forest_node)).norm();
-      if (length >= least) continue;
-      least = length;
-      best = {a, b};
-    }
-  }
-  return best;
-}
-
-/// From a node of a root tree back to its root.
-template <Space S>
-auto MaRrdtStar<S>::branch(GroupIndex g, Root side, NodeId n) const -> std::vector<P> {
-  std::vector<P> points;
-  for (; n != no_node; n = trees_.parent(n)) points.push_back(trees_.position(n));
-  assert(points.back() == trees_.position(root(g, side)));
-  (void)g;
-  (void)side;
-  return points;
-}
-
-template <Space S>
-auto MaRrdtStar<S>::joined(GroupIndex g, const Entry& first, std::span<const NodeId> between,
-                           const Entry& last) const -> std::vector<P> {
-  std::vector<P> points = branch(g, Root::start, first.root_tree_node);
-  std::ranges::reverse(points);
-  for (const NodeId n : between) points.push_back(trees_.position(n));
-  const std::vector<P> end = branch(g, Root::goal, last.root_tree_node);
-  points.insert(points.end(), end.begin(), end.end());
-  return points;
-}
-
-template <Space S>
-auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
-  if (!solved(g)) return {};
-  const Group& group = groups_[g];
-  if (group.met[0] != no_node) return joined(g, {0, group.met[0], no_node}, {}, {0, group.met[1], no_node});
-  const auto [first, last] = *meeting(g);
-  const auto between =
-      shortest_path(trees_, first.forest_node, last.forest_node, usable(group.radius), search_);
-  return joined(g, first, between, last);
-}
-
-template <Space S>
-auto MaRrdtStar<S>::paths(std::size_t first_group) -> std::vector<std::vector<P>> {
-  std::vector<std::vector<P>> all(groups_.size() - first_group);
-  // The groups of one layer and one component share a tree of shortest paths.
-  std::vector<std::pair<Forest::Layer, TreeIndex>> grown;
-  for (auto g = static_cast<GroupIndex>(first_group); g < groups_.size(); ++g) {
-    if (!solved(g)) continue;
-    if (groups_[g].met[0] != no_node) {
-      all[g - first_group] = path(g);
-      continue;
-    }
-    const Forest::Layer layer = groups_[g].layer;
-    const TreeIndex component = forest_.component(layer, meeting(g)->first.tree);
-    if (std::ranges::count(grown, std::pair(layer, component)) > 0) continue;
-    grown.emplace_back(layer, component);
-    grow_shortest_path_tree(trees_, meeting(g)->first.forest_node, usable(groups_[g].radius), search_);
-    for (GroupIndex h = g; h < groups_.size(); ++h) {
-      if (!solved(h) || groups_[h].layer != layer || groups_[h].met[0] != no_node) continue;
-      const auto [first, last] = *meeting(h);
-      if (forest_.component(layer, first.tree) != component) continue;
-      all[h - first_group] =
-          joined(h, first, path_in_tree(search_, first.forest_node, last.forest_node), last);
-    }
-  }
-  return all;
 }
 
 template <Space S>

@@ -24,7 +24,7 @@ inline constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
 template <int D>
 class NeighbourGrid {
  public:
-  /// `reach` in metres, above 0: the largest distance that for_each_near is asked for.
+  /// `reach` in metres, above 0: the largest distance that collect_near and for_each_near are asked for.
   NeighbourGrid(const Box<D>& bounds, double reach) : lower_(bounds.lower), cell_(reach) {
     const Point<D> extent = (bounds.upper - bounds.lower).cwiseMax(0.0);
     // Coarser cells only make a look-up slower; a map far larger than its reach must not exhaust the memory.

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "planning/directed_sampler.h"
 #include "planning/random.h"
+#include "planning/rewiring.h"
 #include "planning/space.h"
 #include "planning/trees.h"
 
@@ -39,7 +41,7 @@ class RrtStar {
   /// One sample. False once the goal is reached.
   bool step() {
     if (solved()) return false;
-    const P sample = random_.uniform() < goal_bias ? goal_ : random_point();
+    const P sample = random_.uniform() < goal_bias ? goal_ : random_point(space_.bounds(), random_);
     const NodeId nearest = trees_.grid().nearest(sample, [](NodeId) { return true; });
     const P gap = sample - trees_.position(nearest);
     const double distance = gap.norm();
@@ -69,47 +71,15 @@ class RrtStar {
  private:
   static constexpr double goal_bias = 0.05;
 
-  P random_point() {
-    const Box<D> box = space_.bounds();
-    P p;
-    for (int d = 0; d < D; ++d) p[d] = random_.uniform(box.lower[d], box.upper[d]);
-    return p;
-  }
-
-  /// The cheapest parent among the near nodes, then the near nodes whose way through the new one is shorter.
   NodeId join(NodeId nearest, const P& p) {
+    trees_.grid().collect_near(p, epsilon_, near_);
     std::vector<NodeId> seen{nearest};
-    trees_.grid().for_each_near(p, [&](NodeId n, const P& place) {
-      if (n != nearest && (place - p).squaredNorm() <= epsilon_ * epsilon_ &&
-          space_.segment_free(place, p, radius_))
-        seen.push_back(n);
-    });
-    const auto distance = [&](NodeId n) { return (trees_.position(n) - p).norm(); };
-    const NodeId parent =
-        *std::ranges::min_element(seen, std::less{}, [&](NodeId n) { return trees_.cost(n) + distance(n); });
+    for (const NodeId n : near_) {
+      if (n != nearest && space_.segment_free(trees_.position(n), p, radius_)) seen.push_back(n);
+    }
     const NodeId q = trees_.add_node(tree_, p);
-    trees_.set_parent(q, parent, trees_.cost(parent) + distance(parent));
-    for (const NodeId n : seen) {
-      trees_.add_edge(q, n);
-      const double through = trees_.cost(q) + distance(n);
-      if (n != parent && through < trees_.cost(n)) rewire(n, q, through);
-    }
+    choose_parent_and_rewire<D>(trees_, q, seen);
     return q;
-  }
-
-  void rewire(NodeId n, NodeId parent, double cost) {
-    trees_.set_parent(n, parent, cost);
-    std::vector<NodeId> changed{n};
-    while (!changed.empty()) {
-      const NodeId above = changed.back();
-      changed.pop_back();
-      trees_.for_each_edge(above, [&](const auto& edge) {
-        if (trees_.parent(edge.to) != above) return;
-        const double length = (trees_.position(edge.to) - trees_.position(above)).norm();
-        trees_.set_parent(edge.to, above, trees_.cost(above) + length);
-        changed.push_back(edge.to);
-      });
-    }
   }
 
   void look_for_goal(NodeId n) {
@@ -124,6 +94,7 @@ class RrtStar {
   Random random_;
   Trees<D> trees_;
   TreeIndex tree_;
+  std::vector<NodeId> near_;
   NodeId last_ = no_node;  ///< the node that sees the goal
   std::uint32_t valid_ = 0;
   std::uint32_t invalid_ = 0;

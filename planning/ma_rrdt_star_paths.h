@@ -1,0 +1,86 @@
+// The paths of ma_rrdt_star.h: along the two root trees, and through the forest between them.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "planning/ma_rrdt_star.h"
+
+namespace coppice {
+
+/// Where the two root trees entered the component by which they met; of several, the nearest to each other.
+template <Space S>
+auto MaRrdtStar<S>::meeting(GroupIndex g) const -> std::optional<std::pair<Entry, Entry>> {
+  const Group& group = groups_[g];
+  std::optional<std::pair<Entry, Entry>> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Entry& a : group.entries[index(Root::start)]) {
+    for (const Entry& b : group.entries[index(Root::goal)]) {
+      if (forest_.component(group.layer, a.tree) != forest_.component(group.layer, b.tree)) continue;
+      const double length = trees_.cost(a.root_tree_node) + trees_.cost(b.root_tree_node) +
+                            (trees_.position(a.forest_node) - trees_.position(b.forest_node)).norm();
+      if (length >= least) continue;
+      least = length;
+      best = {a, b};
+    }
+  }
+  return best;
+}
+
+/// From a node of a root tree back to its root.
+template <Space S>
+auto MaRrdtStar<S>::branch(NodeId n) const -> std::vector<P> {
+  std::vector<P> points;
+  for (; n != no_node; n = trees_.parent(n)) points.push_back(trees_.position(n));
+  return points;
+}
+
+template <Space S>
+auto MaRrdtStar<S>::joined(const Entry& first, std::span<const NodeId> between, const Entry& last) const
+    -> std::vector<P> {
+  std::vector<P> points = branch(first.root_tree_node);
+  std::ranges::reverse(points);
+  for (const NodeId n : between) points.push_back(trees_.position(n));
+  const std::vector<P> end = branch(last.root_tree_node);
+  points.insert(points.end(), end.begin(), end.end());
+  return points;
+}
+
+template <Space S>
+auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
+  if (!solved(g)) return {};
+  const Group& group = groups_[g];
+  if (group.met[0] != no_node) return joined({0, group.met[0], no_node}, {}, {0, group.met[1], no_node});
+  const auto [first, last] = *meeting(g);
+  const auto between =
+      shortest_path(trees_, first.forest_node, last.forest_node, usable(group.radius), search_);
+  return joined(first, between, last);
+}
+
+template <Space S>
+auto MaRrdtStar<S>::paths(std::size_t first_group) -> std::vector<std::vector<P>> {
+  std::vector<std::vector<P>> all(groups_.size() - first_group);
+  // The groups of one layer and one component share a tree of shortest paths.
+  std::vector<std::pair<Forest::Layer, TreeIndex>> grown;
+  for (auto g = static_cast<GroupIndex>(first_group); g < groups_.size(); ++g) {
+    if (!solved(g)) continue;
+    if (groups_[g].met[0] != no_node) {
+      all[g - first_group] = path(g);
+      continue;
+    }
+    const Forest::Layer layer = groups_[g].layer;
+    const TreeIndex component = forest_.component(layer, meeting(g)->first.tree);
+    if (std::ranges::count(grown, std::pair(layer, component)) > 0) continue;
+    grown.emplace_back(layer, component);
+    grow_shortest_path_tree(trees_, meeting(g)->first.forest_node, usable(groups_[g].radius), search_);
+    for (GroupIndex h = g; h < groups_.size(); ++h) {
+      if (!solved(h) || groups_[h].layer != layer || groups_[h].met[0] != no_node) continue;
+      const auto [first, last] = *meeting(h);
+      if (forest_.component(layer, first.tree) != component) continue;
+      all[h - first_group] = joined(first, path_in_tree(search_, first.forest_node, last.forest_node), last);
+    }
+  }
+  return all;
+}
+
+}  // namespace coppice
