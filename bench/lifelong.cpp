@@ -19,14 +19,15 @@ void bench_lifelong(const ExperimentOptions& options) {
   Table trials{{"map", "robots", "seed", "mission", "plan_s", "nodes_valid", "nodes_invalid"}, {}};
   Table medians{{"map", "robots", "mission", "plan ms", "of the first", "nodes"}, {}};
   std::vector<Plot> plots;
-  for (const std::string& map : options.maps) {
+  for (const std::string& source : options.maps) {
+    const std::string map = map_title(source);
     std::vector<Series> series;
     for (const int robots : options.robots) {
       std::vector<std::vector<double>> ms(missions);
       std::vector<std::vector<double>> nodes(missions);
       for (int k = 0; k < options.seeds && !options.stop(); ++k) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
-        const TrialCase trial = make_case(map, options.side, robots, options.radius, seed);
+        const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         Random random(seed + 7);
         const double epsilon = suggested_epsilon(trial.field, options.radius);
         MaRrdtStar<ClearanceField> planner(

@@ -77,14 +77,15 @@ void bench_paper(const ExperimentOptions& options) {
                "of these invalid", "solved"},
               {}};
   std::vector<Plot> plots;
-  for (const std::string& map : options.maps) {
+  for (const std::string& source : options.maps) {
+    const std::string map = map_title(source);
     std::vector<std::vector<Series>> series(columns.size(),
                                             {{"MA-RRdT*", {}, {}, {}}, {"MA-RRT*", {}, {}, {}}});
     for (const int robots : options.robots) {
       std::vector<std::vector<Measures>> runs(2);
-      for (int k = 0; k < options.seeds_on(map) && !options.stop(); ++k) {
+      for (int k = 0; k < options.seeds_on(source) && !options.stop(); ++k) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
-        const TrialCase trial = make_case(map, options.side, robots, options.radius, seed);
+        const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         for (const bool sharing : {true, false}) {
           const TrialResult result =
               sharing ? run_ma_rrdt_star(trial, seed) : run_ma_rrt_star(trial, seed, most_samples);

@@ -108,14 +108,15 @@ void bench_peers(const ExperimentOptions& options) {
                  "first / best peer", "within 1.03 / A*", "length first", "length", "nodes", "solved"},
                 {}};
   std::vector<Plot> plots;
-  for (const std::string& map : options.maps) {
+  for (const std::string& source : options.maps) {
+    const std::string map = map_title(source);
     std::vector<Series> series;
     for (const int robots : options.robots) {
       std::vector<std::string> names;
       std::map<std::string, Row> rows;
       for (int k = 0; k < options.seeds && !options.stop(); ++k) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
-        const TrialCase trial = make_case(map, options.side, robots, options.radius, seed);
+        const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         const std::vector<TrialResult> results = run_all(trial, seed, options.cap);
         const double shortest = shortest_known(results);
         for (const TrialResult& result : results) {

@@ -1,9 +1,10 @@
 #include "bench/trial.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "bench/grid_a_star.h"
-#include "files/input_error.h"
+#include "files/map_file.h"
 #include "planning/path_shortening.h"
 #include "planning/rrt_star.h"
 #include "planning/suggestions.h"
@@ -28,16 +29,18 @@ double sum(const std::vector<double>& values) {
 
 }  // namespace
 
-TrialCase make_case(const std::string& kind, int side, int robots, double radius, std::uint64_t seed) {
-  const auto known = map_kind(kind);
-  if (!known) throw InputError("unknown kind of map " + kind + ", expected blank, dense, maze or room");
+std::string map_title(const std::string& map) {
+  return std::filesystem::path(map).stem().string();
+}
+
+TrialCase make_case(const std::string& map, int side, int robots, double radius, std::uint64_t seed) {
   Random random(seed);
-  ClearanceField field(generate_map(*known, side, side, random));
+  ClearanceField field(read_or_generate_map(map, side, side, random));
   std::vector<PlanningProblem> problems;
-  const double way = known == MapKind::blank || robots <= 20 ? least_way : 0.2;
+  const double way = map == "blank" || robots <= 20 ? least_way : 0.2;
   for (const auto& [start, goal] : random_tasks(field, robots, radius, way, random))
     problems.push_back({start, goal, radius});
-  return {kind, seed, std::move(field), std::move(problems)};
+  return {map_title(map), seed, std::move(field), std::move(problems)};
 }
 
 int TrialResult::solved() const {

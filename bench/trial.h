@@ -27,14 +27,18 @@ class Stopwatch {
 
 /// One map with tasks for a fleet.
 struct TrialCase {
-  std::string map;  ///< kind
+  std::string map;  ///< kind, or name of the file
   std::uint64_t seed = 0;
   ClearanceField field;
   std::vector<PlanningProblem> problems;
 };
 
-/// The map of a kind that the seed makes, and tasks for so many robots on it.
-TrialCase make_case(const std::string& kind, int side, int robots, double radius, std::uint64_t seed);
+/// What a table calls a map: its kind, or its file's name.
+std::string map_title(const std::string& map);
+
+/// A map of a kind that the seed makes, or that of a file, and tasks for so many robots on it. Throws
+/// InputError for a bad name or file, std::invalid_argument where there is no room for so many robots.
+TrialCase make_case(const std::string& map, int side, int robots, double radius, std::uint64_t seed);
 
 struct TrialResult {
   std::string planner;

@@ -4,7 +4,8 @@
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/sharing_bench.h"
-#include "files/input_error.h"
+#include "files/map_file.h"
+#include "planning/map_generator.h"
 
 namespace coppice {
 
@@ -35,6 +36,10 @@ int bench_command(const BenchOptions& options, const std::string& program) {
     if (options.experiment == "sharing") experiment.robots = {5};
   }
   if (!options.maps.empty()) experiment.maps = options.maps;
+  for (const std::string& map : experiment.maps) {
+    if (!map_kind(map)) read_map(map);  // a bad one is found before the others have run for an hour
+  }
+  experiment.radius = options.radius;
   if (!options.robots.empty()) experiment.robots = options.robots;
   if (options.seeds) {
     experiment.seeds = *options.seeds;

@@ -22,7 +22,7 @@ int simulate_command(const RunOptions& options, const Faults& faults);
 int plan_command(const RunOptions& options);
 
 struct MapOptions {
-  std::string kind;
+  std::string kind;  ///< of map or scenario, or a map's file
   int width = 512;
   int height = 512;
   std::uint32_t seed = 1;
@@ -36,10 +36,11 @@ struct MapOptions {
 int map_command(const MapOptions& options);
 
 struct BenchOptions {
-  std::string experiment;  ///< paper, peers, lifelong or sharing
-  bool quick = false;      ///< few seeds and robots: does it still run?
-  std::vector<std::string> maps;
+  std::string experiment;         ///< paper, peers, lifelong or sharing
+  bool quick = false;             ///< few seeds and robots: does it still run?
+  std::vector<std::string> maps;  ///< kinds or files
   std::vector<int> robots;
+  double radius = 5;  ///< of the robots, metres
   std::optional<int> seeds;
   std::uint64_t first_seed = 1;
   std::string output = ".";

@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
   add_run_options(*plan, options);
   plan->callback([&] { exit_code = plan_command(options); });
   auto* generate = app.add_subcommand("map", "generate a map and a scenario on it");
-  generate->add_option("kind", map.kind, "blank, dense, maze, room, or one of those below")->required();
+  generate->add_option("kind", map.kind, "blank, dense, maze, room, a map's file, or one of those below")
+      ->required();
   std::string kinds = "Kinds that try coordination:\n";
   for (const ScenarioKind& kind : scenario_kinds())
     kinds += fmt::format("  {:<12} {} robots: {}\n", kind.name, kind.robots, kind.what);
@@ -53,12 +54,11 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({"paper", "peers", "lifelong", "sharing"}));
   experiments->add_flag("--quick", bench.quick, "few seeds and robots");
-  experiments->add_option("--maps", bench.maps, "kinds of map")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"blank", "dense", "maze", "room"}));
+  experiments->add_option("--maps", bench.maps, "blank, dense, maze, room, or maps' files")->delimiter(',');
   experiments->add_option("--robots", bench.robots, "numbers of robots")
       ->delimiter(',')
       ->check(CLI::Range(1, 1000));
+  experiments->add_option("--radius", bench.radius, "of the robots, metres")->check(CLI::PositiveNumber);
   experiments->add_option("--seeds", bench.seeds, "trials of each")->check(CLI::Range(1, 1000000));
   experiments->add_option("--seed", bench.first_seed, "the first one");
   experiments->add_option("--output", bench.output, "folder for the results")->check(CLI::ExistingDirectory);

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -19,53 +18,55 @@ namespace {
 constexpr int default_robots = 8;
 constexpr double least_way = 0.4;  // of the map's diagonal, from start to goal
 
-int write_both(const std::filesystem::path& file, const std::filesystem::path& map_file,
-               const Scenario& scenario) {
-  write_map(map_file, scenario.map);
-  write_scenario(file, scenario);
-  std::cout << fmt::format("{}: {} x {} cells\n{}: {} robots\n", map_file.string(), scenario.map.width,
-                           scenario.map.height, file.string(), scenario.robots.size());
-  return 0;
+/// Random tasks on a generated map, or on that of a file.
+Scenario random_scenario(const MapOptions& options) {
+  Random random(options.seed);
+  Scenario scenario{.map_name = {},
+                    .map = read_or_generate_map(options.kind, options.width, options.height, random),
+                    .seed = options.seed,
+                    .robots = {}};
+  const ClearanceField field(scenario.map);
+  for (const auto& [start, goal] :
+       random_tasks(field, options.robots.value_or(default_robots), options.radius, least_way, random)) {
+    scenario.robots.push_back({.name = fmt::format("r{}", scenario.robots.size() + 1),
+                               .start = start,
+                               .goal = goal,
+                               .radius = options.radius,
+                               .max_speed = options.max_speed,
+                               .goal_tolerance = 1});
+  }
+  return scenario;
+}
+
+Scenario scenario_of_kind(const MapOptions& options) {
+  const auto& trials = scenario_kinds();
+  const auto trial = std::ranges::find(trials, options.kind, &ScenarioKind::name);
+  if (trial != trials.end())
+    return make_scenario(options.kind, options.robots.value_or(trial->robots), options.seed);
+  if (map_kind(options.kind) || std::filesystem::exists(options.kind)) return random_scenario(options);
+  std::string names = "blank, dense, maze, room";
+  for (const ScenarioKind& known : trials) names += ", " + known.name;
+  throw InputError(fmt::format("kind: \"{}\", expected a map's file or one of {}", options.kind, names));
 }
 
 }  // namespace
 
 int map_command(const MapOptions& options) {
-  const auto kind = map_kind(options.kind);
-  const auto& trials = scenario_kinds();
-  const auto trial = std::ranges::find(trials, options.kind, &ScenarioKind::name);
-  if (!kind && trial == trials.end()) {
-    std::string names = "blank, dense, maze, room";
-    for (const ScenarioKind& known : trials) names += ", " + known.name;
-    throw InputError(fmt::format("kind: \"{}\", expected one of {}", options.kind, names));
-  }
   const std::filesystem::path file = options.output;
   if (file.extension() != ".json")
     throw InputError(fmt::format("{}: expected a name that ends in .json", options.output));
-  const std::filesystem::path map_file = std::filesystem::path(file).replace_extension(".map");
-  Random random(options.seed);
-  if (!kind) {
-    Scenario made = make_scenario(options.kind, options.robots.value_or(trial->robots), options.seed);
-    made.map_name = map_file.filename().string();
-    return write_both(file, map_file, made);
+  Scenario scenario = scenario_of_kind(options);
+  if (std::filesystem::exists(options.kind)) {
+    scenario.map_name = std::filesystem::proximate(options.kind, absolute(file).parent_path()).string();
+  } else {
+    const std::filesystem::path map_file = std::filesystem::path(file).replace_extension(".map");
+    scenario.map_name = map_file.filename().string();
+    write_map(map_file, scenario.map);
   }
-  Scenario scenario{.map_name = map_file.filename().string(), .map = {}, .seed = options.seed, .robots = {}};
-  try {
-    scenario.map = generate_map(*kind, options.width, options.height, random);
-    const ClearanceField field(scenario.map);
-    for (const auto& [start, goal] :
-         random_tasks(field, options.robots.value_or(default_robots), options.radius, least_way, random)) {
-      scenario.robots.push_back({.name = fmt::format("r{}", scenario.robots.size() + 1),
-                                 .start = start,
-                                 .goal = goal,
-                                 .radius = options.radius,
-                                 .max_speed = options.max_speed,
-                                 .goal_tolerance = 1});
-    }
-  } catch (const std::invalid_argument& problem) {
-    throw InputError(problem.what());
-  }
-  return write_both(file, map_file, scenario);
+  write_scenario(file, scenario);
+  std::cout << fmt::format("{}: {} robots on {}, {} x {} cells\n", file.string(), scenario.robots.size(),
+                           scenario.map_name, scenario.map.width, scenario.map.height);
+  return 0;
 }
 
 }  // namespace coppice

@@ -12,6 +12,7 @@
 
 #include "bench/output.h"
 #include "bench/statistics.h"
+#include "bench/trial.h"
 #include "coppice/commands.h"
 #include "files/report_file.h"
 #include "planning/planner_kind.h"
@@ -60,14 +61,15 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
   Table trials{{"map", "robots", "seed", "planner", "plan_ms"}, {}};
   Table medians{{"map", "robots", "shared ms", "alone ms", "shared / alone"}, {}};
   std::vector<Plot> plots;
-  for (const std::string& map : options.maps) {
+  for (const std::string& source : options.maps) {
+    const std::string map = map_title(source);
     std::vector<Series> series{{"shared", {}, {}, {}}, {"alone", {}, {}, {}}};
     for (const int robots : options.robots) {
       std::vector<std::vector<double>> ms(2);
       for (int k = 0; k < options.seeds && !options.stop(); ++k) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
         const std::string scenario = (folder / "scenario.json").string();
-        map_command({.kind = map,
+        map_command({.kind = source,
                      .width = options.side,
                      .height = options.side,
                      .seed = static_cast<std::uint32_t>(seed),

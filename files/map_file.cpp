@@ -10,6 +10,7 @@
 #include "files/input_error.h"
 #include "files/ros_map_file.h"
 #include "files/text_file.h"
+#include "planning/map_generator.h"
 
 namespace coppice {
 
@@ -90,6 +91,13 @@ OccupancyMap read_map(const std::filesystem::path& path) {
   if (ending == ".yaml" || ending == ".yml") return read_ros_map(path);
   throw InputError(fmt::format("{}: unknown kind of map, expected .map (Moving AI) or .yaml (ROS map_server)",
                                path.string()));
+}
+
+OccupancyMap read_or_generate_map(const std::string& kind_or_file, int width, int height, Random& random) {
+  if (const auto kind = map_kind(kind_or_file)) return generate_map(*kind, width, height, random);
+  if (std::filesystem::exists(kind_or_file)) return read_map(kind_or_file);
+  throw InputError(
+      fmt::format("{}: neither a file nor a kind of map (blank, dense, maze, room)", kind_or_file));
 }
 
 void write_map(const std::filesystem::path& path, const OccupancyMap& map) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "planning/occupancy_map.h"
+#include "planning/random.h"
 
 namespace coppice {
 
@@ -12,6 +14,10 @@ namespace coppice {
 /// negate, thresholds; y grows upwards; what is not known to be free is blocked). Throws InputError, which
 /// names the file and the line or field.
 OccupancyMap read_map(const std::filesystem::path& path);
+
+/// A generated map (blank, dense, maze or room, so many cells) or, for the name of a file, what read_map
+/// reads. Throws InputError for what is neither.
+OccupancyMap read_or_generate_map(const std::string& kind_or_file, int width, int height, Random& random);
 
 /// Writes a Moving AI `.map`; resolution, origin and the direction of y are not part of that format.
 void write_map(const std::filesystem::path& path, const OccupancyMap& map);

@@ -96,6 +96,25 @@ TEST(CoppiceBench, QuickExperimentsWriteTablesAndPlots) {
   EXPECT_EQ(shell(program("coppice") + " bench paper --output /no/such/folder").exit_code, 2);
 }
 
+TEST(CoppiceBench, TakesMapsFromFiles) {
+  const TemporaryFolder folder;
+  const std::string map = (folder.path() / "yard.map").string();
+  ASSERT_EQ(shell(program("coppice") + " map room " + (folder.path() / "yard.json").string() +
+                  " --width 200 --height 200 --seed 3")
+                .exit_code,
+            0);
+  const Outcome outcome = shell(program("coppice") + " bench lifelong --maps " + map +
+                                " --robots 3 --seeds 1 --output " + folder.path().string());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(test::contents(folder.path() / "lifelong.md").find("| yard"), std::string::npos);
+  EXPECT_EQ(shell(program("coppice") + " bench lifelong --maps /no/such.map").exit_code, 2);
+
+  const std::string scenario = (folder.path() / "tasks.json").string();
+  EXPECT_EQ(shell(program("coppice") + " map " + map + " " + scenario).exit_code, 0);
+  EXPECT_NE(test::contents(scenario).find("\"yard.map\""), std::string::npos);
+  EXPECT_EQ(shell(program("coppice") + " plan " + scenario).exit_code, 0);
+}
+
 TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
   const TemporaryFolder folder;
   folder.write("small.map", "type octile\nheight 2\nwidth 40\nmap\n" + std::string(40, '.') + "\n");
