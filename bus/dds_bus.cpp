@@ -102,6 +102,14 @@ struct Ends {
 
 }  // namespace
 
+/// Whether what arrives ends a wait. States come in swarms, and are looked at once in a control period.
+template <class M>
+constexpr bool wakes = Topic<M>::info.reliability == Reliability::reliable;
+
+WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
+  return time.seconds() + 1e-9 * time.nanosec();
+}
+
 struct DdsBus::Implementation {
   Role role;
   dds::DomainParticipant* participant = nullptr;
@@ -152,6 +160,7 @@ struct DdsBus::Implementation {
     }
     if (T::read_by(role)) {
       ends.reader = required(subscriber->create_datareader(topic, reader_qos(T::info)), "a reader");
+      if (!wakes<M>) return;
       ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
       wait_set.attach_condition(ends.reader->get_statuscondition());
     }
@@ -159,11 +168,11 @@ struct DdsBus::Implementation {
 
   template <class M>
   void detach(Ends<M>& ends) {
-    if (ends.reader != nullptr) wait_set.detach_condition(ends.reader->get_statuscondition());
+    if (ends.reader != nullptr && wakes<M>) wait_set.detach_condition(ends.reader->get_statuscondition());
   }
 
   template <class M>
-  void drain(Ends<M>& ends, std::vector<Message>& out) {
+  void drain(Ends<M>& ends, std::vector<Arrival>& out) {
     if (ends.reader == nullptr) return;
     typename DdsType<M>::Type sample;
     dds::SampleInfo info;
@@ -176,7 +185,7 @@ struct DdsBus::Implementation {
       if (const auto problem = problem_with(message)) {
         reject(Topic<M>::info.name, *problem);
       } else {
-        out.push_back(std::move(message));
+        out.push_back(arrival_of(std::move(message), seconds(info.reception_timestamp)));
       }
       if (taken < most_taken) continue;
       more = true;
@@ -212,8 +221,8 @@ void DdsBus::publish(const Message& message) {
       message);
 }
 
-std::vector<Message> DdsBus::take() {
-  std::vector<Message> out;
+std::vector<Arrival> DdsBus::take() {
+  std::vector<Arrival> out;
   implementation_->more = false;
   std::apply([&](auto&... ends) { (implementation_->drain(ends, out), ...); }, implementation_->topics);
   return out;

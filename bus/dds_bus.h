@@ -32,7 +32,7 @@ class DdsBus {
   void publish(const Message& message);
 
   /// Everything that arrived since the last call and passed validation.
-  std::vector<Message> take();
+  std::vector<Arrival> take();
 
   /// Until something arrives or `seconds` are over; true if something arrived.
   bool wait(double seconds);

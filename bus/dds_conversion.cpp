@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 namespace coppice {
 
@@ -171,10 +172,19 @@ idl::RobotState to_dds(const RobotState& m) {
   d.stage(octet(m.stage));
   d.progress(m.progress);
   d.waits_for(m.waits_for);
+  for (const Echo& echo : m.echoes) {
+    idl::Echo& to = d.echoes().emplace_back();
+    to.robot(echo.robot);
+    to.stamp(echo.stamp);
+    to.received(echo.received);
+  }
   return d;
 }
 
 RobotState from_dds(const idl::RobotState& d) {
+  std::vector<Echo> echoes;
+  for (const idl::Echo& echo : d.echoes())
+    echoes.push_back({text(echo.robot()), echo.stamp(), echo.received()});
   return {.robot = text(d.robot()),
           .sequence = d.sequence_number(),
           .stamp = d.stamp(),
@@ -188,7 +198,8 @@ RobotState from_dds(const idl::RobotState& d) {
           .knot = {d.knot_epoch(), text(d.knot_leader())},
           .stage = static_cast<Stage>(d.stage()),
           .progress = d.progress(),
-          .waits_for = text(d.waits_for())};
+          .waits_for = text(d.waits_for()),
+          .echoes = std::move(echoes)};
 }
 
 idl::JointPlan to_dds(const JointPlanMessage& m) {

@@ -124,6 +124,14 @@ enum class Stage : std::uint8_t {
   ordered,  ///< drives as the joint plan says
 };
 
+/// Says when a state of another robot arrived, so that it can compare clocks (clock_offset.h).
+struct Echo {
+  RobotName robot;
+  double stamp = 0;     ///< of its state
+  double received = 0;  ///< by the clock of who says so
+  bool operator==(const Echo&) const = default;
+};
+
 /// robot_state: agent -> all agents, monitor. Once a control step.
 struct RobotState {
   RobotName robot;
@@ -138,8 +146,9 @@ struct RobotState {
   Promise promise;
   KnotId knot;
   Stage stage = Stage::free;
-  double progress = 0;  ///< metres along its moves of the joint plan, while ordered
-  RobotName waits_for;  ///< empty: for nobody
+  double progress = 0;         ///< metres along its moves of the joint plan, while ordered
+  RobotName waits_for;         ///< empty: for nobody
+  std::vector<Echo> echoes{};  ///< of some of the others, all in turn
   bool operator==(const RobotState&) const = default;
 };
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 
 #include "bus/dds_bus.h"
 #include "bus/fleet_clock.h"
@@ -26,18 +25,12 @@ bool set_up_logging(const std::string& name, const std::string& level);
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;
 
-/// What arrives within this many seconds of the first is taken together: a fleet's states come in swarms, and
-/// waking for each costs more than all that is done with it.
-inline constexpr double swarm = 0.001;
-
 /// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
 template <class R>
 void run_role_once(DdsBus& bus, R& role) {
-  const auto until_wake = [&](double most) { return std::clamp(role.next_wake() - wall_now(), 0.0, most); };
-  if (bus.wait(until_wake(longest_wait)))
-    std::this_thread::sleep_for(std::chrono::duration<double>(until_wake(swarm)));
+  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
+  for (const Arrival& arrival : bus.take()) role.on(arrival);
   const WallTime now = wall_now();
-  for (const Message& message : bus.take()) role.on(message, now);
   if (role.next_wake() > now) return;
   for (const Message& message : role.step(now)) bus.publish(message);
 }

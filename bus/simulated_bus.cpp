@@ -41,11 +41,11 @@ bool read_by(const Message& message, Role role) {
 }  // namespace
 
 SimulatedBus::Port& SimulatedBus::attach(Role role, int side) {
-  ports_.push_back(std::unique_ptr<Port>(new Port(*this, role, side)));
+  ports_.push_back(std::unique_ptr<Port>(new Port(*this, ports_.size(), role, side)));
   Port& port = *ports_.back();
   for (const auto& [key, messages] : kept_) {
     for (const auto& message : messages) {
-      if (read_by(*message, role)) port.inbox_.emplace(now_ + delay_, message);
+      if (read_by(*message, role)) port.deliver(now_ + delay_, message, Reliability::reliable);
     }
   }
   return port;
@@ -65,8 +65,11 @@ void SimulatedBus::publish(const Port& sender, const Message& message) {
     kept.push_back(shared);
     return topic.info;
   });
+  std::array<bool, 4> read{};
+  for (const Role role : {Role::broker, Role::agent, Role::service, Role::observer})
+    read[static_cast<std::size_t>(role)] = read_by(message, role);
   for (const auto& port : ports_) {
-    if (port.get() != &sender && !port->closed_ && read_by(message, port->role_))
+    if (port.get() != &sender && !port->closed_ && read[static_cast<std::size_t>(port->role_)])
       send(sender, *port, shared, info.reliability);
   }
 }
@@ -80,13 +83,14 @@ void SimulatedBus::send(const Port& sender, Port& receiver, const std::shared_pt
   }
   double due = sent + delay_of_a_sample();
   if (reliability == Reliability::reliable || !faults_.reorder) {
-    double& last = receiver.last_due_[{&sender, reliability}];
-    due = last = std::max(due, last);
+    std::vector<double>& last = receiver.last_due_[static_cast<std::size_t>(reliability)];
+    if (last.size() <= sender.index_) last.resize(ports_.size(), 0.0);
+    due = last[sender.index_] = std::max(due, last[sender.index_]);
   }
-  receiver.inbox_.emplace(due, message);
+  receiver.deliver(due, message, reliability);
   if (reliability == Reliability::best_effort && faults_.duplicate > 0 &&
       random_.uniform() < faults_.duplicate)
-    receiver.inbox_.emplace(due + delay_of_a_sample(), message);
+    receiver.deliver(due + delay_of_a_sample(), message, reliability);
 }
 
 bool SimulatedBus::fails(const Port& sender, const Port& receiver, double time) {
@@ -101,21 +105,32 @@ double SimulatedBus::delay_of_a_sample() {
   return delay_ + std::max(0.0, faults_.delay + random_.uniform(-faults_.jitter, faults_.jitter));
 }
 
-std::vector<Message> SimulatedBus::Port::take() {
-  const auto end = inbox_.upper_bound(bus_.now_);
-  std::vector<Message> due;
-  for (auto m = inbox_.begin(); m != end; ++m) due.push_back(*m->second);
-  inbox_.erase(inbox_.begin(), end);
-  return due;
+void SimulatedBus::Port::deliver(double due, const std::shared_ptr<const Message>& message,
+                                 Reliability reliability) {
+  inbox_.push_back({{message, due}, reliability});
+  if (reliability == Reliability::reliable) next_delivery_ = std::min(next_delivery_, due);
 }
 
-double SimulatedBus::Port::next_delivery() const {
-  return inbox_.empty() ? std::numeric_limits<double>::infinity() : inbox_.begin()->first;
+std::vector<Arrival> SimulatedBus::Port::take() {
+  const auto later = std::stable_partition(inbox_.begin(), inbox_.end(),
+                                           [&](const Delivery& d) { return d.arrival.at <= bus_.now_; });
+  const auto earlier = [](const Delivery& a, const Delivery& b) { return a.arrival.at < b.arrival.at; };
+  if (!std::is_sorted(inbox_.begin(), later, earlier)) std::stable_sort(inbox_.begin(), later, earlier);
+  std::vector<Arrival> due;
+  due.reserve(static_cast<std::size_t>(later - inbox_.begin()));
+  for (auto d = inbox_.begin(); d != later; ++d) due.push_back(std::move(d->arrival));
+  inbox_.erase(inbox_.begin(), later);
+  next_delivery_ = std::numeric_limits<double>::infinity();
+  for (const Delivery& d : inbox_) {
+    if (d.reliability == Reliability::reliable) next_delivery_ = std::min(next_delivery_, d.arrival.at);
+  }
+  return due;
 }
 
 void SimulatedBus::Port::close() {
   closed_ = true;
   inbox_.clear();
+  next_delivery_ = std::numeric_limits<double>::infinity();
 }
 
 }  // namespace coppice

@@ -5,8 +5,10 @@
 // that is BusFaults.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -42,22 +44,31 @@ class SimulatedBus {
    public:
     void publish(const Message& message) { bus_.publish(*this, message); }
     /// All that is due by the bus's time.
-    std::vector<Message> take();
-    /// When the next message is due; infinity if none is under way.
-    double next_delivery() const;
+    std::vector<Arrival> take();
+    /// When the next message is due that wakes who waits for it, which best-effort samples do not; infinity
+    /// if none is under way.
+    double next_delivery() const { return next_delivery_; }
     /// Its process is dead: nothing reaches it any more.
     void close();
 
    private:
     friend class SimulatedBus;
-    Port(SimulatedBus& bus, Role role, int side) : bus_(bus), role_(role), side_(side) {}
+    Port(SimulatedBus& bus, std::size_t index, Role role, int side)
+        : bus_(bus), index_(index), role_(role), side_(side) {}
+    void deliver(double due, const std::shared_ptr<const Message>& message, Reliability reliability);
 
+    struct Delivery {
+      Arrival arrival;
+      Reliability reliability;
+    };
     SimulatedBus& bus_;
+    std::size_t index_;
     Role role_;
     int side_;
     bool closed_ = false;
-    std::multimap<double, std::shared_ptr<const Message>> inbox_;  ///< by the time when it is due
-    std::map<std::pair<const Port*, Reliability>, double> last_due_;
+    std::vector<Delivery> inbox_;  ///< under way, in the order of sending
+    double next_delivery_ = std::numeric_limits<double>::infinity();
+    std::array<std::vector<double>, 2> last_due_;  ///< by reliability and sender
   };
 
   /// `delay`: seconds from publishing to delivery where nothing goes wrong, above 0.

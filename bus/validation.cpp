@@ -93,6 +93,7 @@ Problem check(const InactiveTreeMessage& m) {
 }
 
 Problem check(const RobotState& m) {
+  const auto echo_fine = [](const Echo& e) { return named(e.robot) && sane(e.stamp) && sane(e.received); };
   return first_of(
       {{named(m.robot), "robot name is empty or too long"},
        {sane(m.stamp) && sane(m.promise.turn) && sane(m.promise.expiry), "time is not finite"},
@@ -109,7 +110,9 @@ Problem check(const RobotState& m) {
        {m.knot.leader.size() <= longest_name && (m.knot.epoch == 0) == m.knot.leader.empty(),
         "knot's epoch and leader do not agree"},
        {not_negative(m.progress), "progress is negative or not finite"},
-       {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"}});
+       {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"},
+       {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
+        "too many echoes, or one without a name or a finite time"}});
 }
 
 Problem check(const JointPlanMessage& m) {

@@ -10,6 +10,8 @@ namespace coppice {
 
 /// Longest robot name, map id and name of a neighbour, characters: bounded in idl/fleet.idl.
 inline constexpr std::size_t longest_name = 64;
+/// In one state.
+inline constexpr std::size_t most_echoes = 32;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
 /// Coordinates, radii, speeds and times beyond this (metres, seconds and their quotients) are nonsense on any

@@ -11,7 +11,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double neighbour_horizon = 2.0;  // seconds that a proposal stays clear of the other robots
 constexpr double obstacle_horizon =
     0.25;                       // seconds; the promise keeps clear of obstacles until standstill anyway
 constexpr int directions = 16;  // of the velocities tried around the current one
@@ -64,14 +63,14 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
   for (const Neighbour& n : neighbours) {
     const Commitment& c = n.commitment;
     const bool rests = c.velocity.isZero(0) && c.next_velocity.isZero(0) && c.expiry > turn + 2 * period_;
-    const bool moves = !n.silent && !rests;
+    const bool moves = !rests;
     const Point2 position =
         moves ? Point2(c.position_at_expiry() + (turn - c.expiry) * c.next_velocity) : c.position_at_expiry();
     const MovingDisc other{position, moves ? c.next_velocity : Point2::Zero(), n.radius};
-    const double reach = radius_ + n.radius + neighbour_horizon * (limits_.max_speed + n.limits.max_speed);
+    const double reach = radius_ + n.radius + horizon * (limits_.max_speed + n.limits.max_speed);
     if ((other.position - self.position).norm() > reach) continue;
     // One that does not move out of the way leaves the whole of the change to this robot.
-    robots.push_back(orca_half_plane(self, other, neighbour_horizon, period_, moves ? 0.5 : 1.0));
+    robots.push_back(orca_half_plane(self, other, horizon, period_, moves ? 0.5 : 1.0));
   }
   return safe_velocity(preferred, limits_.max_speed, obstacles, robots);
 }

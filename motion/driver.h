@@ -19,6 +19,9 @@ namespace coppice {
 
 class Driver {
  public:
+  /// Seconds that a choice keeps clear of the other robots, where it can.
+  static constexpr double horizon = 2;
+
   /// Stands at `start`, at `time`.
   Driver(const Point2& start, double time, double radius, const Limits& limits, double period)
       : position_(start), time_(time), radius_(radius), limits_(limits), period_(period) {}

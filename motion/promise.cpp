@@ -40,23 +40,19 @@ class NeighbourRegion {
  private:
   bool clear_part(const Point2& a0, const Point2& a1, double t0, double t1) const {
     const Commitment& c = n_.commitment;
-    if (t1 <= c.expiry) return closest_approach(a0, a1, committed(t0), committed(t1)) >= reach_;
-    if (n_.silent) return clear_of_braking(a0, a1, t0);
-    const double since = t1 - c.expiry;
-    const double free_reach = n_.limits.max_speed * since;
+    const double e = n_.clock_error;
+    const double committed_speed = std::max(c.velocity.norm(), c.next_velocity.norm());
+    if (t1 + e <= c.expiry)
+      return closest_approach(a0, a1, committed(t0), committed(t1)) >= reach_ + e * committed_speed;
+    const double since = t1 + e - c.expiry;
+    const double free_reach = n_.limits.max_speed * std::max(since, c.expiry - t0 + e);
     if (closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach) return true;
-    const double drift = n_.limits.max_acceleration * since * (since + period_) / 2;
+    // Before its turn it may still have had its old velocity.
+    const double before_turn = t0 < c.turn ? c.turn - c.stamp : std::min(e, c.turn - c.stamp);
+    const double turned = e > 0 ? before_turn * (c.next_velocity - c.velocity).norm() : 0;
+    const double drift =
+        n_.limits.max_acceleration * since * (since + period_) / 2 + e * committed_speed + turned;
     return closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift;
-  }
-
-  /// The straight line from the end of the commitment to where braking ends; once it must have, that place
-  /// alone.
-  bool clear_of_braking(const Point2& a0, const Point2& a1, double t0) const {
-    const Commitment& c = n_.commitment;
-    const Point2 rest = rest_after(c, n_.limits, period_);
-    const double rests_from =
-        c.expiry + period_ * braking_periods(c.next_velocity.norm(), n_.limits, period_);
-    return segment_distance(a0, a1, t0 < rests_from ? at_expiry_ : rest, rest) >= reach_;
   }
 
   Point2 committed(double t) const {
@@ -90,9 +86,9 @@ bool clear_of_neighbours(const Point2& position, const Point2& velocity, double 
   const int periods = 1 + braking_periods(velocity.norm(), limits, period);
   for (const Neighbour& neighbour : neighbours) {
     const double horizon = from + periods * period - neighbour.commitment.stamp;
-    const double far =
-        radius + neighbour.radius + travel + neighbour.limits.max_speed * std::max(0.0, horizon);
-    if (!neighbour.silent && (position - neighbour.commitment.position).norm() > far) continue;
+    const double far = radius + neighbour.radius + margin + travel +
+                       neighbour.limits.max_speed * (std::max(0.0, horizon) + neighbour.clock_error);
+    if ((position - neighbour.commitment.position).squaredNorm() > far * far) continue;
 
     const NeighbourRegion region(neighbour, radius, period);
     Point2 here = position;

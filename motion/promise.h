@@ -7,7 +7,10 @@
 //   - it is at most max_speed * s from where it was at the expiry;
 //   - it is at most max_acceleration * s * (s + period) / 2 from where its velocity at the expiry would have
 //     taken it (velocities change in steps, at the period's beginning).
-// A robot that stands may bind itself for longer, by a late expiry: others can pass it closely then.
+// A robot that stands may bind itself for longer, by a late expiry: others can pass it closely then. One that
+// is dead stands for ever.
+//
+// Where clocks may differ, a robot may be ahead or behind on its commitment by as much time.
 //
 // Metres in the map frame, seconds (one time base for everything that is compared), metres per second.
 #pragma once
@@ -38,9 +41,8 @@ struct Neighbour {
   Commitment commitment;
   double radius = 0;
   Limits limits;
-  /// Nothing was heard of it for so long that it counts as dead: it stands, at the latest, where braking in a
-  /// straight line after its last commitment took it.
-  bool silent = false;
+  double clock_error =
+      0;  ///< seconds by which the commitment's times may be off, either way; may be infinite
 };
 
 /// Where a robot stands in the end that brakes in a straight line after its commitment.

@@ -62,12 +62,12 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
   }
 }
 
-void PlannerService::on(const Message& message, WallTime now) {
+void PlannerService::on(const Arrival& arrival) {
   std::visit(
       [&](const auto& m) {
-        if constexpr (requires { receive(m, now); }) receive(m, now);
+        if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
       },
-      message);
+      *arrival.message);
 }
 
 void PlannerService::receive(const AgentStatus& status, WallTime now) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/bus.h"
 #include "bus/messages.h"
 #include "files/picture.h"
 #include "files/scenario.h"
@@ -40,7 +41,7 @@ class PlannerService {
   /// then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now);
 
-  void on(const Message& message, WallTime now);
+  void on(const Arrival& arrival);
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 

@@ -41,40 +41,37 @@ void Knot::call(double now) {
   holding_since_ = now;
 }
 
-void Knot::hold(std::span<const FleetMember> fleet, const ClearanceField& field, double acceleration,
-                double period, double now) {
+void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double acceleration,
+                double now) {
   if (!holding_since_) holding_since_ = now;
-  const auto self = std::ranges::find(fleet, robot_, &FleetMember::robot);
   if (plan_ && plan_->knot == id_) {
-    if (!self->stands) return;
-    take_up(*plan_, *self, gap_periods * acceleration * period * period);
+    if (!self.stands) return;
+    take_up(*plan_, self, gap_periods * acceleration * control_period * control_period);
     last_progress_ = 0;
     last_progress_time_ = now;
     return;
   }
   if (id_.leader == robot_) {
-    lead(fleet, field);
+    lead(self, fleet, field, now);
     return;
   }
-  const auto leader = std::ranges::find(fleet, id_.leader, &FleetMember::robot);
-  const bool leaderless = leader == fleet.end() || leader->silent;
+  const auto leader = fleet.find(id_.leader, now);
+  const bool leaderless = !leader || leader->dead;
   if ((leaderless && now - *holding_since_ > 1) || now - *holding_since_ > longest_hold) call(now);
 }
 
 /// Plans as soon as everybody alive holds in this knot and stands, a little in each control period.
-void Knot::lead(std::span<const FleetMember> fleet, const ClearanceField& field) {
+void Knot::lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now) {
   if (planner_) {
     if (planner_->step()) publish();
     return;
   }
-  const bool ready = std::ranges::all_of(fleet, [&](const FleetMember& m) {
-    return m.silent || (m.stands && m.knot == id_ && m.stage == Stage::holding);
-  });
-  if (!ready) return;
-  led_.assign(fleet.begin(), fleet.end());
+  if (!self.stands || !fleet.all_hold(id_, now)) return;
+  led_ = fleet.others(now);
+  led_.insert(led_.begin(), self);
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_)
-    tasks.push_back({m.position, m.silent ? m.position : m.goal, m.radius, !m.silent});
+    tasks.push_back({m.position, m.dead ? m.position : m.goal, m.radius, !m.dead});
   planner_ = std::make_unique<JointPlanner>(field, std::move(tasks), Random(id_.epoch));
 }
 
@@ -114,26 +111,22 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self, double
   stage_ = Stage::ordered;
 }
 
-Point2 Knot::preferred_velocity(std::span<const FleetMember> fleet, const Point2& position,
-                                const Limits& limits, double period, double now) {
-  const auto member = [&](std::size_t index) {
-    return std::ranges::find(fleet, members_[index], &FleetMember::robot);
-  };
+Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
+                                const Limits& limits, double now) {
   const auto passed = [&](std::size_t index) {
-    const auto other = member(index);
-    if (other == fleet.end() || other->knot != id_ || other->stage == Stage::holding) return 0.0;
+    const auto other = fleet.find(members_[index], now);
+    if (!other || other->knot != id_ || other->stage == Stage::holding) return 0.0;
     return other->stage == Stage::ordered ? other->progress : std::numeric_limits<double>::infinity();
   };
-  const Point2 wanted = follower_->preferred_velocity(position, limits, period, passed);
+  const Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
   const auto waits = follower_->waits_for();
   waits_for_ = waits ? members_[*waits] : RobotName();
-  const bool will_pass = waits && member(*waits) != fleet.end() && !member(*waits)->silent;
-  if (follower_->progress() > last_progress_ || will_pass) {
+  const auto waited_for = waits ? fleet.find(waits_for_, now) : std::nullopt;
+  if (follower_->progress() > last_progress_ || (waited_for && !waited_for->dead)) {
     last_progress_ = follower_->progress();
     last_progress_time_ = now;
   }
-  const bool stands = std::ranges::find(fleet, robot_, &FleetMember::robot)->stands;
-  if (follower_->finished() && stands) {
+  if (follower_->finished() && self.stands) {
     stage_ = Stage::free;
   } else if (now - last_progress_time_ > patience) {
     call(now);

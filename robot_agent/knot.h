@@ -18,21 +18,9 @@
 #include "motion/joint_plan.h"
 #include "motion/way_follower.h"
 #include "planning/clearance_field.h"
+#include "robot_agent/fleet.h"
 
 namespace coppice {
-
-/// What a robot knows of one robot of the fleet, itself or another.
-struct FleetMember {
-  RobotName robot;
-  Point2 position = Point2::Zero();
-  Point2 goal = Point2::Zero();  ///< its own place if it is there or wants to go nowhere
-  double radius = 0;
-  bool stands = false;  ///< and will until something new is heard of it
-  bool silent = false;  ///< counts as dead
-  KnotId knot;
-  Stage stage = Stage::free;
-  double progress = 0;
-};
 
 class Knot {
  public:
@@ -52,19 +40,20 @@ class Knot {
   /// Begins a new knot, with this robot as its leader.
   void call(double now);
 
-  /// Once a control period while holding. `fleet` includes this robot; `own_plan`, once, what to publish.
-  void hold(std::span<const FleetMember> fleet, const ClearanceField& field, double acceleration,
-            double period, double now);
+  /// Once a control period while holding. `own_plan`, once, what to publish.
+  void hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double acceleration,
+            double now);
   std::optional<JointPlanMessage> take_own_plan();
 
   /// Once a control period while ordered: where to drive. Ends the stage when the last move is done.
-  Point2 preferred_velocity(std::span<const FleetMember> fleet, const Point2& position, const Limits& limits,
-                            double period, double now);
+  /// `position`: at the turn, from where the velocity will be driven.
+  Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
+                            const Limits& limits, double now);
   void executed(const Point2& velocity);
 
  private:
   void join(const KnotId& id);
-  void lead(std::span<const FleetMember> fleet, const ClearanceField& field);
+  void lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
   void publish();
   void take_up(const JointPlanMessage& plan, const FleetMember& self, double gap);
 

@@ -10,14 +10,11 @@ namespace {
 
 constexpr double period = control_period;
 constexpr WallTime status_beat = 0.5;  // seconds: at least this often, for liveliness
-// Seconds without a state after which a robot counts as dead: far longer than a pause of a process or a run
-// of lost samples lasts, for one that drives on unheard may touch those who think it dead.
-constexpr WallTime silence = 2;
-// Who falls silent may have sent states that only some have heard: in this time they are passed on.
-constexpr WallTime relay_from = 0.3;
-constexpr WallTime relay_until = 4;
-constexpr std::uint32_t relay_each = 4;  // control periods
-constexpr WallTime longest_muster = 10;  // seconds to wait for the others' first states before setting off
+// A robot whose agent slept for so long stands as long again before it moves on: the others may have come to
+// think it dead, and hear of it first.
+constexpr WallTime own_silence = 1;
+constexpr std::uint32_t relay_each = 4;  // control periods between two times that it passes on last words
+constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
 constexpr std::size_t track_batch = 20;  // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
@@ -35,31 +32,27 @@ Point2 leaning_right(const Point2& v) {
   return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
 }
 
-Commitment commitment_of(const RobotState& s) {
-  return {.stamp = s.stamp,
-          .position = s.position,
-          .velocity = s.velocity,
-          .turn = s.promise.turn,
-          .next_velocity = s.promise.velocity,
-          .expiry = s.promise.expiry};
-}
-
 Limits limits_of(const Mission& mission) {
   return {mission.max_speed, mission.max_acceleration};
 }
 
 }  // namespace
 
-void RobotAgent::on(const Message& message, WallTime now) {
+/// States wait for the next control step; everything else is looked at when it comes.
+void RobotAgent::on(const Arrival& arrival) {
+  if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
+    if (fleet_.hear({arrival.message, state}, arrival.at)) knot_.hear(*state);
+    return;
+  }
   std::visit(
       [&](const auto& m) {
-        if constexpr (requires { receive(m); }) receive(m);
+        if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
       },
-      message);
-  next_wake_ = std::min(next_wake_, now);
+      *arrival.message);
+  next_wake_ = std::min(next_wake_, arrival.at);
 }
 
-void RobotAgent::receive(const MapMessage& message) {
+void RobotAgent::receive(const MapMessage& message, WallTime) {
   if (map_ && map_->map_id == message.map_id) return;
   map_ = message;
   field_ = std::make_unique<ClearanceField>(message.map);
@@ -67,11 +60,11 @@ void RobotAgent::receive(const MapMessage& message) {
   status_.trees_received = static_cast<std::uint32_t>(trees_.size());
 }
 
-void RobotAgent::receive(const Mission& mission) {
-  missions_[mission.robot] = mission;
+void RobotAgent::receive(const Mission& mission, WallTime arrived) {
+  fleet_.hear(mission, arrived);
 }
 
-void RobotAgent::receive(const InactiveTreeMessage& tree) {
+void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
   if (map_ && tree.map_id != map_->map_id) return;
   trees_.push_back(tree);
   ++status_.trees_received;
@@ -79,20 +72,11 @@ void RobotAgent::receive(const InactiveTreeMessage& tree) {
   if (finder_ && status_.phase == Phase::planning) finder_->take(tree);
 }
 
-void RobotAgent::receive(const RobotState& state) {
-  if (state.robot == name_) return;
-  const auto known = heard_.find(state.robot);
-  // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
-  if (known != heard_.end() && state.stamp <= known->second.stamp) return;
-  heard_[state.robot] = state;
-  knot_.hear(state);
-}
-
 /// Takes up the mission once its map is there; a cancelled one ends what was going on.
 void RobotAgent::begin_mission(WallTime now) {
-  const auto own = missions_.find(name_);
-  if (own == missions_.end() || !map_ || own->second.map_id != map_->map_id) return;
-  const Mission& mission = own->second;
+  const auto& own = fleet_.own_mission();
+  if (!own || !map_ || own->map_id != map_->map_id) return;
+  const Mission& mission = *own;
   if (mission.cancelled) {
     if (mission_ && status_.phase != Phase::stopped) {
       follower_.reset();
@@ -137,7 +121,10 @@ std::vector<Message> RobotAgent::step(WallTime now) {
   }
   report(now, out);
   next_wake_ = next_status_;
-  if (body_) next_wake_ = std::min(next_wake_, mission_->clock.wall_time(body_->time() + period));
+  if (body_) {
+    const double next_control = first_control_ ? body_->time() : body_->time() + period;
+    next_wake_ = std::min(next_wake_, mission_->clock.wall_time(next_control));
+  }
   if (finder_) {
     const bool planning = status_.phase == Phase::planning;
     const double pause = found_ ? 0 : planning ? finder_->pause() : pause_between_improvements;
@@ -188,7 +175,7 @@ void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
   const bool over = now > first_path_wall_ + mission_->plan_budget || status_.phase != Phase::driving ||
                     knot_.stage() != Stage::free;
   bool going = !over;
-  if (going && !others_plan()) {
+  if (going && !fleet_.somebody_plans()) {
     for (int k = 0; k < improvements_a_step && going; ++k) going = finder_->improve();
     const Path& path = finder_->path();
     if (length_of(path) < (1 - worth_swapping) * length_of(follower_->path())) {
@@ -205,16 +192,11 @@ void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
   if (!going) finder_.reset();
 }
 
-/// Whether somebody is known to look for its first path still.
-bool RobotAgent::others_plan() const {
-  return std::ranges::any_of(heard_, [](const auto& entry) { return entry.second.phase == Phase::planning; });
-}
-
 /// Brings the body up to the present, and decides once for the newest period.
 void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
+  if (fleet_now < body_->time()) return;
   bool due = std::exchange(first_control_, false);
-  // Who was silent for long lets itself be heard before it moves on.
-  const double grace = silence / 2 * mission_->clock.scale;
+  const double grace = own_silence * mission_->clock.scale;
   if (fleet_now - body_->time() > grace) heard_again_at_ = fleet_now + grace;
   while (body_->time() + period <= fleet_now) {
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
@@ -226,29 +208,22 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 
   decide(fleet_now);
   out.emplace_back(state());
-  if (sequence_ % relay_each == 0) relay(fleet_now, out);
+  if (sequence_ % relay_each == 0) {
+    for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
+  }
   ++sequence_;
   if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
-}
-
-/// Passes on the last states of those who are silent: where they stand in the end follows from the very last
-/// one.
-void RobotAgent::relay(double fleet_now, std::vector<Message>& out) const {
-  for (const auto& [robot, last] : heard_) {
-    const WallTime age = (fleet_now - last.stamp) / mission_->clock.scale;
-    if (age > relay_from && age < relay_until) out.emplace_back(last);
-  }
 }
 
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
   const std::vector<Neighbour> others = neighbours(fleet_now);
   if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
-    knot_.hold(fleet(fleet_now), *field_, body_->limits().max_acceleration, period, fleet_now);
+    knot_.hold(self(), fleet_, *field_, body_->limits().max_acceleration, fleet_now);
   const bool free = knot_.stage() == Stage::free;
   if (fleet_now < heard_again_at_) {
     body_->choose(Point2::Zero(), others, *field_);
-  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && heard_everyone(fleet_now)) {
+  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && may_set_off(fleet_now)) {
     // One that the joint plan cannot help stands out of the others' way until they are done.
     drive_freely(fleet_now, others);
   } else {
@@ -273,12 +248,12 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     last_gain_time_ = fleet_now;
   }
   // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
-  if (fleet_now - last_gain_time_ > stall && everybody_is_free(fleet_now)) knot_.call(fleet_now);
+  if (fleet_now - last_gain_time_ > stall && fleet_.all_free(fleet_now)) knot_.call(fleet_now);
 }
 
 void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_->position() + period * body_->velocity();
-  const Point2 wanted = knot_.preferred_velocity(fleet(fleet_now), next, body_->limits(), period, fleet_now);
+  const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   body_->follow(wanted, neighbours, *field_);
   knot_.executed(body_->commitment().next_velocity);
   if (wanted.isZero(0)) body_->stay(body_->time() + waiting_lease);
@@ -296,7 +271,7 @@ void RobotAgent::watch_arrival(double fleet_now) {
   if (at_goal) {
     status_.arrival_time = body_->time();
     enter(Phase::arrived);
-  } else if (knot_.stranded() && everybody_is_free(fleet_now)) {
+  } else if (knot_.stranded() && fleet_.all_free(fleet_now)) {
     // Where the others are now, another attempt may succeed.
     if (++times_stranded_ < most_times_stranded) return knot_.call(fleet_now);
     status_.reason = "the robots cannot be sorted out: no order of moves brings this one to its goal";
@@ -304,80 +279,39 @@ void RobotAgent::watch_arrival(double fleet_now) {
   }
 }
 
-/// Whether nobody holds or has moves of a joint plan left to make.
-bool RobotAgent::everybody_is_free(double fleet_now) const {
-  return std::ranges::all_of(fleet(fleet_now),
-                             [](const FleetMember& m) { return m.silent || m.stage == Stage::free; });
-}
-
 void RobotAgent::enter(Phase phase) {
   status_.phase = phase;
   status_changed_ = true;
 }
 
-/// A robot sets off when it knows where all others are. The missions say how many there are; one that stays
-/// silent for long counts as standing at its start.
-bool RobotAgent::heard_everyone(double fleet_now) const {
-  if (fleet_now - status_.mission_time > longest_muster * mission_->clock.scale) return true;
-  if (missions_.size() < mission_->fleet_size) return false;
-  return std::ranges::all_of(missions_, [&](const auto& entry) {
-    return entry.first == name_ || entry.second.cancelled || heard_.contains(entry.first);
-  });
+/// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
+/// there are.
+bool RobotAgent::may_set_off(double fleet_now) const {
+  const bool mustered = fleet_now - status_.mission_time > longest_muster * mission_->clock.scale;
+  return fleet_.complete(mustered ? 0 : mission_->fleet_size, fleet_now);
 }
 
+/// All who may come near while this robot looks ahead, or brakes.
 std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
-  std::vector<Neighbour> all;
-  for (const auto& [robot, mission] : missions_) {
-    if (robot == name_ || heard_.contains(robot)) continue;
-    all.push_back({.commitment = {.position = mission.start},
-                   .radius = mission.radius,
-                   .limits = limits_of(mission),
-                   .silent = true});
-  }
-  for (const auto& [robot, s] : heard_) {
-    all.push_back({.commitment = commitment_of(s),
-                   .radius = s.radius,
-                   .limits = {s.max_speed, s.max_acceleration},
-                   .silent = fleet_now - s.stamp > silence * mission_->clock.scale});
-  }
-  return all;
+  const Limits& limits = body_->limits();
+  const double horizon = std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * period;
+  const double reach = body_->radius() + horizon * limits.max_speed;
+  return fleet_.neighbours(body_->position(), reach, horizon, fleet_now);
 }
 
-/// Everybody, as far as it is known, this robot included.
-std::vector<FleetMember> RobotAgent::fleet(double fleet_now) const {
-  const auto member = [&](const RobotState& s, bool silent) {
-    const auto mission = missions_.find(s.robot);
-    const bool wants_goal =
-        mission != missions_.end() && (s.phase == Phase::planning || s.phase == Phase::driving);
-    // One that is silent stands where braking took it.
-    const Point2 position =
-        silent ? rest_after(commitment_of(s), {s.max_speed, s.max_acceleration}, period) : s.position;
-    return FleetMember{.robot = s.robot,
-                       .position = position,
-                       .goal = wants_goal && !silent ? mission->second.goal : position,
-                       .radius = s.radius,
-                       .stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0),
-                       .silent = silent,
-                       .knot = s.knot,
-                       .stage = s.stage,
-                       .progress = s.progress};
-  };
-  std::vector<FleetMember> all{member(state(), false)};
-  for (const auto& [robot, s] : heard_)
-    all.push_back(member(s, fleet_now - s.stamp > silence * mission_->clock.scale));
-  for (const auto& [robot, mission] : missions_) {
-    if (robot == name_ || heard_.contains(robot)) continue;
-    all.push_back({.robot = robot,
-                   .position = mission.start,
-                   .goal = mission.start,
-                   .radius = mission.radius,
-                   .silent = true,
-                   .knot = {}});
-  }
-  return all;
+FleetMember RobotAgent::self() const {
+  const bool wants_goal = status_.phase == Phase::planning || status_.phase == Phase::driving;
+  return {.robot = name_,
+          .position = body_->position(),
+          .goal = wants_goal ? mission_->goal : body_->position(),
+          .radius = body_->radius(),
+          .stands = body_->stands(),
+          .knot = knot_.id(),
+          .stage = knot_.stage(),
+          .progress = knot_.progress()};
 }
 
-RobotState RobotAgent::state() const {
+RobotState RobotAgent::state() {
   const Commitment c = body_->commitment();
   return {.robot = name_,
           .sequence = sequence_,
@@ -392,7 +326,8 @@ RobotState RobotAgent::state() const {
           .knot = knot_.id(),
           .stage = knot_.stage(),
           .progress = knot_.progress(),
-          .waits_for = knot_.waits_for()};
+          .waits_for = knot_.waits_for(),
+          .echoes = fleet_.next_echoes()};
 }
 
 /// Track points go out in batches, and all of them with a change of phase, so that the record is complete.

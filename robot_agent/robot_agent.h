@@ -4,29 +4,29 @@
 // (driver.h) exists from the first mission on, whatever the robot is doing.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bus/bus.h"
 #include "bus/messages.h"
 #include "motion/driver.h"
 #include "motion/path_follower.h"
 #include "planning/clearance_field.h"
+#include "robot_agent/fleet.h"
 #include "robot_agent/knot.h"
 #include "robot_agent/path_finder.h"
 
 namespace coppice {
 
-/// Seconds of fleet time between two decisions: 20 Hz.
-inline constexpr double control_period = 0.05;
-
 class RobotAgent {
  public:
-  explicit RobotAgent(RobotName name) : name_(std::move(name)), knot_(name_) { status_.robot = name_; }
+  explicit RobotAgent(RobotName name) : name_(std::move(name)), fleet_(name_), knot_(name_) {
+    status_.robot = name_;
+  }
 
-  void on(const Message& message, WallTime now);
+  void on(const Arrival& arrival);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
@@ -36,38 +36,33 @@ class RobotAgent {
   const std::optional<Driver>& body() const { return body_; }
 
  private:
-  void receive(const MapMessage& message);
-  void receive(const Mission& mission);
-  void receive(const InactiveTreeMessage& tree);
-  void receive(const RobotState& state);
-  void receive(const JointPlanMessage& plan) { knot_.hear(plan); }
+  void receive(const MapMessage& message, WallTime arrived);
+  void receive(const Mission& mission, WallTime arrived);
+  void receive(const InactiveTreeMessage& tree, WallTime arrived);
+  void receive(const JointPlanMessage& plan, WallTime) { knot_.hear(plan); }
 
   void begin_mission(WallTime now);
   void plan(WallTime now, std::vector<Message>& out);
   void take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out);
   void follow(const Path& path, std::vector<Message>& out);
   void improve(WallTime now, std::vector<Message>& out);
-  bool others_plan() const;
   void control(double fleet_now, std::vector<Message>& out);
-  void relay(double fleet_now, std::vector<Message>& out) const;
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void watch_arrival(double fleet_now);
-  bool everybody_is_free(double fleet_now) const;
+  bool may_set_off(double fleet_now) const;
   void enter(Phase phase);
-  bool heard_everyone(double fleet_now) const;
   std::vector<Neighbour> neighbours(double fleet_now) const;
-  std::vector<FleetMember> fleet(double fleet_now) const;
-  RobotState state() const;
+  FleetMember self() const;
+  RobotState state();
   void report(WallTime now, std::vector<Message>& out);
 
   RobotName name_;
   std::optional<MapMessage> map_;
   std::unique_ptr<ClearanceField> field_;
-  std::map<RobotName, Mission> missions_;   ///< everybody's, its own too
   std::vector<InactiveTreeMessage> trees_;  ///< of this map
-  std::map<RobotName, RobotState> heard_;   ///< the others' last states
+  Fleet fleet_;
 
   std::optional<Mission> mission_;  ///< the one that is being carried out
   std::unique_ptr<PathFinder> finder_;

@@ -46,7 +46,10 @@ template <class R>
 void FleetSimulation::turn(Participant<R>& participant, double clock_offset) {
   if (participant.next_event(clock_offset) > now_) return;
   const WallTime local = now_ + clock_offset;
-  for (const Message& message : participant.port.take()) participant.role.on(message, local);
+  for (Arrival& arrival : participant.port.take()) {
+    arrival.at += clock_offset;
+    participant.role.on(arrival);
+  }
   if (participant.role.next_wake() - clock_offset > now_) return;  // as next_event has it, to the bit
   for (const Message& message : participant.role.step(local)) participant.port.publish(message);
   participant.earliest = now_ + step_duration;

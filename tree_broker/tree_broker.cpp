@@ -20,13 +20,13 @@ TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, Random random
       epsilon(suggested_epsilon(field, radius)),
       planner(field, {.epsilon = epsilon, .disjointed_trees = suggested_trees(field, epsilon)}, random) {}
 
-void TreeBroker::on(const Message& message, WallTime now) {
+void TreeBroker::on(const Arrival& arrival) {
   std::visit(
       [&](const auto& m) {
         if constexpr (requires { receive(m); }) receive(m);
       },
-      message);
-  next_wake_ = now;
+      *arrival.message);
+  next_wake_ = arrival.at;
 }
 
 void TreeBroker::receive(const MapMessage& message) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/bus.h"
 #include "bus/messages.h"
 #include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
@@ -23,7 +24,7 @@ class TreeBroker {
   /// `id` tells this broker's trees from those of every other one; `seed` is of every random choice.
   TreeBroker(std::uint64_t id, std::uint64_t seed) : id_(id), seed_(seed) {}
 
-  void on(const Message& message, WallTime now);
+  void on(const Arrival& arrival);
   /// Grows for about a millisecond if there is something to grow; returns what is to be published.
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.

@@ -27,7 +27,7 @@ std::vector<Message> receive(DdsBus& bus, Enough&& enough, double seconds = 10) 
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   while (!enough(all) && Clock::now() < end) {
     bus.wait(0.1);
-    for (Message& message : bus.take()) all.push_back(std::move(message));
+    for (const Arrival& arrival : bus.take()) all.push_back(*arrival.message);
   }
   return all;
 }
@@ -46,7 +46,8 @@ RobotState some_state(std::uint32_t sequence) {
           .knot = {3, "r7"},
           .stage = Stage::ordered,
           .progress = 12.5,
-          .waits_for = "r2"};
+          .waits_for = "r2",
+          .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
 }
 
 MapMessage some_map(int side) {

@@ -121,7 +121,7 @@ TEST(Driver, PassesOneThatIsBoundToStand) {
   Driver passing({20, 15.5}, 0, 5, limits, period);
   for (int step = 0; step < 200; ++step) {
     standing.stay(standing.time() + 1);
-    const std::vector<Neighbour> others{{standing.commitment(), 5, limits, false}};
+    const std::vector<Neighbour> others{{standing.commitment(), 5, limits}};
     passing.follow({20, 0}, others, field);
     standing.advance();
     passing.advance();

@@ -64,6 +64,14 @@ TEST(Faults, WhereADeadRobotStandsIsKnownToAllThoughItsLastStatesWereLost) {
   }
 }
 
+TEST(Faults, WrongClocksTouchNothing) {
+  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+    expect_all_arrive(simulate("rooms", 8, seed, {.clock_skew = 1}), "rooms");
+    const Faults faults{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}, .clock_skew = 0.3};
+    expect_all_arrive(simulate("corridor-24", 10, seed, faults), "corridor-24");
+  }
+}
+
 TEST(Faults, TheSameSeedGivesTheSameRun) {
   const Faults faults{.bus = {.loss = 0.2, .delay = 0.1, .jitter = 0.05}, .kill_rate = 20, .pause_rate = 100};
   const Outcome first = simulate("circle", 10, 5, faults);

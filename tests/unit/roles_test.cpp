@@ -36,8 +36,8 @@ Scenario two_robots() {
 /// What a service hands out when a broker's trees cover the map at once.
 std::vector<Message> map_and_missions(PlannerService& service) {
   std::vector<Message> all = service.step(0);
-  service.on(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(all).at(0).map_id}, 0);
-  for (const char* robot : {"a", "b"}) service.on(AgentStatus{.robot = robot}, 0);
+  service.on(arrival_of(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(all).at(0).map_id}, 0));
+  for (const char* robot : {"a", "b"}) service.on(arrival_of(AgentStatus{.robot = robot}, 0));
   for (Message& message : service.step(0)) all.push_back(std::move(message));
   return all;
 }
@@ -48,16 +48,16 @@ TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
   ASSERT_EQ(of<MapMessage>(first).size(), 1u);
   EXPECT_EQ(of<MapMessage>(first)[0].radii, std::vector<double>{5});
   EXPECT_TRUE(of<Mission>(first).empty());
-  service.on(BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = "another map"}, 0.1);
-  service.on(AgentStatus{.robot = "a", .trees_received = 3}, 0.1);
+  service.on(arrival_of(BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = "another map"}, 0.1));
+  service.on(arrival_of(AgentStatus{.robot = "a", .trees_received = 3}, 0.1));
   EXPECT_TRUE(service.step(0.1).empty());
-  service.on(BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = of<MapMessage>(first)[0].map_id},
-             0.1);
+  service.on(arrival_of(
+      BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = of<MapMessage>(first)[0].map_id}, 0.1));
   EXPECT_TRUE(service.step(0.1).empty());  // of b nothing was heard
-  service.on(AgentStatus{.robot = "b", .trees_received = 2}, 0.1);
+  service.on(arrival_of(AgentStatus{.robot = "b", .trees_received = 2}, 0.1));
   EXPECT_TRUE(service.step(0.1).empty());  // it has not all trees
 
-  service.on(AgentStatus{.robot = "b", .trees_received = 3}, 0.2);
+  service.on(arrival_of(AgentStatus{.robot = "b", .trees_received = 3}, 0.2));
   EXPECT_LE(service.next_wake(), 0.2);
   const auto missions = of<Mission>(service.step(0.2));
   ASSERT_EQ(missions.size(), 2u);
@@ -90,10 +90,10 @@ TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
     status.phase = phase;
     status.arrival_time = 9;
     status.track_points = points;
-    service.on(status, 1);
+    service.on(arrival_of(status, 1));
   };
-  service.on(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 1);
-  service.on(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}}}, 1);
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}}}, 1));
   says("a", Phase::arrived, 2);
   says("b", Phase::arrived, 1);  // it has not left its start
   const auto last = of<Mission>(service.step(1));
@@ -126,12 +126,12 @@ TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
   TreeBroker broker(7, 1);
   for (Message& message : map_and_missions(service)) {
     if (auto* map = std::get_if<MapMessage>(&message)) map->radii.clear();  // nothing is grown ahead
-    broker.on(message, 0);
+    broker.on(arrival_of(message, 0));
   }
   RootNodes roots{.robot = "a", .mission = 1, .nodes = {}};
   for (int k = 0; k < 16; ++k)  // on the start's side of the wall
     roots.nodes.push_back({Side::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
-  broker.on(roots, 0);
+  broker.on(arrival_of(roots, 0));
   std::map<TreeId, int> seen;
   for (double now = 0; now < 0.2; now += 0.001) {
     for (const auto& tree : of<InactiveTreeMessage>(broker.step(now))) ++seen[tree.tree];
@@ -148,7 +148,7 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
   scenario.robots[1].radius = 3;
   PlannerService service(scenario, {}, 0);
   TreeBroker broker(7, 1);
-  for (const Message& message : service.step(0)) broker.on(message, 0);
+  for (const Message& message : service.step(0)) broker.on(arrival_of(message, 0));
   std::vector<InactiveTreeMessage> trees;
   std::string covered;
   double now = 0;
@@ -156,8 +156,8 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
     const auto said = broker.step(now);
     for (const auto& tree : of<InactiveTreeMessage>(said)) trees.push_back(tree);
     for (const auto& status : of<BrokerStatus>(said)) covered = status.covered_map;
-    service.on(BrokerStatus{.broker = 7, .covered_map = covered}, now);
-    for (const char* robot : {"a", "b"}) service.on(AgentStatus{.robot = robot}, now);
+    service.on(arrival_of(BrokerStatus{.broker = 7, .covered_map = covered}, now));
+    for (const char* robot : {"a", "b"}) service.on(arrival_of(AgentStatus{.robot = robot}, now));
   }
   EXPECT_TRUE(of<InactiveTreeMessage>(broker.step(now)).empty());
   EXPECT_GT(broker.next_wake(), now);  // it rests until a mission comes
@@ -166,9 +166,9 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
   // An agent that gets the trees first finds its path in the step in which it gets its mission, and says so
   // in the next one, when the time that it took is known.
   RobotAgent agent("a");
-  agent.on(MapMessage{covered, scenario.map, {}}, now);
-  for (const InactiveTreeMessage& tree : trees) agent.on(tree, now);
-  for (const Message& message : service.step(now)) agent.on(message, now);
+  agent.on(arrival_of(MapMessage{covered, scenario.map, {}}, now));
+  for (const InactiveTreeMessage& tree : trees) agent.on(arrival_of(tree, now));
+  for (const Message& message : service.step(now)) agent.on(arrival_of(message, now));
   agent.step(now);
   EXPECT_EQ(agent.next_wake(), now);
   const auto said = agent.step(now + 0.003);
@@ -180,14 +180,14 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
 TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
-  for (const Message& message : map_and_missions(service)) broker.on(message, 0);
+  for (const Message& message : map_and_missions(service)) broker.on(arrival_of(message, 0));
   EXPECT_EQ(broker.next_wake(), 0);  // there is something to grow
   for (const char* robot : {"a", "b"}) {
     AgentStatus status;
     status.robot = robot;
     status.mission = 1;
     status.phase = Phase::driving;
-    broker.on(status, 0.1);
+    broker.on(arrival_of(status, 0.1));
   }
   for (int k = 0; k < 1000; ++k) broker.step(0.1);
   EXPECT_GT(broker.next_wake(), 0.1);
@@ -208,7 +208,7 @@ TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
   EXPECT_FALSE(of<AgentStatus>(agent.step(0)).empty());
-  for (const Message& message : map_and_missions(service)) agent.on(message, 0);
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   const auto said = run(agent, 0, 30);
   ASSERT_GE(of<PathMessage>(said).size(), 2u);  // straight off the trees, and then taut
   for (const PathMessage& path : of<PathMessage>(said)) EXPECT_EQ(path.waypoints.back(), Point2(100, 60));
@@ -233,12 +233,12 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
   RobotAgent agent("a");
   Mission mission;
   for (const Message& message : map_and_missions(service)) {
-    agent.on(message, 0);
+    agent.on(arrival_of(message, 0));
     if (const auto* m = std::get_if<Mission>(&message)) mission = *m;
   }
   run(agent, 0, 2);
   mission.cancelled = true;
-  agent.on(mission, 2);
+  agent.on(arrival_of(mission, 2));
   const auto said = run(agent, 2, 4);
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::stopped);
   EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
@@ -255,7 +255,7 @@ RobotState last_of(const RobotName& robot, const std::vector<Message>& messages)
 TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
-  for (const Message& message : map_and_missions(service)) agent.on(message, 0);
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   RobotState other{.robot = "b",
                    .stamp = 0.1,
                    .position = {20, 20},
@@ -264,21 +264,21 @@ TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
                    .max_acceleration = 40,
                    .promise = {0.15, {0, 0}, 0.2},
                    .knot = {}};
-  agent.on(other, 0.1);
+  agent.on(arrival_of(other, 0.1));
   run(agent, 0.1, 1);
   other.knot = {4, "b"};
   other.stage = Stage::holding;
   other.stamp = 1;
   other.promise = {1.05, {0, 0}, 1.1};
-  agent.on(other, 1);
+  agent.on(arrival_of(other, 1));
   const RobotState last = last_of("a", run(agent, 1, 2));
   EXPECT_EQ(last.knot, (KnotId{4, "b"}));
   EXPECT_EQ(last.stage, Stage::holding);
   EXPECT_TRUE(last.velocity.isZero(0));
 
   // The plan is there: it drives as ordered, and only that.
-  agent.on(JointPlanMessage{{4, "b"}, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}},
-           2);
+  agent.on(arrival_of(
+      JointPlanMessage{{4, "b"}, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}}, 2));
   const auto after = run(agent, 2, 8);  // in between b falls silent, and counts as dead in the end
   double nearest = 100;
   for (const RobotState& state : of<RobotState>(after)) {

@@ -36,10 +36,10 @@ TEST(SimulatedBus, LateJoinersGetTheNewestOfEachKey) {
   service.publish(mission("r1", 2));
   auto& late = bus.attach(Role::agent);
   bus.set_time(1);
-  const std::vector<Message> got = late.take();
+  const std::vector<Arrival> got = late.take();
   ASSERT_EQ(got.size(), 2u);
-  EXPECT_EQ(std::get<Mission>(got[0]).number, 2u);
-  EXPECT_EQ(std::get<Mission>(got[1]).robot, "r2");
+  EXPECT_EQ(std::get<Mission>(*got[0].message).number, 2u);
+  EXPECT_EQ(std::get<Mission>(*got[1].message).robot, "r2");
 }
 
 TEST(SimulatedBus, StatesAreNotKeptForLateJoiners) {
@@ -68,7 +68,7 @@ std::vector<double> stamps_through(const BusFaults& faults) {
   for (int k = 0; k < 1100; ++k) {
     bus.set_time(0.05 * k);
     if (k < 1000) sender.publish(state(0.05 * k));
-    for (const Message& m : receiver.take()) stamps.push_back(std::get<RobotState>(m).stamp);
+    for (const Arrival& a : receiver.take()) stamps.push_back(std::get<RobotState>(*a.message).stamp);
   }
   return stamps;
 }
@@ -105,7 +105,7 @@ TEST(SimulatedBus, ReliableSamplesArriveOnceEachAndInOrderWhateverIsLost) {
   for (std::uint32_t k = 1; k <= 200; ++k) service.publish(mission("r1", k));
   bus.set_time(1000);
   std::uint32_t next = 1;
-  for (const Message& m : agent.take()) EXPECT_EQ(std::get<Mission>(m).number, next++);
+  for (const Arrival& a : agent.take()) EXPECT_EQ(std::get<Mission>(*a.message).number, next++);
   EXPECT_EQ(next, 201u);
 }
 

@@ -1,0 +1,93 @@
+// What a robot knows of all the others: their missions, their last states, who counts as dead, and how far
+// each clock is from its own.
+//
+// Times are fleet time by this robot's clock, seconds; metres. What the others' stamps say is translated here
+// and nowhere else.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "bus/clock_offset.h"
+#include "bus/messages.h"
+#include "motion/promise.h"
+
+namespace coppice {
+
+/// Seconds of fleet time between two decisions: 20 Hz. The same for the whole fleet.
+inline constexpr double control_period = 0.05;
+
+/// What a robot knows of one robot of the fleet, itself or another.
+struct FleetMember {
+  RobotName robot;
+  Point2 position = Point2::Zero();
+  Point2 goal = Point2::Zero();  ///< its own place if it is there or wants to go nowhere
+  double radius = 0;
+  bool stands = false;  ///< and will until something new is heard of it
+  bool dead = false;    ///< counts as dead
+  KnotId knot;
+  Stage stage = Stage::free;
+  double progress = 0;
+};
+
+class Fleet {
+ public:
+  explicit Fleet(RobotName self) : self_(std::move(self)) {}
+
+  void hear(const Mission& mission, WallTime arrived);
+  /// False if it is no news: older than what is known, or of this robot itself.
+  bool hear(std::shared_ptr<const RobotState> state, WallTime arrived);
+
+  const std::optional<Mission>& own_mission() const { return own_mission_; }
+
+  /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
+  /// `position` and stays within `reach` of it.
+  std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now) const;
+
+  std::optional<FleetMember> find(const RobotName& robot, double now) const;
+  std::vector<FleetMember> others(double now) const;
+  /// Everybody alive is known to hold in this knot, and to stand.
+  bool all_hold(const KnotId& knot, double now) const;
+  /// Nobody alive holds, or has moves of a joint plan left to make.
+  bool all_free(double now) const;
+  /// Somebody looks for its first path still.
+  bool somebody_plans() const;
+  /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or
+  /// has no more to do.
+  bool complete(std::size_t robots, double now) const;
+
+  /// Some of the stamps that were heard, all in turn: so that the others can compare clocks.
+  std::vector<Echo> next_echoes();
+  /// The last states of those who have just fallen silent.
+  std::vector<RobotState> last_words(double now) const;
+
+ private:
+  struct Peer {
+    RobotName robot;
+    std::optional<Mission> mission{};
+    std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
+    WallTime heard_at = 0;                      ///< of the state, or else of the first mission
+    ClockOffset clock{};                        ///< of fleet times
+  };
+
+  Peer& peer(const RobotName& robot);
+  double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
+  bool dead(const Peer& peer, double now) const;
+  Neighbour neighbour(const Peer& peer, bool dead) const;
+  FleetMember member(const Peer& peer, double now) const;
+
+  RobotName self_;
+  FleetClock clock_;
+  bool has_clock_ = false;
+  std::optional<Mission> own_mission_;
+  std::vector<Peer> peers_;
+  std::unordered_map<RobotName, std::size_t> index_;
+  std::size_t last_ = 0;  ///< that was asked for
+  std::size_t next_echo_ = 0;
+};
+
+}  // namespace coppice

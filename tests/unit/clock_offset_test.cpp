@@ -1,0 +1,54 @@
+#include "bus/clock_offset.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "planning/random.h"
+
+namespace coppice {
+namespace {
+
+TEST(ClockOffset, IsUnknownUntilMessagesWentBothWays) {
+  ClockOffset clock;
+  EXPECT_TRUE(std::isinf(clock.error()));
+  clock.hear(10, 12);
+  EXPECT_FALSE(clock.known());
+  clock.hear_echo(12, 10.5, 12.5);
+  EXPECT_TRUE(clock.known());
+}
+
+TEST(ClockOffset, BoundsHoldTheTruthWhateverTheDelays) {
+  Random random(1);
+  for (int trial = 0; trial < 200; ++trial) {
+    const double offset = random.uniform(-5, 5);  // own minus other
+    const double least_delay = random.uniform(0.001, 0.3);
+    ClockOffset clock;
+    for (int k = 0; k < 50; ++k) {
+      const double now = 100 + k;  // by the own clock
+      const double there = least_delay + random.uniform(0, 0.5);
+      const double back = least_delay + random.uniform(0, 0.5);
+      clock.hear(now - back - offset, now);
+      clock.hear_echo(now - back - there, now - back - offset, now);
+      EXPECT_LE(std::abs(clock.estimate() - offset), clock.error() + 1e-12);
+    }
+    EXPECT_LT(clock.error(), least_delay + 0.25);
+  }
+}
+
+TEST(ClockOffset, LoosensWithTimeAndFollowsAClockThatIsSetAnew) {
+  ClockOffset clock;
+  clock.hear(10, 10.01);
+  clock.hear_echo(10, 10.01, 10.02);
+  const double at_first = clock.error();
+  clock.hear(999, 1010);
+  EXPECT_NEAR(clock.error(), at_first + 1000 * clock_drift, 1e-6);
+
+  clock.hear(2000, 1011);  // the other's clock jumped ahead
+  EXPECT_FALSE(clock.known());
+  clock.hear_echo(1011, 2000.01, 1011.02);
+  EXPECT_NEAR(clock.estimate(), -989, 0.1);
+}
+
+}  // namespace
+}  // namespace coppice
