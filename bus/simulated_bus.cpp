@@ -78,6 +78,7 @@ void SimulatedBus::send(const Port& sender, Port& receiver, const std::shared_pt
                         Reliability reliability) {
   double sent = now_;
   while (fails(sender, receiver, sent)) {
+    ++lost_;
     if (reliability == Reliability::best_effort) return;
     sent += resend_period;
   }

@@ -81,6 +81,9 @@ class SimulatedBus {
   /// Virtual time, seconds; never runs back.
   void set_time(double now) { now_ = now; }
 
+  /// Samples that did not reach a reader at the first attempt.
+  std::size_t lost() const { return lost_; }
+
  private:
   void publish(const Port& sender, const Message& message);
   void send(const Port& sender, Port& receiver, const std::shared_ptr<const Message>& message,
@@ -92,6 +95,7 @@ class SimulatedBus {
   BusFaults faults_;
   Random random_;
   double now_ = 0;
+  std::size_t lost_ = 0;
   std::vector<std::unique_ptr<Port>> ports_;
   /// What transient-local topics keep, by topic and key, in the order of first publication.
   std::vector<std::pair<std::string, std::vector<std::shared_ptr<const Message>>>> kept_;

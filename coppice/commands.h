@@ -35,6 +35,16 @@ struct MapOptions {
 /// Generates a map and a scenario on it.
 int map_command(const MapOptions& options);
 
+struct FuzzOptions {
+  double robot_hours = 1;  ///< of fleet time, over all robots: until then cases are drawn
+  std::uint32_t first_seed = 1;
+  std::optional<std::uint32_t> replay;  ///< only the case of this seed, with its files
+  RunOptions files;                     ///< what a replay writes
+};
+
+/// Scenarios and faults from consecutive seeds (simulation/fuzz.h). 1 if one failed.
+int fuzz_command(const FuzzOptions& options);
+
 struct BenchOptions {
   std::string experiment;         ///< paper, peers, lifelong or sharing
   bool quick = false;             ///< few seeds and robots: does it still run?

@@ -29,6 +29,16 @@ int main(int argc, char** argv) {
   Faults faults;
   add_fault_options(*simulate, faults);
   simulate->callback([&] { exit_code = simulate_command(options, faults); });
+  FuzzOptions fuzz;
+  auto* hunt = app.add_subcommand("fuzz", "simulate scenarios and faults drawn from consecutive seeds");
+  hunt->add_option("--hours", fuzz.robot_hours, "robot-hours of fleet time to simulate")
+      ->check(CLI::PositiveNumber);
+  hunt->add_option("--seed", fuzz.first_seed, "the first one");
+  hunt->add_option("--replay", fuzz.replay, "only the case of this seed; writes its files");
+  hunt->add_option("--report", fuzz.files.report, "of the replay, JSON");
+  hunt->add_option("--trajectory", fuzz.files.trajectory, "of the replay, CSV");
+  hunt->add_option("--picture", fuzz.files.picture, "of the replay, SVG");
+  hunt->callback([&] { exit_code = fuzz_command(fuzz); });
   auto* plan = app.add_subcommand("plan", "paths only: MA-RRdT* in one process");
   add_run_options(*plan, options);
   plan->callback([&] { exit_code = plan_command(options); });

@@ -20,7 +20,7 @@ struct RunOptions {
   std::string scenario;
   ScenarioOptions overrides;
   double time_scale = 1;
-  double timeout = 600;
+  double timeout = 3600;
   std::string planner{planner_names[0]};
   std::optional<double> plan_budget;  ///< wall seconds for shorter paths after the first ones
   std::string report;                 ///< empty: not written

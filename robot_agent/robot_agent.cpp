@@ -25,10 +25,15 @@ constexpr double stall_radii = 0.5;       // metres that count as progress, in r
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
 constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.5;
-// Two robots that meet head-on see no reason to prefer a side; all lean a little to their right.
-constexpr double lean = 0.05;  // radians
+// Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
+// meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
+constexpr double least_lean = 0.05;  // radians
+constexpr double most_lean = 1.5;
+constexpr double leans_after = 0.3;  // seconds without progress
+constexpr double lean_rate = 3;      // radians a second
 
-Point2 leaning_right(const Point2& v) {
+Point2 leaning_right(const Point2& v, double stalled) {
+  const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
   return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
 }
 
@@ -241,8 +246,8 @@ void RobotAgent::decide(double fleet_now) {
 
 void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_->position() + period * body_->velocity();
-  body_->choose(leaning_right(follower_->preferred_velocity(next, *field_, body_->limits(), period)),
-                neighbours, *field_);
+  const Point2 preferred = follower_->preferred_velocity(next, *field_, body_->limits(), period);
+  body_->choose(leaning_right(preferred, fleet_now - last_gain_time_), neighbours, *field_);
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;

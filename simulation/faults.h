@@ -37,6 +37,13 @@ struct AgentFaults {
   double awake_from(double time) const;
 };
 
+/// What came of it in a run.
+struct SufferedFaults {
+  std::size_t lost = 0;  ///< samples that did not arrive, or had to be sent again
+  std::size_t kills = 0;
+  std::size_t pauses = 0;
+};
+
 /// For a run of at most `horizon` seconds.
 AgentFaults draw_faults(const Faults& faults, const std::string& robot, double horizon, Random& random);
 

@@ -107,4 +107,19 @@ std::vector<NamedTrack> FleetSimulation::tracks() const {
   return tracks;
 }
 
+SufferedFaults FleetSimulation::suffered() const {
+  SufferedFaults suffered{.lost = bus_.lost()};
+  for (const Agent& agent : agents_) {
+    suffered.kills += now_ >= agent.faults.killed_at;
+    suffered.pauses += std::ranges::count_if(
+        agent.faults.pauses, [&](double begin) { return begin < std::min(now_, agent.faults.killed_at); });
+  }
+  return suffered;
+}
+
+bool FleetSimulation::killed(const RobotName& robot) const {
+  const auto agent = std::ranges::find(agents_, robot, &Agent::name);
+  return agent != agents_.end() && now_ >= agent->faults.killed_at;
+}
+
 }  // namespace coppice

@@ -32,6 +32,8 @@ struct SimulationSettings {
 class FleetSimulation {
  public:
   FleetSimulation(const Scenario& scenario, const SimulationSettings& settings);
+  FleetSimulation(const FleetSimulation&) = delete;
+  FleetSimulation& operator=(const FleetSimulation&) = delete;
 
   /// Runs to the end; `watch` is called about every tenth of a virtual second and may ask to stop by
   /// returning false.
@@ -41,6 +43,9 @@ class FleetSimulation {
 
   /// Where the bodies were, in fleet time by the true clock.
   std::vector<NamedTrack> tracks() const;
+  /// What went wrong so far.
+  SufferedFaults suffered() const;
+  bool killed(const RobotName& robot) const;
 
  private:
   template <class R>

@@ -42,7 +42,7 @@ TEST(ClockOffset, LoosensWithTimeAndFollowsAClockThatIsSetAnew) {
   clock.hear_echo(10, 10.01, 10.02);
   const double at_first = clock.error();
   clock.hear(999, 1010);
-  EXPECT_NEAR(clock.error(), at_first + 1000 * clock_drift, 1e-6);
+  EXPECT_NEAR(clock.error(), at_first + 1000 * clock_drift, 1e-5);
 
   clock.hear(2000, 1011);  // the other's clock jumped ahead
   EXPECT_FALSE(clock.known());

@@ -1,0 +1,91 @@
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include "bus/process.h"
+#include "coppice/commands.h"
+#include "files/report_file.h"
+#include "simulation/fuzz.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double progress_period = 10;  // seconds of the wall's clock
+
+SimulationSettings settings_of(const FuzzCase& fuzz_case) {
+  return {.timeout = fuzz_case.timeout, .faults = fuzz_case.faults};
+}
+
+bool go_on(const PlannerService&, double) {
+  return !stop_requested();
+}
+
+void tell_failures(const FuzzCase& fuzz_case, const FuzzResult& result) {
+  std::cout << fmt::format("seed {}: {}\n", fuzz_case.seed, fuzz_case.what);
+  for (const std::string& failure : result.failures) std::cout << "  " << failure << '\n';
+}
+
+/// What has been survived so far.
+struct Sum {
+  std::size_t cases = 0;
+  std::size_t failed = 0;
+  double robot_hours = 0;
+  SufferedFaults suffered;
+
+  void add(const FuzzResult& result) {
+    ++cases;
+    failed += !result.failures.empty();
+    robot_hours += result.robot_hours;
+    suffered.lost += result.suffered.lost;
+    suffered.kills += result.suffered.kills;
+    suffered.pauses += result.suffered.pauses;
+  }
+  std::string in_words() const {
+    return fmt::format(
+        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} robots killed, {} pauses", cases,
+        failed, robot_hours, suffered.lost, suffered.kills, suffered.pauses);
+  }
+};
+
+/// One case, with its files.
+int replay(const FuzzOptions& options) {
+  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay);
+  FleetSimulation simulation(fuzz_case.scenario, settings_of(fuzz_case));
+  simulation.run(go_on);
+  const FuzzResult result = judge(fuzz_case, simulation);
+  const std::vector<NamedTrack> tracks = simulation.tracks();
+  const proto::Report report = simulation.service().report(tracks);
+  write_results(options.files, report, tracks, simulation.service().picture());
+  std::cout << report_table(report);
+  tell_failures(fuzz_case, result);
+  return result.failures.empty() ? 0 : 1;
+}
+
+}  // namespace
+
+int fuzz_command(const FuzzOptions& options) {
+  install_stop_signals();
+  if (options.replay) return replay(options);
+  Sum sum;
+  WallTime next_line = wall_now() + progress_period;
+  for (std::uint32_t seed = options.first_seed; sum.robot_hours < options.robot_hours; ++seed) {
+    const FuzzCase fuzz_case = draw_fuzz_case(seed);
+    FleetSimulation simulation(fuzz_case.scenario, settings_of(fuzz_case));
+    simulation.run(go_on);
+    if (stop_requested()) break;
+    const FuzzResult result = judge(fuzz_case, simulation);
+    sum.add(result);
+    if (!result.failures.empty()) {
+      tell_failures(fuzz_case, result);
+      std::cout << fmt::format("  again: coppice fuzz --replay {}\n", seed) << std::flush;
+    }
+    if (wall_now() < next_line) continue;
+    next_line = wall_now() + progress_period;
+    std::cout << fmt::format("up to seed {}: {}", seed, sum.in_words()) << std::endl;
+  }
+  std::cout << fmt::format("seeds from {}: {}\n", options.first_seed, sum.in_words());
+  return sum.failed == 0 ? 0 : 1;
+}
+
+}  // namespace coppice

@@ -1,0 +1,38 @@
+// Cases for a fleet to survive: a scenario and faults, both drawn from a seed, and what must hold in the end.
+//
+// A case fails if an invariant is broken (invariants.h), or if a robot is stuck: it is not killed, has not
+// arrived, and no dead robot closes its way.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "files/scenario.h"
+#include "simulation/faults.h"
+#include "simulation/fleet_simulation.h"
+
+namespace coppice {
+
+struct FuzzCase {
+  std::uint32_t seed = 0;
+  std::string what;  ///< scenario and faults in words
+  Scenario scenario;
+  Faults faults;
+  double timeout = 0;  ///< fleet seconds
+};
+
+/// The same seed gives the same case.
+FuzzCase draw_fuzz_case(std::uint32_t seed);
+
+struct FuzzResult {
+  std::vector<std::string> failures;  ///< empty: survived
+  double robot_hours = 0;
+  SufferedFaults suffered;
+};
+
+/// `simulation` has run the case to its end.
+FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation);
+
+}  // namespace coppice
