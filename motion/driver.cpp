@@ -30,11 +30,6 @@ void Driver::stay(double until) {
   if (stands()) stays_until_ = std::max(stays_until_, until);
 }
 
-/// The next choice is for the period that begins at the turn.
-bool Driver::bound_to_stand() const {
-  return time_ + 1.5 * period_ < stays_until_;
-}
-
 Commitment Driver::commitment() const {
   return {.stamp = time_,
           .position = position_,

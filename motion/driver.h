@@ -40,6 +40,8 @@ class Driver {
 
   /// If it stands: binds it to stand until the time `until` at least.
   void stay(double until);
+  /// The next choice is for a period in which it is bound to stand.
+  bool bound_to_stand() const { return time_ + 1.5 * period_ < stays_until_; }
 
   /// What the others may count on.
   Commitment commitment() const;
@@ -53,7 +55,6 @@ class Driver {
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
-  bool bound_to_stand() const;
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field) const;

@@ -181,6 +181,14 @@ bool Fleet::all_free(double now) const {
       peers_, [&](const Peer& p) { return !p.state || p.state->stage == Stage::free || dead(p, now); });
 }
 
+double Fleet::clock_error(double now) const {
+  double most = 0;
+  for (const Peer& p : peers_) {
+    if (p.clock.known() && !dead(p, now)) most = std::max(most, p.clock.error());
+  }
+  return most;
+}
+
 bool Fleet::somebody_plans() const {
   return std::ranges::any_of(peers_,
                              [](const Peer& p) { return p.state && p.state->phase == Phase::planning; });

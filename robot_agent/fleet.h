@@ -54,6 +54,9 @@ class Fleet {
   bool all_hold(const KnotId& knot, double now) const;
   /// Nobody alive holds, or has moves of a joint plan left to make.
   bool all_free(double now) const;
+  /// The largest by which an alive robot's clock may be off from what is known; about what a sample takes to
+  /// come from it.
+  double clock_error(double now) const;
   /// Somebody looks for its first path still.
   bool somebody_plans() const;
   /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double longest_hold = 60;  // seconds without a joint plan: the leader has lost sight of somebody
 constexpr double patience = 5;       // seconds without progress though nobody earlier is in the way
+constexpr double close_radii = 3;    // between robots that may fear each other's next move, in sums of radii
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 // Robots that move at the same time keep this many times (acceleration period^2) apart beyond their radii if
 // they can: with less, their promises would slow them down to a crawl.
@@ -133,6 +134,31 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
     return Point2::Zero();
   }
   return wanted;
+}
+
+/// The place in the plan of the move that a member has come to; the plan's length if it has made all.
+std::size_t Knot::next_move(std::size_t member, double progress) const {
+  double end = 0;
+  for (std::size_t k = 0; k < plan_->moves.size(); ++k) {
+    if (plan_->moves[k].member != member) continue;
+    end += length_of(plan_->moves[k].path);
+    if (progress + same_place < end) return k;
+  }
+  return plan_->moves.size();
+}
+
+bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) const {
+  const auto index = [&](const RobotName& robot) {
+    return static_cast<std::size_t>(std::ranges::find(members_, robot) - members_.begin());
+  };
+  const std::size_t own = next_move(index(robot_), progress());
+  for (std::size_t k = 0; k < members_.size(); ++k) {
+    const auto other = members_[k] == robot_ ? std::nullopt : fleet.find(members_[k], now);
+    if (!other || other->dead || other->knot != id_ || other->stage != Stage::ordered) continue;
+    const bool close = (other->position - self.position).norm() < close_radii * (self.radius + other->radius);
+    if (close && next_move(k, other->progress) < own) return true;
+  }
+  return false;
 }
 
 void Knot::executed(const Point2& velocity) {

@@ -50,12 +50,16 @@ class Knot {
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                             const Limits& limits, double now);
   void executed(const Point2& velocity);
+  /// While ordered: whether somebody close by, whose next move is earlier in the plan, is under way: a
+  /// robot that is held up lets it go first.
+  bool gives_way(const FleetMember& self, const Fleet& fleet, double now) const;
 
  private:
   void join(const KnotId& id);
   void lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
   void publish();
   void take_up(const JointPlanMessage& plan, const FleetMember& self, double gap);
+  std::size_t next_move(std::size_t member, double progress) const;
 
   RobotName robot_;
   KnotId id_;

@@ -23,8 +23,11 @@ constexpr double worth_swapping = 0.005;  // of what is left to drive
 constexpr double stall = 3;               // seconds without progress that make a robot call a knot
 constexpr double stall_radii = 0.5;       // metres that count as progress, in radii
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
+// It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
+// off.
 constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.5;
+constexpr double lease_for_delay = 3;
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
 // meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
@@ -238,7 +241,7 @@ void RobotAgent::decide(double fleet_now) {
     } else {
       body_->choose(Point2::Zero(), others, *field_);
       // A robot that plans will set off any moment.
-      if (status_.phase != Phase::planning) body_->stay(body_->time() + (free ? idle_lease : waiting_lease));
+      if (status_.phase != Phase::planning) stand_for(free ? idle_lease : waiting_lease, fleet_now);
     }
   }
   if (status_.phase != Phase::stopped) watch_arrival(fleet_now);
@@ -259,9 +262,22 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
 void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_->position() + period * body_->velocity();
   const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
-  body_->follow(wanted, neighbours, *field_);
-  knot_.executed(body_->commitment().next_velocity);
-  if (wanted.isZero(0)) body_->stay(body_->time() + waiting_lease);
+  if (wanted.isZero(0)) {
+    body_->follow(wanted, neighbours, *field_);
+    knot_.executed(body_->commitment().next_velocity);
+    stand_for(waiting_lease, fleet_now);
+  } else if (!body_->bound_to_stand()) {
+    body_->follow(wanted, neighbours, *field_);
+    knot_.executed(body_->commitment().next_velocity);
+    if (!body_->stands()) last_drive_time_ = fleet_now;
+    // Of several that fear each other's next move, one must go.
+    const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
+    if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) stand_for(waiting_lease, fleet_now);
+  }
+}
+
+void RobotAgent::stand_for(double seconds, double fleet_now) {
+  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error(fleet_now));
 }
 
 /// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way

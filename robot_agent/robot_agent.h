@@ -50,6 +50,7 @@ class RobotAgent {
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
+  void stand_for(double seconds, double fleet_now);
   void watch_arrival(double fleet_now);
   bool may_set_off(double fleet_now) const;
   void enter(Phase phase);
@@ -72,6 +73,7 @@ class RobotAgent {
   Knot knot_;
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time
+  double last_drive_time_ = 0;              ///< fleet time at which it last moved under orders
   std::vector<TrackMessage::Point> track_;  ///< not yet sent
   AgentStatus status_;
   bool status_changed_ = true;
