@@ -14,7 +14,7 @@ namespace {
 constexpr double progress_period = 10;  // seconds of the wall's clock
 
 SimulationSettings settings_of(const FuzzCase& fuzz_case) {
-  return {.timeout = fuzz_case.timeout, .faults = fuzz_case.faults};
+  return {.timeout = fuzz_case.timeout, .lifelong = fuzz_case.lifelong, .faults = fuzz_case.faults};
 }
 
 bool go_on(const PlannerService&, double) {

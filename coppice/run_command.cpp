@@ -89,6 +89,7 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);
   if (!options.picture.empty()) add("--picture", options.picture);
   add("--planner", options.planner);
+  if (options.lifelong > 0) add("--lifelong", fmt::format("{}", options.lifelong));
   if (options.plan_budget) add("--plan-budget", fmt::format("{}", *options.plan_budget));
   if (options.quiet) command.emplace_back("--quiet");
   return command;

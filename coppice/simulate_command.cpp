@@ -23,6 +23,7 @@ int simulate_command(const RunOptions& options, const Faults& faults) {
   FleetSimulation simulation(scenario, {.timeout = options.timeout,
                                         .planner = chosen_planner(options),
                                         .plan_budget = options.plan_budget.value_or(default_plan_budget),
+                                        .lifelong = options.lifelong,
                                         .faults = faults});
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;

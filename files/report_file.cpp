@@ -41,6 +41,8 @@ std::string report_table(const proto::Report& report) {
   const int n = report.robots_size();
   std::string table = fmt::format("{}: {} of {} robots have a path, {} of {} arrived\n", report.outcome(),
                                   planned, n, arrived, n);
+  if (static_cast<int>(report.missions()) > n)
+    table += fmt::format("{} missions fulfilled\n", report.missions());
   table += fmt::format(
       "plan time {:.3f} s, shorter paths after {:.3f} s, run time {:.2f} s, mean path length {:.1f} m\n",
       report.plan_time(), report.improve_time(), report.run_time(), report.path_length());

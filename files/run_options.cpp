@@ -39,6 +39,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")->check(above_zero);
   command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")->check(above_zero);
   command
+      .add_option("--lifelong", options.lifelong,
+                  "fleet seconds in which every robot that arrives gets a new goal, drawn at random")
+      ->check(not_negative);
+  command
       .add_option("--plan-budget", options.plan_budget,
                   "seconds to look for shorter paths after the first; 0: none")
       ->check(not_negative);

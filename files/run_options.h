@@ -21,6 +21,7 @@ struct RunOptions {
   ScenarioOptions overrides;
   double time_scale = 1;
   double timeout = 3600;
+  double lifelong = 0;  ///< fleet seconds in which robots that arrive get new goals
   std::string planner{planner_names[0]};
   std::optional<double> plan_budget;  ///< wall seconds for shorter paths after the first ones
   std::string report;                 ///< empty: not written

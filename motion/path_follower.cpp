@@ -1,6 +1,7 @@
 #include "motion/path_follower.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "motion/free_way.h"
@@ -17,6 +18,10 @@ constexpr double least_look_ahead_radii = 2;
 // past itself is not taken for its later part.
 constexpr double projection_window_radii = 8;
 constexpr int halvings = 6;
+// How far to the right of its path a robot keeps where there is room: with a little more than its radius, two
+// that meet pass each other.
+constexpr double lane_radii = 1.15;
+constexpr std::array lane_shares{1.0, 0.75, 0.5, 0.25};
 
 }  // namespace
 
@@ -57,6 +62,22 @@ double PathFollower::advance_progress(const Point2& position) {
   return best;
 }
 
+/// The target, moved off the path to the right as far as is free: whoever comes along the same path the other
+/// way does so too, and they pass. The nearer the goal, the less.
+Point2 PathFollower::keeping_right(const Point2& position, const Point2& target, double along,
+                                   const ClearanceField& field) const {
+  const Point2 way = target - point_at(progress_);
+  const double remaining = along_.back() - along;
+  const double most = std::min(lane_radii * radius_, remaining / 4);
+  if (way.norm() < 1e-9 || most <= 0) return target;
+  const Point2 right = Point2(way.y(), -way.x()) / way.norm();
+  for (const double share : lane_shares) {
+    const Point2 shifted = target + share * most * right;
+    if (way_free(field, position, shifted, radius_) && way_free(field, target, shifted, radius_)) return shifted;
+  }
+  return target;
+}
+
 Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceField& field,
                                         const Limits& limits, double period) {
   progress_ = advance_progress(position);
@@ -74,6 +95,8 @@ Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceF
     lost_ = !way_free(field, position, target, radius_);
   }
   if (lost_) return Point2::Zero();
+
+  target = keeping_right(position, target, progress_ + ahead, field);
 
   const Point2 gap = target - position;
   const double distance = gap.norm();

@@ -29,6 +29,8 @@ class PathFollower {
   const Path& path() const { return path_; }
 
  private:
+  Point2 keeping_right(const Point2& position, const Point2& target, double along,
+                       const ClearanceField& field) const;
   Point2 point_at(double along) const;
   double advance_progress(const Point2& position);
 

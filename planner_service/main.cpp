@@ -30,7 +30,8 @@ int run(const RunOptions& options) {
                          {.time_scale = options.time_scale,
                           .timeout = options.timeout,
                           .planner = chosen_planner(options),
-                          .plan_budget = options.plan_budget.value_or(default_plan_budget)},
+                          .plan_budget = options.plan_budget.value_or(default_plan_budget),
+                          .lifelong = options.lifelong},
                          wall_now());
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "planning/clearance_field.h"
+#include "planning/map_generator.h"
 
 namespace coppice {
 
@@ -18,7 +19,8 @@ constexpr WallTime agent_lease = 5;        // seconds without a status: the agen
 constexpr WallTime first_sign_lease = 30;  // seconds until an agent must have appeared at all
 constexpr WallTime longest_wait_for_tracks = 3;
 constexpr WallTime longest_wait_for_forest = 3;
-constexpr std::uint32_t mission_number = 1;
+constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
+constexpr int most_goal_draws = 1000;
 // A picture with more edges than that shows nothing but ink.
 constexpr std::size_t most_picture_edges = 100'000;
 
@@ -43,13 +45,14 @@ bool PlannerService::Robot::at_goal(const Track& recorded) const {
 }
 
 bool PlannerService::Robot::done() const {
-  return lost || (status && (status->phase == Phase::arrived || status->phase == Phase::no_path));
+  return lost || arrived() || (status && status->phase == Phase::no_path);
 }
 
 PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now)
     : scenario_(std::move(scenario)),
       settings_(settings),
       map_id_(content_id(scenario_.map)),
+      random_(scenario_.seed),
       clock_{now, settings.time_scale},
       begun_(now) {
   for (const RobotTask& task : scenario_.robots) {
@@ -76,9 +79,10 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   known->second.last_heard = now;
   known->second.trees_received = status.trees_received;
   if (!missions_published_) next_wake_ = begun_;
-  if (status.mission != mission_number) return;
+  if (status.mission != known->second.mission) return;
   known->second.lost = false;
   known->second.status = status;
+  if (status.mission == 1) known->second.first_status = status;
 }
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
@@ -89,12 +93,12 @@ void PlannerService::receive(const BrokerStatus& status, WallTime) {
 
 void PlannerService::receive(const PathMessage& path, WallTime) {
   const auto known = robots_.find(path.robot);
-  if (known != robots_.end() && path.mission == mission_number) known->second.path = path.waypoints;
+  if (known != robots_.end() && path.mission == known->second.mission) known->second.path = path.waypoints;
 }
 
 void PlannerService::receive(const TrackMessage& batch, WallTime) {
   const auto known = robots_.find(batch.robot);
-  if (known == robots_.end() || batch.mission != mission_number) return;
+  if (known == robots_.end()) return;
   auto& points = known->second.track.points;
   for (std::size_t i = 0; i < batch.points.size(); ++i) {
     // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in
@@ -106,7 +110,7 @@ void PlannerService::receive(const TrackMessage& batch, WallTime) {
 
 void PlannerService::receive(const RootNodes& batch, WallTime) {
   const auto known = robots_.find(batch.robot);
-  if (known == robots_.end() || batch.mission != mission_number) return;
+  if (known == robots_.end() || batch.mission != known->second.mission) return;
   auto& nodes = known->second.root_nodes;
   if (batch.first_index == nodes.size()) nodes.insert(nodes.end(), batch.nodes.begin(), batch.nodes.end());
 }
@@ -131,7 +135,7 @@ MapMessage PlannerService::map() const {
 Mission PlannerService::mission_of(const Robot& robot) const {
   const auto place = std::ranges::find(order_, robot.task.name) - order_.begin();
   return {.robot = robot.task.name,
-          .number = mission_number,
+          .number = robot.mission,
           .fleet_size = static_cast<std::uint32_t>(robots_.size()),
           .map_id = map_id_,
           .start = robot.task.start,
@@ -140,7 +144,8 @@ Mission PlannerService::mission_of(const Robot& robot) const {
           .max_speed = robot.task.max_speed,
           .max_acceleration = robot.task.max_acceleration,
           .goal_tolerance = robot.task.goal_tolerance,
-          .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place),
+          .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place) +
+                  7919ull * (robot.mission - 1),
           .planner = settings_.planner,
           .plan_budget = settings_.plan_budget,
           .cancelled = ended_.has_value(),
@@ -149,6 +154,53 @@ Mission PlannerService::mission_of(const Robot& robot) const {
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
   for (const RobotName& name : order_) out.emplace_back(mission_of(robots_.at(name)));
+}
+
+/// A new mission for everybody who has fulfilled the one before.
+void PlannerService::give_new_goals(std::vector<Message>& out) {
+  for (const RobotName& name : order_) {
+    Robot& robot = robots_.at(name);
+    if (!robot.arrived()) continue;
+    const auto goal = draw_goal(robot);
+    if (!goal) continue;
+    robot.earlier_nodes.valid += robot.status->nodes_valid;
+    robot.earlier_nodes.invalid += robot.status->nodes_invalid;
+    robot.earlier_grafts += robot.status->trees_grafted;
+    ++robot.mission;
+    robot.task.start = robot.task.goal;
+    robot.task.goal = *goal;
+    robot.status.reset();
+    robot.path.clear();
+    robot.root_nodes.clear();
+    out.emplace_back(mission_of(robot));
+  }
+}
+
+/// Some way off, and where no other robot wants to go or stands; none if chance does not find one.
+std::optional<Point2> PlannerService::draw_goal(const Robot& robot) {
+  const double cell = scenario_.map.resolution;
+  const auto [entry, fresh] = places_.try_emplace(robot.task.radius);
+  if (fresh) entry->second = open_places(ClearanceField(scenario_.map), robot.task.radius + cell);
+  const std::vector<Point2>& places = entry->second;
+  const bool within_reach =
+      std::ranges::any_of(places, [&](const Point2& p) { return (p - robot.task.goal).norm() <= 2 * cell; });
+  if (!within_reach) return std::nullopt;
+  const Box<2> box = scenario_.map.bounds();
+  const double least_way = least_new_way * (box.upper - box.lower).norm();
+  for (int draw = 0; draw < most_goal_draws; ++draw) {
+    const Point2 p = places[random_.index(places.size())];
+    if ((p - robot.task.goal).norm() < least_way) continue;
+    const bool taken = std::ranges::any_of(robots_, [&](const auto& other) {
+      const RobotTask& task = other.second.task;
+      return task.name != robot.task.name && (task.goal - p).norm() < task.radius + robot.task.radius + cell;
+    });
+    if (!taken) return p;
+  }
+  return std::nullopt;
+}
+
+bool PlannerService::goals_go_on(WallTime now) const {
+  return missions_published_ && !interrupted_ && clock_.fleet_time(now) < settings_.lifelong;
 }
 
 bool PlannerService::everybody_has_the_forest() const {
@@ -172,6 +224,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
     publish_missions(out);
   }
   watch_liveliness(now);
+  if (!ended_ && goals_go_on(now)) give_new_goals(out);
   if (!ended_ && run_is_over(now)) {
     ended_ = now;
     publish_missions(out);  // as cancelled
@@ -214,6 +267,7 @@ Progress PlannerService::progress(WallTime now) const {
   for (const auto& [name, robot] : robots_) {
     progress.planned += !robot.path.empty();
     progress.arrived += robot.status && robot.status->arrival_time > 0;
+    progress.missions += static_cast<int>(robot.missions_fulfilled(robot.arrived()));
     if (robot.status) progress.nodes += robot.status->nodes_valid;
   }
   for (const auto& [id, broker] : brokers_) progress.nodes += broker.nodes_valid;
@@ -232,27 +286,29 @@ std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
   return "did not reach its goal before the time was over";
 }
 
-/// From the moment that the last agent had its mission until the last path, seconds of the wall's clock.
+/// Of the first missions: from the moment that the last agent had its own until the last path, seconds of the
+/// wall's clock.
 double PlannerService::plan_time() const {
   double last_mission = 0;
   double last_path = 0;
   for (const auto& [name, robot] : robots_) {
-    if (!robot.status) continue;
-    last_mission = std::max(last_mission, robot.status->mission_time);
-    last_path = std::max(last_path, robot.status->path_time);
+    if (!robot.first_status) continue;
+    last_mission = std::max(last_mission, robot.first_status->mission_time);
+    last_path = std::max(last_path, robot.first_status->path_time);
   }
   return std::max(0.0, last_path - last_mission) / settings_.time_scale;
 }
 
-/// From the last first path until the last robot had the path that it drives, seconds of the wall's clock.
+/// Of the first missions: from the last first path until the last robot had the path that it drives, seconds
+/// of the wall's clock.
 double PlannerService::improve_time() const {
   double first = 0;
   double best = 0;
   for (const auto& [name, robot] : robots_) {
-    if (!robot.status) continue;
-    const double path_wall = robot.status->path_time / settings_.time_scale;
+    if (!robot.first_status) continue;
+    const double path_wall = robot.first_status->path_time / settings_.time_scale;
     first = std::max(first, path_wall);
-    best = std::max(best, path_wall + robot.status->improve_seconds);
+    best = std::max(best, path_wall + robot.first_status->improve_seconds);
   }
   return best - first;
 }
@@ -291,12 +347,14 @@ proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) cons
       path_sum += row->path_length();
       ++planned;
     }
-    if (!robot.status) continue;
-    row->set_plan_time(robot.status->plan_seconds);
-    if (row->arrived()) row->set_run_time(robot.status->arrival_time);
-    row->set_nodes_valid(robot.status->nodes_valid);
-    row->set_nodes_invalid(robot.status->nodes_invalid);
-    row->set_grafted_trees(robot.status->trees_grafted);
+    row->set_missions(robot.missions_fulfilled(row->arrived()));
+    report.set_missions(report.missions() + row->missions());
+    const AgentStatus status = robot.status.value_or(AgentStatus{});
+    row->set_plan_time(status.plan_seconds);
+    if (row->arrived()) row->set_run_time(status.arrival_time);
+    row->set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
+    row->set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
+    row->set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
     report.set_run_time(std::max(report.run_time(), row->run_time()));
     report.set_nodes_valid(report.nodes_valid() + row->nodes_valid());
     report.set_nodes_invalid(report.nodes_invalid() + row->nodes_invalid());

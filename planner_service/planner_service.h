@@ -16,6 +16,8 @@
 #include "files/picture.h"
 #include "files/scenario.h"
 #include "files/trajectory_file.h"
+#include "planning/ma_rrdt_star.h"
+#include "planning/random.h"
 #include "report.pb.h"
 
 namespace coppice {
@@ -25,12 +27,14 @@ struct ServiceSettings {
   double timeout = 600;   ///< fleet seconds after which the run ends whoever is still under way
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   double plan_budget = 1;  ///< wall seconds for a shorter path after the first one
+  double lifelong = 0;     ///< fleet seconds in which every robot that arrives gets a new goal
 };
 
 struct Progress {
   int robots = 0;
   int planned = 0;
   int arrived = 0;
+  int missions = 0;         ///< fulfilled, by all
   double elapsed = 0;       ///< fleet seconds
   std::uint64_t nodes = 0;  ///< valid nodes of the broker and of the robots that have finished planning
 };
@@ -62,8 +66,12 @@ class PlannerService {
  private:
   /// What is known of one robot.
   struct Robot {
-    RobotTask task;
-    std::optional<AgentStatus> status;
+    RobotTask task;  ///< with its latest goal
+    std::uint32_t mission = 1;
+    std::optional<AgentStatus> status;        ///< of this mission
+    std::optional<AgentStatus> first_status;  ///< of its first
+    SampleCounts earlier_nodes;               ///< of the missions before this one
+    std::uint32_t earlier_grafts = 0;
     WallTime last_heard = 0;
     std::optional<std::uint32_t> trees_received;  ///< none: it has not appeared yet
     bool lost = false;
@@ -71,7 +79,9 @@ class PlannerService {
     Track track;
     std::vector<RootNodes::Node> root_nodes;
     bool at_goal(const Track& recorded) const;
+    bool arrived() const { return status && status->phase == Phase::arrived; }
     bool done() const;
+    std::uint32_t missions_fulfilled(bool there) const { return mission - 1 + there; }
   };
 
   void receive(const AgentStatus& status, WallTime now);
@@ -84,6 +94,9 @@ class PlannerService {
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;
+  void give_new_goals(std::vector<Message>& out);
+  std::optional<Point2> draw_goal(const Robot& robot);
+  bool goals_go_on(WallTime now) const;
   bool everybody_has_the_forest() const;
   bool time_for_missions(WallTime now) const;
   void watch_liveliness(WallTime now);
@@ -96,6 +109,8 @@ class PlannerService {
   Scenario scenario_;
   ServiceSettings settings_;
   std::string map_id_;
+  Random random_;                                   ///< of new goals
+  std::map<double, std::vector<Point2>> places_{};  ///< where goals may be, by radius
   FleetClock clock_;
   std::map<RobotName, Robot> robots_;
   std::vector<RobotName> order_;  ///< as in the scenario

@@ -13,8 +13,9 @@ constexpr WallTime plain_line = 1;
 
 std::string progress_line(const Progress& p) {
   const double rate = p.elapsed > 0 ? static_cast<double>(p.nodes) / p.elapsed : 0;
-  return fmt::format("paths found {}/{}, arrived {}/{}, elapsed {:.1f} s, {:.0f} nodes/s", p.planned,
-                     p.robots, p.arrived, p.robots, p.elapsed, rate);
+  const std::string missions = p.missions > p.robots ? fmt::format("{} missions, ", p.missions) : "";
+  return fmt::format("{}paths found {}/{}, arrived {}/{}, elapsed {:.1f} s, {:.0f} nodes/s", missions,
+                     p.planned, p.robots, p.arrived, p.robots, p.elapsed, rate);
 }
 
 void ProgressDisplay::show(const Progress& progress, WallTime now) {

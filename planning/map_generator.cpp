@@ -111,8 +111,31 @@ void make_rooms(OccupancyMap& map, Random& random) {
   }
 }
 
-/// The cells in whose centre a disc of `radius` fits: the largest part of them that hangs together by sides.
-std::vector<Point2> largest_free_part(const ClearanceField& field, double radius) {
+}  // namespace
+
+std::optional<MapKind> map_kind(std::string_view name) {
+  if (name == "blank") return MapKind::blank;
+  if (name == "dense") return MapKind::dense;
+  if (name == "maze") return MapKind::maze;
+  if (name == "room") return MapKind::room;
+  return std::nullopt;
+}
+
+OccupancyMap generate_map(MapKind kind, int width, int height, Random& random) {
+  if (width < 1 || height < 1 || width > largest_side || height > largest_side) {
+    throw std::invalid_argument("a map has 1 to 16384 cells a side");
+  }
+  OccupancyMap map;
+  map.width = width;
+  map.height = height;
+  map.blocked.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+  if (kind == MapKind::dense) make_dense(map, random);
+  if (kind == MapKind::maze) make_maze(map, random);
+  if (kind == MapKind::room) make_rooms(map, random);
+  return map;
+}
+
+std::vector<Point2> open_places(const ClearanceField& field, double radius) {
   const OccupancyMap& map = field.map();
   const auto width = static_cast<std::size_t>(map.width);
   const auto centre = [&](std::size_t cell) {
@@ -146,34 +169,10 @@ std::vector<Point2> largest_free_part(const ClearanceField& field, double radius
   return centres;
 }
 
-}  // namespace
-
-std::optional<MapKind> map_kind(std::string_view name) {
-  if (name == "blank") return MapKind::blank;
-  if (name == "dense") return MapKind::dense;
-  if (name == "maze") return MapKind::maze;
-  if (name == "room") return MapKind::room;
-  return std::nullopt;
-}
-
-OccupancyMap generate_map(MapKind kind, int width, int height, Random& random) {
-  if (width < 1 || height < 1 || width > largest_side || height > largest_side) {
-    throw std::invalid_argument("a map has 1 to 16384 cells a side");
-  }
-  OccupancyMap map;
-  map.width = width;
-  map.height = height;
-  map.blocked.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
-  if (kind == MapKind::dense) make_dense(map, random);
-  if (kind == MapKind::maze) make_maze(map, random);
-  if (kind == MapKind::room) make_rooms(map, random);
-  return map;
-}
-
 std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
                                        double least_share, Random& random) {
   const double cell = field.map().resolution;
-  const std::vector<Point2> places = largest_free_part(field, radius + cell);
+  const std::vector<Point2> places = open_places(field, radius + cell);
   if (places.empty()) throw std::invalid_argument("no robot of this radius fits on the map");
   const Box<2> box = field.bounds();
   const double least_way = least_share * (box.upper - box.lower).norm();

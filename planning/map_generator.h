@@ -22,6 +22,9 @@ std::optional<MapKind> map_kind(std::string_view name);
 /// bottom is blocked. Throws std::invalid_argument for fewer than 1 or more than 16384 cells a side.
 OccupancyMap generate_map(MapKind kind, int width, int height, Random& random);
 
+/// The centres of the cells at which a disc of `radius` is free, of the largest connected part of them.
+std::vector<Point2> open_places(const ClearanceField& field, double radius);
+
 struct StartAndGoal {
   Point2 start;
   Point2 goal;

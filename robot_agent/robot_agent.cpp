@@ -104,11 +104,8 @@ void RobotAgent::begin_mission(WallTime now) {
   mission_wall_ = now;
   found_.reset();
   times_stranded_ = 0;
-  follower_.reset();
-  finder_ = std::make_unique<PathFinder>(*field_, mission, body_->position());
-  for (const InactiveTreeMessage& tree : trees_) {
-    if (tree.map_id == map_->map_id) finder_->take(tree);
-  }
+  look_for_a_path();
+  lets_others_finish_ = true;
   status_ = AgentStatus{.robot = name_,
                         .mission = mission.number,
                         .reason = {},
@@ -116,6 +113,15 @@ void RobotAgent::begin_mission(WallTime now) {
                         .trees_received = static_cast<std::uint32_t>(trees_.size()),
                         .track_points = status_.track_points};
   enter(Phase::planning);
+}
+
+/// From where it is to the mission's goal.
+void RobotAgent::look_for_a_path() {
+  follower_.reset();
+  finder_ = std::make_unique<PathFinder>(*field_, *mission_, body_->position());
+  for (const InactiveTreeMessage& tree : trees_) {
+    if (tree.map_id == map_->map_id) finder_->take(tree);
+  }
 }
 
 std::vector<Message> RobotAgent::step(WallTime now) {
@@ -155,8 +161,10 @@ void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::ve
   status_.nodes_valid = finder_->counts().valid;
   status_.nodes_invalid = finder_->counts().invalid;
   status_.trees_grafted = finder_->grafted_trees();
-  status_.path_time = mission_->clock.fleet_time(now);
-  status_.plan_seconds = now - mission_wall_;
+  if (status_.path_time == 0) {
+    status_.path_time = mission_->clock.fleet_time(now);
+    status_.plan_seconds = now - mission_wall_;
+  }
   if (const auto* failure = std::get_if<NoPath>(&result)) {
     status_.reason = failure->reason;
     finder_.reset();
@@ -229,9 +237,11 @@ void RobotAgent::decide(double fleet_now) {
   if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(self(), fleet_, *field_, body_->limits().max_acceleration, fleet_now);
   const bool free = knot_.stage() == Stage::free;
+  lets_others_finish_ = lets_others_finish_ && !fleet_.all_free(fleet_now);
   if (fleet_now < heard_again_at_) {
     body_->choose(Point2::Zero(), others, *field_);
-  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && may_set_off(fleet_now)) {
+  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
+             may_set_off(fleet_now)) {
     // One that the joint plan cannot help stands out of the others' way until they are done.
     drive_freely(fleet_now, others);
   } else {
@@ -250,6 +260,10 @@ void RobotAgent::decide(double fleet_now) {
 void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_->position() + period * body_->velocity();
   const Point2 preferred = follower_->preferred_velocity(next, *field_, body_->limits(), period);
+  if (follower_->lost()) {  // it was pushed to where it does not see its path
+    look_for_a_path();
+    enter(Phase::planning);
+  }
   body_->choose(leaning_right(preferred, fleet_now - last_gain_time_), neighbours, *field_);
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();

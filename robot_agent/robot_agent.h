@@ -42,6 +42,7 @@ class RobotAgent {
   void receive(const JointPlanMessage& plan, WallTime) { knot_.hear(plan); }
 
   void begin_mission(WallTime now);
+  void look_for_a_path();
   void plan(WallTime now, std::vector<Message>& out);
   void take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out);
   void follow(const Path& path, std::vector<Message>& out);
@@ -73,6 +74,7 @@ class RobotAgent {
   Knot knot_;
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time
+  bool lets_others_finish_ = false;         ///< its mission came while a joint plan was being driven
   double last_drive_time_ = 0;              ///< fleet time at which it last moved under orders
   std::vector<TrackMessage::Point> track_;  ///< not yet sent
   AgentStatus status_;

@@ -16,12 +16,13 @@ constexpr double watch_period = 0.1;
 
 FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSettings& settings)
     : bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),
-      service_{
-          PlannerService(
-              scenario,
-              {.timeout = settings.timeout, .planner = settings.planner, .plan_budget = settings.plan_budget},
-              0),
-          bus_.attach(Role::service)},
+      service_{PlannerService(scenario,
+                              {.timeout = settings.timeout,
+                               .planner = settings.planner,
+                               .plan_budget = settings.plan_budget,
+                               .lifelong = settings.lifelong},
+                              0),
+               bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
   Random random(scenario.seed + 1);
   for (const RobotTask& task : scenario.robots) {

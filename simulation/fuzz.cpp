@@ -14,7 +14,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double longest_run = 1800;  // fleet seconds
+constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
 constexpr double max_speed = 20;
 
@@ -89,8 +89,10 @@ FuzzCase draw_fuzz_case(std::uint32_t seed) {
   Random random(seed);
   Scenario scenario = draw_scenario(seed, random);
   Faults faults = draw_kinds_of_faults(scenario, random);
+  const double lifelong = random.uniform() < 0.2 ? 300 : 0;
   std::string what = in_words(scenario, faults);
-  return {seed, std::move(what), std::move(scenario), std::move(faults), longest_run};
+  if (lifelong > 0) what += fmt::format(", new goals for {:.0f} s", lifelong);
+  return {seed, std::move(what), std::move(scenario), std::move(faults), longest_run, lifelong};
 }
 
 FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {

@@ -20,7 +20,8 @@ struct FuzzCase {
   std::string what;  ///< scenario and faults in words
   Scenario scenario;
   Faults faults;
-  double timeout = 0;  ///< fleet seconds
+  double timeout = 0;   ///< fleet seconds
+  double lifelong = 0;  ///< fleet seconds in which who arrives gets a new goal
 };
 
 /// The same seed gives the same case.

@@ -4,6 +4,7 @@
 #include "files/input_error.h"
 #include "files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
+#include "simulation/invariants.h"
 
 namespace coppice {
 namespace {
@@ -29,19 +30,32 @@ TEST_P(Coordination, EverybodyArrivesAndNobodyTouchesAnything) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, Coordination,
-                         testing::Values(Trial{"circle", 10, 5}, Trial{"pocket-14", 2, 20},
-                                         Trial{"pocket-18", 2, 20}, Trial{"loop-14", 2, 20},
-                                         Trial{"loop-18", 2, 20}, Trial{"corridor-24", 10, 5},
-                                         Trial{"corridor-40", 20, 2}, Trial{"door-14", 10, 5},
-                                         Trial{"door-20", 20, 2}, Trial{"rooms", 20, 3}, Trial{"maze", 10, 1},
-                                         Trial{"warehouse", 30, 2}, Trial{"dead-end", 6, 5},
-                                         Trial{"mixed", 30, 1}),
-                         [](const auto& trial) {
-                           std::string name = trial.param.name;
-                           std::ranges::replace(name, '-', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Scenarios, Coordination,
+    testing::Values(Trial{"circle", 10, 20}, Trial{"circle", 50, 3}, Trial{"pocket-14", 2, 20},
+                    Trial{"pocket-18", 2, 20}, Trial{"loop-14", 2, 20}, Trial{"loop-18", 2, 20},
+                    Trial{"corridor-24", 10, 20}, Trial{"corridor-40", 20, 20}, Trial{"door-14", 10, 20},
+                    Trial{"door-20", 20, 20}, Trial{"crossing", 40, 1}, Trial{"rooms", 20, 20},
+                    Trial{"rooms", 50, 2}, Trial{"maze", 10, 10}, Trial{"maze", 20, 1},
+                    Trial{"warehouse", 30, 10}, Trial{"dead-end", 6, 20}, Trial{"mixed", 30, 2}),
+    [](const auto& trial) {
+      std::string name = trial.param.name + "_" + std::to_string(trial.param.robots);
+      std::ranges::replace(name, '-', '_');
+      return name;
+    });
+
+// Each robot gets a new goal on arrival.
+TEST(Coordination, GoalsGoOnForALifelongFleet) {
+  for (const char* name : {"rooms", "maze"}) {
+    const Scenario scenario = make_scenario(name, 10, 1);
+    FleetSimulation simulation(scenario, {.timeout = 3000, .lifelong = 300});
+    simulation.run([](const PlannerService&, double) { return true; });
+    const proto::Report report = simulation.service().report();
+    EXPECT_EQ(report.outcome(), "arrived") << name;
+    EXPECT_GE(report.missions(), 15u) << name;
+    EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty()) << name;
+  }
+}
 
 // Head-on in a corridor without a pocket: within a bounded time they are told that there is no way.
 TEST(Coordination, WhatCannotBeSortedOutIsTold) {

@@ -6,7 +6,9 @@ namespace coppice {
 namespace {
 
 FuzzResult run(const FuzzCase& fuzz_case) {
-  FleetSimulation simulation(fuzz_case.scenario, {.timeout = fuzz_case.timeout, .faults = fuzz_case.faults});
+  FleetSimulation simulation(
+      fuzz_case.scenario,
+      {.timeout = fuzz_case.timeout, .lifelong = fuzz_case.lifelong, .faults = fuzz_case.faults});
   simulation.run([](const PlannerService&, double) { return true; });
   return judge(fuzz_case, simulation);
 }

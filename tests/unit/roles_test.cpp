@@ -109,6 +109,26 @@ TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
   EXPECT_EQ(report.outcome(), "incomplete");
 }
 
+TEST(PlannerService, GivesNewGoalsWhileTheRunIsLifelong) {
+  PlannerService service(two_robots(), {.lifelong = 10}, 0);
+  map_and_missions(service);
+  const auto arrives = [&](std::uint32_t mission, double time) {
+    service.on(arrival_of(AgentStatus{.robot = "a", .mission = mission, .phase = Phase::arrived}, time));
+    return of<Mission>(service.step(time));
+  };
+  const std::vector<Mission> next = arrives(1, 5);
+  ASSERT_EQ(next.size(), 1u);
+  EXPECT_EQ(next[0].robot, "a");
+  EXPECT_EQ(next[0].number, 2u);
+  EXPECT_FALSE(next[0].cancelled);
+  const RobotTask before = two_robots().robots[0];
+  EXPECT_GT((next[0].goal - before.goal).norm(), before.radius);
+  EXPECT_TRUE(arrives(1, 6).empty());  // of the mission before: no news
+  EXPECT_EQ(arrives(2, 7).size(), 1u);
+  EXPECT_TRUE(arrives(3, 11).empty());  // the time is over
+  EXPECT_EQ(service.report().missions(), 3u);
+}
+
 TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
   PlannerService service(two_robots(), {.time_scale = 10, .timeout = 20}, 0);
   map_and_missions(service);
