@@ -62,6 +62,8 @@ class PlannerService {
   proto::Report report(const std::vector<NamedTrack>& tracks) const;
   std::vector<NamedTrack> tracks() const;
   PictureContent picture() const;
+  /// A robot's task, with its latest goal. It is in the scenario.
+  const RobotTask& task(const RobotName& robot) const { return robots_.at(robot).task; }
 
  private:
   /// What is known of one robot.

@@ -75,12 +75,13 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
   return text;
 }
 
-/// Whether a robot that has not arrived could have, past the dead.
-bool could_arrive(const FuzzCase& fuzz_case, const RobotTask& task, std::span<const Disc> dead) {
+/// Whether a robot that has not arrived could have, past the dead, from where it is.
+bool could_arrive(const FuzzCase& fuzz_case, const Point2& from, const RobotTask& task,
+                  std::span<const Disc> dead) {
   const ClearanceField field(fuzz_case.scenario.map);
   // A gap that only a finer lattice finds is no way that anybody would miss.
   RouteFinder finder(field, task.radius, usual_spacing(task.radius) / 2);
-  return !finder.route(task.start, task.goal, dead).empty();
+  return !finder.route(from, task.goal, dead).empty();
 }
 
 }  // namespace
@@ -107,10 +108,12 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
       dead.push_back({points.back().position, track.track.radius});
   }
   const proto::Report report = simulation.service().report(tracks);
-  for (int i = 0; i < report.robots_size(); ++i) {
-    const auto& robot = report.robots(i);
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const auto& robot = report.robots(static_cast<int>(i));
     if (robot.arrived() || simulation.killed(robot.name())) continue;
-    if (could_arrive(fuzz_case, fuzz_case.scenario.robots[static_cast<std::size_t>(i)], dead))
+    const RobotTask& task = simulation.service().task(robot.name());
+    const auto& points = tracks[i].track.points;
+    if (could_arrive(fuzz_case, points.empty() ? task.start : points.back().position, task, dead))
       result.failures.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
   }
   return result;
