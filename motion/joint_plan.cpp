@@ -73,6 +73,7 @@ std::size_t JointPlanner::effort() const {
 void JointPlanner::begin_attempt() {
   at_.clear();
   for (const JointTask& task : tasks_) at_.push_back(task.position);
+  stood_.assign(tasks_.size(), {});
   moves_.clear();
   tried_.assign(tasks_.size(), false);
   priority_.resize(tasks_.size());
@@ -150,6 +151,7 @@ JointPlanner::Discs JointPlanner::discs_around(std::size_t robot,
 }
 
 void JointPlanner::commit(std::size_t robot, Path path) {
+  stood_[robot].push_back(at_[robot]);
   at_[robot] = path.back();
   moves_.push_back({robot, std::move(path)});
   tried_.assign(tasks_.size(), false);
@@ -279,6 +281,8 @@ bool JointPlanner::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && wants_to_move(i)) avoid.push_back({direct_[i], tasks_[i].radius});
   }
+  // Where it has been already it was sent away from: to come back there is to run in circles.
+  for (const Point2& p : stood_[robot]) avoid.push_back({{p, p}, tasks_[robot].radius});
   if (depth == most_depth) {
     Path path = finder(robot).refuge(at_[robot], others(robot), {}, keep_clear, avoid);
     if (path.empty()) return false;

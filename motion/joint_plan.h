@@ -87,6 +87,7 @@ class JointPlanner {
   std::size_t effort_before_ = 0;  ///< on finders that are no more
   bool done_ = false;
   std::vector<Point2> at_;
+  std::vector<Path> stood_;  ///< where each robot has already been in this attempt
   std::vector<Move> moves_;
   std::vector<std::size_t> priority_;
   std::vector<bool> tried_;  ///< in vain since anybody last moved

@@ -73,7 +73,8 @@ Point2 PathFollower::keeping_right(const Point2& position, const Point2& target,
   const Point2 right = Point2(way.y(), -way.x()) / way.norm();
   for (const double share : lane_shares) {
     const Point2 shifted = target + share * most * right;
-    if (way_free(field, position, shifted, radius_) && way_free(field, target, shifted, radius_)) return shifted;
+    if (way_free(field, position, shifted, radius_) && way_free(field, target, shifted, radius_))
+      return shifted;
   }
   return target;
 }

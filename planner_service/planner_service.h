@@ -24,7 +24,7 @@ namespace coppice {
 
 struct ServiceSettings {
   double time_scale = 1;  ///< fleet seconds a wall second
-  double timeout = 600;   ///< fleet seconds after which the run ends whoever is still under way
+  double timeout = 3600;  ///< fleet seconds after which the run ends whoever is still under way
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   double plan_budget = 1;  ///< wall seconds for a shorter path after the first one
   double lifelong = 0;     ///< fleet seconds in which every robot that arrives gets a new goal

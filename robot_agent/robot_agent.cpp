@@ -34,6 +34,7 @@ constexpr double least_lean = 0.05;  // radians
 constexpr double most_lean = 1.5;
 constexpr double leans_after = 0.3;  // seconds without progress
 constexpr double lean_rate = 3;      // radians a second
+constexpr double open_radii = 8;     // to the next obstacle: between walls, leaning leads into them
 
 Point2 leaning_right(const Point2& v, double stalled) {
   const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
@@ -264,7 +265,8 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     look_for_a_path();
     enter(Phase::planning);
   }
-  body_->choose(leaning_right(preferred, fleet_now - last_gain_time_), neighbours, *field_);
+  const bool open = field_->lower_bound(body_->position()) >= open_radii * body_->radius();
+  body_->choose(leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0), neighbours, *field_);
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;

@@ -23,7 +23,7 @@
 namespace coppice {
 
 struct SimulationSettings {
-  double timeout = 600;  ///< virtual seconds
+  double timeout = 3600;  ///< virtual seconds
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   double plan_budget = 1;  ///< virtual seconds
   double lifelong = 0;     ///< virtual seconds in which who arrives gets a new goal

@@ -11,7 +11,9 @@ class FuzzSeeds : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(FuzzSeeds, AreSurvived) {
   const FuzzCase fuzz_case = draw_fuzz_case(GetParam());
-  FleetSimulation simulation(fuzz_case.scenario, {.timeout = fuzz_case.timeout, .lifelong = fuzz_case.lifelong, .faults = fuzz_case.faults});
+  FleetSimulation simulation(
+      fuzz_case.scenario,
+      {.timeout = fuzz_case.timeout, .lifelong = fuzz_case.lifelong, .faults = fuzz_case.faults});
   simulation.run([](const PlannerService&, double) { return true; });
   for (const std::string& failure : judge(fuzz_case, simulation).failures)
     ADD_FAILURE() << fuzz_case.what << ": " << failure;
