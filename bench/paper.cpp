@@ -1,3 +1,5 @@
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "bench/experiments.h"
@@ -17,7 +19,8 @@ constexpr double longest_run = 1200;               // fleet seconds
 /// What the paper measures of one run.
 struct Measures {
   double plan_seconds = 0;
-  double run_seconds = 0;  ///< fleet time until the last robot stands at its goal; 0: not all did
+  std::optional<double>
+      run_seconds{};       ///< fleet time until the last robot stands at its goal; none: not all did
   double path_length = 0;  ///< mean over the robots that have a path
   double nodes = 0;        ///< valid and invalid
   double invalid = 0;
@@ -26,7 +29,7 @@ struct Measures {
 
 /// Drives the fleet in the simulation, with that planner.
 /// RRT* drives its first path, straightened, as in the paper; MA-RRdT* goes on improving.
-double run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed) {
+std::optional<double> run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed) {
   Scenario scenario{.map_name = trial.map,
                     .map = trial.field.map(),
                     .seed = static_cast<std::uint32_t>(seed),
@@ -39,7 +42,7 @@ double run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed)
   FleetSimulation simulation(scenario, {.timeout = longest_run, .planner = planner, .plan_budget = budget});
   simulation.run([](const PlannerService&, double) { return true; });
   const proto::Report report = simulation.service().report();
-  return report.outcome() == "arrived" ? report.run_time() : 0;
+  return report.outcome() == "arrived" ? std::optional(report.run_time()) : std::nullopt;
 }
 
 Measures measures(const TrialResult& result) {
@@ -53,18 +56,35 @@ Measures measures(const TrialResult& result) {
 
 struct Column {
   std::string name;
-  double Measures::*value;
+  std::optional<double> (*value)(const Measures&);
   bool logarithmic;
 };
-const std::vector<Column> columns{{"plan time, s", &Measures::plan_seconds, true},
-                                  {"run time, s", &Measures::run_seconds, false},
-                                  {"path length, m", &Measures::path_length, false},
-                                  {"nodes", &Measures::nodes, true}};
+const std::vector<Column> columns{
+    {"plan time, s", [](const Measures& m) { return std::optional(m.plan_seconds); }, true},
+    {"run time, s", [](const Measures& m) { return m.run_seconds; }, false},
+    {"path length, m", [](const Measures& m) { return std::optional(m.path_length); }, false},
+    {"nodes", [](const Measures& m) { return std::optional(m.nodes); }, true}};
 
-std::string mean_and_spread(const std::vector<Measures>& runs, double Measures::*value) {
+std::optional<double> invalid_nodes(const Measures& m) {
+  return m.invalid;
+}
+
+/// Of the runs that have it.
+std::vector<double> values_of(const std::vector<Measures>& runs,
+                              std::optional<double> (*value)(const Measures&)) {
   std::vector<double> values;
-  for (const Measures& m : runs) values.push_back(m.*value);
-  return fmt::format("{:.4g} ± {:.2g}", mean(values), deviation(values));
+  for (const Measures& m : runs) {
+    if (const auto v = value(m)) values.push_back(*v);
+  }
+  return values;
+}
+
+std::string mean_and_spread(const std::vector<Measures>& runs,
+                            std::optional<double> (*value)(const Measures&)) {
+  const std::vector<double> values = values_of(runs, value);
+  if (values.empty()) return "-";
+  const std::string text = fmt::format("{:.4g} ± {:.2g}", mean(values), deviation(values));
+  return values.size() == runs.size() ? text : fmt::format("{} ({} of {})", text, values.size(), runs.size());
 }
 
 }  // namespace
@@ -92,7 +112,8 @@ void bench_paper(const ExperimentOptions& options) {
           Measures m = measures(result);
           m.run_seconds = run_time(trial, sharing ? PlannerKind::ma_rrdt_star : PlannerKind::rrt_star, seed);
           trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), result.planner,
-                                 fmt::format("{:.6f}", m.plan_seconds), fmt::format("{:.2f}", m.run_seconds),
+                                 fmt::format("{:.6f}", m.plan_seconds),
+                                 m.run_seconds ? fmt::format("{:.2f}", *m.run_seconds) : "",
                                  fmt::format("{:.1f}", m.path_length), std::to_string(result.valid_nodes),
                                  std::to_string(result.invalid_nodes), std::to_string(m.solved)});
           runs[sharing ? 0 : 1].push_back(m);
@@ -104,13 +125,13 @@ void bench_paper(const ExperimentOptions& options) {
         std::vector<std::string> row{map, std::to_string(robots), series[0][p].name};
         for (std::size_t c = 0; c < columns.size(); ++c) {
           row.push_back(mean_and_spread(runs[p], columns[c].value));
-          std::vector<double> values;
-          for (const Measures& m : runs[p]) values.push_back(m.*columns[c].value);
+          const std::vector<double> values = values_of(runs[p], columns[c].value);
+          if (values.empty()) continue;
           series[c][p].x.push_back(robots);
           series[c][p].y.push_back(mean(values));
           series[c][p].spread.push_back(deviation(values));
         }
-        row.push_back(mean_and_spread(runs[p], &Measures::invalid));
+        row.push_back(mean_and_spread(runs[p], invalid_nodes));
         int solved = 0;
         for (const Measures& m : runs[p]) solved += m.solved;
         row.push_back(fmt::format("{} of {}", solved, robots * static_cast<int>(runs[p].size())));
