@@ -224,6 +224,16 @@ class MaRrdtStar {
   void graft(GroupIndex g, Root side, const Entry& entry);
   bool connected(TreeIndex a, TreeIndex b) const;
 
+  /// What a tree of shortest paths was grown for: it serves as long as the forest stays as it is, mission
+  /// after mission.
+  struct Ways {
+    Forest::Layer layer = Forest::no_layer;
+    TreeIndex component = 0;
+    std::uint32_t disjointed_nodes = 0;
+    std::uint32_t frozen_trees = 0;
+    bool operator==(const Ways&) const = default;
+  };
+
   // --- paths ---
   std::optional<std::pair<Entry, Entry>> meeting(GroupIndex g) const;
   std::vector<P> joined(const Entry& first, std::span<const NodeId> between, const Entry& last) const;
@@ -232,6 +242,7 @@ class MaRrdtStar {
     return [radius](const Tree& tree) { return tree.kind == TreeKind::inactive && tree.radius >= radius; };
   }
   std::vector<P> branch(NodeId n) const;
+  void know_ways(const Ways& ways, NodeId from, NodeId to, double radius);
 
   bool visible(NodeId a, NodeId b, double radius) const {
     return space_.segment_free(trees_.position(a), trees_.position(b), radius);
@@ -255,6 +266,8 @@ class MaRrdtStar {
   std::uint32_t frozen_trees_ = 0;
   std::vector<NodeId> near_;  ///< what look_around saw
   SearchScratch search_;
+  Ways ways_;
+  SearchScratch ways_search_;
 };
 
 }  // namespace coppice

@@ -3,6 +3,8 @@
 
 #include <limits>
 #include <optional>
+#include <tuple>
+#include <vector>
 
 #include "planning/ma_rrdt_star.h"
 
@@ -57,28 +59,36 @@ auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
   return joined(first, between, last);
 }
 
+/// Leaves in ways_search_ a tree of shortest paths that holds both nodes: the one that is known, or else a
+/// new one.
+template <Space S>
+void MaRrdtStar<S>::know_ways(const Ways& ways, NodeId from, NodeId to, double radius) {
+  if (ways == ways_ && ways_search_.holds(from) && ways_search_.holds(to)) return;
+  ways_ = ways;
+  grow_shortest_path_tree(trees_, from, usable(radius), ways_search_);
+}
+
 template <Space S>
 auto MaRrdtStar<S>::paths(std::size_t first_group) -> std::vector<std::vector<P>> {
   std::vector<std::vector<P>> all(groups_.size() - first_group);
-  // The groups of one layer and one component share a tree of shortest paths.
-  std::vector<std::pair<Forest::Layer, TreeIndex>> grown;
+  // Those that share a tree of shortest paths, one after the other.
+  std::vector<std::tuple<Forest::Layer, TreeIndex, GroupIndex>> by_ways;
   for (auto g = static_cast<GroupIndex>(first_group); g < groups_.size(); ++g) {
     if (!solved(g)) continue;
     if (groups_[g].met[0] != no_node) {
       all[g - first_group] = path(g);
-      continue;
+    } else {
+      const Forest::Layer layer = groups_[g].layer;
+      by_ways.emplace_back(layer, forest_.component(layer, meeting(g)->first.tree), g);
     }
-    const Forest::Layer layer = groups_[g].layer;
-    const TreeIndex component = forest_.component(layer, meeting(g)->first.tree);
-    if (std::ranges::count(grown, std::pair(layer, component)) > 0) continue;
-    grown.emplace_back(layer, component);
-    grow_shortest_path_tree(trees_, meeting(g)->first.forest_node, usable(groups_[g].radius), search_);
-    for (GroupIndex h = g; h < groups_.size(); ++h) {
-      if (!solved(h) || groups_[h].layer != layer || groups_[h].met[0] != no_node) continue;
-      const auto [first, last] = *meeting(h);
-      if (forest_.component(layer, first.tree) != component) continue;
-      all[h - first_group] = joined(first, path_in_tree(search_, first.forest_node, last.forest_node), last);
-    }
+  }
+  std::ranges::sort(by_ways);
+  for (const auto& [layer, component, g] : by_ways) {
+    const auto [first, last] = *meeting(g);
+    know_ways({layer, component, disjointed_counts_.valid, frozen_trees_}, first.forest_node,
+              last.forest_node, groups_[g].radius);
+    all[g - first_group] =
+        joined(first, path_in_tree(ways_search_, first.forest_node, last.forest_node), last);
   }
   return all;
 }

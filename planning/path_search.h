@@ -25,6 +25,9 @@ struct SearchScratch {
   };
   std::vector<Label> labels;
   std::uint32_t search = 0;
+
+  /// The last search came to this node.
+  bool holds(NodeId n) const { return n < labels.size() && search > 0 && labels[n].search == search; }
 };
 
 /// The shortest chain of nodes from `from` to `to` over the edges of the trees for which `usable(tree)`
