@@ -91,9 +91,14 @@ void PlannerService::receive(const BrokerStatus& status, WallTime) {
   if (!missions_published_) next_wake_ = begun_;
 }
 
+/// One that begins elsewhere than the one before is how a robot that was pushed off its path comes back to
+/// its goal: the report has the path from the start.
 void PlannerService::receive(const PathMessage& path, WallTime) {
   const auto known = robots_.find(path.robot);
-  if (known != robots_.end() && path.mission == known->second.mission) known->second.path = path.waypoints;
+  if (known == robots_.end() || path.mission != known->second.mission) return;
+  Path& last = known->second.path;
+  const bool from_the_start = last.empty() || path.waypoints.empty() || path.waypoints[0] == last[0];
+  if (from_the_start) last = path.waypoints;
 }
 
 void PlannerService::receive(const TrackMessage& batch, WallTime) {

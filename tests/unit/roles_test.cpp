@@ -109,6 +109,18 @@ TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
   EXPECT_EQ(report.outcome(), "incomplete");
 }
 
+TEST(PlannerService, ReportsThePathFromTheStart) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  const auto path = [&](const Path& waypoints) {
+    service.on(arrival_of(PathMessage{"a", 1, waypoints}, 1));
+    return service.report().robots(0).path_length();
+  };
+  EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}, {100, 100}}), 120);
+  EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}}), 40);  // a shorter one
+  EXPECT_DOUBLE_EQ(path({{50, 60}, {20, 100}}), 40);  // from where it was pushed to
+}
+
 TEST(PlannerService, GivesNewGoalsWhileTheRunIsLifelong) {
   PlannerService service(two_robots(), {.lifelong = 10}, 0);
   map_and_missions(service);
