@@ -64,9 +64,8 @@ Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
 
 std::string in_words(const Scenario& scenario, const Faults& faults) {
   std::string text = fmt::format(
-      "{} {}, loss {:.2f}, delay {:.3f} +- {:.3f} s, duplicates {:.2f}{}, pauses {:.0f}/h of {:.2f} s, "
-      "clocks "
-      "+- {:.2f} s",
+      "{} {}, loss {:.2f}, delay {:.3f} +- {:.3f} s, duplicates {:.2f}{}, "
+      "pauses {:.0f}/h of {:.2f} s, clocks +- {:.2f} s",
       scenario.robots.size(), scenario.map_name, faults.bus.loss, faults.bus.delay, faults.bus.jitter,
       faults.bus.duplicate, faults.bus.reorder ? ", reordered" : "", faults.pause_rate, faults.pause,
       faults.clock_skew);
