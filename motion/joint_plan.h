@@ -1,22 +1,15 @@
-// A plan for a fleet that stands in its own way: moves, one robot after the other, all others standing.
+// A plan for a fleet that stands in its own way: moves, robots one after the other, all others standing.
 //
 // A plan of that form is safe whatever the pace: robots may move at the same time as long as they keep the
-// plan's order wherever their ways come near each other (precedence.h). It is found by search: whoever can
-// reach its goal past the others and shuts nobody in goes; where nobody can, somebody's way is cleared by
-// sending those that stand in it to refuges, which may mean to clear the way of these first (as in Push and
-// Rotate: de Wilde, ter Mors, Witteveen, 2014, in continuous space). Robots at their goals give way like any
-// other and return. Attempts that lead nowhere are begun anew with other priorities.
+// plan's order wherever their ways come near each other (precedence.h).
 //
 // Metres in the map frame.
 #pragma once
 
 #include <cstddef>
-#include <map>
-#include <optional>
 #include <vector>
 
-#include "motion/route_finder.h"
-#include "planning/random.h"
+#include "planning/geometry.h"
 
 namespace coppice {
 
@@ -35,64 +28,6 @@ struct Move {
 struct JointPlan {
   std::vector<Move> moves;
   std::vector<std::size_t> stranded;  ///< robots that these moves do not bring to their goals
-};
-
-class JointPlanner {
- public:
-  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start; one
-  /// that is not movable has its place as its goal.
-  JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
-
-  /// A bounded amount of work: some tens of route searches. True once the plan is there.
-  bool step();
-  /// The first plan that strands nobody without need, or else the one that strands the fewest.
-  const JointPlan& plan() const { return best_; }
-
- private:
-  struct Discs {
-    std::vector<Disc> fixed;
-    std::vector<Disc> movable;
-    std::vector<std::size_t> movable_robot;
-  };
-
-  RouteFinder& finder(std::size_t robot);
-  bool at_goal(std::size_t robot) const { return at_[robot] == tasks_[robot].goal; }
-  bool wants_to_move(std::size_t robot) const { return hopeful_[robot] && !at_goal(robot); }
-  std::vector<Disc> others(std::size_t robot) const;
-  std::size_t effort() const;
-  Discs discs_around(std::size_t robot, const std::vector<std::size_t>& fixed) const;
-  void set_up();
-  void refine(double share);
-  void begin_attempt();
-  void spread_out();
-  void end_attempt();
-  bool move_directly();
-  bool shuts_in(std::size_t robot);
-  bool clear_a_way();
-  bool clear(std::size_t robot, const Path& way, std::vector<Sweep>& keep_clear,
-             std::vector<std::size_t>& waiting, int depth);
-  bool evacuate(std::size_t robot, std::vector<Sweep>& keep_clear, std::vector<std::size_t>& waiting,
-                int depth);
-  void commit(std::size_t robot, Path path);
-
-  const ClearanceField& field_;
-  std::vector<JointTask> tasks_;
-  Random random_;
-  double spacing_share_ = 1;               ///< of the usual spacing
-  std::map<double, RouteFinder> finders_;  ///< by radius
-  std::vector<bool> hopeful_;              ///< can reach its goal when alone
-  std::vector<Path> direct_;               ///< each robot's way from its first position, alone
-
-  int attempts_ = 0;
-  std::size_t effort_before_ = 0;  ///< on finders that are no more
-  bool done_ = false;
-  std::vector<Point2> at_;
-  std::vector<Path> stood_;  ///< where each robot has already been in this attempt
-  std::vector<Move> moves_;
-  std::vector<std::size_t> priority_;
-  std::vector<bool> tried_;  ///< in vain since anybody last moved
-  std::optional<JointPlan> found_;
-  JointPlan best_;
 };
 
 }  // namespace coppice

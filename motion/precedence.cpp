@@ -10,7 +10,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double piece_radii = 0.4;  // length of the pieces that ways are cut into, in radii
+constexpr double piece_radii = 0.15;  // length of the pieces that ways are cut into, in radii
 
 /// A short piece of a robot's way.
 struct Piece {
@@ -71,17 +71,22 @@ class PieceGrid {
 std::vector<Path> legs_of(std::size_t robot, std::span<const Move> moves) {
   std::vector<Path> legs;
   for (const Move& move : moves) {
-    if (move.robot == robot) legs.push_back(move.path);
+    if (move.robot != robot) continue;
+    for (std::size_t k = 1; k < move.path.size(); ++k) {
+      const Point2 out = move.path[k] - move.path[k - 1];
+      const bool goes_on = !legs.empty() && out.dot(legs.back().back() - *(legs.back().end() - 2)) > 0;
+      if (!goes_on) legs.push_back({move.path[k - 1]});
+      legs.back().push_back(move.path[k]);
+    }
   }
   return legs;
 }
 
-std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii,
-                           double gap) {
+std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii) {
   const std::vector<Piece> pieces = pieces_of(moves, radii);
   const double largest = *std::ranges::max_element(radii);
   // Half of each piece's length is what a middle may be away from the piece's points.
-  const double inflated = gap + piece_radii * largest;
+  const double inflated = (2 * stray_radii + piece_radii) * largest;
   PieceGrid grid(radii[robot] + largest + inflated);
 
   std::vector<Gate> gates;

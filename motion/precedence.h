@@ -18,7 +18,8 @@
 
 namespace coppice {
 
-/// A robot's moves, one after the other: its way. Empty if it has none.
+/// A robot's moves, one after the other: its way, in legs that end where it turns by a
+/// right angle or more. Empty if it has none.
 std::vector<Path> legs_of(std::size_t robot, std::span<const Move> moves);
 
 struct Gate {
@@ -27,9 +28,10 @@ struct Gate {
   double needed = 0;      ///< so many metres along its own way
 };
 
-/// The gates on the way of `robot`, first to last. Ways count as near where the discs come within `gap`,
-/// metres, above 0.
-std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii,
-                           double gap);
+/// Nobody strays further from its way than this, in radii.
+inline constexpr double stray_radii = 0.04;
+
+/// The gates on the way of `robot`, first to last. Ways count as near where discs that stray might touch.
+std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii);
 
 }  // namespace coppice

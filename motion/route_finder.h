@@ -1,9 +1,8 @@
 // Shortest routes of one disc among obstacles and other discs that stand: the building block of plans in
 // which robots move one after the other (joint_plan.h).
 //
-// A* (Hart, Nilsson, Raphael, 1968) on a square lattice over the free space, each vertex and edge of which is
-// checked exactly; then shortened. What does not lie on the lattice is linked to it by exact checks, and
-// lattice points are multiples of half a cell, so that the middle of a corridor is met whatever its width.
+// A* (Hart, Nilsson, Raphael, 1968) on a square lattice over the free space (lattice.h); then shortened. What
+// does not lie on the lattice is linked to it by exact checks.
 //
 // Metres in the map frame.
 #pragma once
@@ -13,16 +12,11 @@
 #include <span>
 #include <vector>
 
+#include "motion/lattice.h"
 #include "planning/clearance_field.h"
 #include "planning/geometry.h"
 
 namespace coppice {
-
-/// A robot that stands.
-struct Disc {
-  Point2 centre = Point2::Zero();
-  double radius = 0;
-};
 
 /// What a disc sweeps that moves along a path.
 struct Sweep {
@@ -30,17 +24,13 @@ struct Sweep {
   double radius = 0;
 };
 
-/// Standing robots are kept this far apart beyond their radii: more than motion/promise.h keeps.
-inline constexpr double standing_gap = 0.0011;
-
 class RouteFinder {
  public:
-  /// For a disc of `radius` on `field`, which outlives it. The lattice's spacing is `spacing` rounded down to
-  /// a multiple of half a cell.
+  /// For a disc of `radius` on `field`, which outlives it; lattice.h says what becomes of `spacing`.
   RouteFinder(const ClearanceField& field, double radius, double spacing);
 
   double radius() const { return radius_; }
-  double spacing() const { return spacing_; }
+  double spacing() const { return lattice_.spacing(); }
   /// Vertices that all searches have looked at.
   std::size_t effort() const { return effort_; }
 
@@ -66,7 +56,7 @@ class RouteFinder {
   std::vector<std::size_t> blockers(const Path& path, std::span<const Disc> discs) const;
 
  private:
-  using Vertex = std::uint32_t;
+  using Vertex = Lattice::Vertex;
   struct Label {
     std::uint32_t search = 0;
     bool closed = false;
@@ -83,10 +73,8 @@ class RouteFinder {
     double detour_of_avoided = 0;
   };
 
-  Point2 at(Vertex v) const;
-  bool vertex_free(Vertex v);
-  bool edge_free(Vertex v, Vertex w, int direction);
   std::uint8_t marks(Vertex v) const { return marked_[v] == search_ ? mark_[v] : 0; }
+  bool passable(Vertex v) const { return (marks(v) & wall) == 0; }
   void begin_search();
   void mark(const Point2& a, const Point2& b, double distance, Mark what);
   std::vector<Obstacle> obstacles(std::span<const Disc> discs, const Point2& from,
@@ -100,19 +88,12 @@ class RouteFinder {
 
   const ClearanceField& field_;
   double radius_;
-  double spacing_;
-  Point2 origin_;
-  int columns_;
-  int rows_;
+  Lattice lattice_;
   std::uint32_t search_ = 0;
   std::size_t effort_ = 0;
   std::vector<Label> labels_;
   std::vector<std::uint32_t> marked_;  ///< by which search
   std::vector<std::uint8_t> mark_;
-  /// What is known of the vertex: 0 nothing, 1 blocked, 2 free; and of its edges to E, NE, N, NW: 2 bits
-  /// each.
-  std::vector<std::uint8_t> known_vertex_;
-  std::vector<std::uint8_t> known_edges_;
 };
 
 /// A spacing at which lattice searches are quick and few passages are missed: metres, for a robot of

@@ -7,6 +7,15 @@
 
 namespace coppice {
 
+/// A robot that stands.
+struct Disc {
+  Point2 centre = Point2::Zero();
+  double radius = 0;
+};
+
+/// Standing robots are kept this far apart beyond their radii: more than motion/promise.h keeps.
+inline constexpr double standing_gap = 0.0011;
+
 /// Least distance between two points that move linearly from a0 to a1 and from b0 to b1 in the same time.
 inline double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
   const Point2 gap = a0 - b0;
@@ -19,6 +28,14 @@ inline double closest_approach(const Point2& a0, const Point2& a1, const Point2&
 /// Distance from p to the segment from a to b.
 inline double point_segment_distance(const Point2& p, const Point2& a, const Point2& b) {
   return closest_approach(p, p, a, b);
+}
+
+/// Distance between a point and the nearest of a path's segments.
+inline double point_path_distance(const Point2& p, const Path& path) {
+  double least = (p - path.front()).norm();
+  for (std::size_t k = 1; k < path.size(); ++k)
+    least = std::min(least, point_segment_distance(p, path[k - 1], path[k]));
+  return least;
 }
 
 /// Twice the signed area of the triangle a, b, c: above 0 where c lies to the left of the way from a to b.

@@ -8,7 +8,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double stray_radii = 0.08;       // how far from the way corners may be cut, in radii
 constexpr double look_ahead_radii = 0.25;  // of the point that the robot heads for
 constexpr double least_look_ahead_radii = 0.0002;
 constexpr double window_radii = 2;     // of the search for the nearest point of the way
@@ -80,12 +79,14 @@ double WayFollower::corner_speed(std::size_t corner, const Limits& limits, doubl
   const Point2 out = way_[corner + 1] - way_[corner];
   const double lengths = in.norm() * out.norm();
   if (lengths == 0) return limits.max_speed;
-  // Half of the turn's cosine; the arc that touches both edges strays by R (1 / cos - 1) from the corner.
-  const double half = std::sqrt(std::max(0.0, (1 + in.dot(out) / lengths) / 2));
-  if (half < 1e-6) return turns_at_once;
-  const double stray = 1 / half - 1;
+  // The cosine of half of the turn. The arc of radius R that touches both edges strays by R (1 / cos - 1)
+  // from the corner, and begins R tan before it: half of an edge is there for each of its corners.
+  const double cosine = std::sqrt(std::max(0.0, (1 + in.dot(out) / lengths) / 2));
+  if (cosine < 1e-6) return turns_at_once;
+  const double stray = 1 / cosine - 1;
   if (stray < 1e-9) return limits.max_speed;
-  const double arc = std::min(stray_radii * radius_ / stray, std::min(in.norm(), out.norm()));
+  const double tangent = std::sqrt(1 - cosine * cosine) / cosine;
+  const double arc = std::min(stray_radii * radius_ / stray, std::min(in.norm(), out.norm()) / (2 * tangent));
   return std::max(turns_at_once, std::sqrt(limits.max_acceleration * braking_share * arc));
 }
 
@@ -131,7 +132,7 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
 void WayFollower::executed(const Point2& velocity) {
   const bool held_up = velocity.isZero(0) && !wanted_.isZero(0);
   look_ahead_ = held_up ? std::max(look_ahead_ / 2, least_look_ahead_radii * radius_)
-                        : std::min(look_ahead_ * 1.25, look_ahead_radii * radius_);
+                        : std::min(look_ahead_ * 2, look_ahead_radii * radius_);
 }
 
 }  // namespace coppice

@@ -12,9 +12,6 @@ constexpr double longest_hold = 60;  // seconds without a joint plan: the leader
 constexpr double patience = 5;       // seconds without progress though nobody earlier is in the way
 constexpr double close_radii = 3;    // between robots that may fear each other's next move, in sums of radii
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
-// Robots that move at the same time keep this many times (acceleration period^2) apart beyond their radii if
-// they can: with less, their promises would slow them down to a crawl.
-constexpr double gap_periods = 15;
 
 }  // namespace
 
@@ -42,12 +39,11 @@ void Knot::call(double now) {
   holding_since_ = now;
 }
 
-void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double acceleration,
-                double now) {
+void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now) {
   if (!holding_since_) holding_since_ = now;
   if (plan_ && plan_->knot == id_) {
     if (!self.stands) return;
-    take_up(*plan_, self, gap_periods * acceleration * control_period * control_period);
+    take_up(*plan_, self);
     last_progress_ = 0;
     last_progress_time_ = now;
     return;
@@ -92,7 +88,7 @@ std::optional<JointPlanMessage> Knot::take_own_plan() {
   return std::exchange(own_plan_, std::nullopt);
 }
 
-void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self, double gap) {
+void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
   stage_ = Stage::free;
   members_.clear();
   std::vector<double> radii;
@@ -105,10 +101,16 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self, double
   const auto index = static_cast<std::size_t>(own - members_.begin());
   stranded_ = plan.members[index].stranded;
   std::vector<Move> moves;
-  for (const JointPlanMessage::Move& move : plan.moves) moves.push_back({move.member, move.path});
+  schedules_.assign(members_.size(), {});
+  for (const JointPlanMessage::Move& move : plan.moves) {
+    auto& [ends, at] = schedules_[move.member];
+    ends.push_back((ends.empty() ? 0 : ends.back()) + length_of(move.path));
+    at.push_back(moves.size());
+    moves.push_back({move.member, move.path});
+  }
   const std::vector<Path> legs = legs_of(index, moves);
   if (legs.empty() || (legs.front().front() - self.position).norm() > same_place) return;
-  follower_.emplace(legs, gates_of(index, moves, radii, gap), self.radius);
+  follower_.emplace(legs, gates_of(index, moves, radii), self.radius);
   stage_ = Stage::ordered;
 }
 
@@ -138,25 +140,19 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
 
 /// The place in the plan of the move that a member has come to; the plan's length if it has made all.
 std::size_t Knot::next_move(std::size_t member, double progress) const {
-  double end = 0;
-  for (std::size_t k = 0; k < plan_->moves.size(); ++k) {
-    if (plan_->moves[k].member != member) continue;
-    end += length_of(plan_->moves[k].path);
-    if (progress + same_place < end) return k;
-  }
-  return plan_->moves.size();
+  const auto& [ends, at] = schedules_[member];
+  const auto next = std::ranges::upper_bound(ends, progress + same_place);
+  return next == ends.end() ? plan_->moves.size() : at[static_cast<std::size_t>(next - ends.begin())];
 }
 
 bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) const {
-  const auto index = [&](const RobotName& robot) {
-    return static_cast<std::size_t>(std::ranges::find(members_, robot) - members_.begin());
-  };
-  const std::size_t own = next_move(index(robot_), progress());
+  const auto own = std::ranges::find(members_, robot_) - members_.begin();
+  const std::size_t own_next = next_move(static_cast<std::size_t>(own), progress());
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const auto other = members_[k] == robot_ ? std::nullopt : fleet.find(members_[k], now);
     if (!other || other->dead || other->knot != id_ || other->stage != Stage::ordered) continue;
     const bool close = (other->position - self.position).norm() < close_radii * (self.radius + other->radius);
-    if (close && next_move(k, other->progress) < own) return true;
+    if (close && next_move(k, other->progress) < own_next) return true;
   }
   return false;
 }

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "bus/messages.h"
-#include "motion/joint_plan.h"
+#include "motion/joint_planner.h"
 #include "motion/way_follower.h"
 #include "planning/clearance_field.h"
 #include "robot_agent/fleet.h"
@@ -41,8 +41,7 @@ class Knot {
   void call(double now);
 
   /// Once a control period while holding. `own_plan`, once, what to publish.
-  void hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double acceleration,
-            double now);
+  void hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
   std::optional<JointPlanMessage> take_own_plan();
 
   /// Once a control period while ordered: where to drive. Ends the stage when the last move is done.
@@ -58,7 +57,7 @@ class Knot {
   void join(const KnotId& id);
   void lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
   void publish();
-  void take_up(const JointPlanMessage& plan, const FleetMember& self, double gap);
+  void take_up(const JointPlanMessage& plan, const FleetMember& self);
   std::size_t next_move(std::size_t member, double progress) const;
 
   RobotName robot_;
@@ -69,7 +68,12 @@ class Knot {
   std::vector<FleetMember> led_;  ///< the fleet as the planner was given it
   std::unique_ptr<JointPlanner> planner_;
   std::optional<JointPlanMessage> own_plan_;
+  struct Schedule {                 ///< of a member's moves
+    std::vector<double> ends{};     ///< metres along its way
+    std::vector<std::size_t> at{};  ///< in the plan
+  };
   std::vector<RobotName> members_;
+  std::vector<Schedule> schedules_;
   std::optional<WayFollower> follower_;
   RobotName waits_for_;
   bool stranded_ = false;

@@ -28,6 +28,7 @@ constexpr double stall_radii = 0.5;       // metres that count as progress, in r
 constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.5;
 constexpr double lease_for_delay = 3;
+constexpr double crawl = 0.05;  // of the largest speed: what is slower is held up
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
 // meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
@@ -236,7 +237,7 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 void RobotAgent::decide(double fleet_now) {
   const std::vector<Neighbour> others = neighbours(fleet_now);
   if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
-    knot_.hold(self(), fleet_, *field_, body_->limits().max_acceleration, fleet_now);
+    knot_.hold(self(), fleet_, *field_, fleet_now);
   const bool free = knot_.stage() == Stage::free;
   lets_others_finish_ = lets_others_finish_ && !fleet_.all_free(fleet_now);
   if (fleet_now < heard_again_at_) {
@@ -284,11 +285,15 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
     stand_for(waiting_lease, fleet_now);
   } else if (!body_->bound_to_stand()) {
     body_->follow(wanted, neighbours, *field_);
-    knot_.executed(body_->commitment().next_velocity);
-    if (!body_->stands()) last_drive_time_ = fleet_now;
     // Of several that fear each other's next move, one must go.
+    if (body_->commitment().next_velocity.norm() > crawl * body_->limits().max_speed)
+      last_drive_time_ = fleet_now;
     const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
-    if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) stand_for(waiting_lease, fleet_now);
+    if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) {
+      body_->follow(Point2::Zero(), neighbours, *field_);
+      stand_for(waiting_lease, fleet_now);
+    }
+    knot_.executed(body_->commitment().next_velocity);
   }
 }
 

@@ -1,12 +1,11 @@
 // Plans of one move after the other, checked move by move with nothing but the clearance field and distances.
-#include "motion/joint_plan.h"
-
 #include <cmath>
 #include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "motion/joint_planner.h"
 #include "motion/segments.h"
 #include "planning/map_generator.h"
 
@@ -67,12 +66,15 @@ TEST(JointPlan, AloneItIsOneMove) {
   const JointPlan plan = solve(open_map(100, 100), {{{10, 10}, {90, 90}, 5}});
   EXPECT_EQ(plan.moves.size(), 1u);
   EXPECT_TRUE(plan.stranded.empty());
+  EXPECT_NEAR(length_of(plan.moves.front().path), std::hypot(80, 80), 2);
 }
 
 TEST(JointPlan, HeadOnInACorridorOneGoesBack) {
   const JointPlan plan = solve(corridor(14), {{{180, 60}, {320, 60}, 5}, {{200, 60}, {40, 60}, 5}});
   EXPECT_TRUE(plan.stranded.empty());
-  EXPECT_EQ(plan.moves.size(), 3u);
+  double driven = 0;
+  for (const Move& move : plan.moves) driven += length_of(move.path);
+  EXPECT_LT(driven, 140 + 160 + 200);  // one of them goes back by less than 100 m, and comes again
 }
 
 TEST(JointPlan, PocketLetsOnePass) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "motion/joint_planner.h"
 #include "motion/way_follower.h"
 #include "planning/map_generator.h"
 
@@ -11,13 +12,12 @@ namespace coppice {
 namespace {
 
 constexpr double period = 0.05;
-constexpr double gap = 1.0;
 
 TEST(Precedence, NobodyWaitsForALaterMove) {
   const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{50, -50}, {50, 50}}}};
   const std::vector<double> radii{5, 5};
-  EXPECT_TRUE(gates_of(0, moves, radii, gap).empty());
-  const std::vector<Gate> gates = gates_of(1, moves, radii, gap);
+  EXPECT_TRUE(gates_of(0, moves, radii).empty());
+  const std::vector<Gate> gates = gates_of(1, moves, radii);
   ASSERT_FALSE(gates.empty());
   EXPECT_EQ(gates.front().robot, 0u);
   EXPECT_LT(gates.front().at, 50 - 10);  // before the discs could touch
@@ -26,7 +26,7 @@ TEST(Precedence, NobodyWaitsForALaterMove) {
 
 TEST(Precedence, FarWaysHaveNoGates) {
   const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{0, 15}, {100, 15}}}};
-  EXPECT_TRUE(gates_of(1, moves, std::vector<double>{5, 5}, gap).empty());
+  EXPECT_TRUE(gates_of(1, moves, std::vector<double>{5, 5}).empty());
 }
 
 TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
@@ -54,7 +54,7 @@ TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       const std::vector<Path> legs = legs_of(i, plan.moves);
       if (!legs.empty())
-        runners[i] = Runner{WayFollower(legs, gates_of(i, plan.moves, radii, gap), 5), tasks[i].position,
+        runners[i] = Runner{WayFollower(legs, gates_of(i, plan.moves, radii), 5), tasks[i].position,
                             random.uniform(2, 20)};
     }
     const auto passed = [&](std::size_t k) { return runners[k] ? runners[k]->follower.progress() : 0.0; };

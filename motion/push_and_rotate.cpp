@@ -1,4 +1,4 @@
-#include "motion/joint_plan.h"
+#include "motion/push_and_rotate.h"
 
 #include <algorithm>
 #include <numeric>
@@ -18,13 +18,13 @@ constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at: 
 
 }  // namespace
 
-JointPlanner::JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
+PushAndRotate::PushAndRotate(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
     : field_(field), tasks_(std::move(tasks)), random_(random) {
   set_up();
   begin_attempt();
 }
 
-RouteFinder& JointPlanner::finder(std::size_t robot) {
+RouteFinder& PushAndRotate::finder(std::size_t robot) {
   const double radius = tasks_[robot].radius;
   const auto known = finders_.find(radius);
   if (known != finders_.end()) return known->second;
@@ -33,7 +33,7 @@ RouteFinder& JointPlanner::finder(std::size_t robot) {
 
 /// Who can reach its goal at all, past the dead, and on which way; the lattice becomes finer until all can,
 /// or it is as fine as it gets.
-void JointPlanner::set_up() {
+void PushAndRotate::set_up() {
   std::vector<Disc> dead;
   for (const JointTask& task : tasks_) {
     if (!task.movable) dead.push_back({task.position, task.radius});
@@ -58,19 +58,19 @@ void JointPlanner::set_up() {
 }
 
 /// From now on the lattices' spacing is this share of the usual one.
-void JointPlanner::refine(double share) {
+void PushAndRotate::refine(double share) {
   effort_before_ = effort();
   spacing_share_ = share;
   finders_.clear();
 }
 
-std::size_t JointPlanner::effort() const {
+std::size_t PushAndRotate::effort() const {
   std::size_t sum = effort_before_;
   for (const auto& [radius, finder] : finders_) sum += finder.effort();
   return sum;
 }
 
-void JointPlanner::begin_attempt() {
+void PushAndRotate::begin_attempt() {
   at_.clear();
   for (const JointTask& task : tasks_) at_.push_back(task.position);
   stood_.assign(tasks_.size(), {});
@@ -90,7 +90,7 @@ void JointPlanner::begin_attempt() {
 
 /// Gives robots that stand in a clinch elbow room: some of those that are under way step back to the nearest
 /// place with nobody close by. In a clinch, each blocks the very moves by which the other would make way.
-void JointPlanner::spread_out() {
+void PushAndRotate::spread_out() {
   for (const std::size_t i : priority_) {
     if (!wants_to_move(i) || random_.uniform() < 0.5) continue;
     std::vector<Sweep> close;
@@ -107,7 +107,7 @@ void JointPlanner::spread_out() {
 }
 
 /// Keeps the attempt's result if it is the best so far, and goes on with the next.
-void JointPlanner::end_attempt() {
+void PushAndRotate::end_attempt() {
   JointPlan plan{moves_, {}};
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (!at_goal(i)) plan.stranded.push_back(i);
@@ -126,7 +126,7 @@ void JointPlanner::end_attempt() {
   begin_attempt();
 }
 
-std::vector<Disc> JointPlanner::others(std::size_t robot) const {
+std::vector<Disc> PushAndRotate::others(std::size_t robot) const {
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot) discs.push_back({at_[i], tasks_[i].radius});
@@ -135,8 +135,8 @@ std::vector<Disc> JointPlanner::others(std::size_t robot) const {
 }
 
 /// The other robots, apart by whether they may be asked to give way.
-JointPlanner::Discs JointPlanner::discs_around(std::size_t robot,
-                                               const std::vector<std::size_t>& fixed) const {
+PushAndRotate::Discs PushAndRotate::discs_around(std::size_t robot,
+                                                 const std::vector<std::size_t>& fixed) const {
   Discs discs;
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i == robot) continue;
@@ -150,14 +150,14 @@ JointPlanner::Discs JointPlanner::discs_around(std::size_t robot,
   return discs;
 }
 
-void JointPlanner::commit(std::size_t robot, Path path) {
+void PushAndRotate::commit(std::size_t robot, Path path) {
   stood_[robot].push_back(at_[robot]);
   at_[robot] = path.back();
   moves_.push_back({robot, std::move(path)});
   tried_.assign(tasks_.size(), false);
 }
 
-bool JointPlanner::step() {
+bool PushAndRotate::step() {
   if (done_) return true;
   const bool all_there = std::ranges::none_of(priority_, [&](std::size_t i) { return wants_to_move(i); });
   if (all_there || moves_.size() > moves_a_robot * (tasks_.size() + 2)) {
@@ -170,7 +170,7 @@ bool JointPlanner::step() {
 }
 
 /// Moves the first robot that has a way to its goal and shuts nobody in there.
-bool JointPlanner::move_directly() {
+bool PushAndRotate::move_directly() {
   std::size_t routes = 0;
   for (const std::size_t i : priority_) {
     if (!wants_to_move(i) || tried_[i]) continue;
@@ -185,7 +185,7 @@ bool JointPlanner::move_directly() {
 }
 
 /// Whether a robot at its goal would part another one from its own, those that are under way not counted.
-bool JointPlanner::shuts_in(std::size_t robot) {
+bool PushAndRotate::shuts_in(std::size_t robot) {
   std::vector<Disc> standing{{tasks_[robot].goal, tasks_[robot].radius}};
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && !wants_to_move(i)) standing.push_back({at_[i], tasks_[i].radius});
@@ -209,7 +209,7 @@ bool JointPlanner::shuts_in(std::size_t robot) {
 }
 
 /// Sends away those who stand in the way of one robot, and moves it.
-bool JointPlanner::clear_a_way() {
+bool PushAndRotate::clear_a_way() {
   struct Candidate {
     std::size_t robot;
     Path way;
@@ -247,8 +247,8 @@ bool JointPlanner::clear_a_way() {
 }
 
 /// Evacuates everybody who stands on `way` of `robot`; those `waiting` stay where they are.
-bool JointPlanner::clear(std::size_t robot, const Path& way, std::vector<Sweep>& keep_clear,
-                         std::vector<std::size_t>& waiting, int depth) {
+bool PushAndRotate::clear(std::size_t robot, const Path& way, std::vector<Sweep>& keep_clear,
+                          std::vector<std::size_t>& waiting, int depth) {
   if (depth > most_depth) return false;
   waiting.push_back(robot);
   keep_clear.push_back({way, tasks_[robot].radius});
@@ -275,8 +275,8 @@ bool JointPlanner::clear(std::size_t robot, const Path& way, std::vector<Sweep>&
 
 /// Sends a robot to a place off the sweeps to be kept clear; below the greatest depth, others may be sent
 /// away first.
-bool JointPlanner::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
-                            std::vector<std::size_t>& waiting, int depth) {
+bool PushAndRotate::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
+                             std::vector<std::size_t>& waiting, int depth) {
   std::vector<Sweep> avoid;
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && wants_to_move(i)) avoid.push_back({direct_[i], tasks_[i].radius});

@@ -1,0 +1,87 @@
+#include "motion/joint_planner.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "motion/route_finder.h"
+#include "motion/straightening.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double place_spacing = 0.2;  // radii between points of the lattice that places lie on
+constexpr std::size_t configurations_a_step = 1000;
+constexpr std::size_t most_configurations = 100'000;
+
+}  // namespace
+
+JointPlanner::JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
+    : field_(field), tasks_(std::move(tasks)), random_(random) {
+  const bool one_size =
+      std::ranges::all_of(tasks_, [&](const JointTask& t) { return t.radius == tasks_[0].radius; });
+  if (one_size) set_up_places();
+}
+
+/// Places for everybody, and what each wants: to its goal, or to give way if it could not even get there
+/// alone.
+void JointPlanner::set_up_places() {
+  std::vector<Point2> ends;
+  const auto place_of = [&](const Point2& p) {
+    const auto known = std::ranges::find(ends, p);
+    const auto place = static_cast<Place>(known - ends.begin());
+    if (known == ends.end()) ends.push_back(p);
+    return place;
+  };
+  std::vector<PlaceTask> crowd;
+  std::vector<Disc> dead;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    const JointTask& task = tasks_[i];
+    if (!task.movable) {
+      dead.push_back({task.position, task.radius});
+      if (task.position != task.goal) plan_.stranded.push_back(i);
+      continue;
+    }
+    movable_.push_back(i);
+    const Place start = place_of(task.position);
+    crowd.push_back({start, place_of(task.goal)});
+  }
+  const double radius = tasks_[0].radius;
+  graph_ = PackedPlaces(field_, radius, place_spacing * radius).with(ends, dead);
+  const std::vector<Place> parts = parts_of(graph_);
+  RouteFinder finder(field_, radius, usual_spacing(radius));
+  for (std::size_t k = 0; k < crowd.size(); ++k) {
+    if (parts[crowd[k].start] == parts[*crowd[k].goal]) continue;
+    const JointTask& task = tasks_[movable_[k]];
+    if (!finder.route(task.position, task.goal, dead).empty()) return;  // on a way that the places miss
+    crowd[k].goal.reset();
+    plan_.stranded.push_back(movable_[k]);
+  }
+  crowd_.emplace(graph_, std::move(crowd), random_);
+}
+
+bool JointPlanner::step() {
+  if (crowd_) {
+    const Lacam::Outcome outcome = crowd_->search(configurations_a_step);
+    configurations_ += configurations_a_step;
+    if (outcome == Lacam::Outcome::solved) {
+      take_up(*crowd_);
+      return true;
+    }
+    if (outcome == Lacam::Outcome::no_solution || configurations_ >= most_configurations) crowd_.reset();
+    return false;
+  }
+  if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(field_, tasks_, random_);
+  if (!refuges_->step()) return false;
+  plan_ = refuges_->plan();
+  return true;
+}
+
+void JointPlanner::take_up(const Lacam& solution) {
+  std::vector<Move> moves;
+  for (const PlaceMove& move : solution.moves())
+    moves.push_back({movable_[move.robot], graph_.edges[move.from][move.edge].path});
+  plan_.moves = straightened(field_, tasks_, moves);
+}
+
+}  // namespace coppice

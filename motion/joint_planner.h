@@ -1,0 +1,47 @@
+// Looks for a joint plan (joint_plan.h): for robots of one size by LaCAM on places (lacam.h), which sorts out
+// crowds at once; where that finds nothing in bounded time, and for robots of several sizes, by the slower
+// search for refuges (push_and_rotate.h).
+//
+// Metres in the map frame.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "motion/joint_plan.h"
+#include "motion/lacam.h"
+#include "motion/places.h"
+#include "motion/push_and_rotate.h"
+#include "planning/clearance_field.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+class JointPlanner {
+ public:
+  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start; one
+  /// that is not movable has its place as its goal.
+  JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
+
+  /// A bounded amount of work. True once the plan is there.
+  bool step();
+  /// One that strands nobody without need, or else one that strands few.
+  const JointPlan& plan() const { return plan_; }
+
+ private:
+  void set_up_places();
+  void take_up(const Lacam& solution);
+
+  const ClearanceField& field_;
+  std::vector<JointTask> tasks_;
+  Random random_;
+  PlaceGraph graph_{};
+  std::vector<std::size_t> movable_;  ///< the robots of `crowd_`
+  std::optional<Lacam> crowd_;
+  std::size_t configurations_ = 0;
+  std::unique_ptr<PushAndRotate> refuges_;
+  JointPlan plan_;
+};
+
+}  // namespace coppice

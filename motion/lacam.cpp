@@ -1,0 +1,230 @@
+#include "motion/lacam.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <queue>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+constexpr float unreachable = std::numeric_limits<float>::infinity();
+// A way on which nobody has to be pushed is worth a detour of so many of its lengths; and of two ways that
+// are as good, either may be taken.
+constexpr double detour_for_a_free_way = 0.3;
+constexpr double indifference = 0.01;
+
+std::uint64_t hash_of(const std::vector<Place>& at) {  // FNV-1a
+  std::uint64_t hash = 14695981039346656037U;
+  for (const Place place : at) hash = (hash ^ place) * 1099511628211U;
+  return hash;
+}
+
+bool contains(const std::vector<Place>& places, Place place) {
+  return std::ranges::binary_search(places, place);
+}
+
+}  // namespace
+
+Lacam::Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random)
+    : graph_(graph),
+      tasks_(std::move(tasks)),
+      random_(random),
+      cost_(tasks_.size()),
+      occupant_(graph.places.size(), nobody),
+      decided_(tasks_.size()),
+      forced_(tasks_.size()) {
+  for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
+    at_.push_back(tasks_[i].start);
+    if (tasks_[i].goal) find_costs(i);
+  }
+  open_.push_back(add(at_, 0, {}));
+}
+
+/// Dijkstra's search from the robot's goal.
+void Lacam::find_costs(std::uint32_t robot) {
+  using Entry = std::pair<float, Place>;
+  std::vector<float>& cost = cost_[robot];
+  cost.assign(graph_.places.size(), unreachable);
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  cost[*tasks_[robot].goal] = 0;
+  open.emplace(0.0F, *tasks_[robot].goal);
+  while (!open.empty()) {
+    const auto [here, place] = open.top();
+    open.pop();
+    if (here > cost[place]) continue;
+    for (const PlaceGraph::Edge& edge : graph_.edges[place]) {
+      const float there = here + static_cast<float>(edge.length);
+      if (there >= cost[edge.to]) continue;
+      cost[edge.to] = there;
+      open.emplace(there, edge.to);
+    }
+  }
+}
+
+bool Lacam::solves(const Configuration& at) const {
+  for (std::uint32_t i = 0; i < at.size(); ++i) {
+    if (!at_goal(i, at[i])) return false;
+  }
+  return true;
+}
+
+/// Priorities grow until a robot is at its goal. Who has the furthest to go begins with the highest.
+std::size_t Lacam::add(const Configuration& at, std::size_t parent, std::vector<PlaceMove> moves) {
+  Node node{
+      at,  parent, std::move(moves), std::vector<float>(at.size()), std::vector<std::uint32_t>(at.size()),
+      {{}}};
+  for (std::uint32_t i = 0; i < at.size(); ++i) {
+    const float least = cost_[i].empty() ? -1 : 1 - 1 / (1 + cost_[i][tasks_[i].start]);  // below 1
+    const bool waits = !nodes_.empty() && !at_goal(i, at[i]);
+    node.priorities[i] = waits ? nodes_[parent].priorities[i] + 1 : least;
+  }
+  std::iota(node.order.begin(), node.order.end(), 0U);
+  std::ranges::stable_sort(node.order, std::greater{}, [&](std::uint32_t i) { return node.priorities[i]; });
+  known_.emplace(hash_of(at), nodes_.size());
+  nodes_.push_back(std::move(node));
+  return nodes_.size() - 1;
+}
+
+std::optional<std::size_t> Lacam::known(const Configuration& at) const {
+  const auto [first, last] = known_.equal_range(hash_of(at));
+  const auto found =
+      std::find_if(first, last, [&](const auto& entry) { return nodes_[entry.second].at == at; });
+  return found == last ? std::nullopt : std::optional(found->second);
+}
+
+Lacam::Outcome Lacam::search(std::size_t configurations) {
+  for (std::size_t k = 0; k < configurations; ++k) {
+    if (open_.empty()) return Outcome::no_solution;
+    const std::size_t deepest = open_.back();
+    Node& node = nodes_[deepest];
+    if (solves(node.at)) {
+      solution_ = deepest;
+      return Outcome::solved;
+    }
+    if (node.constraints.empty()) {
+      open_.pop_back();
+      continue;
+    }
+    if (!generate(node, next_constraints(node))) continue;
+    const auto again = known(at_);
+    open_.push_back(again ? *again : add(at_, deepest, std::move(moves_)));
+  }
+  return Outcome::searching;
+}
+
+/// The next set, after which come those that force one robot more, in the order of their priorities.
+std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
+  std::vector<Forced> set = std::move(node.constraints.front());
+  node.constraints.pop_front();
+  if (set.size() < node.at.size()) {
+    const std::uint32_t robot = node.order[set.size()];
+    std::vector<Place> ends{node.at[robot]};
+    for (const PlaceGraph::Edge& edge : graph_.edges[node.at[robot]]) ends.push_back(edge.to);
+    for (std::size_t k = ends.size(); k > 1; --k) std::swap(ends[k - 1], ends[random_.index(k)]);
+    for (const Place end : ends) {
+      node.constraints.push_back(set);
+      node.constraints.back().push_back({robot, end});
+    }
+  }
+  return set;
+}
+
+/// The configuration that follows, in `at_`, and the moves that lead there; false if the forced moves cannot
+/// be made.
+bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
+  for (const Place place : at_) occupant_[place] = nobody;
+  at_ = node.at;
+  for (std::uint32_t i = 0; i < at_.size(); ++i) occupant_[at_[i]] = i;
+  decided_.assign(at_.size(), false);
+  forced_.assign(at_.size(), std::nullopt);
+  for (const auto& [robot, to] : forced) forced_[robot] = to;
+  moves_.clear();
+  for (const auto& [robot, to] : forced) {
+    if (!decided_[robot]) push(robot);
+    if (at_[robot] != to) return false;
+  }
+  for (const std::uint32_t robot : node.order) {
+    if (!decided_[robot]) push(robot);
+  }
+  return true;
+}
+
+/// What a robot may do next, best first.
+std::vector<Lacam::Candidate> Lacam::candidates(std::uint32_t robot) {
+  const Place here = at_[robot];
+  const std::vector<float>& cost = cost_[robot];
+  std::vector<Candidate> result;
+  if (!forced_[robot] || forced_[robot] == here) result.push_back({cost.empty() ? 0 : cost[here], nullptr});
+  for (const PlaceGraph::Edge& edge : graph_.edges[here]) {
+    if (forced_[robot] && forced_[robot] != edge.to) continue;
+    if (!cost.empty() && cost[edge.to] == unreachable) continue;
+    const double pushing = empty_around(edge, robot) ? 0 : detour_for_a_free_way;
+    const double whim = indifference * random_.uniform();
+    const float there = cost.empty() ? 0 : cost[edge.to];
+    result.push_back({there + static_cast<float>((pushing + whim) * edge.length), &edge});
+  }
+  std::ranges::stable_sort(result, std::less{}, &Candidate::cost);
+  return result;
+}
+
+/// Whether what a robot does is out of the way of all who wait for it: it does not touch them where they are,
+/// and ends where they do not touch it.
+bool Lacam::in_nobodys_way(Place here, const PlaceGraph::Edge* edge) const {
+  const Place end = edge != nullptr ? edge->to : here;
+  return std::ranges::none_of(reserved_, [&](const Reserved& other) {
+    return contains(other.edge->near, end) || (edge != nullptr && contains(edge->near, other.from));
+  });
+}
+
+bool Lacam::empty_around(const PlaceGraph::Edge& edge, std::uint32_t robot) const {
+  return std::ranges::all_of(
+      edge.near, [&](Place place) { return occupant_[place] == nobody || occupant_[place] == robot; });
+}
+
+/// Makes everybody move who stands near the edge. Who has moved has done so even if another cannot.
+bool Lacam::clear(const PlaceGraph::Edge& edge, std::uint32_t robot) {
+  const auto stays = [&](Place place) {
+    const std::uint32_t other = occupant_[place];
+    return other != nobody && other != robot && decided_[other];
+  };
+  if (std::ranges::any_of(edge.near, stays)) return false;
+  reserved_.push_back({at_[robot], &edge});
+  for (const Place place : edge.near) {
+    const std::uint32_t other = occupant_[place];
+    if (other != nobody && other != robot && (decided_[other] || !push(other))) break;
+  }
+  reserved_.pop_back();
+  return empty_around(edge, robot);
+}
+
+/// PIBT: the robot takes the best move for which all in its way can make room. False if it stays where it is.
+bool Lacam::push(std::uint32_t robot) {
+  decided_[robot] = true;
+  const Place here = at_[robot];
+  for (const auto& [cost, edge] : candidates(robot)) {
+    if (!in_nobodys_way(here, edge)) continue;
+    if (edge == nullptr) return false;
+    if (!clear(*edge, robot)) continue;
+    occupant_[here] = nobody;
+    occupant_[edge->to] = robot;
+    at_[robot] = edge->to;
+    moves_.push_back({robot, here, static_cast<std::uint32_t>(edge - graph_.edges[here].data())});
+    return true;
+  }
+  return false;
+}
+
+std::vector<PlaceMove> Lacam::moves() const {
+  std::vector<std::size_t> chain;
+  for (std::size_t k = solution_; k != 0; k = nodes_[k].parent) chain.push_back(k);
+  std::vector<PlaceMove> all;
+  for (auto k = chain.rbegin(); k != chain.rend(); ++k)
+    all.insert(all.end(), nodes_[*k].moves.begin(), nodes_[*k].moves.end());
+  return all;
+}
+
+}  // namespace coppice

@@ -1,0 +1,110 @@
+// How a crowd gets from places to places: LaCAM (Okumura, "LaCAM: Search-Based Algorithm for Quick
+// Multi-Agent Pathfinding", 2023) with PIBT (Okumura, Machida, Defago, Tamura, "Priority Inheritance with
+// Backtracking for Iterative Multi-agent Path Finding", 2022) as the generator of configurations.
+//
+// A configuration says who stands at which place. From it PIBT makes the next: in the order of their
+// priorities, which grow with the time that a robot is not at its goal, each robot takes the edge that brings
+// it nearest to its goal, and whoever stands in its way has to move first. LaCAM searches through the
+// configurations, deepest first; one that comes up again is made anew under constraints on who goes where, in
+// the end under all. So it finds a solution on the graph if there is one, if it is given the time.
+//
+// Unlike in the papers, robots are discs and places lie close to each other: an edge has several places near
+// it, and all who stand there have to move first. The moves of a step are made one after the other, so there
+// are no conflicts between edges.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "motion/places.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+struct PlaceTask {
+  Place start = 0;
+  std::optional<Place> goal{};  ///< none: anywhere
+};
+
+/// A robot takes one of the edges that lead from a place.
+struct PlaceMove {
+  std::uint32_t robot;
+  Place from;
+  std::uint32_t edge;
+};
+
+class Lacam {
+ public:
+  /// `graph` outlives it. No two robots start at one place.
+  Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random);
+
+  enum class Outcome { searching, solved, no_solution };
+  /// Makes at most so many configurations more.
+  Outcome search(std::size_t configurations);
+
+  /// Once solved: one after the other, all others standing.
+  std::vector<PlaceMove> moves() const;
+
+ private:
+  using Configuration = std::vector<Place>;  // by robot
+  struct Forced {
+    std::uint32_t robot;
+    Place to;
+  };
+  struct Node {
+    Configuration at;
+    std::size_t parent;
+    std::vector<PlaceMove> moves;                 ///< from the parent's configuration
+    std::vector<float> priorities;                ///< of the robots
+    std::vector<std::uint32_t> order;             ///< of the robots, highest priority first
+    std::deque<std::vector<Forced>> constraints;  ///< sets still to be tried
+  };
+  struct Candidate {
+    float cost;
+    const PlaceGraph::Edge* edge;  ///< null: stay
+  };
+  struct Reserved {
+    Place from;
+    const PlaceGraph::Edge* edge;
+  };
+
+  void find_costs(std::uint32_t robot);
+  bool at_goal(std::uint32_t robot, Place place) const {
+    return !tasks_[robot].goal || *tasks_[robot].goal == place;
+  }
+  bool solves(const Configuration& at) const;
+  std::size_t add(const Configuration& at, std::size_t parent, std::vector<PlaceMove> moves);
+  std::optional<std::size_t> known(const Configuration& at) const;
+  std::vector<Forced> next_constraints(Node& node);
+  bool generate(const Node& node, const std::vector<Forced>& forced);
+  std::vector<Candidate> candidates(std::uint32_t robot);
+  bool in_nobodys_way(Place here, const PlaceGraph::Edge* edge) const;
+  bool empty_around(const PlaceGraph::Edge& edge, std::uint32_t robot) const;
+  bool clear(const PlaceGraph::Edge& edge, std::uint32_t robot);
+  bool push(std::uint32_t robot);
+
+  const PlaceGraph& graph_;
+  std::vector<PlaceTask> tasks_;
+  Random random_;
+  std::vector<std::vector<float>> cost_;  ///< by robot and place: metres to its goal; empty where it has none
+  std::deque<Node> nodes_;
+  std::vector<std::size_t> open_;
+  std::unordered_multimap<std::uint64_t, std::size_t> known_;  ///< by the configuration's hash
+  std::size_t solution_ = 0;
+
+  // The configuration that is being made.
+  static constexpr std::uint32_t nobody = ~std::uint32_t{0};
+  Configuration at_;
+  std::vector<std::uint32_t> occupant_;       ///< by place
+  std::vector<bool> decided_;                 ///< by robot
+  std::vector<std::optional<Place>> forced_;  ///< by robot
+  std::vector<Reserved> reserved_;            ///< edges of those who wait for others to make room
+  std::vector<PlaceMove> moves_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,42 @@
+#include "motion/lattice.h"
+
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+/// Half a cell times the largest whole number that keeps it at most `wanted`; at least half a cell.
+double on_half_cells(double wanted, double resolution) {
+  const double half = resolution / 2;
+  return half * std::max(1.0, std::floor(wanted / half));
+}
+
+}  // namespace
+
+Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
+    : field_(field), radius_(radius), spacing_(on_half_cells(spacing, field.map().resolution)) {
+  const Box<2> box = field.bounds();
+  origin_ = box.lower;
+  columns_ = static_cast<int>((box.upper.x() - box.lower.x()) / spacing_) + 1;
+  rows_ = static_cast<int>((box.upper.y() - box.lower.y()) / spacing_) + 1;
+  const auto vertices = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  known_vertex_.assign(vertices, unknown);
+  known_edges_.assign(vertices, 0);
+}
+
+bool Lattice::edge_free(Vertex v, Vertex w, std::size_t direction) {
+  if (direction >= 4) {
+    std::swap(v, w);
+    direction -= 4;
+  }
+  const auto shift = static_cast<int>(2 * direction);
+  auto known = static_cast<Known>((known_edges_[v] >> shift) & 3);
+  if (known == unknown) {
+    known = field_.segment_free(at(v), at(w), radius_) ? free_ : blocked;
+    known_edges_[v] |= static_cast<std::uint8_t>(known << shift);
+  }
+  return known == free_;
+}
+
+}  // namespace coppice

@@ -1,0 +1,109 @@
+// A square lattice over the free space of a disc: the ground that searches for several robots walk on.
+//
+// Every vertex and edge is checked exactly, when it is first asked for. Lattice points are multiples of half
+// a cell, so that the middle of a corridor is met whatever its width.
+//
+// Metres in the map frame.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "motion/segments.h"
+#include "planning/clearance_field.h"
+#include "planning/geometry.h"
+
+namespace coppice {
+
+class Lattice {
+ public:
+  using Vertex = std::uint32_t;
+
+  /// For a disc of `radius` on `field`, which outlives it. The spacing is `spacing` rounded down to a
+  /// multiple of half a cell.
+  Lattice(const ClearanceField& field, double radius, double spacing);
+
+  double radius() const { return radius_; }
+  double spacing() const { return spacing_; }
+  std::size_t size() const { return known_vertex_.size(); }
+  Point2 at(Vertex v) const {
+    return origin_ + spacing_ * Point2(static_cast<int>(v) % columns_, static_cast<int>(v) / columns_);
+  }
+  bool vertex_free(Vertex v) {
+    if (known_vertex_[v] == unknown) known_vertex_[v] = field_.is_free(at(v), radius_) ? free_ : blocked;
+    return known_vertex_[v] == free_;
+  }
+
+  /// Calls fn(vertex, metres) for the vertices that a free edge leads to, of those that passable(vertex)
+  /// holds for.
+  template <class Passable, class Fn>
+  void for_each_neighbour(Vertex v, Passable&& passable, Fn&& fn) {
+    const int i = static_cast<int>(v) % columns_;
+    const int j = static_cast<int>(v) / columns_;
+    for (std::size_t d = 0; d < steps.size(); ++d) {
+      const auto [di, dj] = steps[d];
+      if (i + di < 0 || i + di >= columns_ || j + dj < 0 || j + dj >= rows_) continue;
+      const Vertex w = vertex(i + di, j + dj);
+      if (!passable(w) || !vertex_free(w) || !edge_free(v, w, d)) continue;
+      fn(w, d % 2 == 0 ? spacing_ : spacing_ * std::numbers::sqrt2);
+    }
+  }
+
+  /// Calls fn(vertex) for the free vertices around p, whether or not they see it.
+  template <class Fn>
+  void for_each_around(const Point2& p, Fn&& fn) {
+    const Point2 q = (p - origin_) / spacing_;
+    const int i0 = static_cast<int>(std::floor(q.x()));
+    const int j0 = static_cast<int>(std::floor(q.y()));
+    for (int j = std::max(0, j0 - 1); j <= std::min(rows_ - 1, j0 + 2); ++j) {
+      for (int i = std::max(0, i0 - 1); i <= std::min(columns_ - 1, i0 + 2); ++i) {
+        if (vertex_free(vertex(i, j))) fn(vertex(i, j));
+      }
+    }
+  }
+
+  /// Calls fn(vertex) for the vertices, free or not, nearer than `distance` to the segment from a to b.
+  template <class Fn>
+  void for_each_near(const Point2& a, const Point2& b, double distance, Fn&& fn) const {
+    const Point2 lower = (a.cwiseMin(b) - origin_).array() - distance;
+    const Point2 upper = (a.cwiseMax(b) - origin_).array() + distance;
+    const auto cell = [&](double metres, int most) {
+      return std::clamp(static_cast<int>(std::floor(metres / spacing_)), 0, most);
+    };
+    for (int j = cell(lower.y(), rows_ - 1); j <= cell(upper.y() + spacing_, rows_ - 1); ++j) {
+      for (int i = cell(lower.x(), columns_ - 1); i <= cell(upper.x() + spacing_, columns_ - 1); ++i) {
+        const Vertex v = vertex(i, j);
+        if (point_segment_distance(at(v), a, b) < distance) fn(v);
+      }
+    }
+  }
+
+ private:
+  enum Known : std::uint8_t { unknown, blocked, free_ };
+  struct Step {
+    int di;
+    int dj;
+  };
+  // The first four belong to the vertex that they start from, the others to the one that they lead to.
+  static constexpr std::array<Step, 8> steps{
+      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+
+  Vertex vertex(int i, int j) const { return static_cast<Vertex>(j * columns_ + i); }
+  bool edge_free(Vertex v, Vertex w, std::size_t direction);
+
+  const ClearanceField& field_;
+  double radius_;
+  double spacing_;
+  Point2 origin_;
+  int columns_;
+  int rows_;
+  std::vector<std::uint8_t> known_vertex_;
+  std::vector<std::uint8_t> known_edges_;  ///< to E, NE, N, NW: 2 bits each
+};
+
+}  // namespace coppice

@@ -1,0 +1,103 @@
+// Crowds on a graph of places, checked move by move against the graph's own lists.
+#include "motion/lacam.h"
+
+#include <gtest/gtest.h>
+
+namespace coppice {
+namespace {
+
+/// Places in a grid, linked to their neighbours; nobody touches anybody at another place.
+PlaceGraph grid(int columns, int rows) {
+  PlaceGraph graph;
+  for (int j = 0; j < rows; ++j) {
+    for (int i = 0; i < columns; ++i) graph.places.emplace_back(i, j);
+  }
+  graph.edges.resize(graph.places.size());
+  for (Place a = 0; a < graph.places.size(); ++a) {
+    for (Place b = 0; b < graph.places.size(); ++b) {
+      if ((graph.places[a] - graph.places[b]).norm() == 1)
+        graph.edges[a].push_back({b, 1, {graph.places[a], graph.places[b]}, {b}});
+    }
+  }
+  return graph;
+}
+
+/// Makes the moves and checks that each finds its edge clear; returns who stands where in the end.
+std::vector<Place> made(const PlaceGraph& graph, const std::vector<PlaceTask>& tasks,
+                        const std::vector<PlaceMove>& moves) {
+  std::vector<Place> at;
+  for (const PlaceTask& task : tasks) at.push_back(task.start);
+  for (const PlaceMove& move : moves) {
+    EXPECT_EQ(at[move.robot], move.from);
+    const PlaceGraph::Edge& edge = graph.edges[move.from][move.edge];
+    for (std::uint32_t i = 0; i < at.size(); ++i) {
+      const bool in_the_way = std::ranges::find(edge.near, at[i]) != edge.near.end();
+      EXPECT_FALSE(i != move.robot && in_the_way);
+    }
+    at[move.robot] = edge.to;
+  }
+  return at;
+}
+
+void expect_solved(const PlaceGraph& graph, const std::vector<PlaceTask>& tasks) {
+  Lacam lacam(graph, tasks, Random(1));
+  ASSERT_EQ(lacam.search(100'000), Lacam::Outcome::solved);
+  const std::vector<Place> at = made(graph, tasks, lacam.moves());
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    EXPECT_EQ(at[i], tasks[i].goal.value_or(at[i]));
+  }
+}
+
+TEST(Lacam, TwoChangePlaces) {
+  expect_solved(grid(2, 2), {{0, 3}, {3, 0}});
+}
+
+TEST(Lacam, AFullBoardButOnePlaceIsAPuzzleThatItSolves) {
+  // Eight on nine places, one row turned round; only one robot has anywhere to go at a time.
+  expect_solved(grid(3, 3), {{0, 1}, {1, 2}, {2, 5}, {3, 0}, {4, 4}, {5, 8}, {6, 3}, {7, 6}});
+}
+
+TEST(Lacam, WhoWantsNothingGivesWay) {
+  expect_solved(grid(5, 2), {{0, 4}, {2, std::nullopt}, {7, std::nullopt}});
+}
+
+TEST(Lacam, NoSolutionIsFoundOut) {
+  const PlaceGraph graph = grid(6, 1);
+  Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
+  EXPECT_EQ(lacam.search(100'000), Lacam::Outcome::no_solution);
+}
+
+TEST(Lacam, EffortIsBounded) {
+  const PlaceGraph graph = grid(6, 1);
+  Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
+  EXPECT_EQ(lacam.search(3), Lacam::Outcome::searching);
+}
+
+// Each place touches those beside it: two robots never stand next to each other, nor pass a third.
+TEST(Lacam, PlacesThatTouchAreNotTakenTogether) {
+  PlaceGraph graph = grid(9, 3);
+  for (Place a = 0; a < graph.places.size(); ++a) {
+    for (PlaceGraph::Edge& edge : graph.edges[a]) {
+      edge.near.clear();
+      for (Place k = 0; k < graph.places.size(); ++k) {
+        if (k != a && (graph.places[k] - graph.places[edge.to]).norm() < 1.1) edge.near.push_back(k);
+      }
+    }
+  }
+  expect_solved(graph, {{0, 8}, {8, 0}, {18, 26}, {26, 18}});
+}
+
+TEST(Lacam, TheSameSeedMakesTheSameMoves) {
+  const PlaceGraph graph = grid(8, 8);
+  std::vector<PlaceTask> tasks;
+  for (Place k = 0; k < 20; ++k) tasks.push_back({k, 63 - k});
+  Lacam a(graph, tasks, Random(3));
+  Lacam b(graph, tasks, Random(3));
+  ASSERT_EQ(a.search(10'000), Lacam::Outcome::solved);
+  ASSERT_EQ(b.search(10'000), Lacam::Outcome::solved);
+  ASSERT_EQ(a.moves().size(), b.moves().size());
+  for (std::size_t k = 0; k < a.moves().size(); ++k) EXPECT_EQ(a.moves()[k].edge, b.moves()[k].edge);
+}
+
+}  // namespace
+}  // namespace coppice
