@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -93,14 +94,23 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
 }
 
-void Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
+bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
                     const ClearanceField& field) {
-  if (bound_to_stand()) return;
+  if (bound_to_stand()) return true;
   for (const double speed : speeds) {
     next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
-    if (safe(next_velocity_, neighbours, field)) return;
+    if (safe(next_velocity_, neighbours, field)) return true;
   }
+  std::vector<Neighbour> standing;
+  for (const Neighbour& n : neighbours) {
+    if (n.commitment.velocity.isZero(0) && n.commitment.next_velocity.isZero(0)) {
+      standing.push_back(n);
+      standing.back().commitment.expiry = std::numeric_limits<double>::max();
+    }
+  }
+  const bool nothing_stands_there = safe(next_velocity_, standing, field);
   next_velocity_ = braked(velocity_, limits_, period_);
+  return nothing_stands_there;
 }
 
 }  // namespace coppice

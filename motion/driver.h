@@ -35,8 +35,8 @@ class Driver {
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
   /// The same along a way that a joint plan has cleared: towards `wanted`, as fast as is safe, with no
-  /// avoidance of its own.
-  void follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field);
+  /// avoidance of its own. False if what stands is in the way at any speed.
+  bool follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
   /// If it stands: binds it to stand until the time `until` at least.
   void stay(double until);

@@ -47,16 +47,15 @@ class PlaceGrid {
     });
   }
 
-  /// The places nearer to an edge's path than `distance(place)`, at most two thirds of the reach. Where one
+  /// The places nearer to an edge's path than `distance`, at most two thirds of the reach. Where one
   /// of its ends is nearer, and may be so: those that the path comes nearer to still.
-  template <class Distance>
-  std::vector<Place> near(Place from, const PlaceGraph::Edge& edge, Distance&& distance) const {
+  std::vector<Place> near(Place from, const PlaceGraph::Edge& edge, double distance) const {
     std::vector<Place> found{edge.to};
     const auto check = [&](Place k) {
       if (k == from || k == edge.to) return;
       const double at_ends = std::min((places_[k] - places_[from]).norm(),
                                       std::max(touching_, (places_[k] - places_[edge.to]).norm()));
-      if (point_path_distance(places_[k], edge.path) < std::min(distance(k), at_ends) - rounding)
+      if (point_path_distance(places_[k], edge.path) < std::min(distance, at_ends) - rounding)
         found.push_back(k);
     };
     for (std::size_t k = 1; k < edge.path.size(); ++k) {
@@ -189,8 +188,7 @@ void PackedPlaces::link_cells() {
   }
   const PlaceGrid grid(field_, places_, touching_, reach_of_more * apart_);
   for (Place from = 0; from < places_.size(); ++from) {
-    for (PlaceGraph::Edge& edge : edges_[from])
-      edge.near = grid.near(from, edge, [&](Place) { return apart_; });
+    for (PlaceGraph::Edge& edge : edges_[from]) edge.near = grid.near(from, edge, apart_);
   }
 }
 
@@ -253,11 +251,7 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
         return point_path_distance(disc.centre, edge.path) < radius_ + disc.radius + standing_gap;
       });
     });
-    for (PlaceGraph::Edge& edge : edges) {
-      const bool packed = from >= first_packed && edge.to >= first_packed;
-      edge.near =
-          grid.near(from, edge, [&](Place k) { return packed && k >= first_packed ? apart_ : touching_; });
-    }
+    for (PlaceGraph::Edge& edge : edges) edge.near = grid.near(from, edge, apart_);
   }
   return graph;
 }

@@ -114,25 +114,21 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
   }
   const double gate = next_gate_ < gates_.size() ? gates_[next_gate_].at : along_.back();
   const double stop = std::min(gate, leg_ends_[leg_]);
-  waits_for_ = next_gate_ < gates_.size() && gate - progress_ < radius_
+  waits_for_ = next_gate_ < gates_.size() && gate - progress_ < slack
                    ? std::optional(gates_[next_gate_].robot)
                    : std::nullopt;
   const Point2 gap = point_at(std::min(progress_ + look_ahead_, stop)) - position;
   const double distance = gap.norm();
-  wanted_ = Point2::Zero();
-  if (stop > progress_ - slack && distance > 1e-9) {
-    // Never past the point that it heads for: in a passage without slack, that would lead into the wall.
-    const double speed =
-        std::min(speed_limit(std::max(stop, progress_ + distance), limits, period), distance / period);
-    wanted_ = gap * (speed / distance);
-  }
-  return wanted_;
+  if (stop <= progress_ - slack || distance <= 1e-9) return Point2::Zero();
+  // Never past the point that it heads for: in a passage without slack, that would lead into the wall.
+  const double speed =
+      std::min(speed_limit(std::max(stop, progress_ + distance), limits, period), distance / period);
+  return gap * (speed / distance);
 }
 
-void WayFollower::executed(const Point2& velocity) {
-  const bool held_up = velocity.isZero(0) && !wanted_.isZero(0);
-  look_ahead_ = held_up ? std::max(look_ahead_ / 2, least_look_ahead_radii * radius_)
-                        : std::min(look_ahead_ * 2, look_ahead_radii * radius_);
+void WayFollower::led_past(bool everything) {
+  look_ahead_ = everything ? std::min(look_ahead_ * 2, look_ahead_radii * radius_)
+                           : std::max(look_ahead_ / 2, least_look_ahead_radii * radius_);
 }
 
 }  // namespace coppice

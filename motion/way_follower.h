@@ -25,8 +25,8 @@ class WayFollower {
   /// `passed(robot)`: how far along its own way another robot has come, metres.
   Point2 preferred_velocity(const Point2& position, const Limits& limits, double period,
                             const std::function<double(std::size_t)>& passed);
-  /// What came of the last preferred velocity: a robot that was not let go heads for a nearer point.
-  void executed(const Point2& velocity);
+  /// Whether the last preferred velocity leads past what stands: if not, it heads for a nearer point.
+  void led_past(bool everything);
 
   /// How far along the way the robot has come; its whole length once it is there.
   double progress() const { return progress_; }
@@ -49,7 +49,6 @@ class WayFollower {
   double radius_;
   double progress_ = 0;
   double look_ahead_;
-  Point2 wanted_ = Point2::Zero();
   std::optional<std::size_t> waits_for_;
 };
 

@@ -145,20 +145,18 @@ std::size_t Knot::next_move(std::size_t member, double progress) const {
   return next == ends.end() ? plan_->moves.size() : at[static_cast<std::size_t>(next - ends.begin())];
 }
 
-bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) const {
+bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) {
   const auto own = std::ranges::find(members_, robot_) - members_.begin();
   const std::size_t own_next = next_move(static_cast<std::size_t>(own), progress());
   for (std::size_t k = 0; k < members_.size(); ++k) {
     const auto other = members_[k] == robot_ ? std::nullopt : fleet.find(members_[k], now);
     if (!other || other->dead || other->knot != id_ || other->stage != Stage::ordered) continue;
     const bool close = (other->position - self.position).norm() < close_radii * (self.radius + other->radius);
-    if (close && next_move(k, other->progress) < own_next) return true;
+    if (!close || next_move(k, other->progress) >= own_next) continue;
+    last_progress_time_ = now;
+    return true;
   }
   return false;
-}
-
-void Knot::executed(const Point2& velocity) {
-  if (follower_) follower_->executed(velocity);
 }
 
 }  // namespace coppice

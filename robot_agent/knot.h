@@ -48,10 +48,11 @@ class Knot {
   /// `position`: at the turn, from where the velocity will be driven.
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                             const Limits& limits, double now);
-  void executed(const Point2& velocity);
+  /// Whether that leads past what stands.
+  void led_past(bool everything) { follower_->led_past(everything); }
   /// While ordered: whether somebody close by, whose next move is earlier in the plan, is under way: a
   /// robot that is held up lets it go first.
-  bool gives_way(const FleetMember& self, const Fleet& fleet, double now) const;
+  bool gives_way(const FleetMember& self, const Fleet& fleet, double now);
 
  private:
   void join(const KnotId& id);

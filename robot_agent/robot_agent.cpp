@@ -281,10 +281,9 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
   const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   if (wanted.isZero(0)) {
     body_->follow(wanted, neighbours, *field_);
-    knot_.executed(body_->commitment().next_velocity);
     stand_for(waiting_lease, fleet_now);
   } else if (!body_->bound_to_stand()) {
-    body_->follow(wanted, neighbours, *field_);
+    knot_.led_past(body_->follow(wanted, neighbours, *field_));
     // Of several that fear each other's next move, one must go.
     if (body_->commitment().next_velocity.norm() > crawl * body_->limits().max_speed)
       last_drive_time_ = fleet_now;
@@ -293,7 +292,6 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
       body_->follow(Point2::Zero(), neighbours, *field_);
       stand_for(waiting_lease, fleet_now);
     }
-    knot_.executed(body_->commitment().next_velocity);
   }
 }
 

@@ -69,7 +69,6 @@ TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
         const Limits limits{runner->pace, 2 * runner->pace};
         const Point2 v = runner->follower.preferred_velocity(runner->position, limits, period, passed);
         runner->position += period * v;
-        runner->follower.executed(v);
       }
       for (std::size_t a = 0; a < runners.size(); ++a) {
         for (std::size_t b = 0; b < a; ++b) {
