@@ -35,4 +35,7 @@ void bench_paper(const ExperimentOptions& options);
 /// Ten missions on one map, one after the other: what the forest of the earlier ones saves the later ones.
 void bench_lifelong(const ExperimentOptions& options);
 
+/// Whole fleets in the simulation against reciprocal velocity obstacles alone, on the same paths.
+void bench_avoidance(const ExperimentOptions& options);
+
 }  // namespace coppice

@@ -22,6 +22,10 @@ int bench_command(const BenchOptions& options, const std::string& program) {
     experiment.maps = {"maze", "room"};
     experiment.robots = {10};
   }
+  if (options.experiment == "avoidance") {
+    experiment.maps = {"blank", "dense", "room"};
+    experiment.robots = {2, 5, 10, 20};
+  }
   if (options.experiment == "sharing") {
     experiment.maps = {"maze", "room"};
     experiment.robots = {2, 5, 10, 20};
@@ -49,6 +53,7 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   if (options.experiment == "paper") bench_paper(experiment);
   if (options.experiment == "peers") bench_peers(experiment);
   if (options.experiment == "lifelong") bench_lifelong(experiment);
+  if (options.experiment == "avoidance") bench_avoidance(experiment);
   if (options.experiment == "sharing") bench_sharing(experiment, program);
   return 0;
 }

@@ -60,9 +60,9 @@ int main(int argc, char** argv) {
 
   BenchOptions bench;
   auto* experiments = app.add_subcommand("bench", "measure against other planners, or mission after mission");
-  experiments->add_option("experiment", bench.experiment, "paper, peers, lifelong or sharing")
+  experiments->add_option("experiment", bench.experiment, "paper, peers, lifelong, avoidance or sharing")
       ->required()
-      ->check(CLI::IsMember({"paper", "peers", "lifelong", "sharing"}));
+      ->check(CLI::IsMember({"paper", "peers", "lifelong", "avoidance", "sharing"}));
   experiments->add_flag("--quick", bench.quick, "few seeds and robots");
   experiments->add_option("--maps", bench.maps, "blank, dense, maze, room, or maps' files")->delimiter(',');
   experiments->add_option("--robots", bench.robots, "numbers of robots")

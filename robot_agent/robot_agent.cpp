@@ -36,6 +36,7 @@ constexpr double most_lean = 1.5;
 constexpr double leans_after = 0.3;  // seconds without progress
 constexpr double lean_rate = 3;      // radians a second
 constexpr double open_radii = 8;     // to the next obstacle: between walls, leaning leads into them
+constexpr double end_radii = 2;      // of the way: there it stops exactly
 
 Point2 leaning_right(const Point2& v, double stalled) {
   const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
@@ -252,8 +253,9 @@ void RobotAgent::decide(double fleet_now) {
       drive_as_ordered(fleet_now, others);
     } else {
       body_->choose(Point2::Zero(), others, *field_);
-      // A robot that plans will set off any moment.
-      if (status_.phase != Phase::planning) stand_for(free ? idle_lease : waiting_lease, fleet_now);
+      // A robot that plans, or waits for news of the others, will set off any moment.
+      const bool ready = status_.phase == Phase::driving && !may_set_off(fleet_now);
+      if (status_.phase != Phase::planning && !ready) stand_for(free ? idle_lease : waiting_lease, fleet_now);
     }
   }
   if (status_.phase != Phase::stopped) watch_arrival(fleet_now);
@@ -266,8 +268,12 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     look_for_a_path();
     enter(Phase::planning);
   }
-  const bool open = field_->lower_bound(body_->position()) >= open_radii * body_->radius();
-  body_->choose(leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0), neighbours, *field_);
+  const double r = body_->radius();
+  const bool open = field_->lower_bound(next) >= open_radii * r;
+  const bool leans = follower_->remaining(next) > end_radii * r;
+  body_->choose(leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred,
+                neighbours, *field_);
+  if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;

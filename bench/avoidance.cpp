@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "bench/experiments.h"
+#include "bench/output.h"
+#include "bench/statistics.h"
+#include "bench/trial.h"
+#include "motion/path_follower.h"
+#include "motion/reciprocal_velocity.h"
+#include "motion/separation.h"
+#include "robot_agent/fleet.h"
+#include "simulation/fleet_simulation.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double max_speed = 20;
+constexpr Limits limits{max_speed, 2 * max_speed};
+constexpr double longest_run = 1000;  // fleet seconds
+constexpr double horizon = 2;
+constexpr double obstacle_horizon = 0.25;
+
+struct Run {
+  bool succeeded = false;  ///< all arrived and nothing touched
+  double mean_run_time = 0;
+};
+
+Run judged(std::vector<double> run_times, std::size_t robots, std::span<const Track> tracks,
+           const ClearanceField& field) {
+  const auto separation = separation_of(tracks);
+  const auto clearance = clearance_of(tracks, field);
+  const bool touched =
+      (separation && separation->overlapping > 0) || (clearance && clearance->overlapping > 0);
+  return {run_times.size() == robots && !touched, mean(run_times)};
+}
+
+/// Robots that know everything about each other at once, follow their paths, and avoid by ORCA alone.
+class RvoAlone {
+ public:
+  RvoAlone(const ClearanceField& field, const std::vector<Path>& paths, double radius) : field_(field) {
+    for (const Path& path : paths)
+      robots_.push_back({{path.front(), Point2::Zero(), radius}, PathFollower(path, radius), path.back()});
+  }
+
+  Run run() {
+    std::vector<double> arrivals;
+    for (double now = 0; now < longest_run && arrivals.size() < robots_.size(); now += control_period) {
+      step(now);
+      for (Robot& robot : robots_) {
+        if (robot.there || (robot.disc.position - robot.goal).norm() > 0.5) continue;
+        robot.there = true;
+        arrivals.push_back(now + control_period);
+      }
+    }
+    std::vector<Track> tracks;
+    for (Robot& robot : robots_) tracks.push_back(std::move(robot.track));
+    return judged(std::move(arrivals), robots_.size(), tracks, field_);
+  }
+
+ private:
+  struct Robot {
+    MovingDisc disc;
+    PathFollower follower;
+    Point2 goal;
+    bool there = false;
+    Track track{};
+  };
+
+  Point2 velocity_of(Robot& robot) {
+    const MovingDisc& self = robot.disc;
+    std::vector<HalfPlane> obstacles;
+    std::vector<HalfPlane> others;
+    obstacle_half_planes(field_, self.position, self.radius, max_speed * obstacle_horizon, obstacle_horizon,
+                         obstacles);
+    for (const Robot& other : robots_) {
+      const double distance = (other.disc.position - self.position).norm();
+      if (&other == &robot || distance > 2 * self.radius + 2 * horizon * max_speed) continue;
+      others.push_back(orca_half_plane(self, other.disc, horizon, control_period));
+    }
+    const Point2 preferred = robot.follower.preferred_velocity(self.position, field_, limits, control_period);
+    return within_limits(safe_velocity(preferred, max_speed, obstacles, others), self.velocity, limits,
+                         control_period);
+  }
+
+  void step(double now) {
+    std::vector<Point2> velocities;
+    for (Robot& robot : robots_) velocities.push_back(velocity_of(robot));
+    for (std::size_t i = 0; i < robots_.size(); ++i) {
+      MovingDisc& disc = robots_[i].disc;
+      disc.velocity = velocities[i];
+      robots_[i].track.radius = disc.radius;
+      robots_[i].track.points.push_back({now, disc.position, disc.velocity});
+      disc.position += control_period * disc.velocity;
+    }
+  }
+
+  const ClearanceField& field_;
+  std::vector<Robot> robots_;
+};
+
+struct Both {
+  Run coppice;
+  Run rvo;
+};
+
+/// The fleet in the simulation, and RVO alone on the paths that it found.
+Both compared(const TrialCase& trial, double radius) {
+  Scenario scenario{.map_name = trial.map,
+                    .map = trial.field.map(),
+                    .seed = static_cast<std::uint32_t>(trial.seed),
+                    .robots = {}};
+  for (const PlanningProblem& p : trial.problems) {
+    scenario.robots.push_back({fmt::format("r{}", scenario.robots.size() + 1), p.start, p.goal, radius,
+                               limits.max_speed, limits.max_acceleration, 1});
+  }
+  FleetSimulation simulation(scenario, {.timeout = longest_run});
+  simulation.run([](const PlannerService&, double) { return true; });
+  const std::vector<NamedTrack> named = simulation.tracks();
+  const proto::Report report = simulation.service().report(named);
+  std::vector<double> arrivals;
+  std::vector<Path> paths;
+  for (const auto& robot : report.robots()) {
+    if (robot.arrived()) arrivals.push_back(robot.run_time());
+    Path& path = paths.emplace_back();
+    for (const auto& p : robot.path()) path.emplace_back(p.x(), p.y());
+  }
+  std::vector<Track> tracks;
+  for (const NamedTrack& track : named) tracks.push_back(track.track);
+  return {judged(std::move(arrivals), scenario.robots.size(), tracks, trial.field),
+          RvoAlone(trial.field, paths, radius).run()};
+}
+
+}  // namespace
+
+void bench_avoidance(const ExperimentOptions& options) {
+  Table trials{{"map", "robots", "seed", "coppice_succeeded", "coppice_s", "rvo_succeeded", "rvo_s"}, {}};
+  Table summary{{"map", "robots", "Coppice succeeds", "RVO alone succeeds", "mean run time, Coppice / RVO"},
+                {}};
+  std::vector<Plot> plots;
+  for (const std::string& source : options.maps) {
+    Series line{"where RVO alone succeeds", {}, {}, {}};
+    for (const int robots : options.robots) {
+      std::vector<double> ratios;
+      int coppice = 0;
+      int rvo = 0;
+      int seeds = 0;
+      for (; seeds < options.seeds && !options.stop(); ++seeds) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(seeds);
+        const Both both =
+            compared(make_case(source, options.side, robots, options.radius, seed), options.radius);
+        coppice += both.coppice.succeeded;
+        rvo += both.rvo.succeeded;
+        if (both.rvo.succeeded) ratios.push_back(both.coppice.mean_run_time / both.rvo.mean_run_time);
+        trials.rows.push_back(
+            {map_title(source), std::to_string(robots), std::to_string(seed),
+             std::to_string(both.coppice.succeeded), fmt::format("{:.3f}", both.coppice.mean_run_time),
+             std::to_string(both.rvo.succeeded), fmt::format("{:.3f}", both.rvo.mean_run_time)});
+        options.tell(fmt::format("{} {} robots, seed {}", map_title(source), robots, seed));
+      }
+      const std::string ratio = ratios.empty() ? "-"
+                                               : fmt::format("{:.3f} ({:.3f} to {:.3f})", median(ratios),
+                                                             quantile(ratios, 0.25), quantile(ratios, 0.75));
+      summary.rows.push_back({map_title(source), std::to_string(robots),
+                              fmt::format("{} of {}", coppice, seeds), fmt::format("{} of {}", rvo, seeds),
+                              ratio});
+      if (ratios.empty()) continue;
+      line.x.push_back(robots);
+      line.y.push_back(median(ratios));
+    }
+    plots.push_back({map_title(source), "robots", "mean run time, Coppice / RVO", false, {line}});
+  }
+  write_experiment(options, "avoidance", trials, summary, plots, 2);
+}
+
+}  // namespace coppice
