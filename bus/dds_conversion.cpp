@@ -169,6 +169,8 @@ idl::RobotState to_dds(const RobotState& m) {
   d.promise_expiry(m.promise.expiry);
   d.knot_epoch(m.knot.epoch);
   d.knot_leader(m.knot.leader);
+  d.knot_place(to_dds(m.knot.place));
+  d.knot_reach(m.knot.reach);
   d.stage(octet(m.stage));
   d.progress(m.progress);
   d.waits_for(m.waits_for);
@@ -195,7 +197,7 @@ RobotState from_dds(const idl::RobotState& d) {
           .max_acceleration = d.max_acceleration(),
           .phase = static_cast<Phase>(d.phase()),
           .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry()},
-          .knot = {d.knot_epoch(), text(d.knot_leader())},
+          .knot = {d.knot_epoch(), text(d.knot_leader()), from_dds(d.knot_place()), d.knot_reach()},
           .stage = static_cast<Stage>(d.stage()),
           .progress = d.progress(),
           .waits_for = text(d.waits_for()),
@@ -206,6 +208,8 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
   idl::JointPlan d;
   d.leader(m.knot.leader);
   d.epoch(m.knot.epoch);
+  d.place(to_dds(m.knot.place));
+  d.reach(m.knot.reach);
   for (const JointPlanMessage::Member& member : m.members) {
     idl::JointPlanMember& to = d.members().emplace_back();
     to.robot(member.robot);
@@ -222,7 +226,8 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
 }
 
 JointPlanMessage from_dds(const idl::JointPlan& d) {
-  JointPlanMessage m{.knot = {d.epoch(), text(d.leader())}, .members = {}, .moves = {}};
+  JointPlanMessage m{
+      .knot = {d.epoch(), text(d.leader()), from_dds(d.place()), d.reach()}, .members = {}, .moves = {}};
   for (const idl::JointPlanMember& member : d.members())
     m.members.push_back({text(member.robot()), member.radius(), member.stranded()});
   // A move that claims more points than there are gets fewer: validation sees one without any.

@@ -106,11 +106,15 @@ struct Promise {
   bool operator==(const Promise&) const = default;
 };
 
-/// Names a knot, a joint plan of the whole fleet in the making or under way: a later epoch overrides an
-/// earlier one, and in one epoch the leader of the lower name.
+/// Names a knot, a joint plan in the making or under way of the robots within reach of a place: a later epoch
+/// overrides an earlier one, and in one epoch the leader of the lower name.
 struct KnotId {
   std::uint32_t epoch = 0;  ///< 0: none yet
-  RobotName leader;
+  RobotName leader{};
+  Point2 place = Point2::Zero();
+  double reach = 0;  ///< metres
+
+  bool includes(const Point2& p) const { return (p - place).norm() <= reach; }
   bool overrides(const KnotId& other) const {
     return epoch != other.epoch ? epoch > other.epoch : leader < other.leader;
   }

@@ -109,6 +109,7 @@ Problem check(const RobotState& m) {
        {m.stage <= Stage::ordered, "unknown stage"},
        {m.knot.leader.size() <= longest_name && (m.knot.epoch == 0) == m.knot.leader.empty(),
         "knot's epoch and leader do not agree"},
+       {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
        {not_negative(m.progress), "progress is negative or not finite"},
        {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"},
        {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
@@ -124,6 +125,7 @@ Problem check(const JointPlanMessage& m) {
            std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
   };
   return first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},
+                   {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
                    {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
                    {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"}});
 }

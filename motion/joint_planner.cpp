@@ -49,11 +49,11 @@ void JointPlanner::set_up_places() {
   const double radius = tasks_[0].radius;
   graph_ = PackedPlaces(field_, radius, place_spacing * radius).with(ends, dead);
   const std::vector<Place> parts = parts_of(graph_);
-  RouteFinder finder(field_, radius, usual_spacing(radius));
   for (std::size_t k = 0; k < crowd.size(); ++k) {
     if (parts[crowd[k].start] == parts[*crowd[k].goal]) continue;
     const JointTask& task = tasks_[movable_[k]];
-    if (!finder.route(task.position, task.goal, dead).empty()) return;  // on a way that the places miss
+    const bool missed = !coarsest_route(field_, radius, task.position, task.goal, dead, 1).path.empty();
+    if (missed) return;  // there is a way, but not over these places
     crowd[k].goal.reset();
     plan_.stranded.push_back(movable_[k]);
   }

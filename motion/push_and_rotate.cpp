@@ -44,16 +44,13 @@ void PushAndRotate::set_up() {
     const JointTask& task = tasks_[i];
     if (!task.movable) continue;
     direct_[i] = finder(i).route(task.position, task.goal, dead);
-    double share = spacing_share_;
-    double spacing = finder(i).spacing();
-    while (direct_[i].empty() && spacing > field_.map().resolution / 2) {
-      share /= 2;
-      RouteFinder finer(field_, task.radius, share * usual_spacing(task.radius));
-      spacing = finer.spacing();
-      direct_[i] = finer.route(task.position, task.goal, dead);
+    if (direct_[i].empty()) {
+      SpacedRoute finer =
+          coarsest_route(field_, task.radius, task.position, task.goal, dead, spacing_share_ / 2);
+      direct_[i] = std::move(finer.path);
+      if (!direct_[i].empty()) refine(finer.share);
     }
     hopeful_[i] = !direct_[i].empty();
-    if (hopeful_[i] && share < spacing_share_) refine(share);
   }
 }
 

@@ -255,4 +255,15 @@ std::vector<std::size_t> RouteFinder::blockers(const Path& path, std::span<const
   return result;
 }
 
+SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
+                           std::span<const Disc> discs, double share) {
+  while (true) {
+    RouteFinder finder(field, radius, share * usual_spacing(radius));
+    Path path = finder.route(from, to, discs);
+    const bool finest = finder.spacing() <= field.map().resolution / 2;
+    if (!path.empty() || finest) return {std::move(path), share};
+    share /= 2;
+  }
+}
+
 }  // namespace coppice

@@ -102,4 +102,14 @@ inline double usual_spacing(double radius) {
   return 0.4 * radius;
 }
 
+struct SpacedRoute {
+  Path path;     ///< empty: none on any lattice
+  double share;  ///< of the usual spacing
+};
+
+/// The route on the coarsest lattice that holds one, of `share` of the usual spacing, half of it, and so on
+/// down to half a cell.
+SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
+                           std::span<const Disc> discs, double share);
+
 }  // namespace coppice

@@ -147,10 +147,12 @@ FleetMember Fleet::member(const Peer& p, double now) const {
       is_dead ? rest_after(commitment_of(s, 0), limits_of(s), control_period) : s.position;
   return {.robot = p.robot,
           .position = position,
+          .velocity = is_dead ? Point2::Zero() : s.velocity,
           .goal = !is_dead && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : position,
           .radius = s.radius,
           .stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0),
           .dead = is_dead,
+          .parked = !is_dead && !wants_to_go_on(s.phase),
           .knot = s.knot,
           .stage = s.stage,
           .progress = s.progress};
@@ -170,15 +172,37 @@ std::vector<FleetMember> Fleet::others(double now) const {
 
 bool Fleet::all_hold(const KnotId& knot, double now) const {
   return std::ranges::all_of(peers_, [&](const Peer& p) {
-    if (dead(p, now)) return true;
-    return p.state && p.state->velocity.isZero(0) && p.state->promise.velocity.isZero(0) &&
-           p.state->stage == Stage::holding && p.state->knot == knot;
+    const FleetMember m = member(p, now);
+    if (m.dead || m.knot.overrides(knot)) return true;
+    if (m.knot != knot && !knot.includes(m.position)) return true;
+    return m.stands && m.stage == Stage::holding && m.knot == knot;
   });
 }
 
-bool Fleet::all_free(double now) const {
-  return std::ranges::all_of(
-      peers_, [&](const Peer& p) { return !p.state || p.state->stage == Stage::free || dead(p, now); });
+bool Fleet::all_free(const Point2& p, double reach, double now) const {
+  return std::ranges::all_of(peers_, [&](const Peer& peer) {
+    const bool far = peer.state && (peer.state->position - p).norm() > reach;
+    return !peer.state || peer.state->stage == Stage::free || far || dead(peer, now);
+  });
+}
+
+double Fleet::crowd(const Point2& p, double near, double now) const {
+  std::vector<Point2> outside;
+  for (const Peer& peer : peers_) {
+    if (!dead(peer, now)) outside.push_back(member(peer, now).position);
+  }
+  double reach = near;
+  std::vector<Point2> open{p};
+  while (!open.empty()) {
+    const Point2 here = open.back();
+    open.pop_back();
+    const auto joined =
+        std::ranges::partition(outside, [&](const Point2& q) { return (q - here).norm() > near; });
+    for (const Point2& q : joined) reach = std::max(reach, (q - p).norm() + near / 2);
+    open.insert(open.end(), joined.begin(), joined.end());
+    outside.erase(joined.begin(), joined.end());
+  }
+  return reach;
 }
 
 double Fleet::clock_error(double now) const {

@@ -24,10 +24,12 @@ inline constexpr double control_period = 0.05;
 struct FleetMember {
   RobotName robot;
   Point2 position = Point2::Zero();
+  Point2 velocity = Point2::Zero();
   Point2 goal = Point2::Zero();  ///< its own place if it is there or wants to go nowhere
   double radius = 0;
   bool stands = false;  ///< and will until something new is heard of it
   bool dead = false;    ///< counts as dead
+  bool parked = false;  ///< stands and wants to go nowhere
   KnotId knot;
   Stage stage = Stage::free;
   double progress = 0;
@@ -49,10 +51,13 @@ class Fleet {
 
   std::optional<FleetMember> find(const RobotName& robot, double now) const;
   std::vector<FleetMember> others(double now) const;
-  /// Everybody alive is known to hold in this knot, and to stand.
+  /// Everybody alive within the knot's reach is known to hold in it, and to stand; but for those whom a later
+  /// knot has called away.
   bool all_hold(const KnotId& knot, double now) const;
-  /// Nobody alive holds, or has moves of a joint plan left to make.
-  bool all_free(double now) const;
+  /// Nobody alive within `reach` of p holds, or has moves of a joint plan left to make.
+  bool all_free(const Point2& p, double reach, double now) const;
+  /// How far from p the crowd extends that p is part of: everybody alive who is near one of it.
+  double crowd(const Point2& p, double near, double now) const;
   /// The largest by which an alive robot's clock may be off from what is known; about what a sample takes to
   /// come from it.
   double clock_error(double now) const;

@@ -8,6 +8,10 @@ namespace coppice {
 
 namespace {
 
+constexpr double crowd_radii = 8;    // between two robots of one crowd
+constexpr double everywhere = 1e9;   // metres
+constexpr double soon = 60;          // seconds after a knot in which the next one reaches further
+constexpr double long_delay = 2;     // seconds in which a joint plan comes to all
 constexpr double longest_hold = 60;  // seconds without a joint plan: the leader has lost sight of somebody
 constexpr double patience = 5;       // seconds without progress though nobody earlier is in the way
 constexpr double close_radii = 3;    // between robots that may fear each other's next move, in sums of radii
@@ -16,32 +20,59 @@ constexpr double same_place = 0.01;  // metres between where a plan begins and w
 }  // namespace
 
 void Knot::join(const KnotId& id) {
+  let_go();
   id_ = id;
+  latest_epoch_ = std::max(latest_epoch_, id.epoch);
   stage_ = Stage::holding;
   holding_since_.reset();
-  planner_.reset();
-  follower_.reset();
-  waits_for_.clear();
+  plan_.reset();
   stranded_ = false;
 }
 
-void Knot::hear(const RobotState& state) {
-  if (state.knot.overrides(id_)) join(state.knot);
+void Knot::let_go() {
+  stage_ = Stage::free;
+  planner_.reset();
+  follower_.reset();
+  waits_for_.clear();
+}
+
+void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
+  latest_epoch_ = std::max(latest_epoch_, state.knot.epoch);
+  const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
+  const auto index = static_cast<std::size_t>(member - members_.begin());
+  if (member != members_.end() && state.knot == id_ && state.stage == Stage::free) done_[index] = true;
+  if (!state.knot.overrides(id_)) return;
+  if (member != members_.end() && !done_[index]) let_go();
+  if (state.stage == Stage::holding && position && state.knot.includes(*position)) join(state.knot);
 }
 
 void Knot::hear(const JointPlanMessage& plan) {
-  if (plan.knot.overrides(id_)) join(plan.knot);
+  const bool member =
+      std::ranges::find(plan.members, robot_, &JointPlanMessage::Member::robot) != plan.members.end();
+  if (plan.knot.overrides(id_) && member) join(plan.knot);
   if (plan.knot == id_) plan_ = plan;
 }
 
-void Knot::call(double now) {
-  join({id_.epoch + 1, robot_});
+/// A crowd that was not sorted out, or that came together again, is wider than it seemed.
+void Knot::call(const FleetMember& self, const Fleet& fleet, double now) {
+  const bool again = called_at_ && now - *called_at_ < soon;
+  begin(self, std::max(fleet.crowd(self.position, crowd_radii * self.radius, now), again ? 2 * id_.reach : 0),
+        now);
+}
+
+void Knot::call_everybody(const FleetMember& self, double now) {
+  begin(self, everywhere, now);
+}
+
+void Knot::begin(const FleetMember& self, double reach, double now) {
+  join({latest_epoch_ + 1, robot_, self.position, reach});
   holding_since_ = now;
+  called_at_ = now;
 }
 
 void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now) {
   if (!holding_since_) holding_since_ = now;
-  if (plan_ && plan_->knot == id_) {
+  if (plan_) {
     if (!self.stands) return;
     take_up(*plan_, self);
     last_progress_ = 0;
@@ -53,27 +84,38 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceFiel
     return;
   }
   const auto leader = fleet.find(id_.leader, now);
-  const bool leaderless = !leader || leader->dead;
-  if ((leaderless && now - *holding_since_ > 1) || now - *holding_since_ > longest_hold) call(now);
+  const bool leaderless = !leader || leader->dead || leader->knot != id_;
+  if ((leaderless && now - *holding_since_ > 1) || now - *holding_since_ > longest_hold) {
+    call(self, fleet, now);
+  } else if (!leaderless && leader->stage != Stage::holding && now - *holding_since_ > long_delay) {
+    let_go();  // it came too late for the plan
+  }
 }
 
-/// Plans as soon as everybody alive holds in this knot and stands, a little in each control period.
+/// Plans as soon as everybody alive within reach holds in this knot and stands. Who stands elsewhere and
+/// wants to go nowhere is an obstacle.
 void Knot::lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now) {
   if (planner_) {
-    if (planner_->step()) publish();
+    if (planner_->step()) publish(self, now);
     return;
   }
   if (!self.stands || !fleet.all_hold(id_, now)) return;
-  led_ = fleet.others(now);
-  led_.insert(led_.begin(), self);
+  led_ = {self};
+  std::vector<JointTask> obstacles;
+  for (const FleetMember& m : fleet.others(now)) {
+    const bool holds = !m.dead && m.knot == id_ && m.stage == Stage::holding;
+    if (holds) led_.push_back(m);
+    if (m.dead || (!holds && m.parked)) obstacles.push_back({m.position, m.position, m.radius, false});
+  }
   std::vector<JointTask> tasks;
-  for (const FleetMember& m : led_)
-    tasks.push_back({m.position, m.dead ? m.position : m.goal, m.radius, !m.dead});
+  for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, true});
+  tasks.insert(tasks.end(), obstacles.begin(), obstacles.end());
   planner_ = std::make_unique<JointPlanner>(field, std::move(tasks), Random(id_.epoch));
 }
 
-void Knot::publish() {
+void Knot::publish(const FleetMember& self, double now) {
   const JointPlan& plan = planner_->plan();
+  if (!plan.stranded.empty() && id_.reach < everywhere) return call_everybody(self, now);
   JointPlanMessage message{.knot = id_, .members = {}, .moves = {}};
   for (const FleetMember& m : led_) message.members.push_back({m.robot, m.radius, false});
   for (const std::size_t i : plan.stranded) message.members[i].stranded = true;
@@ -89,7 +131,7 @@ std::optional<JointPlanMessage> Knot::take_own_plan() {
 }
 
 void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
-  stage_ = Stage::free;
+  let_go();
   members_.clear();
   std::vector<double> radii;
   for (const JointPlanMessage::Member& member : plan.members) {
@@ -102,6 +144,7 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
   stranded_ = plan.members[index].stranded;
   std::vector<Move> moves;
   schedules_.assign(members_.size(), {});
+  done_.assign(members_.size(), false);
   for (const JointPlanMessage::Move& move : plan.moves) {
     auto& [ends, at] = schedules_[move.member];
     ends.push_back((ends.empty() ? 0 : ends.back()) + length_of(move.path));
@@ -117,9 +160,9 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
 Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                                 const Limits& limits, double now) {
   const auto passed = [&](std::size_t index) {
+    if (done_[index]) return std::numeric_limits<double>::infinity();
     const auto other = fleet.find(members_[index], now);
-    if (!other || other->knot != id_ || other->stage == Stage::holding) return 0.0;
-    return other->stage == Stage::ordered ? other->progress : std::numeric_limits<double>::infinity();
+    return other && other->knot == id_ && other->stage == Stage::ordered ? other->progress : 0.0;
   };
   const Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
   const auto waits = follower_->waits_for();
@@ -132,17 +175,19 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
   if (follower_->finished() && self.stands) {
     stage_ = Stage::free;
   } else if (now - last_progress_time_ > patience) {
-    call(now);
+    call(self, fleet, now);
     return Point2::Zero();
   }
   return wanted;
 }
 
-/// The place in the plan of the move that a member has come to; the plan's length if it has made all.
+/// The place in the plan of the move that a member has come to; beyond the plan's end if it has
+/// made all.
 std::size_t Knot::next_move(std::size_t member, double progress) const {
   const auto& [ends, at] = schedules_[member];
   const auto next = std::ranges::upper_bound(ends, progress + same_place);
-  return next == ends.end() ? plan_->moves.size() : at[static_cast<std::size_t>(next - ends.begin())];
+  return next == ends.end() ? std::numeric_limits<std::size_t>::max()
+                            : at[static_cast<std::size_t>(next - ends.begin())];
 }
 
 bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) {

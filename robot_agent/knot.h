@@ -1,9 +1,11 @@
-// A robot's part in sorting out a fleet that stands in its own way.
+// A robot's part in sorting out a crowd that stands in its own way.
 //
-// Whoever makes no progress calls a knot: a new epoch, of which it is the leader. Everybody who hears of it,
-// in anybody's state, joins: brakes and holds. Once all that are alive stand, the leader makes a joint plan
-// (motion/joint_plan.h) and publishes it; each then drives its own moves in the plan's order
-// (motion/precedence.h), and is free again after its last. A later knot overrides an earlier one at any time.
+// Whoever makes no progress calls a knot: a new epoch, of which it is the leader, for everybody in the crowd
+// around it. Who hears of it, in anybody's state, and is within its reach joins: brakes and holds. Once all
+// of these that are alive stand, the leader makes a joint plan (motion/joint_planner.h) and publishes it;
+// each then drives its own moves in the plan's order (motion/precedence.h), and is free again after its last.
+// A later knot overrides an earlier one at any time; who is called away from a plan leaves the others free. A
+// knot that does not sort out its crowd is followed by one of the whole fleet.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
@@ -31,14 +33,16 @@ class Knot {
   double progress() const { return follower_ ? follower_->progress() : 0; }
   /// Whose progress it waits for; empty for nobody.
   const RobotName& waits_for() const { return waits_for_; }
-  /// The last joint plan does not bring this robot to its goal.
+  /// The last joint plan, of the whole fleet, does not bring this robot to its goal.
   bool stranded() const { return stranded_; }
 
-  void hear(const RobotState& state);
+  /// `position`: of this robot, none before it has a body.
+  void hear(const RobotState& state, const std::optional<Point2>& position);
   void hear(const JointPlanMessage& plan);
 
-  /// Begins a new knot, with this robot as its leader.
-  void call(double now);
+  /// Begins a new knot of the crowd around, or of the whole fleet, with this robot as its leader.
+  void call(const FleetMember& self, const Fleet& fleet, double now);
+  void call_everybody(const FleetMember& self, double now);
 
   /// Once a control period while holding. `own_plan`, once, what to publish.
   void hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
@@ -55,26 +59,32 @@ class Knot {
   bool gives_way(const FleetMember& self, const Fleet& fleet, double now);
 
  private:
+  struct Schedule {                 ///< of a member's moves
+    std::vector<double> ends{};     ///< metres along its way
+    std::vector<std::size_t> at{};  ///< in the plan
+  };
+
   void join(const KnotId& id);
+  void begin(const FleetMember& self, double reach, double now);
+  void let_go();
   void lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
-  void publish();
+  void publish(const FleetMember& self, double now);
   void take_up(const JointPlanMessage& plan, const FleetMember& self);
   std::size_t next_move(std::size_t member, double progress) const;
 
   RobotName robot_;
   KnotId id_;
+  std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
   Stage stage_ = Stage::free;
-  std::optional<JointPlanMessage> plan_;  ///< the newest heard
+  std::optional<JointPlanMessage> plan_;  ///< of this knot
   std::optional<double> holding_since_;
-  std::vector<FleetMember> led_;  ///< the fleet as the planner was given it
+  std::optional<double> called_at_;
+  std::vector<FleetMember> led_;  ///< the members as the planner was given them, this robot first
   std::unique_ptr<JointPlanner> planner_;
   std::optional<JointPlanMessage> own_plan_;
-  struct Schedule {                 ///< of a member's moves
-    std::vector<double> ends{};     ///< metres along its way
-    std::vector<std::size_t> at{};  ///< in the plan
-  };
   std::vector<RobotName> members_;
   std::vector<Schedule> schedules_;
+  std::vector<bool> done_;  ///< the members that have made all their moves
   std::optional<WayFollower> follower_;
   RobotName waits_for_;
   bool stranded_ = false;

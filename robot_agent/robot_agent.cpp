@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace coppice {
@@ -21,14 +22,19 @@ constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundre
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr double worth_swapping = 0.005;  // of what is left to drive
 constexpr double stall = 3;               // seconds without progress that make a robot call a knot
-constexpr double stall_radii = 0.5;       // metres that count as progress, in radii
+constexpr double around_radii = 16;       // within these, others' joint plans concern a robot
+constexpr double everywhere = std::numeric_limits<double>::infinity();
+constexpr double stall_radii = 0.5;  // metres that count as progress, in radii
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
 // It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
 // off.
 constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.5;
 constexpr double lease_for_delay = 3;
-constexpr double crawl = 0.05;  // of the largest speed: what is slower is held up
+constexpr double fair_pace = 0.5;  // of the preferred speed
+constexpr double beside = 1.3;     // sums of radii between two that hinder each other
+constexpr double level = 0.1;      // the same, of the lead of one that is not ahead
+constexpr double crawl = 0.05;     // of the largest speed: what is slower is held up
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
 // meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
@@ -52,7 +58,8 @@ Limits limits_of(const Mission& mission) {
 /// States wait for the next control step; everything else is looked at when it comes.
 void RobotAgent::on(const Arrival& arrival) {
   if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
-    if (fleet_.hear({arrival.message, state}, arrival.at)) knot_.hear(*state);
+    const auto position = body_ ? std::optional(body_->position()) : std::nullopt;
+    if (fleet_.hear({arrival.message, state}, arrival.at)) knot_.hear(*state, position);
     return;
   }
   std::visit(
@@ -240,7 +247,7 @@ void RobotAgent::decide(double fleet_now) {
   if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(self(), fleet_, *field_, fleet_now);
   const bool free = knot_.stage() == Stage::free;
-  lets_others_finish_ = lets_others_finish_ && !fleet_.all_free(fleet_now);
+  lets_others_finish_ = lets_others_finish_ && !all_free_around(fleet_now);
   if (fleet_now < heard_again_at_) {
     body_->choose(Point2::Zero(), others, *field_);
   } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
@@ -271,15 +278,36 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   const double r = body_->radius();
   const bool open = field_->lower_bound(next) >= open_radii * r;
   const bool leans = follower_->remaining(next) > end_radii * r;
-  body_->choose(leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred,
-                neighbours, *field_);
+  Point2 wanted = leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred;
+  if (body_->velocity().norm() >= fair_pace * preferred.norm()) last_pace_time_ = fleet_now;
+  if (fleet_now - last_pace_time_ > waiting_lease && lets_go_first(preferred, fleet_now)) {
+    wanted = Point2::Zero();
+    stand_for(waiting_lease, fleet_now);
+  }
+  body_->choose(wanted, neighbours, *field_);
   if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;
   }
   // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
-  if (fleet_now - last_gain_time_ > stall && fleet_.all_free(fleet_now)) knot_.call(fleet_now);
+  if (fleet_now - last_gain_time_ > stall && all_free_around(fleet_now))
+    knot_.call(self(), fleet_, fleet_now);
+}
+
+/// Of two that drive side by side each fears that the other turns, and both slow down. The one that is
+/// behind, or has the later name, stands until the other has gone.
+bool RobotAgent::lets_go_first(const Point2& preferred, double fleet_now) const {
+  const Point2 ahead = preferred / std::max(preferred.norm(), 1e-9);
+  return std::ranges::any_of(fleet_.others(fleet_now), [&](const FleetMember& m) {
+    const Point2 gap = m.position - body_->position();
+    const double reach = body_->radius() + m.radius;
+    if (gap.norm() > beside * reach || m.stands || m.stage != Stage::free) return false;
+    const bool same_way = m.velocity.dot(ahead) > m.velocity.norm() / 2;
+    const double lead = gap.dot(ahead);
+    const bool goes_first = std::abs(lead) < level * reach ? m.robot < name_ : lead > 0;
+    return same_way && goes_first;
+  });
 }
 
 void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
@@ -317,12 +345,16 @@ void RobotAgent::watch_arrival(double fleet_now) {
   if (at_goal) {
     status_.arrival_time = body_->time();
     enter(Phase::arrived);
-  } else if (knot_.stranded() && fleet_.all_free(fleet_now)) {
+  } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere, fleet_now)) {
     // Where the others are now, another attempt may succeed.
-    if (++times_stranded_ < most_times_stranded) return knot_.call(fleet_now);
+    if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
     status_.reason = "the robots cannot be sorted out: no order of moves brings this one to its goal";
     enter(Phase::no_path);
   }
+}
+
+bool RobotAgent::all_free_around(double fleet_now) const {
+  return fleet_.all_free(body_->position(), around_radii * body_->radius(), fleet_now);
 }
 
 void RobotAgent::enter(Phase phase) {

@@ -52,8 +52,10 @@ class RobotAgent {
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double seconds, double fleet_now);
+  bool lets_go_first(const Point2& preferred, double fleet_now) const;
   void watch_arrival(double fleet_now);
   bool may_set_off(double fleet_now) const;
+  bool all_free_around(double fleet_now) const;
   void enter(Phase phase);
   std::vector<Neighbour> neighbours(double fleet_now) const;
   FleetMember self() const;
@@ -74,6 +76,7 @@ class RobotAgent {
   Knot knot_;
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time
+  double last_pace_time_ = 0;               ///< fleet time at which it last drove about as fast as it liked
   bool lets_others_finish_ = false;         ///< its mission came while a joint plan was being driven
   double last_drive_time_ = 0;              ///< fleet time at which it last moved under orders
   std::vector<TrackMessage::Point> track_;  ///< not yet sent

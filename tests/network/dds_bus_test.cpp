@@ -43,7 +43,7 @@ RobotState some_state(std::uint32_t sequence) {
           .max_acceleration = 40,
           .phase = Phase::driving,
           .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1},
-          .knot = {3, "r7"},
+          .knot = {3, "r7", {4, 5}, 60},
           .stage = Stage::ordered,
           .progress = 12.5,
           .waits_for = "r2",

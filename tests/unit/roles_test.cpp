@@ -298,19 +298,19 @@ TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
                    .knot = {}};
   agent.on(arrival_of(other, 0.1));
   run(agent, 0.1, 1);
-  other.knot = {4, "b"};
+  other.knot = {4, "b", other.position, 50};
   other.stage = Stage::holding;
   other.stamp = 1;
   other.promise = {1.05, {0, 0}, 1.1};
   agent.on(arrival_of(other, 1));
   const RobotState last = last_of("a", run(agent, 1, 2));
-  EXPECT_EQ(last.knot, (KnotId{4, "b"}));
+  EXPECT_EQ(last.knot, other.knot);
   EXPECT_EQ(last.stage, Stage::holding);
   EXPECT_TRUE(last.velocity.isZero(0));
 
   // The plan is there: it drives as ordered, and only that.
   agent.on(arrival_of(
-      JointPlanMessage{{4, "b"}, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}}, 2));
+      JointPlanMessage{other.knot, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}}, 2));
   const auto after = run(agent, 2, 8);  // in between b falls silent, and counts as dead in the end
   double nearest = 100;
   for (const RobotState& state : of<RobotState>(after)) {
@@ -319,6 +319,26 @@ TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
   EXPECT_LT(nearest, 0.2);
   // What was heard of b last is passed on, as it was.
   EXPECT_EQ(last_of("b", after), other);
+}
+
+TEST(RobotAgent, AKnotBeyondItsReachIsNotItsOwn) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  run(agent, 0.1, 1);
+  RobotState other{.robot = "b",
+                   .stamp = 1,
+                   .position = {20, 20},
+                   .radius = 5,
+                   .max_speed = 20,
+                   .max_acceleration = 40,
+                   .promise = {1.05, {0, 0}, 1.1},
+                   .knot = {4, "b", {20, 20}, 5},
+                   .stage = Stage::holding};
+  agent.on(arrival_of(other, 1));
+  const RobotState last = last_of("a", run(agent, 1, 2));
+  EXPECT_EQ(last.stage, Stage::free);
+  EXPECT_EQ(last.knot.epoch, 0u);
 }
 
 }  // namespace
