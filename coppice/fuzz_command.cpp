@@ -13,10 +13,6 @@ namespace {
 
 constexpr double progress_period = 10;  // seconds of the wall's clock
 
-SimulationSettings settings_of(const FuzzCase& fuzz_case) {
-  return {.timeout = fuzz_case.timeout, .lifelong = fuzz_case.lifelong, .faults = fuzz_case.faults};
-}
-
 bool go_on(const PlannerService&, double) {
   return !stop_requested();
 }
@@ -51,7 +47,7 @@ struct Sum {
 /// One case, with its files.
 int replay(const FuzzOptions& options) {
   const FuzzCase fuzz_case = draw_fuzz_case(*options.replay);
-  FleetSimulation simulation(fuzz_case.scenario, settings_of(fuzz_case));
+  FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   simulation.run(go_on);
   const FuzzResult result = judge(fuzz_case, simulation);
   const std::vector<NamedTrack> tracks = simulation.tracks();
@@ -71,7 +67,7 @@ int fuzz_command(const FuzzOptions& options) {
   WallTime next_line = wall_now() + progress_period;
   for (std::uint32_t seed = options.first_seed; sum.robot_hours < options.robot_hours; ++seed) {
     const FuzzCase fuzz_case = draw_fuzz_case(seed);
-    FleetSimulation simulation(fuzz_case.scenario, settings_of(fuzz_case));
+    FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
     simulation.run(go_on);
     if (stop_requested()) break;
     const FuzzResult result = judge(fuzz_case, simulation);

@@ -25,13 +25,19 @@ Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
   known_edges_.assign(vertices, 0);
 }
 
+Lattice::Known Lattice::look_at(Vertex v) const {
+  if (field_.lower_bound(at(v)) >= radius_ + spacing_ * std::numbers::sqrt2) return wide;
+  return field_.is_free(at(v), radius_) ? free_ : blocked;
+}
+
 bool Lattice::edge_free(Vertex v, Vertex w, std::size_t direction) {
+  if (known_vertex_[v] == wide || known_vertex_[w] == wide) return true;
   if (direction >= 4) {
     std::swap(v, w);
     direction -= 4;
   }
   const auto shift = static_cast<int>(2 * direction);
-  auto known = static_cast<Known>((known_edges_[v] >> shift) & 3);
+  auto known = static_cast<Known>((known_edges_[v] >> shift) & 3);  // never wide
   if (known == unknown) {
     known = field_.segment_free(at(v), at(w), radius_) ? free_ : blocked;
     known_edges_[v] |= static_cast<std::uint8_t>(known << shift);

@@ -35,8 +35,8 @@ class Lattice {
     return origin_ + spacing_ * Point2(static_cast<int>(v) % columns_, static_cast<int>(v) / columns_);
   }
   bool vertex_free(Vertex v) {
-    if (known_vertex_[v] == unknown) known_vertex_[v] = field_.is_free(at(v), radius_) ? free_ : blocked;
-    return known_vertex_[v] == free_;
+    if (known_vertex_[v] == unknown) known_vertex_[v] = look_at(v);
+    return known_vertex_[v] != blocked;
   }
 
   /// Calls fn(vertex, metres) for the vertices that a free edge leads to, of those that passable(vertex)
@@ -84,7 +84,7 @@ class Lattice {
   }
 
  private:
-  enum Known : std::uint8_t { unknown, blocked, free_ };
+  enum Known : std::uint8_t { unknown, blocked, free_, wide };  ///< wide: all edges from it are free
   struct Step {
     int di;
     int dj;
@@ -94,6 +94,8 @@ class Lattice {
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
   Vertex vertex(int i, int j) const { return static_cast<Vertex>(j * columns_ + i); }
+  Known look_at(Vertex v) const;
+  /// Both vertices are free.
   bool edge_free(Vertex v, Vertex w, std::size_t direction);
 
   const ClearanceField& field_;
@@ -102,7 +104,7 @@ class Lattice {
   Point2 origin_;
   int columns_;
   int rows_;
-  std::vector<std::uint8_t> known_vertex_;
+  std::vector<Known> known_vertex_;
   std::vector<std::uint8_t> known_edges_;  ///< to E, NE, N, NW: 2 bits each
 };
 

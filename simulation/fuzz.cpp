@@ -92,7 +92,15 @@ FuzzCase draw_fuzz_case(std::uint32_t seed) {
   const double lifelong = random.uniform() < 0.2 ? 300 : 0;
   std::string what = in_words(scenario, faults);
   if (lifelong > 0) what += fmt::format(", new goals for {:.0f} s", lifelong);
-  return {seed, std::move(what), std::move(scenario), std::move(faults), longest_run, lifelong};
+  // Shorter paths cost most of a simulation's time and have little to do with faults.
+  const double plan_budget = random.uniform() < 0.2 ? 1 : 0.05;
+  return {seed,
+          std::move(what),
+          std::move(scenario),
+          {.timeout = longest_run,
+           .plan_budget = plan_budget,
+           .lifelong = lifelong,
+           .faults = std::move(faults)}};
 }
 
 FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {

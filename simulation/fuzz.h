@@ -18,9 +18,7 @@ struct FuzzCase {
   std::uint32_t seed = 0;
   std::string what;  ///< scenario and faults in words
   Scenario scenario;
-  Faults faults;
-  double timeout = 0;   ///< fleet seconds
-  double lifelong = 0;  ///< fleet seconds in which who arrives gets a new goal
+  SimulationSettings settings;
 };
 
 /// The same seed gives the same case.

@@ -11,14 +11,15 @@ class FuzzSeeds : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(FuzzSeeds, AreSurvived) {
   const FuzzCase fuzz_case = draw_fuzz_case(GetParam());
-  FleetSimulation simulation(
-      fuzz_case.scenario,
-      {.timeout = fuzz_case.timeout, .lifelong = fuzz_case.lifelong, .faults = fuzz_case.faults});
+  FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   simulation.run([](const PlannerService&, double) { return true; });
   for (const std::string& failure : judge(fuzz_case, simulation).failures)
     ADD_FAILURE() << fuzz_case.what << ": " << failure;
 }
 
+INSTANTIATE_TEST_SUITE_P(PastItsOwnGoal, FuzzSeeds,
+                         testing::Values(7));  // where one must wait, and come back, while the other passes
+INSTANTIATE_TEST_SUITE_P(LateCrossing, FuzzSeeds, testing::Values(1100));  // 40 robots, a third of the news
 INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
                          testing::Values(1095,  // with 0.24 s delay, robots under orders feared each other's
                                          1155));  // next move for ever: none bound itself to stand for long
