@@ -52,7 +52,10 @@ SimulatedBus::Port& SimulatedBus::attach(Role role, int side) {
 }
 
 void SimulatedBus::publish(const Port& sender, const Message& message) {
-  if (problem_with(message)) return;  // what a reader would drop
+  if (problem_with(message)) {  // a reader would drop it
+    ++rejected_;
+    return;
+  }
   const auto shared = std::make_shared<const Message>(message);
   const TopicInfo info = with_topic(message, [&](auto topic, const auto& m) {
     if (topic.info.durability != Durability::transient_local) return topic.info;

@@ -83,6 +83,8 @@ class SimulatedBus {
 
   /// Samples that did not reach a reader at the first attempt.
   std::size_t lost() const { return lost_; }
+  /// Messages that no reader would take (validation.h): whoever says such things falls silent to all others.
+  std::size_t rejected() const { return rejected_; }
 
  private:
   void publish(const Port& sender, const Message& message);
@@ -96,6 +98,7 @@ class SimulatedBus {
   Random random_;
   double now_ = 0;
   std::size_t lost_ = 0;
+  std::size_t rejected_ = 0;
   std::vector<std::unique_ptr<Port>> ports_;
   /// What transient-local topics keep, by topic and key, in the order of first publication.
   std::vector<std::pair<std::string, std::vector<std::shared_ptr<const Message>>>> kept_;

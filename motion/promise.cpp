@@ -38,6 +38,13 @@ class NeighbourRegion {
   }
 
  private:
+  /// How far a robot may be from where its velocity would have taken it: that changes by a period's worth of
+  /// acceleration at the beginning of each period, so the distance grows linearly in between.
+  double drift_within(double seconds) const {
+    const double begun = std::floor(seconds / period_);
+    const double periods = begun * (begun + 1) / 2 + (begun + 1) * (seconds / period_ - begun);
+    return n_.limits.max_acceleration * period_ * period_ * periods;
+  }
   bool clear_part(const Point2& a0, const Point2& a1, double t0, double t1) const {
     const Commitment& c = n_.commitment;
     const double e = n_.clock_error;
@@ -50,8 +57,7 @@ class NeighbourRegion {
     // Before its turn it may still have had its old velocity.
     const double before_turn = t0 < c.turn ? c.turn - c.stamp : std::min(e, c.turn - c.stamp);
     const double turned = e > 0 ? before_turn * (c.next_velocity - c.velocity).norm() : 0;
-    const double drift =
-        n_.limits.max_acceleration * since * (since + period_) / 2 + e * committed_speed + turned;
+    const double drift = drift_within(since) + e * committed_speed + turned;
     return closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift;
   }
 

@@ -6,7 +6,8 @@
 // lies within both:
 //   - it is at most max_speed * s from where it was at the expiry;
 //   - it is at most max_acceleration * s * (s + period) / 2 from where its velocity at the expiry would have
-//     taken it (velocities change in steps, at the period's beginning).
+//     taken it, if s is a number of whole periods; in between, what follows linearly (velocities change in
+//     steps, at the period's beginning).
 // A robot that stands may bind itself for longer, by a late expiry: others can pass it closely then. One that
 // is dead stands for ever.
 //

@@ -9,7 +9,7 @@ namespace coppice {
 namespace {
 
 constexpr double crowd_radii = 8;    // between two robots of one crowd
-constexpr double everywhere = 1e9;   // metres
+constexpr double everywhere = 1e6;   // metres
 constexpr double soon = 60;          // seconds after a knot in which the next one reaches further
 constexpr double long_delay = 2;     // seconds in which a joint plan comes to all
 constexpr double longest_hold = 60;  // seconds without a joint plan: the leader has lost sight of somebody
@@ -56,8 +56,8 @@ void Knot::hear(const JointPlanMessage& plan) {
 /// A crowd that was not sorted out, or that came together again, is wider than it seemed.
 void Knot::call(const FleetMember& self, const Fleet& fleet, double now) {
   const bool again = called_at_ && now - *called_at_ < soon;
-  begin(self, std::max(fleet.crowd(self.position, crowd_radii * self.radius, now), again ? 2 * id_.reach : 0),
-        now);
+  const double crowd = fleet.crowd(self.position, crowd_radii * self.radius, now);
+  begin(self, std::min(everywhere, std::max(crowd, again ? 2 * id_.reach : 0)), now);
 }
 
 void Knot::call_everybody(const FleetMember& self, double now) {

@@ -42,6 +42,7 @@ struct SufferedFaults {
   std::size_t lost = 0;  ///< samples that did not arrive, or had to be sent again
   std::size_t kills = 0;
   std::size_t pauses = 0;
+  std::size_t rejected = 0;  ///< messages that no reader takes: always a mistake of the sender
 };
 
 /// For a run of at most `horizon` seconds.

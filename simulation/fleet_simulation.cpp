@@ -109,7 +109,7 @@ std::vector<NamedTrack> FleetSimulation::tracks() const {
 }
 
 SufferedFaults FleetSimulation::suffered() const {
-  SufferedFaults suffered{.lost = bus_.lost()};
+  SufferedFaults suffered{.lost = bus_.lost(), .rejected = bus_.rejected()};
   for (const Agent& agent : agents_) {
     suffered.kills += now_ >= agent.faults.killed_at;
     suffered.pauses += std::ranges::count_if(

@@ -107,6 +107,8 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   const std::vector<NamedTrack> tracks = simulation.tracks();
   FuzzResult result{.failures = broken_invariants(fuzz_case.scenario, tracks, control_period),
                     .suffered = simulation.suffered()};
+  if (result.suffered.rejected > 0)
+    result.failures.push_back(fmt::format("{} messages that no reader takes", result.suffered.rejected));
   std::vector<Disc> dead;
   for (const NamedTrack& track : tracks) {
     const auto& points = track.track.points;

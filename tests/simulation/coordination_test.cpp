@@ -27,22 +27,25 @@ TEST_P(Coordination, EverybodyArrivesAndNobodyTouchesAnything) {
     EXPECT_EQ(report.outcome(), "arrived") << trial.name << " seed " << seed;
     EXPECT_GE(report.least_separation(), 0) << trial.name << " seed " << seed;
     EXPECT_GE(report.least_clearance(), -overlap_tolerance) << trial.name << " seed " << seed;
+    EXPECT_EQ(simulation.suffered().rejected, 0u) << trial.name << " seed " << seed;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenarios, Coordination,
-    testing::Values(Trial{"circle", 10, 20}, Trial{"circle", 50, 3}, Trial{"pocket-14", 2, 20},
-                    Trial{"pocket-18", 2, 20}, Trial{"loop-14", 2, 20}, Trial{"loop-18", 2, 20},
-                    Trial{"corridor-24", 10, 20}, Trial{"corridor-40", 20, 20}, Trial{"door-14", 10, 20},
-                    Trial{"door-20", 20, 20}, Trial{"crossing", 40, 1}, Trial{"rooms", 20, 20},
-                    Trial{"rooms", 50, 2}, Trial{"maze", 10, 10}, Trial{"maze", 20, 1},
-                    Trial{"warehouse", 30, 10}, Trial{"dead-end", 6, 20}, Trial{"mixed", 30, 2}),
-    [](const auto& trial) {
-      std::string name = trial.param.name + "_" + std::to_string(trial.param.robots);
-      std::ranges::replace(name, '-', '_');
-      return name;
-    });
+INSTANTIATE_TEST_SUITE_P(Scenarios, Coordination,
+                         testing::Values(Trial{"circle", 10, 20}, Trial{"circle", 50, 5},
+                                         Trial{"circle", 100, 1}, Trial{"pocket-14", 2, 20},
+                                         Trial{"pocket-18", 2, 20}, Trial{"loop-14", 2, 20},
+                                         Trial{"loop-18", 2, 20}, Trial{"corridor-24", 10, 20},
+                                         Trial{"corridor-40", 20, 20}, Trial{"door-14", 10, 20},
+                                         Trial{"door-20", 20, 20}, Trial{"crossing", 40, 3},
+                                         Trial{"rooms", 20, 20}, Trial{"rooms", 50, 2}, Trial{"maze", 10, 10},
+                                         Trial{"maze", 20, 5}, Trial{"warehouse", 30, 10},
+                                         Trial{"dead-end", 6, 20}, Trial{"mixed", 30, 2}),
+                         [](const auto& trial) {
+                           std::string name = trial.param.name + "_" + std::to_string(trial.param.robots);
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
 
 // Each robot gets a new goal on arrival.
 TEST(Coordination, GoalsGoOnForALifelongFleet) {
