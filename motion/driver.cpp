@@ -101,14 +101,12 @@ bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
     next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
     if (safe(next_velocity_, neighbours, field)) return true;
   }
-  std::vector<Neighbour> standing;
-  for (const Neighbour& n : neighbours) {
-    if (n.commitment.velocity.isZero(0) && n.commitment.next_velocity.isZero(0)) {
-      standing.push_back(n);
-      standing.back().commitment.expiry = std::numeric_limits<double>::max();
-    }
-  }
-  const bool nothing_stands_there = safe(next_velocity_, standing, field);
+  const bool nothing_stands_there =
+      safe(next_velocity_, {}, field) && std::ranges::all_of(neighbours, [&](Neighbour n) {
+        if (!n.commitment.velocity.isZero(0) || !n.commitment.next_velocity.isZero(0)) return true;
+        n.commitment.expiry = std::numeric_limits<double>::max();
+        return safe(next_velocity_, {&n, 1}, field);
+      });
   next_velocity_ = braked(velocity_, limits_, period_);
   return nothing_stands_there;
 }

@@ -28,7 +28,6 @@ class Lattice {
   /// multiple of half a cell.
   Lattice(const ClearanceField& field, double radius, double spacing);
 
-  double radius() const { return radius_; }
   double spacing() const { return spacing_; }
   std::size_t size() const { return known_vertex_.size(); }
   Point2 at(Vertex v) const {

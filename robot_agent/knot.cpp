@@ -9,7 +9,6 @@ namespace coppice {
 namespace {
 
 constexpr double crowd_radii = 8;    // between two robots of one crowd
-constexpr double everywhere = 1e6;   // metres
 constexpr double soon = 60;          // seconds after a knot in which the next one reaches further
 constexpr double long_delay = 2;     // seconds in which a joint plan comes to all
 constexpr double longest_hold = 60;  // seconds without a joint plan: the leader has lost sight of somebody

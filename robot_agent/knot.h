@@ -24,6 +24,9 @@
 
 namespace coppice {
 
+/// The reach of a knot of the whole fleet, metres.
+inline constexpr double everywhere = 1e6;
+
 class Knot {
  public:
   explicit Knot(RobotName robot) : robot_(std::move(robot)) {}

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace coppice {
@@ -23,8 +22,7 @@ constexpr int most_times_stranded = 5;    // joint plans that may fail a robot b
 constexpr double worth_swapping = 0.005;  // of what is left to drive
 constexpr double stall = 3;               // seconds without progress that make a robot call a knot
 constexpr double around_radii = 16;       // within these, others' joint plans concern a robot
-constexpr double everywhere = std::numeric_limits<double>::infinity();
-constexpr double stall_radii = 0.5;  // metres that count as progress, in radii
+constexpr double stall_radii = 0.5;       // metres that count as progress, in radii
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
 // It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
 // off.

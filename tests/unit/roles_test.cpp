@@ -284,18 +284,22 @@ RobotState last_of(const RobotName& robot, const std::vector<Message>& messages)
   return last;
 }
 
+RobotState standing_b(double stamp) {
+  return {.robot = "b",
+          .stamp = stamp,
+          .position = {20, 20},
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .promise = {stamp + 0.05, {0, 0}, stamp + 0.1},
+          .knot = {}};
+}
+
 TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
-  RobotState other{.robot = "b",
-                   .stamp = 0.1,
-                   .position = {20, 20},
-                   .radius = 5,
-                   .max_speed = 20,
-                   .max_acceleration = 40,
-                   .promise = {0.15, {0, 0}, 0.2},
-                   .knot = {}};
+  RobotState other = standing_b(0.1);
   agent.on(arrival_of(other, 0.1));
   run(agent, 0.1, 1);
   other.knot = {4, "b", other.position, 50};
@@ -326,15 +330,9 @@ TEST(RobotAgent, AKnotBeyondItsReachIsNotItsOwn) {
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   run(agent, 0.1, 1);
-  RobotState other{.robot = "b",
-                   .stamp = 1,
-                   .position = {20, 20},
-                   .radius = 5,
-                   .max_speed = 20,
-                   .max_acceleration = 40,
-                   .promise = {1.05, {0, 0}, 1.1},
-                   .knot = {4, "b", {20, 20}, 5},
-                   .stage = Stage::holding};
+  RobotState other = standing_b(1);
+  other.knot = {4, "b", other.position, 5};
+  other.stage = Stage::holding;
   agent.on(arrival_of(other, 1));
   const RobotState last = last_of("a", run(agent, 1, 2));
   EXPECT_EQ(last.stage, Stage::free);
