@@ -46,13 +46,16 @@ constexpr std::size_t last_words_length = 300;  // characters
 }
 
 /// A program that is not run: the rest of this process waits until `lifeline`, whose other end this fleet and
-/// its children hold, is closed by the last of them, however they ended; then it clears up.
+/// its children hold, is closed by the last of them, however they ended; then it clears up. The locks of the
+/// last may be let go a moment after its end of the lifeline; those of other containers stay.
 [[noreturn]] void clear_up_after(int lifeline) {
   setpgid(0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);
   char nothing = 0;
   while (read(lifeline, &nothing, 1) < 0 && errno == EINTR) continue;
-  remove_stale_shared_memory();
+  const auto end = std::chrono::steady_clock::now() + last_grace;
+  while (remove_stale_shared_memory() > 0 && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(poll_period);
   _exit(0);
 }
 

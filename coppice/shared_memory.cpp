@@ -88,20 +88,25 @@ class SegmentLock {
 
 }  // namespace
 
-void remove_stale_shared_memory() {
+std::size_t remove_stale_shared_memory() {
   const std::set<std::string> present =
       segments_present();  // before the maps: what comes later is not looked at
   const std::set<std::string> mapped = segments_mapped();
+  std::size_t locked = 0;
   for (const std::string& segment : present) {
     if (mapped.contains(segment)) continue;
     const SegmentLock lock(segment);  // kept while we remove, so that nobody takes up what is about to go
-    if (lock.held_elsewhere()) continue;
+    if (lock.held_elsewhere()) {
+      ++locked;
+      continue;
+    }
     std::error_code ignored;  // another clean-up may have been faster
     fs::remove(folder / segment, ignored);
     fs::remove(folder / ("sem." + segment + "_mutex"), ignored);
     for (const std::string_view suffix : lock_suffixes)
       fs::remove(folder / (segment + std::string(suffix)), ignored);
   }
+  return locked;
 }
 
 }  // namespace coppice

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -175,9 +176,25 @@ TEST(SharedMemory, WhatSomebodyLocksStays) {
   const Segment segment(unused_name("testc"), true);
   const int lock = open(segment.lock_file().c_str(), O_RDONLY | O_CLOEXEC);
   ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
-  remove_stale_shared_memory();
+  EXPECT_GE(remove_stale_shared_memory(), 1u);
   EXPECT_EQ(segment.remaining(), 3u);
   close(lock);
+}
+
+TEST(ProcessFleet, ClearsUpWhatIsUnlockedALittleAfterTheLastProcess) {
+  const test::TemporaryFolder folder;
+  auto fleet = std::make_unique<ProcessFleet>(
+      folder.path());  // first, so that its caretaker does not inherit the lock
+  const Segment segment(unused_name("teste"), true);
+  const int lock = open(segment.lock_file().c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
+  std::thread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    close(lock);
+  });
+  fleet.reset();
+  later.join();
+  EXPECT_EQ(segment.remaining(), 0u);
 }
 
 TEST(SharedMemory, WhatSomebodyMapsStays) {
