@@ -86,6 +86,25 @@ Point2 rest_after(const Commitment& commitment, const Limits& limits, double per
          commitment.next_velocity * (braking_distance(speed, limits, period) / speed);
 }
 
+std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limits, double period,
+                                int unheard, double step) {
+  std::vector<Point2> rests{rest_after(commitment, limits, period)};
+  double speed = commitment.next_velocity.norm();
+  if (speed == 0) return rests;
+  const Point2 heading = commitment.next_velocity / speed;
+  double driven = 0;
+  for (int k = 0; k < unheard; ++k) {
+    speed = std::min(limits.max_speed, speed + limits.max_acceleration * period);
+    driven += speed * period;
+  }
+  const Point2 furthest =
+      commitment.position_at_expiry() + heading * (driven + braking_distance(speed, limits, period));
+  const double length = (furthest - rests.front()).norm();
+  const int steps = static_cast<int>(std::ceil(length / step));
+  for (int k = 1; k <= steps; ++k) rests.emplace_back(rests.front() + heading * (length * k / steps));
+  return rests;
+}
+
 bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
                          const Limits& limits, double period, std::span<const Neighbour> neighbours) {
   const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);

@@ -18,6 +18,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "motion/kinematics.h"
 #include "planning/clearance_field.h"
@@ -48,6 +49,11 @@ struct Neighbour {
 
 /// Where a robot stands in the end that brakes in a straight line after its commitment.
 Point2 rest_after(const Commitment& commitment, const Limits& limits, double period);
+
+/// Where it may stand if up to `unheard` more decisions came after this commitment: along its heading,
+/// further than it can be by the last; at most `step` metres apart. The first is rest_after.
+std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limits, double period,
+                                int unheard, double step);
 
 /// Where this robot will be if it executes `velocity` for one period from `from` on and then brakes in a
 /// straight line: whether it overlaps nothing that a neighbour may cover until it stands.

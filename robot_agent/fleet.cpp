@@ -10,12 +10,22 @@ namespace {
 // Seconds of the wall's clock without a state after which a robot counts as dead: far longer than a pause of
 // a process or a run of lost samples lasts, for one that drives on unheard may touch those who think it dead.
 constexpr double death = 2;
+// The same where others fall silent with it: that looks like a network in pieces, which may heal.
+constexpr double longest_split = 30;
+constexpr int driven_cut_off = 60;  // control periods that one may drive on until it notices
+// Without a state for so long a robot is missing: longer than samples are under way or a process pauses.
+constexpr double absence = 1;
+constexpr double long_absence = 1.5;
+// The same for all others at once, where one is alone: nobody else needs to pause for that.
+constexpr double loneliness = 0.6;
 // The same for one that was never heard of: its process may still have to start.
 constexpr double longest_muster = 10;
 // Who falls silent may have sent states that only some have heard: in this time they are passed on.
 constexpr double relay_from = 0.3;
 constexpr double relay_until = 4;
 constexpr std::size_t echoes_a_state = 4;
+constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
+constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
 
 Limits limits_of(const Mission& mission) {
   return {mission.max_speed, mission.max_acceleration};
@@ -85,33 +95,95 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   }
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (p.state && state->stamp <= p.state->stamp) return false;
+  if (p.state) loss_.hear(p.state->sequence, state->sequence);
+  if (p.dead()) minority_ = false;
+  p.rests.clear();
   p.state = std::move(state);
   p.heard_at = arrived;
   return true;
 }
 
-/// One that decides nothing more is dead once it must stand, too.
-bool Fleet::dead(const Peer& p, double now) const {
-  const double silent = silence(p, now);
-  if (!p.state) return silent > longest_muster * clock_.scale;
-  return silent > death * clock_.scale && silent > time_to_rest(*p.state);
+bool Fleet::missing(const Peer& p, double seconds, double now) const {
+  return p.state && !p.dead() && silence(p, now) > seconds * clock_.scale;
 }
 
-Neighbour Fleet::neighbour(const Peer& p, bool is_dead) const {
-  if (!p.state) {  // it stands where its mission begins
-    return {.commitment = standing_for_ever_at(p.mission->start),
-            .radius = p.mission->radius,
-            .limits = limits_of(*p.mission)};
+std::size_t Fleet::missing(double seconds, double now) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(peers_, [&](const Peer& p) { return missing(p, seconds, now); }));
+}
+
+/// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
+/// the first is.
+void Fleet::judge_silence(double now, const Point2& position, const ClearanceField& field) {
+  const std::size_t absent = missing(absence, now);
+  const double patience = absent > 1 ? longest_split : death;
+  const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
+    return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state);
+  });
+  std::vector<Peer*> lost;
+  for (Peer& p : peers_) {
+    const bool never_came =
+        !p.state && p.mission && !p.dead() && silence(p, now) > longest_muster * clock_.scale;
+    if (never_came || (over && missing(p, absence, now))) lost.push_back(&p);
+  }
+  if (lost.empty()) return;
+  const auto left = 1 + static_cast<std::size_t>(std::ranges::count_if(peers_, [&](const Peer& p) {
+                      return p.state && !p.dead() && !missing(p, absence, now);
+                    }));
+  if (over) minority_ = is_minority(lost, left);
+  const int unheard = absent > 1 ? driven_cut_off : loss_.unheard_states(left);
+  for (Peer* p : lost) bury(*p, unheard, position, field);
+}
+
+/// Of two pieces of equal size the one with the first name goes on. Of two robots both do.
+bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
+  if (lost.size() != left || left == 1) return lost.size() > left;
+  return std::ranges::any_of(lost, [&](const Peer* other) {
+    return other->robot < self_ && std::ranges::none_of(peers_, [&](const Peer& p) {
+             return !p.dead() && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
+           });
+  });
+}
+
+/// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
+/// in one of us.
+void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceField& field) {
+  if (!p.state) {
+    p.rests = {p.mission->start};
+    return;
   }
   const RobotState& s = *p.state;
-  Neighbour n{.radius = s.radius, .limits = limits_of(s)};
-  if (is_dead) {
-    n.commitment = standing_for_ever_at(rest_after(commitment_of(s, 0), n.limits, control_period));
-  } else {
-    n.commitment = commitment_of(s, p.clock.estimate());
-    n.clock_error = p.clock.error();
+  p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, rests_radii * s.radius);
+  const auto nobody_at = [&](const Point2& q) {
+    return (q - position).norm() >= s.radius + own_mission_->radius &&
+           std::ranges::none_of(peers_, [&](const Peer& other) {
+             return other.state && !other.dead() &&
+                    (q - other.state->position).norm() < s.radius + other.state->radius;
+           });
+  };
+  const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
+    return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q);
+  });
+  p.rests.erase(impossible, p.rests.end());
+}
+
+bool Fleet::cut_off(double now) const {
+  const auto alive = std::ranges::count_if(peers_, [](const Peer& p) { return p.state && !p.dead(); });
+  const bool alone = alive > 1 && missing(loneliness, now) == static_cast<std::size_t>(alive);
+  return minority_ || alone || missing(long_absence, now) > 1;
+}
+
+void Fleet::add_neighbours(const Peer& p, std::vector<Neighbour>& near) const {
+  const double radius = p.state ? p.state->radius : p.mission->radius;
+  const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
+  for (const Point2& rest : p.rests)
+    near.push_back({.commitment = standing_for_ever_at(rest), .radius = radius, .limits = limits});
+  if (p.dead()) return;
+  if (p.state) {
+    near.push_back({commitment_of(*p.state, p.clock.estimate()), radius, limits, p.clock.error()});
+  } else {  // it stands where its mission begins
+    near.push_back({standing_for_ever_at(p.mission->start), radius, limits});
   }
-  return n;
 }
 
 std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, double horizon,
@@ -120,76 +192,83 @@ std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, d
   near.reserve(peers_.size());
   for (const Peer& p : peers_) {
     if (!p.state && !p.mission) continue;
-    if (p.state) {
+    if (p.state && !p.dead()) {
       const RobotState& s = *p.state;
       const double age = now - s.stamp - p.clock.estimate() + p.clock.error();
       const double braking = s.promise.expiry - s.stamp + s.max_speed / s.max_acceleration;
       const double far = reach + s.radius + s.max_speed * (age + std::max(horizon, braking));
       if ((s.position - position).squaredNorm() > far * far) continue;
     }
-    near.push_back(neighbour(p, dead(p, now)));
+    add_neighbours(p, near);
   }
   return near;
 }
 
-FleetMember Fleet::member(const Peer& p, double now) const {
-  const bool is_dead = dead(p, now);
+FleetMember Fleet::member(const Peer& p) const {
   if (!p.state) {
     return {.robot = p.robot,
             .position = p.mission->start,
             .goal = p.mission->start,
             .radius = p.mission->radius,
-            .dead = is_dead,
+            .dead = p.dead(),
             .knot = {}};
   }
   const RobotState& s = *p.state;
-  const Point2 position =
-      is_dead ? rest_after(commitment_of(s, 0), limits_of(s), control_period) : s.position;
+  const Point2 position = p.dead() ? p.rests.front() : s.position;
   return {.robot = p.robot,
           .position = position,
-          .velocity = is_dead ? Point2::Zero() : s.velocity,
-          .goal = !is_dead && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : position,
+          .velocity = p.dead() ? Point2::Zero() : s.velocity,
+          .goal = !p.dead() && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : position,
           .radius = s.radius,
           .stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0),
-          .dead = is_dead,
-          .parked = !is_dead && !wants_to_go_on(s.phase),
+          .dead = p.dead(),
+          .parked = !p.dead() && !wants_to_go_on(s.phase),
           .knot = s.knot,
           .stage = s.stage,
           .progress = s.progress};
 }
 
-std::optional<FleetMember> Fleet::find(const RobotName& robot, double now) const {
-  const auto known = index_.find(robot);
-  if (known == index_.end()) return std::nullopt;
-  return member(peers_[known->second], now);
+std::vector<Disc> Fleet::places_of_the_dead() const {
+  std::vector<Disc> places;
+  for (const Peer& p : peers_) {
+    for (const Point2& rest : p.rests)
+      places.push_back({rest, p.state ? p.state->radius : p.mission->radius});
+  }
+  return places;
 }
 
-std::vector<FleetMember> Fleet::others(double now) const {
+std::optional<FleetMember> Fleet::find(const RobotName& robot) const {
+  const auto known = index_.find(robot);
+  if (known == index_.end()) return std::nullopt;
+  return member(peers_[known->second]);
+}
+
+std::vector<FleetMember> Fleet::others() const {
   std::vector<FleetMember> all;
-  for (const Peer& p : peers_) all.push_back(member(p, now));
+  for (const Peer& p : peers_) all.push_back(member(p));
   return all;
 }
 
-bool Fleet::all_hold(const KnotId& knot, double now) const {
+bool Fleet::all_hold(const KnotId& knot) const {
   return std::ranges::all_of(peers_, [&](const Peer& p) {
-    const FleetMember m = member(p, now);
+    const FleetMember m = member(p);
     if (m.dead || m.knot.overrides(knot)) return true;
     if (m.knot != knot && !knot.includes(m.position)) return true;
     return m.stands && m.stage == Stage::holding && m.knot == knot;
   });
 }
 
-bool Fleet::all_free(const Point2& p, double reach, double now) const {
+bool Fleet::all_free(const Point2& p, double reach) const {
   return std::ranges::all_of(peers_, [&](const Peer& peer) {
     const bool far = peer.state && (peer.state->position - p).norm() > reach;
-    return !peer.state || peer.state->stage == Stage::free || far || dead(peer, now);
+    return !peer.state || peer.state->stage == Stage::free || far || peer.dead();
   });
 }
 
-double Fleet::crowd(const Point2& p, double near, double now) const {
+double Fleet::crowd(const Point2& p, double near) const {
   std::vector<Point2> outside;
   for (const Peer& peer : peers_) {
-    if (!dead(peer, now)) outside.push_back(member(peer, now).position);
+    if (!peer.dead()) outside.push_back(member(peer).position);
   }
   double reach = near;
   std::vector<Point2> open{p};
@@ -205,10 +284,10 @@ double Fleet::crowd(const Point2& p, double near, double now) const {
   return reach;
 }
 
-double Fleet::clock_error(double now) const {
+double Fleet::clock_error() const {
   double most = 0;
   for (const Peer& p : peers_) {
-    if (p.clock.known() && !dead(p, now)) most = std::max(most, p.clock.error());
+    if (p.clock.known() && !p.dead()) most = std::max(most, p.clock.error());
   }
   return most;
 }
@@ -218,10 +297,10 @@ bool Fleet::somebody_plans() const {
                              [](const Peer& p) { return p.state && p.state->phase == Phase::planning; });
 }
 
-bool Fleet::complete(std::size_t robots, double now) const {
+bool Fleet::complete(std::size_t robots) const {
   return peers_.size() + 1 >= robots && std::ranges::all_of(peers_, [&](const Peer& p) {
            const bool done = p.mission && p.mission->cancelled;
-           return done || (p.state && p.clock.known()) || dead(p, now);
+           return done || (p.state && p.clock.known()) || p.dead();
          });
 }
 

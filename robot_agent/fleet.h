@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "bus/clock_offset.h"
 #include "bus/messages.h"
 #include "motion/promise.h"
+#include "motion/segments.h"
+#include "planning/clearance_field.h"
+#include "robot_agent/loss.h"
 
 namespace coppice {
 
@@ -45,27 +49,35 @@ class Fleet {
 
   const std::optional<Mission>& own_mission() const { return own_mission_; }
 
+  /// Once in each control step, from where this robot is: who has been silent for too long counts as dead
+  /// from now on.
+  void judge_silence(double now, const Point2& position, const ClearanceField& field);
+  /// Several at once fell silent, and not for so long that they count as dead: or more than are left do.
+  bool cut_off(double now) const;
+
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
   /// `position` and stays within `reach` of it.
   std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now) const;
 
-  std::optional<FleetMember> find(const RobotName& robot, double now) const;
-  std::vector<FleetMember> others(double now) const;
+  std::optional<FleetMember> find(const RobotName& robot) const;
+  std::vector<FleetMember> others() const;
+  /// Where the dead may stand.
+  std::vector<Disc> places_of_the_dead() const;
   /// Everybody alive within the knot's reach is known to hold in it, and to stand; but for those whom a later
   /// knot has called away.
-  bool all_hold(const KnotId& knot, double now) const;
+  bool all_hold(const KnotId& knot) const;
   /// Nobody alive within `reach` of p holds, or has moves of a joint plan left to make.
-  bool all_free(const Point2& p, double reach, double now) const;
+  bool all_free(const Point2& p, double reach) const;
   /// How far from p the crowd extends that p is part of: everybody alive who is near one of it.
-  double crowd(const Point2& p, double near, double now) const;
+  double crowd(const Point2& p, double near) const;
   /// The largest by which an alive robot's clock may be off from what is known; about what a sample takes to
   /// come from it.
-  double clock_error(double now) const;
+  double clock_error() const;
   /// Somebody looks for its first path still.
   bool somebody_plans() const;
   /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or
   /// has no more to do.
-  bool complete(std::size_t robots, double now) const;
+  bool complete(std::size_t robots) const;
 
   /// Some of the stamps that were heard, all in turn: so that the others can compare clocks.
   std::vector<Echo> next_echoes();
@@ -79,13 +91,18 @@ class Fleet {
     std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
     WallTime heard_at = 0;                      ///< of the state, or else of the first mission
     ClockOffset clock{};                        ///< of fleet times
+    std::vector<Point2> rests{};                ///< where it may stand, if it counts as dead; else empty
+    bool dead() const { return !rests.empty(); }
   };
 
   Peer& peer(const RobotName& robot);
   double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
-  bool dead(const Peer& peer, double now) const;
-  Neighbour neighbour(const Peer& peer, bool dead) const;
-  FleetMember member(const Peer& peer, double now) const;
+  bool missing(const Peer& peer, double seconds, double now) const;
+  std::size_t missing(double seconds, double now) const;
+  bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
+  void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field);
+  void add_neighbours(const Peer& peer, std::vector<Neighbour>& near) const;
+  FleetMember member(const Peer& peer) const;
 
   RobotName self_;
   FleetClock clock_;
@@ -95,6 +112,8 @@ class Fleet {
   std::unordered_map<RobotName, std::size_t> index_;
   std::size_t last_ = 0;  ///< that was asked for
   std::size_t next_echo_ = 0;
+  LossCount loss_;
+  bool minority_ = false;  ///< those who fell silent at once were more than those who are left
 };
 
 }  // namespace coppice

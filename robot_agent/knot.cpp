@@ -55,7 +55,7 @@ void Knot::hear(const JointPlanMessage& plan) {
 /// A crowd that was not sorted out, or that came together again, is wider than it seemed.
 void Knot::call(const FleetMember& self, const Fleet& fleet, double now) {
   const bool again = called_at_ && now - *called_at_ < soon;
-  const double crowd = fleet.crowd(self.position, crowd_radii * self.radius, now);
+  const double crowd = fleet.crowd(self.position, crowd_radii * self.radius);
   begin(self, std::min(everywhere, std::max(crowd, again ? 2 * id_.reach : 0)), now);
 }
 
@@ -82,7 +82,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceFiel
     lead(self, fleet, field, now);
     return;
   }
-  const auto leader = fleet.find(id_.leader, now);
+  const auto leader = fleet.find(id_.leader);
   const bool leaderless = !leader || leader->dead || leader->knot != id_;
   if ((leaderless && now - *holding_since_ > 1) || now - *holding_since_ > longest_hold) {
     call(self, fleet, now);
@@ -98,14 +98,16 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, const ClearanceFiel
     if (planner_->step()) publish(self, now);
     return;
   }
-  if (!self.stands || !fleet.all_hold(id_, now)) return;
+  if (!self.stands || !fleet.all_hold(id_)) return;
   led_ = {self};
   std::vector<JointTask> obstacles;
-  for (const FleetMember& m : fleet.others(now)) {
+  for (const FleetMember& m : fleet.others()) {
     const bool holds = !m.dead && m.knot == id_ && m.stage == Stage::holding;
     if (holds) led_.push_back(m);
-    if (m.dead || (!holds && m.parked)) obstacles.push_back({m.position, m.position, m.radius, false});
+    if (!holds && m.parked) obstacles.push_back({m.position, m.position, m.radius, false});
   }
+  for (const Disc& dead : fleet.places_of_the_dead())
+    obstacles.push_back({dead.centre, dead.centre, dead.radius, false});
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, true});
   tasks.insert(tasks.end(), obstacles.begin(), obstacles.end());
@@ -160,13 +162,13 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
                                 const Limits& limits, double now) {
   const auto passed = [&](std::size_t index) {
     if (done_[index]) return std::numeric_limits<double>::infinity();
-    const auto other = fleet.find(members_[index], now);
+    const auto other = fleet.find(members_[index]);
     return other && other->knot == id_ && other->stage == Stage::ordered ? other->progress : 0.0;
   };
   const Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
   const auto waits = follower_->waits_for();
   waits_for_ = waits ? members_[*waits] : RobotName();
-  const auto waited_for = waits ? fleet.find(waits_for_, now) : std::nullopt;
+  const auto waited_for = waits ? fleet.find(waits_for_) : std::nullopt;
   if (follower_->progress() > last_progress_ || (waited_for && !waited_for->dead)) {
     last_progress_ = follower_->progress();
     last_progress_time_ = now;
@@ -193,7 +195,7 @@ bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) {
   const auto own = std::ranges::find(members_, robot_) - members_.begin();
   const std::size_t own_next = next_move(static_cast<std::size_t>(own), progress());
   for (std::size_t k = 0; k < members_.size(); ++k) {
-    const auto other = members_[k] == robot_ ? std::nullopt : fleet.find(members_[k], now);
+    const auto other = members_[k] == robot_ ? std::nullopt : fleet.find(members_[k]);
     if (!other || other->dead || other->knot != id_ || other->stage != Stage::ordered) continue;
     const bool close = (other->position - self.position).norm() < close_radii * (self.radius + other->radius);
     if (!close || next_move(k, other->progress) >= own_next) continue;

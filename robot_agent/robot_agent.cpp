@@ -10,8 +10,8 @@ namespace {
 
 constexpr double period = control_period;
 constexpr WallTime status_beat = 0.5;  // seconds: at least this often, for liveliness
-// A robot whose agent slept for so long stands as long again before it moves on: the others may have come to
-// think it dead, and hear of it first.
+// A robot whose agent slept for so long, or that was cut off, stands as long again before it moves on: the
+// others may have come to think it dead, and hear of it first.
 constexpr WallTime own_silence = 1;
 constexpr std::uint32_t relay_each = 4;  // control periods between two times that it passes on last words
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
@@ -241,12 +241,16 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
+  fleet_.judge_silence(fleet_now, body_->position(), *field_);
+  if (fleet_.cut_off(fleet_now)) heard_again_at_ = fleet_now + own_silence * mission_->clock.scale;
   const std::vector<Neighbour> others = neighbours(fleet_now);
-  if (status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
+  const bool listens = fleet_now < heard_again_at_;
+  if (!listens && status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(self(), fleet_, *field_, fleet_now);
   const bool free = knot_.stage() == Stage::free;
-  lets_others_finish_ = lets_others_finish_ && !all_free_around(fleet_now);
-  if (fleet_now < heard_again_at_) {
+  lets_others_finish_ = lets_others_finish_ && !all_free_around();
+  if (listens) {
+    last_gain_time_ = fleet_now;
     body_->choose(Point2::Zero(), others, *field_);
   } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
              may_set_off(fleet_now)) {
@@ -260,7 +264,7 @@ void RobotAgent::decide(double fleet_now) {
       body_->choose(Point2::Zero(), others, *field_);
       // A robot that plans, or waits for news of the others, will set off any moment.
       const bool ready = status_.phase == Phase::driving && !may_set_off(fleet_now);
-      if (status_.phase != Phase::planning && !ready) stand_for(free ? idle_lease : waiting_lease, fleet_now);
+      if (status_.phase != Phase::planning && !ready) stand_for(free ? idle_lease : waiting_lease);
     }
   }
   if (status_.phase != Phase::stopped) watch_arrival(fleet_now);
@@ -278,9 +282,9 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   const bool leans = follower_->remaining(next) > end_radii * r;
   Point2 wanted = leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred;
   if (body_->velocity().norm() >= fair_pace * preferred.norm()) last_pace_time_ = fleet_now;
-  if (fleet_now - last_pace_time_ > waiting_lease && lets_go_first(preferred, fleet_now)) {
+  if (fleet_now - last_pace_time_ > waiting_lease && lets_go_first(preferred)) {
     wanted = Point2::Zero();
-    stand_for(waiting_lease, fleet_now);
+    stand_for(waiting_lease);
   }
   body_->choose(wanted, neighbours, *field_);
   if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
@@ -289,15 +293,14 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     last_gain_time_ = fleet_now;
   }
   // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
-  if (fleet_now - last_gain_time_ > stall && all_free_around(fleet_now))
-    knot_.call(self(), fleet_, fleet_now);
+  if (fleet_now - last_gain_time_ > stall && all_free_around()) knot_.call(self(), fleet_, fleet_now);
 }
 
 /// Of two that drive side by side each fears that the other turns, and both slow down. The one that is
 /// behind, or has the later name, stands until the other has gone.
-bool RobotAgent::lets_go_first(const Point2& preferred, double fleet_now) const {
+bool RobotAgent::lets_go_first(const Point2& preferred) const {
   const Point2 ahead = preferred / std::max(preferred.norm(), 1e-9);
-  return std::ranges::any_of(fleet_.others(fleet_now), [&](const FleetMember& m) {
+  return std::ranges::any_of(fleet_.others(), [&](const FleetMember& m) {
     const Point2 gap = m.position - body_->position();
     const double reach = body_->radius() + m.radius;
     if (gap.norm() > beside * reach || m.stands || m.stage != Stage::free) return false;
@@ -313,7 +316,7 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
   const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   if (wanted.isZero(0)) {
     body_->follow(wanted, neighbours, *field_);
-    stand_for(waiting_lease, fleet_now);
+    stand_for(waiting_lease);
   } else if (!body_->bound_to_stand()) {
     knot_.led_past(body_->follow(wanted, neighbours, *field_));
     // Of several that fear each other's next move, one must go.
@@ -322,13 +325,13 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
     const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
     if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) {
       body_->follow(Point2::Zero(), neighbours, *field_);
-      stand_for(waiting_lease, fleet_now);
+      stand_for(waiting_lease);
     }
   }
 }
 
-void RobotAgent::stand_for(double seconds, double fleet_now) {
-  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error(fleet_now));
+void RobotAgent::stand_for(double seconds) {
+  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error());
 }
 
 /// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way
@@ -343,7 +346,7 @@ void RobotAgent::watch_arrival(double fleet_now) {
   if (at_goal) {
     status_.arrival_time = body_->time();
     enter(Phase::arrived);
-  } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere, fleet_now)) {
+  } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere)) {
     // Where the others are now, another attempt may succeed.
     if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
     status_.reason = "the robots cannot be sorted out: no order of moves brings this one to its goal";
@@ -351,8 +354,8 @@ void RobotAgent::watch_arrival(double fleet_now) {
   }
 }
 
-bool RobotAgent::all_free_around(double fleet_now) const {
-  return fleet_.all_free(body_->position(), around_radii * body_->radius(), fleet_now);
+bool RobotAgent::all_free_around() const {
+  return fleet_.all_free(body_->position(), around_radii * body_->radius());
 }
 
 void RobotAgent::enter(Phase phase) {
@@ -364,7 +367,7 @@ void RobotAgent::enter(Phase phase) {
 /// there are.
 bool RobotAgent::may_set_off(double fleet_now) const {
   const bool mustered = fleet_now - status_.mission_time > longest_muster * mission_->clock.scale;
-  return fleet_.complete(mustered ? 0 : mission_->fleet_size, fleet_now);
+  return fleet_.complete(mustered ? 0 : mission_->fleet_size);
 }
 
 /// All who may come near while this robot looks ahead, or brakes.

@@ -51,11 +51,11 @@ class RobotAgent {
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
-  void stand_for(double seconds, double fleet_now);
-  bool lets_go_first(const Point2& preferred, double fleet_now) const;
+  void stand_for(double seconds);
+  bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
   bool may_set_off(double fleet_now) const;
-  bool all_free_around(double fleet_now) const;
+  bool all_free_around() const;
   void enter(Phase phase);
   std::vector<Neighbour> neighbours(double fleet_now) const;
   FleetMember self() const;
@@ -84,7 +84,7 @@ class RobotAgent {
   bool status_changed_ = true;
   std::uint32_t sequence_ = 0;
   bool first_control_ = true;
-  double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence of its own
+  double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence
   int times_stranded_ = 0;
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;

@@ -113,8 +113,10 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   for (const NamedTrack& track : tracks) {
     const auto& points = track.track.points;
     result.robot_hours += static_cast<double>(points.size()) * control_period / 3600;
-    if (simulation.killed(track.robot) && !points.empty())
-      dead.push_back({points.back().position, track.track.radius});
+    if (!simulation.killed(track.robot)) continue;
+    const Point2 start =
+        simulation.service().task(track.robot).start;  // killed before it had heard of its mission
+    dead.push_back({points.empty() ? start : points.back().position, track.track.radius});
   }
   const proto::Report report = simulation.service().report(tracks);
   for (std::size_t i = 0; i < tracks.size(); ++i) {

@@ -19,6 +19,7 @@ TEST_P(FuzzSeeds, AreSurvived) {
 
 INSTANTIATE_TEST_SUITE_P(PastItsOwnGoal, FuzzSeeds,
                          testing::Values(7));  // where one must wait, and come back, while the other passes
+INSTANTIATE_TEST_SUITE_P(LastWordsHeardByNobody, FuzzSeeds, testing::Values(100456));
 // A robot's velocity jumps at the beginning of a period, not evenly within it.
 INSTANTIATE_TEST_SUITE_P(TwoThatCreep, FuzzSeeds, testing::Values(100213));
 INSTANTIATE_TEST_SUITE_P(LateCrossing, FuzzSeeds, testing::Values(1100));  // 40 robots, a third of the news

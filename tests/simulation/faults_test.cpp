@@ -64,6 +64,24 @@ TEST(Faults, WhereADeadRobotStandsIsKnownToAllThoughItsLastStatesWereLost) {
   }
 }
 
+// Of two robots only one hears the other: what is lost on that way is lost to all.
+TEST(Faults, WhereADeadRobotStandsIsKeptClearThoughItsLastStatesReachedNobody) {
+  for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+    const Faults faults{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1},
+                        .kills = {{seed % 2 == 0 ? "r1" : "r2", 2 + 0.25 * seed}}};
+    const Outcome outcome = simulate("pocket-18", 2, seed, faults);
+    EXPECT_TRUE(outcome.broken.empty()) << seed << ": " << outcome.broken.front();
+  }
+}
+
+TEST(Faults, AFleetInTwoPiecesStandsUntilItHeals) {
+  for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+    const Faults faults{.bus = {.partitions = {{5, 25}}}};
+    for (const char* name : {"circle", "rooms", "corridor-24"})
+      expect_all_arrive(simulate(name, 10, seed, faults), name);
+  }
+}
+
 TEST(Faults, WrongClocksTouchNothing) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed) {
     expect_all_arrive(simulate("rooms", 8, seed, {.clock_skew = 1}), "rooms");
