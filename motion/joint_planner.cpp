@@ -10,22 +10,21 @@ namespace coppice {
 
 namespace {
 
-constexpr double place_spacing = 0.2;  // radii between points of the lattice that places lie on
 constexpr std::size_t configurations_a_step = 1000;
 constexpr std::size_t most_configurations = 100'000;
 
 }  // namespace
 
-JointPlanner::JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
-    : field_(field), tasks_(std::move(tasks)), random_(random) {
+JointPlanner::JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random)
+    : field_(places.field()), tasks_(std::move(tasks)), random_(random) {
   const bool one_size =
       std::ranges::all_of(tasks_, [&](const JointTask& t) { return t.radius == tasks_[0].radius; });
-  if (one_size) set_up_places();
+  if (one_size) set_up_places(places.packed(tasks_[0].radius));
 }
 
 /// Places for everybody, and what each wants: to its goal, or to give way if it could not even get there
 /// alone.
-void JointPlanner::set_up_places() {
+void JointPlanner::set_up_places(PackedPlaces& packed) {
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
@@ -47,7 +46,7 @@ void JointPlanner::set_up_places() {
     crowd.push_back({start, place_of(task.goal)});
   }
   const double radius = tasks_[0].radius;
-  graph_ = PackedPlaces(field_, radius, place_spacing * radius).with(ends, dead);
+  graph_ = packed.with(ends, dead);
   const std::vector<Place> parts = parts_of(graph_);
   for (std::size_t k = 0; k < crowd.size(); ++k) {
     if (parts[crowd[k].start] == parts[*crowd[k].goal]) continue;

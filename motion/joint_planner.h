@@ -20,9 +20,9 @@ namespace coppice {
 
 class JointPlanner {
  public:
-  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start; one
-  /// that is not movable has its place as its goal.
-  JointPlanner(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
+  /// `places`, and their field, outlive it. A robot that could not even reach its goal alone is stranded from
+  /// the start; one that is not movable has its place as its goal.
+  JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random);
 
   /// A bounded amount of work. True once the plan is there.
   bool step();
@@ -30,7 +30,7 @@ class JointPlanner {
   const JointPlan& plan() const { return plan_; }
 
  private:
-  void set_up_places();
+  void set_up_places(PackedPlaces& packed);
   void take_up(const Lacam& solution);
 
   const ClearanceField& field_;

@@ -15,6 +15,7 @@ namespace coppice {
 
 namespace {
 
+constexpr double place_spacing = 0.2;  // radii between points of the lattice that places lie on
 constexpr double comfort = 0.1;        // radii between robots on packed places, beyond touching
 constexpr double reach_of_more = 1.8;  // of what other places are linked to in a straight line, likewise in
                                        // distances between packed places
@@ -52,11 +53,7 @@ class PlaceGrid {
   std::vector<Place> near(Place from, const PlaceGraph::Edge& edge, double distance) const {
     std::vector<Place> found{edge.to};
     const auto check = [&](Place k) {
-      if (k == from || k == edge.to) return;
-      const double at_ends = std::min((places_[k] - places_[from]).norm(),
-                                      std::max(touching_, (places_[k] - places_[edge.to]).norm()));
-      if (point_path_distance(places_[k], edge.path) < std::min(distance, at_ends) - rounding)
-        found.push_back(k);
+      if (is_near(k, from, edge, distance)) found.push_back(k);
     };
     for (std::size_t k = 1; k < edge.path.size(); ++k) {
       const Point2 way = edge.path[k] - edge.path[k - 1];
@@ -69,6 +66,16 @@ class PlaceGrid {
     const auto [first, last] = std::ranges::unique(found);
     found.erase(first, last);
     return found;
+  }
+
+  /// Whether that holds for place k, which is not `edge.to`.
+  bool is_near(Place k, Place from, const PlaceGraph::Edge& edge, double distance) const {
+    if (k == from || k == edge.to) return false;
+    const double from_start = (places_[k] - places_[from]).norm();
+    const double from_end = (places_[k] - places_[edge.to]).norm();
+    if (from_start + from_end > edge.length + 2 * distance) return false;
+    const double at_ends = std::min(from_start, std::max(touching_, from_end));
+    return point_path_distance(places_[k], edge.path) < std::min(distance, at_ends) - rounding;
   }
 
  private:
@@ -251,9 +258,21 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
         return point_path_distance(disc.centre, edge.path) < radius_ + disc.radius + standing_gap;
       });
     });
-    for (PlaceGraph::Edge& edge : edges) edge.near = grid.near(from, edge, apart_);
+    for (PlaceGraph::Edge& edge : edges) {
+      if (edge.near.empty()) {
+        edge.near = grid.near(from, edge, apart_);
+      } else {  // a packed one knows the packed places
+        for (Place k = first_packed; k-- > 0;) {
+          if (grid.is_near(k, from, edge, apart_)) edge.near.insert(edge.near.begin(), k);
+        }
+      }
+    }
   }
   return graph;
+}
+
+PackedPlaces& PlacesOfMap::packed(double radius) {
+  return by_radius_.try_emplace(radius, field_, radius, place_spacing * radius).first->second;
 }
 
 }  // namespace coppice

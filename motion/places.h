@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -70,6 +71,20 @@ class PackedPlaces {
   std::vector<Lattice::Vertex> vertices_;  ///< of the places
   std::vector<Cell> cells_;                ///< of the lattice's vertices
   std::vector<std::vector<PlaceGraph::Edge>> edges_;
+};
+
+/// The places of a map, packed when they are first asked for: that takes as long as many a joint plan.
+class PlacesOfMap {
+ public:
+  /// `field` outlives it.
+  explicit PlacesOfMap(const ClearanceField& field) : field_(field) {}
+
+  const ClearanceField& field() const { return field_; }
+  PackedPlaces& packed(double radius);
+
+ private:
+  const ClearanceField& field_;
+  std::map<double, PackedPlaces> by_radius_;
 };
 
 }  // namespace coppice

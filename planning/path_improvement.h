@@ -39,10 +39,22 @@ class PathImprover {
 
   /// A place where a ball of `radius` is free.
   void add_place(const P& p, double radius) { places_.push_back({p, radius}); }
-  /// A robot with its first path; its number. Before the first step.
+  std::size_t places() const { return places_.size(); }
+  /// A robot with its first path; its number. Before the first step, with this or any of the radii of earlier
+  /// robots.
   std::size_t add_robot(std::vector<P> path, double radius) {
     robots_.push_back({std::move(path), radius, 0, 0});
     return robots_.size() - 1;
+  }
+
+  /// Begins anew with other robots, on the roadmaps as they are: if these had become as dense as is worth
+  /// while, they are searched once.
+  void forget_robots() {
+    robots_.clear();
+    stage_ = Stage::pull_taut;
+    next_ = 0;
+    round_ = 0;
+    vain_ = 0;
   }
 
   const std::vector<P>& path(std::size_t robot) const { return robots_[robot].path; }
@@ -114,20 +126,19 @@ class PathImprover {
       robot.start = map.add(robot.path.front());
       robot.goal = map.add(robot.path.back());
     }
-    next_ = 0;
     stage_ = Stage::link;
     return true;
   }
 
   /// A few of the places to every roadmap that they serve.
   bool link_places() {
-    const std::size_t end = std::min(places_.size(), next_ + places_a_step);
-    for (; next_ < end; ++next_) {
+    const std::size_t end = std::min(places_.size(), linked_ + places_a_step);
+    for (; linked_ < end; ++linked_) {
       for (auto& [radius, map] : roadmaps_) {
-        if (places_[next_].radius >= radius) map.add(places_[next_].p);
+        if (places_[linked_].radius >= radius) map.add(places_[linked_].p);
       }
     }
-    if (next_ < places_.size()) return true;
+    if (linked_ < places_.size()) return true;
     next_ = 0;
     before_ = total();
     stage_ = Stage::search;
@@ -148,15 +159,15 @@ class PathImprover {
     }
     vain_ = before_ - total() < worthwhile * before_ && round_ > 0 ? vain_ + 1 : 0;
     ++round_;
-    if (vain_ == rounds_in_vain || !draw_places()) stage_ = Stage::done;
-    return stage_ != Stage::done;
+    dense_ = dense_ || vain_ == rounds_in_vain || !draw_places();
+    if (dense_) stage_ = Stage::done;
+    return !dense_;
   }
 
   /// Evenly spread places for the next round; false if the roadmaps are as dense as they get.
   bool draw_places() {
     const std::size_t batch = std::max(least_batch, places_.size() / 2);
-    next_ = places_.size();
-    if (next_ + batch > most_places) return false;
+    if (places_.size() + batch > most_places) return false;
     const double least_radius = roadmaps_.begin()->first;
     for (std::size_t k = 0; k < batch; ++k) {
       P p = even_points_.next();
@@ -201,7 +212,9 @@ class PathImprover {
   std::vector<Robot> robots_;
   std::map<double, Roadmap<S>> roadmaps_;  ///< by radius
   Stage stage_ = Stage::pull_taut;
-  std::size_t next_ = 0;
+  std::size_t next_ = 0;    ///< robot
+  std::size_t linked_ = 0;  ///< places
+  bool dense_ = false;
   double before_ = 0;
   int round_ = 0;
   int vain_ = 0;

@@ -23,7 +23,9 @@ constexpr double longest_muster = 10;
 // Who falls silent may have sent states that only some have heard: in this time they are passed on.
 constexpr double relay_from = 0.3;
 constexpr double relay_until = 4;
-constexpr std::size_t echoes_a_state = 4;
+constexpr std::size_t echoes_a_state = 8;
+constexpr double good_clock = 0.0015;  // seconds: two centimetres' drive
+constexpr std::size_t silent_in_a_row = 8;
 constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
 constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
 
@@ -60,8 +62,10 @@ bool wants_to_go_on(Phase phase) {
 }  // namespace
 
 Fleet::Peer& Fleet::peer(const RobotName& robot) {
-  // States of a period come in the same order as those of the period before.
-  if (++last_ < peers_.size() && peers_[last_].robot == robot) return peers_[last_];
+  // States of a period come in the same order as those of the period before, but for those who say nothing.
+  for (std::size_t k = last_ + 1; k < std::min(peers_.size(), last_ + 1 + silent_in_a_row); ++k) {
+    if (peers_[k].robot == robot) return peers_[last_ = k];
+  }
   const auto [entry, fresh] = index_.try_emplace(robot, peers_.size());
   if (fresh) peers_.push_back({robot});
   last_ = entry->second;
@@ -90,6 +94,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     const double now = clock_.fleet_time(arrived);
     p.clock.hear(state->stamp, now);
     for (const Echo& echo : state->echoes) {
+      if (p.clock.error() < good_clock) break;
       if (echo.robot == self_) p.clock.hear_echo(echo.stamp, echo.received, now);
     }
   }
@@ -107,32 +112,44 @@ bool Fleet::missing(const Peer& p, double seconds, double now) const {
   return p.state && !p.dead() && silence(p, now) > seconds * clock_.scale;
 }
 
-std::size_t Fleet::missing(double seconds, double now) const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(peers_, [&](const Peer& p) { return missing(p, seconds, now); }));
+Fleet::Absences Fleet::absences(double now) const {
+  Absences count;
+  for (const Peer& p : peers_) {
+    if (p.dead()) continue;
+    const double silent = silence(p, now) / clock_.scale;
+    if (!p.state) {
+      count.never_came += p.mission && silent > longest_muster;
+      continue;
+    }
+    ++count.alive;
+    count.unheard += silent > loneliness;
+    count.absent += silent > absence;
+    count.long_absent += silent > long_absence;
+  }
+  return count;
 }
 
 /// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
 /// the first is.
 void Fleet::judge_silence(double now, const Point2& position, const ClearanceField& field) {
-  const std::size_t absent = missing(absence, now);
-  const double patience = absent > 1 ? longest_split : death;
-  const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
-    return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state);
-  });
-  std::vector<Peer*> lost;
-  for (Peer& p : peers_) {
-    const bool never_came =
-        !p.state && p.mission && !p.dead() && silence(p, now) > longest_muster * clock_.scale;
-    if (never_came || (over && missing(p, absence, now))) lost.push_back(&p);
+  const Absences count = absences(now);
+  if (count.never_came + count.absent > 0) {
+    const double patience = count.absent > 1 ? longest_split : death;
+    const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
+      return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state);
+    });
+    std::vector<Peer*> lost;
+    for (Peer& p : peers_) {
+      const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * clock_.scale;
+      if ((never_came && !p.dead()) || (over && missing(p, absence, now))) lost.push_back(&p);
+    }
+    const std::size_t left = 1 + count.alive - count.absent;
+    if (over) minority_ = is_minority(lost, left);
+    const int unheard = count.absent > 1 ? driven_cut_off : loss_.unheard_states(left);
+    for (Peer* p : lost) bury(*p, unheard, position, field);
   }
-  if (lost.empty()) return;
-  const auto left = 1 + static_cast<std::size_t>(std::ranges::count_if(peers_, [&](const Peer& p) {
-                      return p.state && !p.dead() && !missing(p, absence, now);
-                    }));
-  if (over) minority_ = is_minority(lost, left);
-  const int unheard = absent > 1 ? driven_cut_off : loss_.unheard_states(left);
-  for (Peer* p : lost) bury(*p, unheard, position, field);
+  const bool alone = count.alive > 1 && count.unheard == count.alive;
+  cut_off_ = minority_ || alone || count.long_absent > 1;
 }
 
 /// Of two pieces of equal size the one with the first name goes on. Of two robots both do.
@@ -165,12 +182,6 @@ void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceFi
     return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q);
   });
   p.rests.erase(impossible, p.rests.end());
-}
-
-bool Fleet::cut_off(double now) const {
-  const auto alive = std::ranges::count_if(peers_, [](const Peer& p) { return p.state && !p.dead(); });
-  const bool alone = alive > 1 && missing(loneliness, now) == static_cast<std::size_t>(alive);
-  return minority_ || alone || missing(long_absence, now) > 1;
 }
 
 void Fleet::add_neighbours(const Peer& p, std::vector<Neighbour>& near) const {

@@ -52,8 +52,9 @@ class Fleet {
   /// Once in each control step, from where this robot is: who has been silent for too long counts as dead
   /// from now on.
   void judge_silence(double now, const Point2& position, const ClearanceField& field);
-  /// Several at once fell silent, and not for so long that they count as dead: or more than are left do.
-  bool cut_off(double now) const;
+  /// At the last judgement: several at once fell silent, and not for so long that they count as dead: or more
+  /// than are left do.
+  bool cut_off() const { return cut_off_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
   /// `position` and stays within `reach` of it.
@@ -95,10 +96,18 @@ class Fleet {
     bool dead() const { return !rests.empty(); }
   };
 
+  struct Absences {         ///< of those who do not count as dead
+    std::size_t alive = 0;  ///< and heard of at some time
+    std::size_t unheard = 0;
+    std::size_t absent = 0;
+    std::size_t long_absent = 0;
+    std::size_t never_came = 0;
+  };
+
   Peer& peer(const RobotName& robot);
   double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
   bool missing(const Peer& peer, double seconds, double now) const;
-  std::size_t missing(double seconds, double now) const;
+  Absences absences(double now) const;
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
   void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field);
   void add_neighbours(const Peer& peer, std::vector<Neighbour>& near) const;
@@ -113,6 +122,7 @@ class Fleet {
   std::size_t last_ = 0;  ///< that was asked for
   std::size_t next_echo_ = 0;
   LossCount loss_;
+  bool cut_off_ = false;
   bool minority_ = false;  ///< those who fell silent at once were more than those who are left
 };
 

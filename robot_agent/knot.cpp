@@ -37,12 +37,17 @@ void Knot::let_go() {
 
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
   latest_epoch_ = std::max(latest_epoch_, state.knot.epoch);
+  const bool called_on = state.knot.overrides(id_);
+  const bool through = stage_ == Stage::ordered && state.knot == id_ && state.stage == Stage::free;
+  if (!called_on && !through) return;  // nearly all
   const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
-  const auto index = static_cast<std::size_t>(member - members_.begin());
-  if (member != members_.end() && state.knot == id_ && state.stage == Stage::free) done_[index] = true;
-  if (!state.knot.overrides(id_)) return;
-  if (member != members_.end() && !done_[index]) let_go();
-  if (state.stage == Stage::holding && position && state.knot.includes(*position)) join(state.knot);
+  if (member != members_.end()) {
+    const auto index = static_cast<std::size_t>(member - members_.begin());
+    if (through) done_[index] = true;
+    if (called_on && !done_[index]) let_go();
+  }
+  if (called_on && state.stage == Stage::holding && position && state.knot.includes(*position))
+    join(state.knot);
 }
 
 void Knot::hear(const JointPlanMessage& plan) {
@@ -69,7 +74,7 @@ void Knot::begin(const FleetMember& self, double reach, double now) {
   called_at_ = now;
 }
 
-void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now) {
+void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now) {
   if (!holding_since_) holding_since_ = now;
   if (plan_) {
     if (!self.stands) return;
@@ -79,7 +84,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceFiel
     return;
   }
   if (id_.leader == robot_) {
-    lead(self, fleet, field, now);
+    lead(self, fleet, places, now);
     return;
   }
   const auto leader = fleet.find(id_.leader);
@@ -93,7 +98,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, const ClearanceFiel
 
 /// Plans as soon as everybody alive within reach holds in this knot and stands. Who stands elsewhere and
 /// wants to go nowhere is an obstacle.
-void Knot::lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now) {
+void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now) {
   if (planner_) {
     if (planner_->step()) publish(self, now);
     return;
@@ -111,7 +116,7 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, const ClearanceFiel
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, true});
   tasks.insert(tasks.end(), obstacles.begin(), obstacles.end());
-  planner_ = std::make_unique<JointPlanner>(field, std::move(tasks), Random(id_.epoch));
+  planner_ = std::make_unique<JointPlanner>(places, std::move(tasks), Random(id_.epoch));
 }
 
 void Knot::publish(const FleetMember& self, double now) {

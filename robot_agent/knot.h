@@ -18,8 +18,8 @@
 
 #include "bus/messages.h"
 #include "motion/joint_planner.h"
+#include "motion/places.h"
 #include "motion/way_follower.h"
-#include "planning/clearance_field.h"
 #include "robot_agent/fleet.h"
 
 namespace coppice {
@@ -48,7 +48,7 @@ class Knot {
   void call_everybody(const FleetMember& self, double now);
 
   /// Once a control period while holding. `own_plan`, once, what to publish.
-  void hold(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
+  void hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);
   std::optional<JointPlanMessage> take_own_plan();
 
   /// Once a control period while ordered: where to drive. Ends the stage when the last move is done.
@@ -70,7 +70,7 @@ class Knot {
   void join(const KnotId& id);
   void begin(const FleetMember& self, double reach, double now);
   void let_go();
-  void lead(const FleetMember& self, const Fleet& fleet, const ClearanceField& field, double now);
+  void lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);
   void publish(const FleetMember& self, double now);
   void take_up(const JointPlanMessage& plan, const FleetMember& self);
   std::size_t next_move(std::size_t member, double progress) const;

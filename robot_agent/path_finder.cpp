@@ -24,8 +24,10 @@ constexpr std::uint64_t most_iterations = 20'000'000;
 
 }  // namespace
 
-PathFinder::PathFinder(const ClearanceField& field, const Mission& mission, const Point2& start)
+PathFinder::PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver,
+                       const Mission& mission, const Point2& start)
     : field_(field),
+      improver_(improver),
       mission_(mission),
       start_(start),
       epsilon_(suggested_epsilon(field, mission.radius)),
@@ -78,21 +80,23 @@ double PathFinder::pause() const {
 
 /// Straight off the trees; from now on it may become shorter.
 Path PathFinder::take_first_path() {
-  improver_.emplace(field_, epsilon_, Random(mission_.seed + 1));
-  improver_->add_robot(rrt_star_ ? rrt_star_->path() : planner_.path(group_), mission_.radius);
-  const Trees<2>& trees = planner_.trees();
-  for (NodeId n = 0; n < trees.node_count(); ++n)
-    improver_->add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
-  return improver_->path(0);
+  if (improver_.places() == 0) {
+    const Trees<2>& trees = planner_.trees();
+    for (NodeId n = 0; n < trees.node_count(); ++n)
+      improver_.add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+  }
+  improver_.forget_robots();
+  improver_.add_robot(rrt_star_ ? rrt_star_->path() : planner_.path(group_), mission_.radius);
+  return improver_.path(0);
 }
 
 const Path& PathFinder::pull_taut() {
-  while (!improver_->all_taut()) improver_->step();
-  return improver_->path(0);
+  while (!improver_.all_taut()) improver_.step();
+  return improver_.path(0);
 }
 
 bool PathFinder::improve() {
-  return improver_->step();
+  return improver_.step();
 }
 
 SampleCounts PathFinder::counts() const {

@@ -26,8 +26,10 @@ class PathFinder {
  public:
   using Result = std::variant<Path, NoPath>;
 
-  /// Plans from `start` to the mission's goal on `field`, which outlives it.
-  PathFinder(const ClearanceField& field, const Mission& mission, const Point2& start);
+  /// Plans from `start` to the mission's goal on `field`. That and the `improver`, which knows what missions
+  /// before have learnt about the map, outlive it.
+  PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver, const Mission& mission,
+             const Point2& start);
 
   void take(const InactiveTreeMessage& tree);
 
@@ -35,13 +37,13 @@ class PathFinder {
   std::optional<Result> step();
 
   /// Whether the first path has been pulled taut already; pulls it taut.
-  bool is_taut() const { return improver_->all_taut(); }
+  bool is_taut() const { return improver_.all_taut(); }
   const Path& pull_taut();
 
   /// A bounded amount of looking for a shorter path than the one that step() found. False once none turns up.
   bool improve();
   /// The shortest path so far.
-  const Path& path() const { return improver_->path(0); }
+  const Path& path() const { return improver_.path(0); }
 
   /// Seconds to leave to the broker before the next step. The root trees get their share of the samples, as
   /// in one process, and the disjointed trees that serve everybody the rest; without news from the broker, no
@@ -60,13 +62,13 @@ class PathFinder {
   Path take_first_path();
 
   const ClearanceField& field_;
+  PathImprover<ClearanceField>& improver_;
   Mission mission_;
   Point2 start_;
   double epsilon_;
   std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< where the mission asks for it
   MaRrdtStar<ClearanceField> planner_;
   GroupIndex group_ = 0;
-  std::optional<PathImprover<ClearanceField>> improver_;
   std::uint64_t iterations_ = 0;
   int steps_without_news_ = 0;
   bool reachability_checked_ = false;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "planning/suggestions.h"
+
 namespace coppice {
 
 namespace {
@@ -13,9 +15,11 @@ constexpr WallTime status_beat = 0.5;  // seconds: at least this often, for live
 // A robot whose agent slept for so long, or that was cut off, stands as long again before it moves on: the
 // others may have come to think it dead, and hear of it first.
 constexpr WallTime own_silence = 1;
-constexpr std::uint32_t relay_each = 4;  // control periods between two times that it passes on last words
-constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
-constexpr std::size_t track_batch = 20;  // points: one second of fleet time
+constexpr std::uint32_t repeat_news = 5;    // control periods in which a robot that stands says so in each
+constexpr std::uint32_t standing_beat = 3;  // and then in each third
+constexpr std::uint32_t relay_each = 4;     // control periods between two times that it passes on last words
+constexpr WallTime longest_muster = 10;     // seconds to wait for the others' missions before setting off
+constexpr std::size_t track_batch = 20;     // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
@@ -71,7 +75,6 @@ void RobotAgent::on(const Arrival& arrival) {
 void RobotAgent::receive(const MapMessage& message, WallTime) {
   if (map_ && map_->map_id == message.map_id) return;
   map_ = message;
-  field_ = std::make_unique<ClearanceField>(message.map);
   std::erase_if(trees_, [&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
   status_.trees_received = static_cast<std::uint32_t>(trees_.size());
 }
@@ -103,6 +106,12 @@ void RobotAgent::begin_mission(WallTime now) {
   }
   if (mission_ && mission_->number == mission.number) return;
 
+  if (!ground_ || ground_->map_id != map_->map_id) {
+    finder_.reset();  // it, and a joint planner, look at the old one
+    knot_ = Knot(name_);
+    improver_.reset();
+    ground_ = grounds_->of(*map_);
+  }
   const double fleet_now = mission.clock.fleet_time(now);
   if (!body_) {
     const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
@@ -123,10 +132,19 @@ void RobotAgent::begin_mission(WallTime now) {
   enter(Phase::planning);
 }
 
+PathImprover<ClearanceField>& RobotAgent::improver() {
+  if (!improver_ || improver_radius_ != mission_->radius) {
+    improver_radius_ = mission_->radius;
+    improver_.emplace(ground_->field, suggested_epsilon(ground_->field, improver_radius_),
+                      Random(mission_->seed + 1));
+  }
+  return *improver_;
+}
+
 /// From where it is to the mission's goal.
 void RobotAgent::look_for_a_path() {
   follower_.reset();
-  finder_ = std::make_unique<PathFinder>(*field_, *mission_, body_->position());
+  finder_ = std::make_unique<PathFinder>(ground_->field, improver(), *mission_, body_->position());
   for (const InactiveTreeMessage& tree : trees_) {
     if (tree.map_id == map_->map_id) finder_->take(tree);
   }
@@ -204,7 +222,7 @@ void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
     const Path& path = finder_->path();
     if (length_of(path) < (1 - worth_swapping) * length_of(follower_->path())) {
       PathFollower candidate(path, mission_->radius);
-      candidate.preferred_velocity(body_->position(), *field_, body_->limits(), period);
+      candidate.preferred_velocity(body_->position(), ground_->field, body_->limits(), period);
       if (!candidate.lost() && candidate.remaining(body_->position()) <
                                    (1 - worth_swapping) * follower_->remaining(body_->position())) {
         follow(path, out);
@@ -231,27 +249,27 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
   if (!due) return;
 
   decide(fleet_now);
-  out.emplace_back(state());
-  if (sequence_ % relay_each == 0) {
+  speak(out);
+  if (++relay_turn_ % relay_each == 0) {
     for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
   }
-  ++sequence_;
   if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
 }
 
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
-  fleet_.judge_silence(fleet_now, body_->position(), *field_);
-  if (fleet_.cut_off(fleet_now)) heard_again_at_ = fleet_now + own_silence * mission_->clock.scale;
-  const std::vector<Neighbour> others = neighbours(fleet_now);
+  fleet_.judge_silence(fleet_now, body_->position(), ground_->field);
+  if (fleet_.cut_off()) heard_again_at_ = fleet_now + own_silence * mission_->clock.scale;
+  const std::vector<Neighbour> others =
+      body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
   if (!listens && status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
-    knot_.hold(self(), fleet_, *field_, fleet_now);
+    knot_.hold(self(), fleet_, ground_->places, fleet_now);
   const bool free = knot_.stage() == Stage::free;
   lets_others_finish_ = lets_others_finish_ && !all_free_around();
   if (listens) {
     last_gain_time_ = fleet_now;
-    body_->choose(Point2::Zero(), others, *field_);
+    body_->choose(Point2::Zero(), others, ground_->field);
   } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
              may_set_off(fleet_now)) {
     // One that the joint plan cannot help stands out of the others' way until they are done.
@@ -261,7 +279,7 @@ void RobotAgent::decide(double fleet_now) {
     if (status_.phase != Phase::stopped && knot_.stage() == Stage::ordered) {
       drive_as_ordered(fleet_now, others);
     } else {
-      body_->choose(Point2::Zero(), others, *field_);
+      body_->choose(Point2::Zero(), others, ground_->field);
       // A robot that plans, or waits for news of the others, will set off any moment.
       const bool ready = status_.phase == Phase::driving && !may_set_off(fleet_now);
       if (status_.phase != Phase::planning && !ready) stand_for(free ? idle_lease : waiting_lease);
@@ -272,13 +290,13 @@ void RobotAgent::decide(double fleet_now) {
 
 void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_->position() + period * body_->velocity();
-  const Point2 preferred = follower_->preferred_velocity(next, *field_, body_->limits(), period);
+  const Point2 preferred = follower_->preferred_velocity(next, ground_->field, body_->limits(), period);
   if (follower_->lost()) {  // it was pushed to where it does not see its path
     look_for_a_path();
     enter(Phase::planning);
   }
   const double r = body_->radius();
-  const bool open = field_->lower_bound(next) >= open_radii * r;
+  const bool open = ground_->field.lower_bound(next) >= open_radii * r;
   const bool leans = follower_->remaining(next) > end_radii * r;
   Point2 wanted = leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred;
   if (body_->velocity().norm() >= fair_pace * preferred.norm()) last_pace_time_ = fleet_now;
@@ -286,7 +304,7 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     wanted = Point2::Zero();
     stand_for(waiting_lease);
   }
-  body_->choose(wanted, neighbours, *field_);
+  body_->choose(wanted, neighbours, ground_->field);
   if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();
@@ -315,16 +333,16 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
   const Point2 next = body_->position() + period * body_->velocity();
   const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   if (wanted.isZero(0)) {
-    body_->follow(wanted, neighbours, *field_);
+    body_->follow(wanted, neighbours, ground_->field);
     stand_for(waiting_lease);
   } else if (!body_->bound_to_stand()) {
-    knot_.led_past(body_->follow(wanted, neighbours, *field_));
+    knot_.led_past(body_->follow(wanted, neighbours, ground_->field));
     // Of several that fear each other's next move, one must go.
     if (body_->commitment().next_velocity.norm() > crawl * body_->limits().max_speed)
       last_drive_time_ = fleet_now;
     const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
     if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) {
-      body_->follow(Point2::Zero(), neighbours, *field_);
+      body_->follow(Point2::Zero(), neighbours, ground_->field);
       stand_for(waiting_lease);
     }
   }
@@ -388,6 +406,17 @@ FleetMember RobotAgent::self() const {
           .knot = knot_.id(),
           .stage = knot_.stage(),
           .progress = knot_.progress()};
+}
+
+/// Tells the others. Who goes on standing as it has said does so less often.
+void RobotAgent::speak(std::vector<Message>& out) {
+  const Steady steady{body_->stands() && body_->commitment().next_velocity.isZero(0), status_.phase,
+                      knot_.id(), knot_.stage(), knot_.waits_for()};
+  since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
+  last_said_ = steady;
+  if (since_news_ > repeat_news && since_news_ % standing_beat != 0) return;
+  out.emplace_back(state());
+  ++sequence_;
 }
 
 RobotState RobotAgent::state() {

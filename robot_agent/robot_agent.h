@@ -13,8 +13,9 @@
 #include "bus/messages.h"
 #include "motion/driver.h"
 #include "motion/path_follower.h"
-#include "planning/clearance_field.h"
+#include "planning/path_improvement.h"
 #include "robot_agent/fleet.h"
+#include "robot_agent/ground.h"
 #include "robot_agent/knot.h"
 #include "robot_agent/path_finder.h"
 
@@ -22,7 +23,8 @@ namespace coppice {
 
 class RobotAgent {
  public:
-  explicit RobotAgent(RobotName name) : name_(std::move(name)), fleet_(name_), knot_(name_) {
+  explicit RobotAgent(RobotName name, std::shared_ptr<Grounds> grounds = std::make_shared<Grounds>())
+      : name_(std::move(name)), grounds_(std::move(grounds)), fleet_(name_), knot_(name_) {
     status_.robot = name_;
   }
 
@@ -43,6 +45,7 @@ class RobotAgent {
 
   void begin_mission(WallTime now);
   void look_for_a_path();
+  PathImprover<ClearanceField>& improver();
   void plan(WallTime now, std::vector<Message>& out);
   void take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out);
   void follow(const Path& path, std::vector<Message>& out);
@@ -59,12 +62,26 @@ class RobotAgent {
   void enter(Phase phase);
   std::vector<Neighbour> neighbours(double fleet_now) const;
   FleetMember self() const;
+  void speak(std::vector<Message>& out);
   RobotState state();
   void report(WallTime now, std::vector<Message>& out);
 
+  /// What must have changed for a robot that stands to have news.
+  struct Steady {
+    bool stands = false;
+    Phase phase = Phase::waiting;
+    KnotId knot{};
+    Stage stage = Stage::free;
+    RobotName waits_for{};
+    bool operator==(const Steady&) const = default;
+  };
+
   RobotName name_;
   std::optional<MapMessage> map_;
-  std::unique_ptr<ClearanceField> field_;
+  std::shared_ptr<Grounds> grounds_;
+  std::shared_ptr<Ground> ground_;                        ///< of the mission's map
+  std::optional<PathImprover<ClearanceField>> improver_;  ///< on the ground, for `improver_radius_`
+  double improver_radius_ = 0;
   std::vector<InactiveTreeMessage> trees_;  ///< of this map
   Fleet fleet_;
 
@@ -83,6 +100,9 @@ class RobotAgent {
   AgentStatus status_;
   bool status_changed_ = true;
   std::uint32_t sequence_ = 0;
+  std::uint32_t relay_turn_ = 0;  ///< in control steps
+  std::uint32_t since_news_ = 0;  ///< control steps
+  Steady last_said_;
   bool first_control_ = true;
   double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence
   int times_stranded_ = 0;

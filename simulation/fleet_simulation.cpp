@@ -25,10 +25,11 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
   Random random(scenario.seed + 1);
+  const auto grounds = std::make_shared<Grounds>();
   for (const RobotTask& task : scenario.robots) {
     AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);
     auto& port = bus_.attach(Role::agent, faults.side);
-    agents_.push_back({task.name, {RobotAgent(task.name), port}, std::move(faults)});
+    agents_.push_back({task.name, {RobotAgent(task.name, grounds), port}, std::move(faults)});
     agents_.back().track.radius = task.radius;
   }
 }

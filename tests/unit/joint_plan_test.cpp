@@ -34,7 +34,8 @@ OccupancyMap corridor(int width, int length = 160) {
 
 JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
-  JointPlanner planner(field, tasks, Random(1));
+  PlacesOfMap places(field);
+  JointPlanner planner(places, tasks, Random(1));
   while (!planner.step()) {
   }
   JointPlan plan = planner.plan();

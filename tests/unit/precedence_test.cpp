@@ -37,7 +37,8 @@ TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
     std::vector<JointTask> tasks;
     for (const StartAndGoal& task : random_tasks(field, 8, 5, 0.2, random))
       tasks.push_back({task.start, task.goal, 5});
-    JointPlanner planner(field, tasks, Random(seed));
+    PlacesOfMap places(field);
+    JointPlanner planner(places, tasks, Random(seed));
     while (!planner.step()) {
     }
     const JointPlan& plan = planner.plan();

@@ -1,0 +1,37 @@
+// What is worked out once about a map, and serves every mission on it. It follows from the map alone: robots
+// of one process share it.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "bus/messages.h"
+#include "motion/places.h"
+#include "planning/clearance_field.h"
+
+namespace coppice {
+
+struct Ground {
+  explicit Ground(const MapMessage& map) : map_id(map.map_id), field(map.map), places(field) {}
+
+  std::string map_id;
+  ClearanceField field;
+  PlacesOfMap places;
+};
+
+/// The grounds of the robots of one process and thread, as long as one of them is on it.
+class Grounds {
+ public:
+  std::shared_ptr<Ground> of(const MapMessage& map) {
+    std::weak_ptr<Ground>& known = known_[map.map_id];
+    std::shared_ptr<Ground> ground = known.lock();
+    if (!ground) known = ground = std::make_shared<Ground>(map);
+    return ground;
+  }
+
+ private:
+  std::map<std::string, std::weak_ptr<Ground>> known_;
+};
+
+}  // namespace coppice
