@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <unordered_map>
 
@@ -21,14 +22,30 @@ struct Piece {
   double end;
 };
 
-/// Every robot's way in pieces, in the plan's order.
-std::vector<Piece> pieces_of(std::span<const Move> moves, std::span<const double> radii) {
+Box<2> box_around_way(std::size_t robot, std::span<const Move> moves) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box<2> box{Point2::Constant(infinity), Point2::Constant(-infinity)};
+  for (const Move& move : moves) {
+    if (move.robot != robot) continue;
+    for (const Point2& p : move.path) box = {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+  }
+  return box;
+}
+
+/// Every robot's way in pieces, in the plan's order, but for what lies further than `near` from the box.
+std::vector<Piece> pieces_of(std::span<const Move> moves, std::span<const double> radii, const Box<2>& box,
+                             double near) {
   std::vector<Piece> pieces;
   std::vector<double> along(radii.size(), 0.0);
   for (std::size_t m = 0; m < moves.size(); ++m) {
     const auto& [robot, path] = moves[m];
     for (std::size_t k = 1; k < path.size(); ++k) {
       const double length = (path[k] - path[k - 1]).norm();
+      if ((path[k].cwiseMax(path[k - 1]).array() < box.lower.array() - near).any() ||
+          (path[k].cwiseMin(path[k - 1]).array() > box.upper.array() + near).any()) {
+        along[robot] += length;
+        continue;
+      }
       const auto parts = std::max(1.0, std::ceil(length / (piece_radii * radii[robot])));
       for (double part = 0; part < parts; ++part) {
         const Point2 middle = path[k - 1] + (path[k] - path[k - 1]) * ((part + 0.5) / parts);
@@ -83,11 +100,12 @@ std::vector<Path> legs_of(std::size_t robot, std::span<const Move> moves) {
 }
 
 std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii) {
-  const std::vector<Piece> pieces = pieces_of(moves, radii);
   const double largest = *std::ranges::max_element(radii);
   // Half of each piece's length is what a middle may be away from the piece's points.
   const double inflated = (2 * stray_radii + piece_radii) * largest;
-  PieceGrid grid(radii[robot] + largest + inflated);
+  const double nearest = radii[robot] + largest + inflated;
+  const std::vector<Piece> pieces = pieces_of(moves, radii, box_around_way(robot, moves), nearest);
+  PieceGrid grid(nearest);
 
   std::vector<Gate> gates;
   std::map<std::size_t, double> needed;  // of each robot, by the gates so far

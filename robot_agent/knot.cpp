@@ -38,7 +38,7 @@ void Knot::let_go() {
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
   latest_epoch_ = std::max(latest_epoch_, state.knot.epoch);
   const bool called_on = state.knot.overrides(id_);
-  const bool through = stage_ == Stage::ordered && state.knot == id_ && state.stage == Stage::free;
+  const bool through = stage_ == Stage::ordered && state.stage == Stage::free && state.knot == id_;
   if (!called_on && !through) return;  // nearly all
   const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
   if (member != members_.end()) {
