@@ -162,6 +162,16 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
   });
 }
 
+/// A disc there would touch, or hold up, neither this robot nor any that is alive.
+bool Fleet::nobody_at(const Point2& q, double radius, const Point2& position) const {
+  const auto clear = [&](const Point2& p, double other) {
+    return (q - p).norm() >= radius + other + standing_gap;
+  };
+  return clear(position, own_mission_->radius) && std::ranges::all_of(peers_, [&](const Peer& p) {
+           return !p.state || p.dead() || clear(p.state->position, p.state->radius);
+         });
+}
+
 /// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
 /// in one of us.
 void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceField& field) {
@@ -171,15 +181,8 @@ void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceFi
   }
   const RobotState& s = *p.state;
   p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, rests_radii * s.radius);
-  const auto nobody_at = [&](const Point2& q) {
-    return (q - position).norm() >= s.radius + own_mission_->radius &&
-           std::ranges::none_of(peers_, [&](const Peer& other) {
-             return other.state && !other.dead() &&
-                    (q - other.state->position).norm() < s.radius + other.state->radius;
-           });
-  };
   const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
-    return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q);
+    return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q, s.radius, position);
   });
   p.rests.erase(impossible, p.rests.end());
 }
@@ -239,11 +242,14 @@ FleetMember Fleet::member(const Peer& p) const {
           .progress = s.progress};
 }
 
-std::vector<Disc> Fleet::places_of_the_dead() const {
+std::vector<Disc> Fleet::places_of_the_dead(const Point2& position) const {
   std::vector<Disc> places;
   for (const Peer& p : peers_) {
-    for (const Point2& rest : p.rests)
-      places.push_back({rest, p.state ? p.state->radius : p.mission->radius});
+    const double radius = p.state ? p.state->radius : p.mission ? p.mission->radius : 0;
+    for (const Point2& rest : p.rests) {
+      // Somebody may have come there since, who took it to stand elsewhere, and is the proof of it.
+      if (rest == p.rests.front() || nobody_at(rest, radius, position)) places.push_back({rest, radius});
+    }
   }
   return places;
 }

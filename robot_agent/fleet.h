@@ -62,8 +62,8 @@ class Fleet {
 
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
-  /// Where the dead may stand.
-  std::vector<Disc> places_of_the_dead() const;
+  /// Where the dead may stand; this robot is at `position`.
+  std::vector<Disc> places_of_the_dead(const Point2& position) const;
   /// Everybody alive within the knot's reach is known to hold in it, and to stand; but for those whom a later
   /// knot has called away.
   bool all_hold(const KnotId& knot) const;
@@ -109,6 +109,7 @@ class Fleet {
   bool missing(const Peer& peer, double seconds, double now) const;
   Absences absences(double now) const;
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
+  bool nobody_at(const Point2& q, double radius, const Point2& position) const;
   void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field);
   void add_neighbours(const Peer& peer, std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer) const;

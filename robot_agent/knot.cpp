@@ -69,6 +69,9 @@ void Knot::call_everybody(const FleetMember& self, double now) {
 }
 
 void Knot::begin(const FleetMember& self, double reach, double now) {
+  const bool moved = (self.position - called_from_).norm() > self.radius / 2;
+  calls_in_vain_ = moved ? 0 : calls_in_vain_ + 1;
+  if (moved) called_from_ = self.position;
   join({latest_epoch_ + 1, robot_, self.position, reach});
   holding_since_ = now;
   called_at_ = now;
@@ -111,7 +114,7 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
     if (holds) led_.push_back(m);
     if (!holds && m.parked) obstacles.push_back({m.position, m.position, m.radius, false});
   }
-  for (const Disc& dead : fleet.places_of_the_dead())
+  for (const Disc& dead : fleet.places_of_the_dead(self.position))
     obstacles.push_back({dead.centre, dead.centre, dead.radius, false});
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, true});

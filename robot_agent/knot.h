@@ -39,6 +39,9 @@ class Knot {
   /// The last joint plan, of the whole fleet, does not bring this robot to its goal.
   bool stranded() const { return stranded_; }
 
+  /// Knots that it called one after the other from the same place.
+  int calls_in_vain() const { return calls_in_vain_; }
+
   /// `position`: of this robot, none before it has a body.
   void hear(const RobotState& state, const std::optional<Point2>& position);
   void hear(const JointPlanMessage& plan);
@@ -82,6 +85,8 @@ class Knot {
   std::optional<JointPlanMessage> plan_;  ///< of this knot
   std::optional<double> holding_since_;
   std::optional<double> called_at_;
+  Point2 called_from_ = Point2::Zero();
+  int calls_in_vain_ = 0;
   std::vector<FleetMember> led_;  ///< the members as the planner was given them, this robot first
   std::unique_ptr<JointPlanner> planner_;
   std::optional<JointPlanMessage> own_plan_;

@@ -23,6 +23,7 @@ constexpr std::size_t track_batch = 20;     // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
+constexpr int most_calls_in_vain = 30;    // knots from one place, likewise
 constexpr double worth_swapping = 0.005;  // of what is left to drive
 constexpr double stall = 3;               // seconds without progress that make a robot call a knot
 constexpr double around_radii = 16;       // within these, others' joint plans concern a robot
@@ -359,6 +360,10 @@ void RobotAgent::watch_arrival(double fleet_now) {
   if (status_.phase == Phase::arrived && !at_goal) {
     status_.arrival_time = 0;
     enter(Phase::driving);
+  }
+  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain) {
+    status_.reason = "held up for good: no joint plan has moved it";
+    return enter(Phase::no_path);
   }
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
