@@ -98,6 +98,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
       if (echo.robot == self_) p.clock.hear_echo(echo.stamp, echo.received, now);
     }
   }
+  if (somebody_missing_) hear_of_the_missing(*state, clock_.fleet_time(arrived));
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (p.state && state->stamp <= p.state->stamp) return false;
   if (p.state) loss_.hear(p.state->sequence, state->sequence);
@@ -106,6 +107,23 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.state = std::move(state);
   p.heard_at = arrived;
   return true;
+}
+
+/// What one has heard of another robot of late tells that this is alive.
+void Fleet::hear_of_the_missing(const RobotState& state, double now) {
+  for (const Echo& echo : state.echoes) {
+    const auto known = index_.find(echo.robot);
+    if (known == index_.end()) continue;
+    Peer& p = peers_[known->second];
+    const double newest = p.state ? std::max(p.echoed, p.state->stamp) : p.echoed;
+    if (echo.stamp <= newest) continue;
+    p.echoed = echo.stamp;
+    p.echoed_at = now;
+  }
+}
+
+bool Fleet::heard_elsewhere(const Peer& p, double now) const {
+  return p.echoed_at > 0 && now - p.echoed_at < death * clock_.scale;
 }
 
 bool Fleet::missing(const Peer& p, double seconds, double now) const {
@@ -117,8 +135,9 @@ Fleet::Absences Fleet::absences(double now) const {
   for (const Peer& p : peers_) {
     if (p.dead()) continue;
     const double silent = silence(p, now) / clock_.scale;
+    count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
     if (!p.state) {
-      count.never_came += p.mission && silent > longest_muster;
+      count.never_came += p.mission && silent > absence;
       continue;
     }
     ++count.alive;
@@ -136,20 +155,24 @@ void Fleet::judge_silence(double now, const Point2& position, const ClearanceFie
   if (count.never_came + count.absent > 0) {
     const double patience = count.absent > 1 ? longest_split : death;
     const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
-      return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state);
+      return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state) &&
+             !heard_elsewhere(p, now);
     });
     std::vector<Peer*> lost;
     for (Peer& p : peers_) {
-      const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * clock_.scale;
-      if ((never_came && !p.dead()) || (over && missing(p, absence, now))) lost.push_back(&p);
+      const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * clock_.scale &&
+                              !heard_elsewhere(p, now);
+      const bool fell_silent = over && missing(p, absence, now) && !heard_elsewhere(p, now);
+      if ((never_came && !p.dead()) || fell_silent) lost.push_back(&p);
     }
     const std::size_t left = 1 + count.alive - count.absent;
     if (over) minority_ = is_minority(lost, left);
     const int unheard = count.absent > 1 ? driven_cut_off : loss_.unheard_states(left);
     for (Peer* p : lost) bury(*p, unheard, position, field);
   }
+  somebody_missing_ = count.absent + count.never_came > 0;
   const bool alone = count.alive > 1 && count.unheard == count.alive;
-  cut_off_ = minority_ || alone || count.long_absent > 1;
+  cut_off_ = minority_ || alone || count.long_absent > 1 || count.elsewhere > 0;
 }
 
 /// Of two pieces of equal size the one with the first name goes on. Of two robots both do.

@@ -52,8 +52,8 @@ class Fleet {
   /// Once in each control step, from where this robot is: who has been silent for too long counts as dead
   /// from now on.
   void judge_silence(double now, const Point2& position, const ClearanceField& field);
-  /// At the last judgement: several at once fell silent, and not for so long that they count as dead: or more
-  /// than are left do.
+  /// At the last judgement: one is silent that others still hear; or several at once fell silent, and not for
+  /// so long that they count as dead: or more than are left do.
   bool cut_off() const { return cut_off_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
@@ -92,6 +92,8 @@ class Fleet {
     std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
     WallTime heard_at = 0;                      ///< of the state, or else of the first mission
     ClockOffset clock{};                        ///< of fleet times
+    double echoed = 0;                          ///< the newest stamp of its own that others have heard, while
+    double echoed_at = 0;                       ///< somebody is missing here; and when that was news
     std::vector<Point2> rests{};                ///< where it may stand, if it counts as dead; else empty
     bool dead() const { return !rests.empty(); }
   };
@@ -101,12 +103,15 @@ class Fleet {
     std::size_t unheard = 0;
     std::size_t absent = 0;
     std::size_t long_absent = 0;
+    std::size_t elsewhere = 0;  ///< silent here, but not everywhere
     std::size_t never_came = 0;
   };
 
   Peer& peer(const RobotName& robot);
   double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
+  void hear_of_the_missing(const RobotState& state, double now);
   bool missing(const Peer& peer, double seconds, double now) const;
+  bool heard_elsewhere(const Peer& peer, double now) const;
   Absences absences(double now) const;
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
   bool nobody_at(const Point2& q, double radius, const Point2& position) const;
@@ -123,6 +128,7 @@ class Fleet {
   std::size_t last_ = 0;  ///< that was asked for
   std::size_t next_echo_ = 0;
   LossCount loss_;
+  bool somebody_missing_ = false;
   bool cut_off_ = false;
   bool minority_ = false;  ///< those who fell silent at once were more than those who are left
 };

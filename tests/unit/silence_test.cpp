@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "motion/promise.h"
+#include "robot_agent/fleet.h"
 #include "robot_agent/loss.h"
 
 namespace coppice {
@@ -54,6 +55,76 @@ TEST(Silence, WhatItMayHaveDecidedTakesItFurtherAlongItsHeading) {
 TEST(Silence, OneThatStandsStaysWhereItIs) {
   const Commitment standing{.position = {3, 4}, .expiry = 1};
   EXPECT_EQ(rests_after(standing, {20, 40}, period, 10, 1).size(), 1u);
+}
+
+/// A robot "a" that may hear "b" and "c".
+class Listener {
+ public:
+  Listener()
+      : field_(OccupancyMap{.width = 200, .height = 200, .blocked = std::vector<std::uint8_t>(40000, 0)}) {
+    for (const char* robot : {"a", "b", "c"})
+      fleet_.hear(Mission{.robot = robot,
+                          .start = {20, 20},
+                          .goal = {30, 30},
+                          .radius = 5,
+                          .max_speed = 20,
+                          .max_acceleration = 40,
+                          .clock = {}},
+                  0);
+  }
+  void hear(const RobotName& robot, double stamp, std::vector<Echo> echoes = {}) {
+    const RobotState state{.robot = robot,
+                           .stamp = stamp,
+                           .position = {100, 100},
+                           .radius = 5,
+                           .max_speed = 20,
+                           .max_acceleration = 40,
+                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
+                           .knot = {},
+                           .echoes = std::move(echoes)};
+    fleet_.hear(std::make_shared<const RobotState>(state), stamp + 0.001);
+  }
+  void judge(double now) { fleet_.judge_silence(now, {20, 20}, field_); }
+  bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
+  bool cut_off() const { return fleet_.cut_off(); }
+
+ private:
+  ClearanceField field_;
+  Fleet fleet_{"a"};
+};
+
+TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
+  Listener a;
+  double now = 0;
+  const auto go_on_until = [&](double end, bool c_hears_b) {
+    for (; now < end; now += period) {
+      a.hear("c", now, c_hears_b ? std::vector<Echo>{{"b", now - 0.1, now}} : std::vector<Echo>{});
+      a.judge(now);
+    }
+  };
+  a.hear("b", now);
+  go_on_until(1, true);
+  EXPECT_FALSE(a.cut_off());
+  go_on_until(20, true);  // from b itself there is nothing any more
+  EXPECT_FALSE(a.dead("b"));
+  EXPECT_TRUE(a.cut_off());
+  go_on_until(25, false);
+  EXPECT_TRUE(a.dead("b"));
+  EXPECT_FALSE(a.cut_off());
+}
+
+TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
+  Listener a;
+  for (double now = 0; now < 9.5; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_FALSE(a.dead("b"));
+  for (double now = 9.5; now < 11; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.dead("b"));
 }
 
 }  // namespace
