@@ -7,8 +7,9 @@ namespace coppice {
 
 namespace {
 
-// Seconds of the wall's clock without a state after which a robot counts as dead: far longer than a pause of
-// a process or a run of lost samples lasts, for one that drives on unheard may touch those who think it dead.
+// Seconds without a state (of the wall's clock, or of fleet time where that is slower: states come by fleet
+// time) after which a robot counts as dead: far longer than a pause of a process or a run of lost samples
+// lasts, for one that drives on unheard may touch those who think it dead.
 constexpr double death = 2;
 // The same where others fall silent with it: that looks like a network in pieces, which may heal.
 constexpr double longest_split = 30;
@@ -123,18 +124,18 @@ void Fleet::hear_of_the_missing(const RobotState& state, double now) {
 }
 
 bool Fleet::heard_elsewhere(const Peer& p, double now) const {
-  return p.echoed_at > 0 && now - p.echoed_at < death * clock_.scale;
+  return p.echoed_at > 0 && now - p.echoed_at < death * second();
 }
 
 bool Fleet::missing(const Peer& p, double seconds, double now) const {
-  return p.state && !p.dead() && silence(p, now) > seconds * clock_.scale;
+  return p.state && !p.dead() && silence(p, now) > seconds * second();
 }
 
 Fleet::Absences Fleet::absences(double now) const {
   Absences count;
   for (const Peer& p : peers_) {
     if (p.dead()) continue;
-    const double silent = silence(p, now) / clock_.scale;
+    const double silent = silence(p, now) / second();
     count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
     if (!p.state) {
       count.never_came += p.mission && silent > absence;
@@ -160,8 +161,8 @@ void Fleet::judge_silence(double now, const Point2& position, const ClearanceFie
     });
     std::vector<Peer*> lost;
     for (Peer& p : peers_) {
-      const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * clock_.scale &&
-                              !heard_elsewhere(p, now);
+      const bool never_came =
+          !p.state && p.mission && silence(p, now) > longest_muster * second() && !heard_elsewhere(p, now);
       const bool fell_silent = over && missing(p, absence, now) && !heard_elsewhere(p, now);
       if ((never_came && !p.dead()) || fell_silent) lost.push_back(&p);
     }
@@ -356,7 +357,7 @@ std::vector<Echo> Fleet::next_echoes() {
 std::vector<RobotState> Fleet::last_words(double now) const {
   std::vector<RobotState> states;
   for (const Peer& p : peers_) {
-    const double silent = silence(p, now) / clock_.scale;
+    const double silent = silence(p, now) / second();
     if (p.state && silent > relay_from && silent < relay_until) states.push_back(*p.state);
   }
   return states;

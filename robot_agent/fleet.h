@@ -5,6 +5,7 @@
 // and nowhere else.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
@@ -108,6 +109,9 @@ class Fleet {
   };
 
   Peer& peer(const RobotName& robot);
+  /// What counts as a second of silence, in fleet time: one of the wall's clock, and never less than states
+  /// take that come by fleet time.
+  double second() const { return std::max(1.0, clock_.scale); }
   double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
   void hear_of_the_missing(const RobotState& state, double now);
   bool missing(const Peer& peer, double seconds, double now) const;

@@ -239,7 +239,7 @@ void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
 void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
   if (fleet_now < body_->time()) return;
   bool due = std::exchange(first_control_, false);
-  const double grace = own_silence * mission_->clock.scale;
+  const double grace = own_silence * std::max(1.0, mission_->clock.scale);
   if (fleet_now - body_->time() > grace) heard_again_at_ = fleet_now + grace;
   while (body_->time() + period <= fleet_now) {
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
@@ -260,7 +260,7 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
   fleet_.judge_silence(fleet_now, body_->position(), ground_->field);
-  if (fleet_.cut_off()) heard_again_at_ = fleet_now + own_silence * mission_->clock.scale;
+  if (fleet_.cut_off()) heard_again_at_ = fleet_now + own_silence * std::max(1.0, mission_->clock.scale);
   const std::vector<Neighbour> others =
       body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
@@ -389,7 +389,8 @@ void RobotAgent::enter(Phase phase) {
 /// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
 /// there are.
 bool RobotAgent::may_set_off(double fleet_now) const {
-  const bool mustered = fleet_now - status_.mission_time > longest_muster * mission_->clock.scale;
+  const bool mustered =
+      fleet_now - status_.mission_time > longest_muster * std::max(1.0, mission_->clock.scale);
   return fleet_.complete(mustered ? 0 : mission_->fleet_size);
 }
 
