@@ -41,7 +41,7 @@ class Driver {
   /// If it stands: binds it to stand until the time `until` at least.
   void stay(double until);
   /// The next choice is for a period in which it is bound to stand.
-  bool bound_to_stand() const { return time_ + 1.5 * period_ < stays_until_; }
+  bool bound_to_stand() const { return time_ + period_ + rounding < stays_until_; }
 
   /// What the others may count on.
   Commitment commitment() const;
@@ -58,6 +58,7 @@ class Driver {
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field) const;
+  static constexpr double rounding = 1e-6;  // seconds
   Point2 turn_position() const { return position_ + period_ * velocity_; }
 
   Point2 position_;

@@ -1,7 +1,9 @@
 #include "robot_agent/fleet.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace coppice {
 
@@ -13,7 +15,7 @@ namespace {
 constexpr double death = 2;
 // The same where others fall silent with it: that looks like a network in pieces, which may heal.
 constexpr double longest_split = 30;
-constexpr int driven_cut_off = 60;  // control periods that one may drive on until it notices
+constexpr double driven_cut_off = 3;  // seconds that one may drive on until it notices
 // Without a state for so long a robot is missing: longer than samples are under way or a process pauses.
 constexpr double absence = 1;
 constexpr double long_absence = 1.5;
@@ -25,7 +27,9 @@ constexpr double longest_muster = 10;
 constexpr double relay_from = 0.3;
 constexpr double relay_until = 4;
 constexpr std::size_t echoes_a_state = 8;
-constexpr double good_clock = 0.0015;  // seconds: two centimetres' drive
+constexpr double good_clock = 0.0015;  // seconds: three centimetres' drive
+constexpr double prompt_sample = 0.01;
+constexpr double recent_echo = 0.3;
 constexpr std::size_t silent_in_a_row = 8;
 constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
 constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
@@ -94,16 +98,21 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (has_clock_) {
     const double now = clock_.fleet_time(arrived);
     p.clock.hear(state->stamp, now);
+    // Nothing to learn from nearly all echoes: but a clock that was set shows in samples that seem late.
+    const bool prompt = now - state->stamp < p.clock.estimate() + prompt_sample;
+    const bool known = p.clock.error() < good_clock && prompt && now - own_echo_ < recent_echo;
     for (const Echo& echo : state->echoes) {
-      if (p.clock.error() < good_clock) break;
-      if (echo.robot == self_) p.clock.hear_echo(echo.stamp, echo.received, now);
+      if (known) break;
+      if (echo.robot != self_) continue;
+      p.clock.hear_echo(echo.stamp, echo.received, now);
+      own_echo_ = std::max(own_echo_, echo.stamp);
     }
   }
   if (somebody_missing_) hear_of_the_missing(*state, clock_.fleet_time(arrived));
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (p.state && state->stamp <= p.state->stamp) return false;
   if (p.state) loss_.hear(p.state->sequence, state->sequence);
-  if (p.dead()) minority_ = false;
+  if (std::exchange(p.across, false)) minority_ = false;
   p.rests.clear();
   p.state = std::move(state);
   p.heard_at = arrived;
@@ -134,9 +143,12 @@ bool Fleet::missing(const Peer& p, double seconds, double now) const {
 Fleet::Absences Fleet::absences(double now) const {
   Absences count;
   for (const Peer& p : peers_) {
-    if (p.dead()) continue;
     const double silent = silence(p, now) / second();
     count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
+    if (p.dead()) {
+      ++count.dead;
+      continue;
+    }
     if (!p.state) {
       count.never_came += p.mission && silent > absence;
       continue;
@@ -167,13 +179,19 @@ void Fleet::judge_silence(double now, const Point2& position, const ClearanceFie
       if ((never_came && !p.dead()) || fell_silent) lost.push_back(&p);
     }
     const std::size_t left = 1 + count.alive - count.absent;
-    if (over) minority_ = is_minority(lost, left);
-    const int unheard = count.absent > 1 ? driven_cut_off : loss_.unheard_states(left);
-    for (Peer* p : lost) bury(*p, unheard, position, field);
+    const bool minority = over && is_minority(lost, left);
+    minority_ = minority_ || minority;
+    const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
+    const int unheard = count.absent > 1 ? until_noticed : loss_.unheard_states(left);
+    for (Peer* p : lost) {
+      p->across = minority;
+      bury(*p, unheard, position, field, now);
+    }
   }
-  somebody_missing_ = count.absent + count.never_came > 0;
+  somebody_missing_ = count.absent + count.never_came + count.dead > 0;
+  const bool unheard_by_all = count.alive > 0 && own_echo_ > 0 && now - own_echo_ > long_absence * second();
   const bool alone = count.alive > 1 && count.unheard == count.alive;
-  cut_off_ = minority_ || alone || count.long_absent > 1 || count.elsewhere > 0;
+  cut_off_ = minority_ || alone || unheard_by_all || count.long_absent > 1 || count.elsewhere > 0;
 }
 
 /// Of two pieces of equal size the one with the first name goes on. Of two robots both do.
@@ -187,18 +205,19 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
 }
 
 /// A disc there would touch, or hold up, neither this robot nor any that is alive.
-bool Fleet::nobody_at(const Point2& q, double radius, const Point2& position) const {
+bool Fleet::nobody_at(const Point2& q, double radius, const Point2& position, double now) const {
   const auto clear = [&](const Point2& p, double other) {
     return (q - p).norm() >= radius + other + standing_gap;
   };
   return clear(position, own_mission_->radius) && std::ranges::all_of(peers_, [&](const Peer& p) {
-           return !p.state || p.dead() || clear(p.state->position, p.state->radius);
+           const bool known = p.state && !p.dead() && !missing(p, absence, now);
+           return !known || clear(p.state->position, p.state->radius);
          });
 }
 
 /// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
 /// in one of us.
-void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceField& field) {
+void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceField& field, double now) {
   if (!p.state) {
     p.rests = {p.mission->start};
     return;
@@ -206,7 +225,7 @@ void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceFi
   const RobotState& s = *p.state;
   p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, rests_radii * s.radius);
   const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
-    return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q, s.radius, position);
+    return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q, s.radius, position, now);
   });
   p.rests.erase(impossible, p.rests.end());
 }
@@ -266,13 +285,13 @@ FleetMember Fleet::member(const Peer& p) const {
           .progress = s.progress};
 }
 
-std::vector<Disc> Fleet::places_of_the_dead(const Point2& position) const {
+std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) const {
   std::vector<Disc> places;
   for (const Peer& p : peers_) {
     const double radius = p.state ? p.state->radius : p.mission ? p.mission->radius : 0;
     for (const Point2& rest : p.rests) {
       // Somebody may have come there since, who took it to stand elsewhere, and is the proof of it.
-      if (rest == p.rests.front() || nobody_at(rest, radius, position)) places.push_back({rest, radius});
+      if (rest == p.rests.front() || nobody_at(rest, radius, position, now)) places.push_back({rest, radius});
     }
   }
   return places;

@@ -53,8 +53,8 @@ class Fleet {
   /// Once in each control step, from where this robot is: who has been silent for too long counts as dead
   /// from now on.
   void judge_silence(double now, const Point2& position, const ClearanceField& field);
-  /// At the last judgement: one is silent that others still hear; or several at once fell silent, and not for
-  /// so long that they count as dead: or more than are left do.
+  /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
+  /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
@@ -64,7 +64,7 @@ class Fleet {
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
   /// Where the dead may stand; this robot is at `position`.
-  std::vector<Disc> places_of_the_dead(const Point2& position) const;
+  std::vector<Disc> places_of_the_dead(const Point2& position, double now) const;
   /// Everybody alive within the knot's reach is known to hold in it, and to stand; but for those whom a later
   /// knot has called away.
   bool all_hold(const KnotId& knot) const;
@@ -95,17 +95,19 @@ class Fleet {
     ClockOffset clock{};                        ///< of fleet times
     double echoed = 0;                          ///< the newest stamp of its own that others have heard, while
     double echoed_at = 0;                       ///< somebody is missing here; and when that was news
+    bool across = false;                        ///< the larger piece of a network in pieces
     std::vector<Point2> rests{};                ///< where it may stand, if it counts as dead; else empty
     bool dead() const { return !rests.empty(); }
   };
 
-  struct Absences {         ///< of those who do not count as dead
+  struct Absences {
     std::size_t alive = 0;  ///< and heard of at some time
     std::size_t unheard = 0;
     std::size_t absent = 0;
     std::size_t long_absent = 0;
     std::size_t elsewhere = 0;  ///< silent here, but not everywhere
     std::size_t never_came = 0;
+    std::size_t dead = 0;
   };
 
   Peer& peer(const RobotName& robot);
@@ -118,8 +120,8 @@ class Fleet {
   bool heard_elsewhere(const Peer& peer, double now) const;
   Absences absences(double now) const;
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
-  bool nobody_at(const Point2& q, double radius, const Point2& position) const;
-  void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field);
+  bool nobody_at(const Point2& q, double radius, const Point2& position, double now) const;
+  void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field, double now);
   void add_neighbours(const Peer& peer, std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer) const;
 
@@ -132,6 +134,7 @@ class Fleet {
   std::size_t last_ = 0;  ///< that was asked for
   std::size_t next_echo_ = 0;
   LossCount loss_;
+  double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   bool somebody_missing_ = false;
   bool cut_off_ = false;
   bool minority_ = false;  ///< those who fell silent at once were more than those who are left

@@ -8,13 +8,14 @@ namespace coppice {
 
 namespace {
 
-constexpr double crowd_radii = 8;    // between two robots of one crowd
-constexpr double soon = 60;          // seconds after a knot in which the next one reaches further
-constexpr double long_delay = 2;     // seconds in which a joint plan comes to all
-constexpr double longest_hold = 60;  // seconds without a joint plan: the leader has lost sight of somebody
-constexpr double patience = 5;       // seconds without progress though nobody earlier is in the way
-constexpr double close_radii = 3;    // between robots that may fear each other's next move, in sums of radii
-constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
+constexpr double crowd_radii = 8;     // between two robots of one crowd
+constexpr double soon = 60;           // seconds after a knot in which the next one reaches further
+constexpr double long_delay = 2;      // seconds in which a joint plan comes to all
+constexpr double longest_hold = 60;   // seconds without a joint plan: the leader has lost sight of somebody
+constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
+constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
+constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
+constexpr double same_place = 0.01;   // metres between where a plan begins and where the robot stands
 
 }  // namespace
 
@@ -82,6 +83,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   if (plan_) {
     if (!self.stands) return;
     take_up(*plan_, self);
+    awaited_ = {};
     last_progress_ = 0;
     last_progress_time_ = now;
     return;
@@ -114,7 +116,7 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
     if (holds) led_.push_back(m);
     if (!holds && m.parked) obstacles.push_back({m.position, m.position, m.radius, false});
   }
-  for (const Disc& dead : fleet.places_of_the_dead(self.position))
+  for (const Disc& dead : fleet.places_of_the_dead(self.position, now))
     obstacles.push_back({dead.centre, dead.centre, dead.radius, false});
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, true});
@@ -177,7 +179,12 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
   const auto waits = follower_->waits_for();
   waits_for_ = waits ? members_[*waits] : RobotName();
   const auto waited_for = waits ? fleet.find(waits_for_) : std::nullopt;
-  if (follower_->progress() > last_progress_ || (waited_for && !waited_for->dead)) {
+  if (waited_for && (waits_for_ != awaited_.robot || waited_for->progress != awaited_.progress)) {
+    awaited_ = {waits_for_, waited_for->progress};
+    awaited_since_ = now;
+  }
+  const bool worth_waiting = waited_for && !waited_for->dead && now - awaited_since_ < longest_wait;
+  if (follower_->progress() > last_progress_ || worth_waiting) {
     last_progress_ = follower_->progress();
     last_progress_time_ = now;
   }

@@ -96,6 +96,12 @@ class Knot {
   std::optional<WayFollower> follower_;
   RobotName waits_for_;
   bool stranded_ = false;
+  struct Awaited {
+    RobotName robot{};
+    double progress = 0;
+  };
+  Awaited awaited_;           ///< whom it waited for last
+  double awaited_since_ = 0;  ///< that nothing of it has changed
   double last_progress_ = 0;
   double last_progress_time_ = 0;
 };

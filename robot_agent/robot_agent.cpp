@@ -295,6 +295,7 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   if (follower_->lost()) {  // it was pushed to where it does not see its path
     look_for_a_path();
     enter(Phase::planning);
+    return body_->choose(Point2::Zero(), neighbours, ground_->field);
   }
   const double r = body_->radius();
   const bool open = ground_->field.lower_bound(next) >= open_radii * r;

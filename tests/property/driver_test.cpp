@@ -146,5 +146,21 @@ TEST(Driver, StandsForAsLongAsItIsBound) {
   EXPECT_FALSE(body.velocity().isZero(0));
 }
 
+TEST(Driver, StandsForAsLongAsItHasSaid) {
+  const ClearanceField field(
+      OccupancyMap{.width = 100, .height = 100, .blocked = std::vector<std::uint8_t>(10000, 0)});
+  for (const double until : {0.5, 0.501, 0.524, 0.525, 0.549}) {
+    Driver driver({50, 50}, 0, 5, {20, 40}, 0.05);
+    driver.stay(until);
+    EXPECT_DOUBLE_EQ(driver.commitment().expiry, until);
+    while (driver.velocity().isZero(0) && driver.time() < 1) {
+      driver.choose({20, 0}, {}, field);
+      driver.advance();
+    }
+    EXPECT_GE(driver.time(), until - 1e-6);
+    EXPECT_LT(driver.time(), until + 0.11);
+  }
+}
+
 }  // namespace
 }  // namespace coppice

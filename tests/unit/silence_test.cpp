@@ -60,9 +60,10 @@ TEST(Silence, OneThatStandsStaysWhereItIs) {
 /// A robot "a" that may hear "b" and "c".
 class Listener {
  public:
-  Listener()
+  explicit Listener(std::vector<RobotName> others = {"b", "c"})
       : field_(OccupancyMap{.width = 200, .height = 200, .blocked = std::vector<std::uint8_t>(40000, 0)}) {
-    for (const char* robot : {"a", "b", "c"})
+    others.push_back("a");
+    for (const RobotName& robot : others)
       fleet_.hear(Mission{.robot = robot,
                           .start = {20, 20},
                           .goal = {30, 30},
@@ -110,6 +111,39 @@ TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
   EXPECT_TRUE(a.cut_off());
   go_on_until(25, false);
   EXPECT_TRUE(a.dead("b"));
+  EXPECT_FALSE(a.cut_off());
+}
+
+TEST(Silence, WhoIsHeardByNobodyStands) {
+  Listener a;
+  for (double now = 0; now < 8; now += period) {
+    a.hear("b", now, {{"a", std::min(now, 5.0) - 0.01, now}});
+    a.hear("c", now);
+    a.judge(now);
+    EXPECT_EQ(a.cut_off(), now - 4.99 > 1.5) << now;
+  }
+}
+
+TEST(Silence, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
+  Listener a({"b", "c", "d", "e"});
+  double now = 0;
+  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
+    for (; now < end; now += period) {
+      for (const RobotName& robot : heard) a.hear(robot, now);
+      a.judge(now);
+    }
+  };
+  go_on_until(1, {"b", "c", "d", "e"});
+  EXPECT_FALSE(a.cut_off());
+  go_on_until(40, {"b"});
+  EXPECT_TRUE(a.dead("c"));
+  EXPECT_TRUE(a.cut_off());
+  go_on_until(45, {});  // one of its own piece dies: that changes nothing
+  EXPECT_TRUE(a.dead("b"));
+  EXPECT_TRUE(a.cut_off());
+  go_on_until(46, {"b"});
+  EXPECT_TRUE(a.cut_off());
+  go_on_until(47, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
 }
 
