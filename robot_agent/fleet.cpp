@@ -28,6 +28,9 @@ constexpr double relay_from = 0.3;
 constexpr double relay_until = 4;
 constexpr std::size_t echoes_a_state = 8;
 constexpr double good_clock = 0.0015;  // seconds: three centimetres' drive
+constexpr int few_unheard = 3;         // decisions of one that dies: a drive of three metres at 20 m/s
+constexpr int most_copies = 4;
+constexpr double copies_tried = 0.5;  // seconds
 constexpr double prompt_sample = 0.01;
 constexpr double recent_echo = 0.3;
 constexpr std::size_t silent_in_a_row = 8;
@@ -187,6 +190,12 @@ void Fleet::judge_silence(double now, const Point2& position, const ClearanceFie
       p->across = minority;
       bury(*p, unheard, position, field, now);
     }
+  }
+  const bool much_unheard =
+      count.alive > 0 && loss_.known() && loss_.unheard_states(count.alive) > few_unheard;
+  if (much_unheard && copies_ < most_copies && now - copies_since_ > copies_tried) {
+    ++copies_;
+    copies_since_ = now;
   }
   somebody_missing_ = count.absent + count.never_came + count.dead > 0;
   const bool unheard_by_all = count.alive > 0 && own_echo_ > 0 && now - own_echo_ > long_absence * second();

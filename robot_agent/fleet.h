@@ -56,6 +56,9 @@ class Fleet {
   /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
   /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
+  /// How often to say everything: more than once where few listen and much is lost, so that one of them hears
+  /// the last of it.
+  int copies() const { return copies_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
   /// `position` and stays within `reach` of it.
@@ -134,6 +137,8 @@ class Fleet {
   std::size_t last_ = 0;  ///< that was asked for
   std::size_t next_echo_ = 0;
   LossCount loss_;
+  int copies_ = 1;
+  double copies_since_ = 0;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   bool somebody_missing_ = false;
   bool cut_off_ = false;

@@ -12,13 +12,16 @@ class LossCount {
  public:
   /// A state came that is news; `last` was the one before it from the same robot.
   void hear(std::uint32_t last, std::uint32_t sequence) {
-    sent_ += 1;
+    sent_ = sent_ * memory + 1;
+    lost_ *= memory;
     if (sequence > last && sequence - last < longest_gap) {
       sent_ += sequence - last - 1;
       lost_ += sequence - last - 1;
     }
   }
 
+  /// Enough came to tell.
+  bool known() const { return sent_ > 50; }
   /// The last states that at most one death in a million loses on all its ways to `witnesses` robots.
   int unheard_states(std::size_t witnesses) const {
     const double share = std::min((lost_ + 1) / (sent_ + 2), most_lost);
@@ -29,6 +32,7 @@ class LossCount {
  private:
   static constexpr std::uint32_t longest_gap = 20;  // states: more is a pause, a restart or a partition
   static constexpr double most_lost = 0.5;
+  static constexpr double memory = 0.995;  // counts some 200 of the last
 
   double sent_ = 0;
   double lost_ = 0;

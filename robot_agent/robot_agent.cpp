@@ -422,7 +422,7 @@ void RobotAgent::speak(std::vector<Message>& out) {
   since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
   last_said_ = steady;
   if (since_news_ > repeat_news && since_news_ % standing_beat != 0) return;
-  out.emplace_back(state());
+  out.insert(out.end(), static_cast<std::size_t>(fleet_.copies()), state());
   ++sequence_;
 }
 

@@ -21,8 +21,8 @@ TEST(Silence, StatesLostToAllBecomeRareWithTheirNumberAndThatOfTheWitnesses) {
 
   LossCount none;
   for (std::uint32_t sequence = 1; sequence < 10000; ++sequence) none.hear(sequence - 1, sequence);
-  EXPECT_EQ(none.unheard_states(1), 1);
-  EXPECT_EQ(none.unheard_states(2), 0);
+  EXPECT_EQ(none.unheard_states(1), 2);
+  EXPECT_EQ(none.unheard_states(3), 0);
 }
 
 TEST(Silence, ARestartOrAPauseIsNoLoss) {
@@ -30,7 +30,7 @@ TEST(Silence, ARestartOrAPauseIsNoLoss) {
   for (std::uint32_t sequence = 1; sequence < 10000; ++sequence) count.hear(sequence - 1, sequence);
   count.hear(9999, 0);
   count.hear(0, 5000);
-  EXPECT_EQ(count.unheard_states(2), 0);
+  EXPECT_EQ(count.unheard_states(3), 0);
 }
 
 TEST(Silence, WhatItMayHaveDecidedTakesItFurtherAlongItsHeading) {
