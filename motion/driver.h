@@ -55,10 +55,11 @@ class Driver {
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
+  static constexpr double rounding = 1e-6;  ///< of times, seconds
+
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field) const;
-  static constexpr double rounding = 1e-6;  // seconds
   Point2 turn_position() const { return position_ + period_ * velocity_; }
 
   Point2 position_;

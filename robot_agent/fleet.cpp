@@ -104,12 +104,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     // Nothing to learn from nearly all echoes: but a clock that was set shows in samples that seem late.
     const bool prompt = now - state->stamp < p.clock.estimate() + prompt_sample;
     const bool known = p.clock.error() < good_clock && prompt && now - own_echo_ < recent_echo;
-    for (const Echo& echo : state->echoes) {
-      if (known) break;
-      if (echo.robot != self_) continue;
-      p.clock.hear_echo(echo.stamp, echo.received, now);
-      own_echo_ = std::max(own_echo_, echo.stamp);
-    }
+    if (!known) hear_own_echo(*state, p.clock, now);
   }
   if (somebody_missing_) hear_of_the_missing(*state, clock_.fleet_time(arrived));
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
@@ -120,6 +115,14 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.state = std::move(state);
   p.heard_at = arrived;
   return true;
+}
+
+void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double now) {
+  for (const Echo& echo : state.echoes) {
+    if (echo.robot != self_) continue;
+    clock.hear_echo(echo.stamp, echo.received, now);
+    own_echo_ = std::max(own_echo_, echo.stamp);
+  }
 }
 
 /// What one has heard of another robot of late tells that this is alive.
@@ -164,43 +167,46 @@ Fleet::Absences Fleet::absences(double now) const {
   return count;
 }
 
-/// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
-/// the first is.
 void Fleet::judge_silence(double now, const Point2& position, const ClearanceField& field) {
   const Absences count = absences(now);
-  if (count.never_came + count.absent > 0) {
-    const double patience = count.absent > 1 ? longest_split : death;
-    const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
-      return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state) &&
-             !heard_elsewhere(p, now);
-    });
-    std::vector<Peer*> lost;
-    for (Peer& p : peers_) {
-      const bool never_came =
-          !p.state && p.mission && silence(p, now) > longest_muster * second() && !heard_elsewhere(p, now);
-      const bool fell_silent = over && missing(p, absence, now) && !heard_elsewhere(p, now);
-      if ((never_came && !p.dead()) || fell_silent) lost.push_back(&p);
-    }
-    const std::size_t left = 1 + count.alive - count.absent;
-    const bool minority = over && is_minority(lost, left);
-    minority_ = minority_ || minority;
-    const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
-    const int unheard = count.absent > 1 ? until_noticed : loss_.unheard_states(left);
-    for (Peer* p : lost) {
-      p->across = minority;
-      bury(*p, unheard, position, field, now);
-    }
-  }
-  const bool much_unheard =
-      count.alive > 0 && loss_.known() && loss_.unheard_states(count.alive) > few_unheard;
-  if (much_unheard && copies_ < most_copies && now - copies_since_ > copies_tried) {
-    ++copies_;
-    copies_since_ = now;
-  }
+  if (count.never_came + count.absent > 0) give_up_the_lost(count, now, position, field);
+  say_more_often(count, now);
   somebody_missing_ = count.absent + count.never_came + count.dead > 0;
   const bool unheard_by_all = count.alive > 0 && own_echo_ > 0 && now - own_echo_ > long_absence * second();
   const bool alone = count.alive > 1 && count.unheard == count.alive;
   cut_off_ = minority_ || alone || unheard_by_all || count.long_absent > 1 || count.elsewhere > 0;
+}
+
+/// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
+/// the first is.
+void Fleet::give_up_the_lost(const Absences& count, double now, const Point2& position,
+                             const ClearanceField& field) {
+  const double patience = count.absent > 1 ? longest_split : death;
+  const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
+    return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state) && !heard_elsewhere(p, now);
+  });
+  std::vector<Peer*> lost;
+  for (Peer& p : peers_) {
+    const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * second();
+    const bool given_up = (never_came && !p.dead()) || (over && missing(p, absence, now));
+    if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
+  }
+  const std::size_t left = 1 + count.alive - count.absent;
+  const bool minority = over && is_minority(lost, left);
+  minority_ = minority_ || minority;
+  const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
+  const int unheard = count.absent > 1 ? until_noticed : loss_.unheard_states(left);
+  for (Peer* p : lost) {
+    p->across = minority;
+    bury(*p, unheard, position, field, now);
+  }
+}
+
+void Fleet::say_more_often(const Absences& count, double now) {
+  if (count.alive == 0 || !loss_.known() || loss_.unheard_states(count.alive) <= few_unheard) return;
+  if (copies_ == most_copies || now - copies_since_ <= copies_tried) return;
+  ++copies_;
+  copies_since_ = now;
 }
 
 /// Of two pieces of equal size the one with the first name goes on. Of two robots both do.

@@ -118,10 +118,14 @@ class Fleet {
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }
   double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
+  void hear_own_echo(const RobotState& state, ClockOffset& clock, double now);
   void hear_of_the_missing(const RobotState& state, double now);
   bool missing(const Peer& peer, double seconds, double now) const;
   bool heard_elsewhere(const Peer& peer, double now) const;
   Absences absences(double now) const;
+  void give_up_the_lost(const Absences& count, double now, const Point2& position,
+                        const ClearanceField& field);
+  void say_more_often(const Absences& count, double now);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
   bool nobody_at(const Point2& q, double radius, const Point2& position, double now) const;
   void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field, double now);

@@ -417,12 +417,12 @@ FleetMember RobotAgent::self() const {
 
 /// Tells the others. Who goes on standing as it has said does so less often.
 void RobotAgent::speak(std::vector<Message>& out) {
-  const Steady steady{body_->stands() && body_->commitment().next_velocity.isZero(0), status_.phase,
-                      knot_.id(), knot_.stage(), knot_.waits_for()};
+  const Steady steady{body_->stands(), status_.phase, knot_.id(), knot_.stage(), knot_.waits_for()};
   since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
   last_said_ = steady;
   if (since_news_ > repeat_news && since_news_ % standing_beat != 0) return;
-  out.insert(out.end(), static_cast<std::size_t>(fleet_.copies()), state());
+  out.emplace_back(state());
+  for (int copy = 1; copy < fleet_.copies(); ++copy) out.push_back(Message(out.back()));
   ++sequence_;
 }
 
