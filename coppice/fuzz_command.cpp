@@ -20,18 +20,23 @@ bool go_on(const PlannerService&, double) {
 void tell_failures(const FuzzCase& fuzz_case, const FuzzResult& result) {
   std::cout << fmt::format("seed {}: {}\n", fuzz_case.seed, fuzz_case.what);
   for (const std::string& failure : result.failures) std::cout << "  " << failure << '\n';
+  for (const std::string& robot : result.shut_in)
+    std::cout << "  " << robot
+              << " (and no joint plan is known that leads it past the dead and the others)\n";
 }
 
 /// What has been survived so far.
 struct Sum {
   std::size_t cases = 0;
   std::size_t failed = 0;
+  std::size_t shut_in = 0;  ///< robots
   double robot_hours = 0;
   SufferedFaults suffered;
 
   void add(const FuzzResult& result) {
     ++cases;
     failed += !result.failures.empty();
+    shut_in += result.shut_in.size();
     robot_hours += result.robot_hours;
     suffered.lost += result.suffered.lost;
     suffered.kills += result.suffered.kills;
@@ -39,8 +44,10 @@ struct Sum {
   }
   std::string in_words() const {
     return fmt::format(
-        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} robots killed, {} pauses", cases,
-        failed, robot_hours, suffered.lost, suffered.kills, suffered.pauses);
+        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} robots killed, {} pauses, {} robots "
+        "shut "
+        "in by the dead",
+        cases, failed, robot_hours, suffered.lost, suffered.kills, suffered.pauses, shut_in);
   }
 };
 
@@ -72,7 +79,7 @@ int fuzz_command(const FuzzOptions& options) {
     if (stop_requested()) break;
     const FuzzResult result = judge(fuzz_case, simulation);
     sum.add(result);
-    if (!result.failures.empty()) {
+    if (!result.failures.empty() || !result.shut_in.empty()) {
       tell_failures(fuzz_case, result);
       std::cout << fmt::format("  again: coppice fuzz --replay {}\n", seed) << std::flush;
     }

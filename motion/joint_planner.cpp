@@ -17,14 +17,16 @@ constexpr std::size_t most_configurations = 100'000;
 
 JointPlanner::JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random)
     : field_(places.field()), tasks_(std::move(tasks)), random_(random) {
-  const bool one_size =
-      std::ranges::all_of(tasks_, [&](const JointTask& t) { return t.radius == tasks_[0].radius; });
-  if (one_size) set_up_places(places.packed(tasks_[0].radius));
+  const auto first = std::ranges::find_if(tasks_, &JointTask::movable);
+  const bool one_size = first != tasks_.end() && std::ranges::all_of(tasks_, [&](const JointTask& t) {
+                          return !t.movable || t.radius == first->radius;
+                        });
+  if (one_size) set_up_places(places.packed(first->radius), first->radius);
 }
 
 /// Places for everybody, and what each wants: to its goal, or to give way if it could not even get there
 /// alone.
-void JointPlanner::set_up_places(PackedPlaces& packed) {
+void JointPlanner::set_up_places(PackedPlaces& packed, double radius) {
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
@@ -45,7 +47,6 @@ void JointPlanner::set_up_places(PackedPlaces& packed) {
     const Place start = place_of(task.position);
     crowd.push_back({start, place_of(task.goal)});
   }
-  const double radius = tasks_[0].radius;
   graph_ = packed.with(ends, dead);
   const std::vector<Place> parts = parts_of(graph_);
   for (std::size_t k = 0; k < crowd.size(); ++k) {

@@ -30,7 +30,7 @@ class JointPlanner {
   const JointPlan& plan() const { return plan_; }
 
  private:
-  void set_up_places(PackedPlaces& packed);
+  void set_up_places(PackedPlaces& packed, double radius);
   void take_up(const Lacam& solution);
 
   const ClearanceField& field_;

@@ -28,7 +28,6 @@ constexpr double relay_from = 0.3;
 constexpr double relay_until = 4;
 constexpr std::size_t echoes_a_state = 8;
 constexpr double good_clock = 0.0015;  // seconds: three centimetres' drive
-constexpr int few_unheard = 3;         // decisions of one that dies: a drive of three metres at 20 m/s
 constexpr int most_copies = 4;
 constexpr double copies_tried = 0.5;  // seconds
 constexpr double prompt_sample = 0.01;
@@ -203,7 +202,7 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const Point2& po
 }
 
 void Fleet::say_more_often(const Absences& count, double now) {
-  if (count.alive == 0 || !loss_.known() || loss_.unheard_states(count.alive) <= few_unheard) return;
+  if (count.alive == 0 || !loss_.notable() || loss_.unheard_states(count.alive) == 0) return;
   if (copies_ == most_copies || now - copies_since_ <= copies_tried) return;
   ++copies_;
   copies_since_ = now;
@@ -219,15 +218,14 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
   });
 }
 
-/// A disc there would touch, or hold up, neither this robot nor any that is alive.
-bool Fleet::nobody_at(const Point2& q, double radius, const Point2& position, double now) const {
-  const auto clear = [&](const Point2& p, double other) {
-    return (q - p).norm() >= radius + other + standing_gap;
-  };
-  return clear(position, own_mission_->radius) && std::ranges::all_of(peers_, [&](const Peer& p) {
-           const bool known = p.state && !p.dead() && !missing(p, absence, now);
-           return !known || clear(p.state->position, p.state->radius);
-         });
+/// Metres between the point and the nearest edge of a robot that is alive; this one is at `position`.
+double Fleet::room_at(const Point2& q, const Point2& position, double now) const {
+  double room = (q - position).norm() - own_mission_->radius;
+  for (const Peer& p : peers_) {
+    const bool known = p.state && !p.dead() && !missing(p, absence, now);
+    if (known) room = std::min(room, (q - p.state->position).norm() - p.state->radius);
+  }
+  return room;
 }
 
 /// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
@@ -240,7 +238,7 @@ void Fleet::bury(Peer& p, int unheard, const Point2& position, const ClearanceFi
   const RobotState& s = *p.state;
   p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, rests_radii * s.radius);
   const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
-    return !field.is_free(q, rests_clear * s.radius) || !nobody_at(q, s.radius, position, now);
+    return !field.is_free(q, rests_clear * s.radius) || room_at(q, position, now) < s.radius + standing_gap;
   });
   p.rests.erase(impossible, p.rests.end());
 }
@@ -305,8 +303,11 @@ std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) 
   for (const Peer& p : peers_) {
     const double radius = p.state ? p.state->radius : p.mission ? p.mission->radius : 0;
     for (const Point2& rest : p.rests) {
-      // Somebody may have come there since, who took it to stand elsewhere, and is the proof of it.
-      if (rest == p.rests.front() || nobody_at(rest, radius, position, now)) places.push_back({rest, radius});
+      // Somebody may have come there since, who took it to stand elsewhere, and is the proof of it. One that
+      // stands closer than a plan would lead it must get away again.
+      const double room = room_at(rest, position, now);
+      if (rest == p.rests.front() || room >= radius)
+        places.push_back({rest, std::clamp(room - standing_gap, 0.0, radius)});
     }
   }
   return places;

@@ -127,7 +127,7 @@ class Fleet {
                         const ClearanceField& field);
   void say_more_often(const Absences& count, double now);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
-  bool nobody_at(const Point2& q, double radius, const Point2& position, double now) const;
+  double room_at(const Point2& q, const Point2& position, double now) const;
   void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field, double now);
   void add_neighbours(const Peer& peer, std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer) const;

@@ -20,12 +20,11 @@ class LossCount {
     }
   }
 
-  /// Enough came to tell.
-  bool known() const { return sent_ > 50; }
+  /// More is lost than by chance, and enough came to tell.
+  bool notable() const { return sent_ > 50 && share() > 0.02; }
   /// The last states that at most one death in a million loses on all its ways to `witnesses` robots.
   int unheard_states(std::size_t witnesses) const {
-    const double share = std::min((lost_ + 1) / (sent_ + 2), most_lost);
-    const double exponent = std::log(1e-6) / (static_cast<double>(witnesses) * std::log(share));
+    const double exponent = std::log(1e-6) / (static_cast<double>(witnesses) * std::log(share()));
     return static_cast<int>(std::ceil(exponent)) - 1;
   }
 
@@ -33,6 +32,8 @@ class LossCount {
   static constexpr std::uint32_t longest_gap = 20;  // states: more is a pause, a restart or a partition
   static constexpr double most_lost = 0.5;
   static constexpr double memory = 0.995;  // counts some 200 of the last
+
+  double share() const { return std::min((lost_ + 1) / (sent_ + 2), most_lost); }
 
   double sent_ = 0;
   double lost_ = 0;

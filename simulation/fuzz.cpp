@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "files/scenario_generator.h"
+#include "motion/joint_planner.h"
 #include "motion/route_finder.h"
 #include "planning/map_generator.h"
 #include "simulation/invariants.h"
@@ -74,13 +76,40 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
   return text;
 }
 
-/// Whether a robot that has not arrived could have, past the dead, from where it is.
-bool could_arrive(const FuzzCase& fuzz_case, const Point2& from, const RobotTask& task,
-                  std::span<const Disc> dead) {
-  const ClearanceField field(fuzz_case.scenario.map);
+/// How the robots stand in the end: the dead do not move, and who arrived is where it wants to be.
+std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const FleetSimulation& simulation) {
+  std::vector<JointTask> ends;
+  for (const NamedTrack& track : tracks) {
+    const RobotTask& task = simulation.service().task(track.robot);
+    const auto& points = track.track.points;
+    const Point2 end = points.empty() ? task.start : points.back().position;  // killed before it had a body
+    const bool killed = simulation.killed(track.robot);
+    ends.push_back({end, killed ? end : task.goal, task.radius, !killed});
+  }
+  return ends;
+}
+
+/// Whether a robot could have arrived, past the dead, from where it is.
+bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span<const JointTask> ends) {
+  std::vector<Disc> dead;
+  for (const JointTask& end : ends) {
+    if (!end.movable) dead.push_back({end.position, end.radius});
+  }
   // A gap that only a finer lattice finds is no way that anybody would miss.
-  RouteFinder finder(field, task.radius, usual_spacing(task.radius) / 2);
-  return !finder.route(from, task.goal, dead).empty();
+  RouteFinder finder(field, robot.radius, usual_spacing(robot.radius) / 2);
+  return !finder.route(robot.position, robot.goal, dead).empty();
+}
+
+/// The same, with the others that live in its way as well. The dead may close the only place where two of
+/// them could have changed their order.
+std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::vector<JointTask>& ends) {
+  PlacesOfMap places(field);
+  JointPlanner planner(places, ends, Random(1));
+  while (!planner.step()) {
+  }
+  std::vector<bool> could(ends.size(), true);
+  for (const std::size_t i : planner.plan().stranded) could[i] = false;
+  return could;
 }
 
 }  // namespace
@@ -109,23 +138,20 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
                     .suffered = simulation.suffered()};
   if (result.suffered.rejected > 0)
     result.failures.push_back(fmt::format("{} messages that no reader takes", result.suffered.rejected));
-  std::vector<Disc> dead;
-  for (const NamedTrack& track : tracks) {
-    const auto& points = track.track.points;
-    result.robot_hours += static_cast<double>(points.size()) * control_period / 3600;
-    if (!simulation.killed(track.robot)) continue;
-    const Point2 start =
-        simulation.service().task(track.robot).start;  // killed before it had heard of its mission
-    dead.push_back({points.empty() ? start : points.back().position, track.track.radius});
-  }
+  for (const NamedTrack& track : tracks)
+    result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
   const proto::Report report = simulation.service().report(tracks);
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
+  const std::vector<JointTask> ends = ends_of(tracks, simulation);
+  const ClearanceField field(fuzz_case.scenario.map);
+  const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);
+  std::optional<std::vector<bool>> sorted_out;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
     const auto& robot = report.robots(static_cast<int>(i));
-    if (robot.arrived() || simulation.killed(robot.name())) continue;
-    const RobotTask& task = simulation.service().task(robot.name());
-    const auto& points = tracks[i].track.points;
-    if (could_arrive(fuzz_case, points.empty() ? task.start : points.back().position, task, dead))
-      result.failures.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
+    if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
+    if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
+    const bool shut_in = somebody_died && !(*sorted_out)[i];
+    std::vector<std::string>& list = shut_in ? result.shut_in : result.failures;
+    list.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
   }
   return result;
 }

@@ -1,7 +1,8 @@
 // Cases for a fleet to survive: a scenario and faults, both drawn from a seed, and what must hold in the end.
 //
 // A case fails if an invariant is broken (invariants.h), or if a robot is stuck: it is not killed, has not
-// arrived, and no dead robot closes its way.
+// arrived, no dead robot closes its way, and, if somebody died, a joint plan from where they all are in the
+// end would bring it to its goal.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,7 @@ FuzzCase draw_fuzz_case(std::uint32_t seed);
 
 struct FuzzResult {
   std::vector<std::string> failures;  ///< empty: survived
+  std::vector<std::string> shut_in;   ///< stuck, but no joint plan was found that brings it past the dead
   double robot_hours = 0;
   SufferedFaults suffered;
 };

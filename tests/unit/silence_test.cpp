@@ -73,14 +73,16 @@ class Listener {
                           .clock = {}},
                   0);
   }
-  void hear(const RobotName& robot, double stamp, std::vector<Echo> echoes = {}) {
+  void hear(const RobotName& robot, double stamp, std::vector<Echo> echoes = {},
+            const Point2& velocity = Point2::Zero()) {
     const RobotState state{.robot = robot,
                            .stamp = stamp,
                            .position = {100, 100},
+                           .velocity = velocity,
                            .radius = 5,
                            .max_speed = 20,
                            .max_acceleration = 40,
-                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
+                           .promise = {stamp + period, velocity, stamp + 2 * period},
                            .knot = {},
                            .echoes = std::move(echoes)};
     fleet_.hear(std::make_shared<const RobotState>(state), stamp + 0.001);
@@ -88,6 +90,9 @@ class Listener {
   void judge(double now) { fleet_.judge_silence(now, {20, 20}, field_); }
   bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
   bool cut_off() const { return fleet_.cut_off(); }
+  std::vector<Disc> dead_seen_from(const Point2& position, double now) const {
+    return fleet_.places_of_the_dead(position, now);
+  }
 
  private:
   ClearanceField field_;
@@ -159,6 +164,24 @@ TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
     a.judge(now);
   }
   EXPECT_TRUE(a.dead("b"));
+}
+
+TEST(Silence, WhereALivingRobotStandsNoDeadOneDoesAndAPlanMayLeadOutFromCloseToIt) {
+  Listener a({"b"});
+  a.hear("b", 0, {}, {0, 10});
+  for (double now = 0; now < 5; now += period) a.judge(now);
+  ASSERT_TRUE(a.dead("b"));
+  const std::vector<Disc> all = a.dead_seen_from({20, 20}, 5);
+  ASSERT_GT(all.size(), 3u);
+  for (const Disc& disc : all) EXPECT_EQ(disc.radius, 5);
+
+  const Point2 last = all.back().centre;
+  const std::vector<Disc> close = a.dead_seen_from(last + Point2(0, 10.0005), 5);
+  ASSERT_EQ(close.size(), all.size());
+  EXPECT_LT(close.back().radius, 5 - 0.0005);
+  EXPECT_GT(close.back().radius, 4.999);
+  const std::vector<Disc> within = a.dead_seen_from(last + Point2(0, 9.99), 5);
+  EXPECT_EQ(within.size(), all.size() - 1);
 }
 
 }  // namespace
