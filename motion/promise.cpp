@@ -49,8 +49,13 @@ class NeighbourRegion {
     const Commitment& c = n_.commitment;
     const double e = n_.clock_error;
     const double committed_speed = std::max(c.velocity.norm(), c.next_velocity.norm());
-    if (t1 + e <= c.expiry)
-      return closest_approach(a0, a1, committed(t0), committed(t1)) >= reach_ + e * committed_speed;
+    if (t1 + e <= c.expiry) {
+      const Point2 from = committed(t0);
+      // One that stands may have been found to stand a hair too close: there is a way out.
+      const double least =
+          committed_speed > 0 ? reach_ + e * committed_speed : std::min(reach_, (a0 - from).norm());
+      return closest_approach(a0, a1, from, committed(t1)) >= least;
+    }
     const double since = t1 + e - c.expiry;
     const double free_reach = n_.limits.max_speed * std::max(since, c.expiry - t0 + e);
     if (closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach) return true;
