@@ -3,6 +3,7 @@
 
 #include <concepts>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -23,8 +24,19 @@ inline Arrival arrival_of(Message message, WallTime at) {
   return {std::make_shared<const Message>(std::move(message)), at};
 }
 
+/// A message and who of the agents is to have it. Readers of other roles have whatever they read.
+struct Outgoing {
+  template <class M>
+  requires std::constructible_from<Message, M> Outgoing(M&& what)
+      : message(std::forward<M>(what)) {}  // NOLINT(google-explicit-constructor)
+  Outgoing(Message what, std::vector<RobotName> to) : message(std::move(what)), agents(std::move(to)) {}
+
+  Message message;
+  std::optional<std::vector<RobotName>> agents{};  ///< none: all of them
+};
+
 template <class B>
-concept Bus = requires(B bus, const Message& message, double seconds) {
+concept Bus = requires(B bus, const Outgoing& message, double seconds) {
   /// Hands a message to the bus; never blocks on a reader.
   bus.publish(message);
   /// All that arrived since the last call, checked (validation.h), in order for each sender and topic.

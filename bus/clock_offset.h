@@ -36,8 +36,10 @@ class ClockOffset {
   bool known() const { return least_ > -infinity && most_ < infinity; }
   /// Own clock minus the other's, in the middle of the bounds. While only one bound is known, that one.
   double estimate() const { return known() ? (least_ + most_) / 2 : most_ < infinity ? most_ : 0; }
-  /// By how much the estimate may be wrong; infinity until it is known.
-  double error() const { return known() ? (most_ - least_) / 2 : infinity; }
+  /// By how much the estimate may be wrong at `now`; infinity until it is known.
+  double error(double now) const {
+    return known() ? (most_ - least_) / 2 + clock_drift * std::max(0.0, now - updated_) : infinity;
+  }
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();

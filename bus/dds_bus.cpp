@@ -3,6 +3,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <tuple>
+#include <type_traits>
 
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
 #include <fastdds/dds/core/condition/WaitSet.hpp>
@@ -13,11 +14,13 @@
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <spdlog/spdlog.h>
 
+#include "bus/dds_audience_filter.h"
 #include "bus/dds_conversion.h"
 #include "bus/dds_type_objects.h"
 #include "bus/topics.h"
@@ -82,6 +85,9 @@ dds::DataWriterQos writer_qos(const TopicInfo& info) {
   qos.publish_mode().kind = info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE
                                                                       : dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, heartbeat_nanoseconds);
+  // The default of 32 readers would leave the rest unfiltered.
+  qos.writer_resource_limits().reader_filters_allocation =
+      eprosima::fastrtps::ResourceLimitedContainerConfig::dynamic_allocation_configuration();
   qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
   return qos;
 }
@@ -110,8 +116,14 @@ WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
   return time.seconds() + 1e-9 * time.nanosec();
 }
 
+/// Topics on which an agent speaks to some of the agents only.
+template <class M>
+constexpr bool has_audience = std::is_same_v<M, RobotState>;
+
 struct DdsBus::Implementation {
   Role role;
+  std::string robot;
+  AudienceFilter audience;
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
@@ -125,11 +137,14 @@ struct DdsBus::Implementation {
   std::size_t lost = 0;
 
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
-      : role(role_of_process) {
+      : role(role_of_process), robot(settings.robot), audience(robot) {
     register_type_objects();
     participant = required(dds::DomainParticipantFactory::get_instance()->create_participant(
                                static_cast<std::uint32_t>(settings.domain), participant_qos(sender)),
                            "a participant (is the domain between 0 and 232?)");
+    if (participant->register_content_filter_factory(AudienceFilter::name, &audience) !=
+        eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+      throw std::runtime_error("DDS could not register a content filter");
     publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
     subscriber = required(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
     std::apply([&](auto&... ends) { (open(ends), ...); }, topics);
@@ -159,11 +174,21 @@ struct DdsBus::Implementation {
       ends.writer = required(publisher->create_datawriter(topic, writer_qos(T::info)), "a writer");
     }
     if (T::read_by(role)) {
-      ends.reader = required(subscriber->create_datareader(topic, reader_qos(T::info)), "a reader");
+      ends.reader =
+          required(subscriber->create_datareader(what_to_read<M>(topic), reader_qos(T::info)), "a reader");
       if (!wakes<M>) return;
       ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
       wait_set.attach_condition(ends.reader->get_statuscondition());
     }
+  }
+
+  template <class M>
+  dds::TopicDescription* what_to_read(dds::Topic* topic) {
+    if (!has_audience<M> || robot.empty()) return topic;
+    return required(
+        participant->create_contentfilteredtopic(std::string(Topic<M>::info.name) + "_for_" + robot, topic,
+                                                 "audience", {robot}, AudienceFilter::name),
+        "a filtered topic");
   }
 
   template <class M>
@@ -206,19 +231,20 @@ DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender
 
 DdsBus::~DdsBus() = default;
 
-void DdsBus::publish(const Message& message) {
+void DdsBus::publish(const Outgoing& outgoing) {
   std::visit(
       [&]<class M>(const M& m) {
         dds::DataWriter* writer = std::get<Ends<M>>(implementation_->topics).writer;
         if (writer == nullptr)
           throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
         auto sample = to_dds(m);
+        if constexpr (has_audience<M>) implementation_->audience.set_audience(outgoing.agents);
         if (!writer->write(&sample)) {
           ++implementation_->lost;
           spdlog::warn("could not write a sample of topic {}", Topic<M>::info.name);
         }
       },
-      message);
+      outgoing.message);
 }
 
 std::vector<Arrival> DdsBus::take() {

@@ -16,7 +16,8 @@
 namespace coppice {
 
 struct DdsSettings {
-  int domain = 0;  ///< 0..232; fleets on different domains do not see each other
+  int domain = 0;     ///< 0..232; fleets on different domains do not see each other
+  RobotName robot{};  ///< of an agent: what is not for it is not sent to it
 };
 
 class DdsBus {
@@ -29,7 +30,7 @@ class DdsBus {
 
   /// Writes to the message's topic, which the role must be a writer of. Waits at most 100 ms where a reliable
   /// reader lags so far behind that its history is full; then the sample is lost and counted.
-  void publish(const Message& message);
+  void publish(const Outgoing& outgoing);
 
   /// Everything that arrived since the last call and passed validation.
   std::vector<Arrival> take();

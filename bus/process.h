@@ -32,7 +32,7 @@ void run_role_once(DdsBus& bus, R& role) {
   for (const Arrival& arrival : bus.take()) role.on(arrival);
   const WallTime now = wall_now();
   if (role.next_wake() > now) return;
-  for (const Message& message : role.step(now)) bus.publish(message);
+  for (const auto& message : role.step(now)) bus.publish(message);
 }
 
 }  // namespace coppice

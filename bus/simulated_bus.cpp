@@ -40,7 +40,8 @@ bool read_by(const Message& message, Role role) {
 
 }  // namespace
 
-SimulatedBus::Port& SimulatedBus::attach(Role role, int side) {
+SimulatedBus::Port& SimulatedBus::attach(Role role, const RobotName& robot, int side) {
+  if (!robot.empty()) port_of_[robot] = ports_.size();
   ports_.push_back(std::unique_ptr<Port>(new Port(*this, ports_.size(), role, side)));
   Port& port = *ports_.back();
   for (const auto& [key, messages] : kept_) {
@@ -51,12 +52,13 @@ SimulatedBus::Port& SimulatedBus::attach(Role role, int side) {
   return port;
 }
 
-void SimulatedBus::publish(const Port& sender, const Message& message) {
-  if (problem_with(message)) {  // a reader would drop it
+void SimulatedBus::publish(const Port& sender, Outgoing outgoing) {
+  if (problem_with(outgoing.message)) {  // a reader would drop it
     ++rejected_;
     return;
   }
-  const auto shared = std::make_shared<const Message>(message);
+  const auto shared = std::make_shared<const Message>(std::move(outgoing.message));
+  const Message& message = *shared;
   const TopicInfo info = with_topic(message, [&](auto topic, const auto& m) {
     if (topic.info.durability != Durability::transient_local) return topic.info;
     const std::string key = std::string(topic.info.name) + "/" + key_of(m);
@@ -71,6 +73,14 @@ void SimulatedBus::publish(const Port& sender, const Message& message) {
   std::array<bool, 4> read{};
   for (const Role role : {Role::broker, Role::agent, Role::service, Role::observer})
     read[static_cast<std::size_t>(role)] = read_by(message, role);
+  if (outgoing.agents) {
+    read[static_cast<std::size_t>(Role::agent)] = false;
+    for (const RobotName& robot : *outgoing.agents) {
+      const auto port = port_of_.find(robot);
+      if (port != port_of_.end() && !ports_[port->second]->closed_)
+        send(sender, *ports_[port->second], shared, info.reliability);
+    }
+  }
   for (const auto& port : ports_) {
     if (port.get() != &sender && !port->closed_ && read[static_cast<std::size_t>(port->role_)])
       send(sender, *port, shared, info.reliability);

@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -42,7 +43,7 @@ class SimulatedBus {
   /// One participant's end. Stays valid for as long as the bus lives.
   class Port {
    public:
-    void publish(const Message& message) { bus_.publish(*this, message); }
+    void publish(Outgoing message) { bus_.publish(*this, std::move(message)); }
     /// All that is due by the bus's time.
     std::vector<Arrival> take();
     /// When the next message is due that wakes who waits for it, which best-effort samples do not; infinity
@@ -75,8 +76,8 @@ class SimulatedBus {
   explicit SimulatedBus(double delay, BusFaults faults = {}, Random random = Random(0))
       : delay_(delay), faults_(std::move(faults)), random_(random) {}
 
-  /// `side`: of the partitions.
-  Port& attach(Role role, int side = 0);
+  /// `robot`: of an agent. `side`: of the partitions.
+  Port& attach(Role role, const RobotName& robot = {}, int side = 0);
 
   /// Virtual time, seconds; never runs back.
   void set_time(double now) { now_ = now; }
@@ -87,7 +88,7 @@ class SimulatedBus {
   std::size_t rejected() const { return rejected_; }
 
  private:
-  void publish(const Port& sender, const Message& message);
+  void publish(const Port& sender, Outgoing outgoing);
   void send(const Port& sender, Port& receiver, const std::shared_ptr<const Message>& message,
             Reliability reliability);
   bool fails(const Port& sender, const Port& receiver, double time);
@@ -100,6 +101,7 @@ class SimulatedBus {
   std::size_t lost_ = 0;
   std::size_t rejected_ = 0;
   std::vector<std::unique_ptr<Port>> ports_;
+  std::unordered_map<RobotName, std::size_t> port_of_;  ///< of the agents
   /// What transient-local topics keep, by topic and key, in the order of first publication.
   std::vector<std::pair<std::string, std::vector<std::shared_ptr<const Message>>>> kept_;
   std::map<std::string, std::size_t> kept_index_;

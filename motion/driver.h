@@ -41,7 +41,7 @@ class Driver {
   /// If it stands: binds it to stand until the time `until` at least.
   void stay(double until);
   /// The next choice is for a period in which it is bound to stand.
-  bool bound_to_stand() const { return time_ + period_ + rounding < stays_until_; }
+  bool bound_to_stand(int periods = 1) const { return time_ + periods * period_ + rounding < stays_until_; }
 
   /// What the others may count on.
   Commitment commitment() const;

@@ -18,6 +18,7 @@
 #include "motion/promise.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
+#include "robot_agent/interest.h"
 #include "robot_agent/loss.h"
 
 namespace coppice {
@@ -50,9 +51,9 @@ class Fleet {
 
   const std::optional<Mission>& own_mission() const { return own_mission_; }
 
-  /// Once in each control step, from where this robot is: who has been silent for too long counts as dead
-  /// from now on.
-  void judge_silence(double now, const Point2& position, const ClearanceField& field);
+  /// Once in each control step, with where this robot is and what knot it holds in (none: no epoch): who has
+  /// been silent for too long counts as dead from now on.
+  void judge_silence(double now, const Point2& position, const KnotId& holds_in, const ClearanceField& field);
   /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
   /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
@@ -62,7 +63,7 @@ class Fleet {
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
   /// `position` and stays within `reach` of it.
-  std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now) const;
+  std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now);
 
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
@@ -77,29 +78,48 @@ class Fleet {
   double crowd(const Point2& p, double near) const;
   /// The largest by which an alive robot's clock may be off from what is known; about what a sample takes to
   /// come from it.
-  double clock_error() const;
+  double clock_error(double now) const;
   /// Somebody looks for its first path still.
   bool somebody_plans() const;
   /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or
   /// has no more to do.
   bool complete(std::size_t robots) const;
 
-  /// Some of the stamps that were heard, all in turn: so that the others can compare clocks.
-  std::vector<Echo> next_echoes();
+  /// Whom a state is for (interest.h), and some of the stamps that were heard, all in turn: so that these can
+  /// compare clocks. `turn`: the number of the state. `news`: of its knot, for all within it. `waits_for`:
+  /// the robot that this one waits for, if any.
+  struct Address {
+    std::vector<RobotName> agents;
+    std::vector<Echo> echoes;
+  };
+  Address address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for, double now);
   /// The last states of those who have just fallen silent.
   std::vector<RobotState> last_words(double now) const;
 
  private:
-  struct Peer {
-    RobotName robot;
-    std::optional<Mission> mission{};
+  struct alignas(64) Peer {
+    // What each step looks at, of all, comes first and fills a cache line.
     std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
     WallTime heard_at = 0;                      ///< of the state, or else of the first mission
-    ClockOffset clock{};                        ///< of fleet times
-    double echoed = 0;                          ///< the newest stamp of its own that others have heard, while
-    double echoed_at = 0;                       ///< somebody is missing here; and when that was news
+    double away_until = 0;                      ///< it cannot come near before
+    double settled_until = 0;                   ///< it cannot count as silent before
+    double echo_sent = 0;                       ///< the newest stamp that was echoed
+    std::uint32_t stride_until = 0;             ///< turn at which to look again at
+    int stride = 1;                             ///< that of this robot's states to it
+    std::uint32_t phase = 0;                    ///< of its turns
+    bool is_witness = false;                    ///< of this robot
     bool across = false;                        ///< the larger piece of a network in pieces
-    std::vector<Point2> rests{};                ///< where it may stand, if it counts as dead; else empty
+
+    RobotName robot{};
+    std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
+    std::unique_ptr<const Mission> mission{};
+    Received received{};
+    ClockOffset clock{};           ///< of fleet times
+    int introductions = 0;         ///< echoes that it was sent since its clock is known
+    WallTime said_again_from = 0;  ///< its last state, again and again, by somebody who hears no more of it:
+    WallTime said_again_at = 0;    ///< first and last
+    double echoed = 0;             ///< the newest stamp of its own that others have heard, while somebody is
+    double echoed_at = 0;          ///< missing here; and when that was news
     bool dead() const { return !rests.empty(); }
   };
 
@@ -117,34 +137,54 @@ class Fleet {
   /// What counts as a second of silence, in fleet time: one of the wall's clock, and never less than states
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }
-  double silence(const Peer& peer, double now) const { return now - clock_.fleet_time(peer.heard_at); }
+  double since(WallTime at, double now) const { return now - clock_.fleet_time(at); }
+  double gap(const Peer& peer) const;
+  double closing_speed(const Peer& peer) const;
+  int stride_to(const Peer& peer, double now) const;
+  int stride_at(Peer& peer, std::uint32_t turn, double now) const;
+  int stride_from(const Peer& peer) const;
+  bool acquainted(const Peer& peer) const;
+  int stride_to_strangers() const;
+  bool tells_about_knot(const Peer& peer) const;
+  bool is_told_about_knot_by(const Peer& peer) const;
+  double explained_silence(const Peer& peer) const;
+  double unheard(const Peer& peer, double now) const;
+  double silence(const Peer& peer, double now) const;
+  void choose_witnesses();
+  std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t turn);
+  void hear_again(Peer& peer, WallTime arrived);
   void hear_own_echo(const RobotState& state, ClockOffset& clock, double now);
   void hear_of_the_missing(const RobotState& state, double now);
   bool missing(const Peer& peer, double seconds, double now) const;
   bool heard_elsewhere(const Peer& peer, double now) const;
-  Absences absences(double now) const;
-  void give_up_the_lost(const Absences& count, double now, const Point2& position,
-                        const ClearanceField& field);
+  Absences absences(double now);
+  bool unheard_by_all(const Absences& count, double now) const;
+  void give_up_the_lost(const Absences& count, double now, const ClearanceField& field);
   void say_more_often(const Absences& count, double now);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
+  void look_at_the_dead(double now);
   double room_at(const Point2& q, const Point2& position, double now) const;
-  void bury(Peer& peer, int unheard, const Point2& position, const ClearanceField& field, double now);
-  void add_neighbours(const Peer& peer, std::vector<Neighbour>& near) const;
+  void bury(Peer& peer, int unheard, const ClearanceField& field, double now);
+  void add_neighbours(const Peer& peer, double now, std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer) const;
 
   RobotName self_;
+  Point2 position_ = Point2::Zero();
+  KnotId holds_in_;
+  bool leads_ = false;  ///< that knot
   FleetClock clock_;
   bool has_clock_ = false;
   std::optional<Mission> own_mission_;
   std::vector<Peer> peers_;
   std::unordered_map<RobotName, std::size_t> index_;
-  std::size_t last_ = 0;  ///< that was asked for
   std::size_t next_echo_ = 0;
+  std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
   LossCount loss_;
   int copies_ = 1;
   double copies_since_ = 0;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   bool somebody_missing_ = false;
+  double next_look_at_the_dead_ = 0;
   bool cut_off_ = false;
   bool minority_ = false;  ///< those who fell silent at once were more than those who are left
 };

@@ -39,6 +39,8 @@ class Knot {
   /// The last joint plan, of the whole fleet, does not bring this robot to its goal.
   bool stranded() const { return stranded_; }
 
+  /// It leads, and is at work on the joint plan.
+  bool plans() const { return planner_ != nullptr; }
   /// Knots that it called one after the other from the same place.
   int calls_in_vain() const { return calls_in_vain_; }
 

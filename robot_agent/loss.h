@@ -1,35 +1,75 @@
 // How many of a robot's last states may have reached nobody: the share of samples that are lost follows from
-// the gaps in the numbers of those that come.
+// the numbers of those that come, of robots that send every one.
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
 namespace coppice {
 
+/// Which of one robot's last states came. They may overtake each other: what is missing counts as lost only
+/// when it is some turns old. And they may not have been for this robot: so it counts only if two in a row
+/// came both shortly before and shortly after it.
+class Received {
+ public:
+  struct Count {
+    int sent = 0;
+    int lost = 0;
+  };
+
+  /// What has become certain now that one came, of whatever age, perhaps not for the first time.
+  Count hear(std::uint32_t sequence) {
+    Count count;
+    if (came_ != 0 && sequence <= newest_ && newest_ - sequence < window) {
+      came_ |= 1u << (newest_ - sequence);
+      return count;
+    }
+    const bool anew = came_ == 0 || sequence < newest_ || sequence - newest_ >= window;
+    for (std::uint32_t k = anew ? 0 : sequence - newest_; k > 0; --k) {
+      came_ <<= 1;
+      if (!two_in_a_row(settled + 1) || !two_in_a_row(settled - reach)) continue;
+      ++count.sent;
+      count.lost += (came_ >> settled & 1) == 0;
+    }
+    came_ = anew ? 1 : came_ | 1;
+    newest_ = sequence;
+    return count;
+  }
+
+ private:
+  static constexpr std::uint32_t window = 32;   // a longer gap is a pause, a restart or a partition
+  static constexpr std::uint32_t settled = 16;  // turns: none comes later
+  static constexpr std::uint32_t reach = 4;
+
+  bool two_in_a_row(std::uint32_t from) const {
+    const std::uint32_t part = came_ >> from & ((1u << reach) - 1);
+    return (part & part >> 1) != 0;
+  }
+
+  std::uint32_t came_ = 0;  ///< the newest in bit 0
+  std::uint32_t newest_ = 0;
+};
+
 class LossCount {
  public:
-  /// A state came that is news; `last` was the one before it from the same robot.
-  void hear(std::uint32_t last, std::uint32_t sequence) {
-    sent_ = sent_ * memory + 1;
-    lost_ *= memory;
-    if (sequence > last && sequence - last < longest_gap) {
-      sent_ += sequence - last - 1;
-      lost_ += sequence - last - 1;
+  void add(const Received::Count& count) {
+    for (int k = 0; k < count.sent; ++k) {
+      sent_ = sent_ * memory + 1;
+      lost_ = lost_ * memory + (k < count.lost ? 1 : 0);
     }
   }
 
   /// More is lost than by chance, and enough came to tell.
   bool notable() const { return sent_ > 50 && share() > 0.02; }
-  /// The last states that at most one death in a million loses on all its ways to `witnesses` robots.
-  int unheard_states(std::size_t witnesses) const {
-    const double exponent = std::log(1e-6) / (static_cast<double>(witnesses) * std::log(share()));
+  /// The last states that at most one death in a million loses on all its ways to so many robots.
+  int unheard_states(std::size_t listeners) const {
+    const double exponent = std::log(1e-6) / (static_cast<double>(listeners) * std::log(share()));
     return static_cast<int>(std::ceil(exponent)) - 1;
   }
 
  private:
-  static constexpr std::uint32_t longest_gap = 20;  // states: more is a pause, a restart or a partition
   static constexpr double most_lost = 0.5;
   static constexpr double memory = 0.995;  // counts some 200 of the last
 

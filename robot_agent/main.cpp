@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
   }
   install_stop_signals();
   try {
-    DdsBus bus({.domain = domain}, Role::agent, "robot_agent " + name);
+    DdsBus bus({.domain = domain, .robot = name}, Role::agent, "robot_agent " + name);
     RobotAgent agent(name);
     spdlog::info("on domain {}", domain);
     while (!stop_requested()) run_role_once(bus, agent);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "planning/suggestions.h"
+#include "robot_agent/limits.h"
 
 namespace coppice {
 
@@ -15,11 +16,10 @@ constexpr WallTime status_beat = 0.5;  // seconds: at least this often, for live
 // A robot whose agent slept for so long, or that was cut off, stands as long again before it moves on: the
 // others may have come to think it dead, and hear of it first.
 constexpr WallTime own_silence = 1;
-constexpr std::uint32_t repeat_news = 5;    // control periods in which a robot that stands says so in each
-constexpr std::uint32_t standing_beat = 3;  // and then in each third
-constexpr std::uint32_t relay_each = 4;     // control periods between two times that it passes on last words
-constexpr WallTime longest_muster = 10;     // seconds to wait for the others' missions before setting off
-constexpr std::size_t track_batch = 20;     // points: one second of fleet time
+constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
+constexpr std::uint32_t relay_each = 4;   // control periods between two times that it passes on last words
+constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
+constexpr std::size_t track_batch = 20;   // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
@@ -50,10 +50,6 @@ constexpr double end_radii = 2;      // of the way: there it stops exactly
 Point2 leaning_right(const Point2& v, double stalled) {
   const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
   return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
-}
-
-Limits limits_of(const Mission& mission) {
-  return {mission.max_speed, mission.max_acceleration};
 }
 
 }  // namespace
@@ -151,8 +147,8 @@ void RobotAgent::look_for_a_path() {
   }
 }
 
-std::vector<Message> RobotAgent::step(WallTime now) {
-  std::vector<Message> out;
+std::vector<Outgoing> RobotAgent::step(WallTime now) {
+  std::vector<Outgoing> out;
   begin_mission(now);
   if (body_) control(mission_->clock.fleet_time(now), out);
   if (status_.phase == Phase::planning) {
@@ -163,7 +159,7 @@ std::vector<Message> RobotAgent::step(WallTime now) {
   report(now, out);
   next_wake_ = next_status_;
   if (body_) {
-    const double next_control = first_control_ ? body_->time() : body_->time() + period;
+    const double next_control = body_->time() + periods_to_next_control() * period;
     next_wake_ = std::min(next_wake_, mission_->clock.wall_time(next_control));
   }
   if (finder_) {
@@ -175,7 +171,7 @@ std::vector<Message> RobotAgent::step(WallTime now) {
 }
 
 /// What a step finds is taken up by the next one: its time then counts what the finding took.
-void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
+void RobotAgent::plan(WallTime now, std::vector<Outgoing>& out) {
   if (found_) {
     take_up(*std::exchange(found_, std::nullopt), now, out);
     return;
@@ -184,7 +180,7 @@ void RobotAgent::plan(WallTime now, std::vector<Message>& out) {
   if (const auto batch = finder_->take_root_nodes(); batch) out.emplace_back(*batch);
 }
 
-void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out) {
+void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::vector<Outgoing>& out) {
   status_.nodes_valid = finder_->counts().valid;
   status_.nodes_invalid = finder_->counts().invalid;
   status_.trees_grafted = finder_->grafted_trees();
@@ -204,7 +200,7 @@ void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::ve
   }
 }
 
-void RobotAgent::follow(const Path& path, std::vector<Message>& out) {
+void RobotAgent::follow(const Path& path, std::vector<Outgoing>& out) {
   out.emplace_back(PathMessage{name_, mission_->number, path});
   follower_.emplace(path, mission_->radius);
   last_gain_ = 0;
@@ -213,7 +209,7 @@ void RobotAgent::follow(const Path& path, std::vector<Message>& out) {
 /// Pulls the first path taut, before the robot has come far along it. Then looks for a shorter path while the
 /// budget lasts and nobody needs the processor for its first one, and swaps to it where the robot sees its
 /// way onto it and has less left to drive.
-void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
+void RobotAgent::improve(WallTime now, std::vector<Outgoing>& out) {
   if (!finder_->is_taut()) return follow(finder_->pull_taut(), out);
   const bool over = now > first_path_wall_ + mission_->plan_budget || status_.phase != Phase::driving ||
                     knot_.stage() != Stage::free;
@@ -236,7 +232,7 @@ void RobotAgent::improve(WallTime now, std::vector<Message>& out) {
 }
 
 /// Brings the body up to the present, and decides once for the newest period.
-void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
+void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   if (fleet_now < body_->time()) return;
   bool due = std::exchange(first_control_, false);
   const double grace = own_silence * std::max(1.0, mission_->clock.scale);
@@ -245,12 +241,13 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
+    sequence_ += body_->stands() || !due;  // of one that drives, gaps are what others have lost
     due = true;
   }
   if (!due) return;
 
   decide(fleet_now);
-  speak(out);
+  speak(fleet_now, out);
   if (++relay_turn_ % relay_each == 0) {
     for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
   }
@@ -259,7 +256,8 @@ void RobotAgent::control(double fleet_now, std::vector<Message>& out) {
 
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
-  fleet_.judge_silence(fleet_now, body_->position(), ground_->field);
+  const bool holds = knot_.stage() == Stage::holding;
+  fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
   if (fleet_.cut_off()) heard_again_at_ = fleet_now + own_silence * std::max(1.0, mission_->clock.scale);
   const std::vector<Neighbour> others =
       body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
@@ -283,7 +281,7 @@ void RobotAgent::decide(double fleet_now) {
       body_->choose(Point2::Zero(), others, ground_->field);
       // A robot that plans, or waits for news of the others, will set off any moment.
       const bool ready = status_.phase == Phase::driving && !may_set_off(fleet_now);
-      if (status_.phase != Phase::planning && !ready) stand_for(free ? idle_lease : waiting_lease);
+      if (status_.phase != Phase::planning && !ready) stand_for(fleet_now, free ? idle_lease : waiting_lease);
     }
   }
   if (status_.phase != Phase::stopped) watch_arrival(fleet_now);
@@ -304,7 +302,7 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   if (body_->velocity().norm() >= fair_pace * preferred.norm()) last_pace_time_ = fleet_now;
   if (fleet_now - last_pace_time_ > waiting_lease && lets_go_first(preferred)) {
     wanted = Point2::Zero();
-    stand_for(waiting_lease);
+    stand_for(fleet_now, waiting_lease);
   }
   body_->choose(wanted, neighbours, ground_->field);
   if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
@@ -336,7 +334,7 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
   const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   if (wanted.isZero(0)) {
     body_->follow(wanted, neighbours, ground_->field);
-    stand_for(waiting_lease);
+    stand_for(fleet_now, waiting_lease);
   } else if (!body_->bound_to_stand()) {
     knot_.led_past(body_->follow(wanted, neighbours, ground_->field));
     // Of several that fear each other's next move, one must go.
@@ -345,13 +343,13 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
     const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
     if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) {
       body_->follow(Point2::Zero(), neighbours, ground_->field);
-      stand_for(waiting_lease);
+      stand_for(fleet_now, waiting_lease);
     }
   }
 }
 
-void RobotAgent::stand_for(double seconds) {
-  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error());
+void RobotAgent::stand_for(double fleet_now, double seconds) {
+  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error(fleet_now));
 }
 
 /// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way
@@ -396,7 +394,7 @@ bool RobotAgent::may_set_off(double fleet_now) const {
 }
 
 /// All who may come near while this robot looks ahead, or brakes.
-std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) const {
+std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) {
   const Limits& limits = body_->limits();
   const double horizon = std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * period;
   const double reach = body_->radius() + horizon * limits.max_speed;
@@ -415,18 +413,29 @@ FleetMember RobotAgent::self() const {
           .progress = knot_.progress()};
 }
 
-/// Tells the others. Who goes on standing as it has said does so less often.
-void RobotAgent::speak(std::vector<Message>& out) {
-  const Steady steady{body_->stands(), status_.phase, knot_.id(), knot_.stage(), knot_.waits_for()};
-  since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
-  last_said_ = steady;
-  if (since_news_ > repeat_news && since_news_ % standing_beat != 0) return;
-  out.emplace_back(state());
-  for (int copy = 1; copy < fleet_.copies(); ++copy) out.push_back(Message(out.back()));
-  ++sequence_;
+/// One that is bound to stand need not look again before it has something to say.
+int RobotAgent::periods_to_next_control() const {
+  if (first_control_) return 0;
+  const bool rests = since_news_ > repeat_news && !knot_.plans() && body_->bound_to_stand(standing_stride);
+  return rests ? standing_stride - static_cast<int>(sequence_ % standing_stride) : 1;
 }
 
-RobotState RobotAgent::state() {
+/// Tells the others. Who goes on standing as it has said does so less often.
+void RobotAgent::speak(double fleet_now, std::vector<Outgoing>& out) {
+  const Steady steady{body_->stands(), status_.phase, knot_.id(), knot_.stage(), knot_.waits_for()};
+  const bool same_part = steady.knot == last_said_.knot && steady.stage == last_said_.stage;
+  since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
+  since_knot_ = same_part ? since_knot_ + 1 : 0;
+  last_said_ = steady;
+  if (since_news_ > repeat_news && !is_turn_of(0, sequence_, standing_stride)) return;
+  const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
+  auto [agents, echoes] = fleet_.address(sequence_, news, knot_.waits_for(), fleet_now);
+  Outgoing said(state(std::move(echoes)), std::move(agents));
+  for (int copy = 1; copy < fleet_.copies(); ++copy) out.push_back(said);
+  out.push_back(std::move(said));
+}
+
+RobotState RobotAgent::state(std::vector<Echo> echoes) const {
   const Commitment c = body_->commitment();
   return {.robot = name_,
           .sequence = sequence_,
@@ -442,11 +451,11 @@ RobotState RobotAgent::state() {
           .stage = knot_.stage(),
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
-          .echoes = fleet_.next_echoes()};
+          .echoes = std::move(echoes)};
 }
 
 /// Track points go out in batches, and all of them with a change of phase, so that the record is complete.
-void RobotAgent::report(WallTime now, std::vector<Message>& out) {
+void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   const bool beat = status_changed_ || now >= next_status_;
   if (!track_.empty() && (beat || track_.size() >= track_batch)) {
     TrackMessage batch{name_, status_.mission, status_.track_points, std::exchange(track_, {})};

@@ -30,7 +30,7 @@ class RobotAgent {
 
   void on(const Arrival& arrival);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
-  std::vector<Message> step(WallTime now);
+  std::vector<Outgoing> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
 
@@ -46,25 +46,26 @@ class RobotAgent {
   void begin_mission(WallTime now);
   void look_for_a_path();
   PathImprover<ClearanceField>& improver();
-  void plan(WallTime now, std::vector<Message>& out);
-  void take_up(const PathFinder::Result& result, WallTime now, std::vector<Message>& out);
-  void follow(const Path& path, std::vector<Message>& out);
-  void improve(WallTime now, std::vector<Message>& out);
-  void control(double fleet_now, std::vector<Message>& out);
+  void plan(WallTime now, std::vector<Outgoing>& out);
+  void take_up(const PathFinder::Result& result, WallTime now, std::vector<Outgoing>& out);
+  void follow(const Path& path, std::vector<Outgoing>& out);
+  void improve(WallTime now, std::vector<Outgoing>& out);
+  void control(double fleet_now, std::vector<Outgoing>& out);
   void decide(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
-  void stand_for(double seconds);
+  void stand_for(double fleet_now, double seconds);
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
   bool may_set_off(double fleet_now) const;
   bool all_free_around() const;
   void enter(Phase phase);
-  std::vector<Neighbour> neighbours(double fleet_now) const;
+  std::vector<Neighbour> neighbours(double fleet_now);
   FleetMember self() const;
-  void speak(std::vector<Message>& out);
-  RobotState state();
-  void report(WallTime now, std::vector<Message>& out);
+  int periods_to_next_control() const;
+  void speak(double fleet_now, std::vector<Outgoing>& out);
+  RobotState state(std::vector<Echo> echoes) const;
+  void report(WallTime now, std::vector<Outgoing>& out);
 
   /// What must have changed for a robot that stands to have news.
   struct Steady {
@@ -99,9 +100,10 @@ class RobotAgent {
   std::vector<TrackMessage::Point> track_;  ///< not yet sent
   AgentStatus status_;
   bool status_changed_ = true;
-  std::uint32_t sequence_ = 0;
+  std::uint32_t sequence_ = 0;    ///< of the next state, by control periods
   std::uint32_t relay_turn_ = 0;  ///< in control steps
   std::uint32_t since_news_ = 0;  ///< control steps
+  std::uint32_t since_knot_ = 0;  ///< control steps in which nothing about its part in a knot has changed
   Steady last_said_;
   bool first_control_ = true;
   double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence

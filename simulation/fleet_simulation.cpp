@@ -28,7 +28,7 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
   const auto grounds = std::make_shared<Grounds>();
   for (const RobotTask& task : scenario.robots) {
     AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);
-    auto& port = bus_.attach(Role::agent, faults.side);
+    auto& port = bus_.attach(Role::agent, task.name, faults.side);
     agents_.push_back({task.name, {RobotAgent(task.name, grounds), port}, std::move(faults)});
     agents_.back().track.radius = task.radius;
   }
@@ -53,7 +53,7 @@ void FleetSimulation::turn(Participant<R>& participant, double clock_offset) {
     participant.role.on(arrival);
   }
   if (participant.role.next_wake() - clock_offset > now_) return;  // as next_event has it, to the bit
-  for (const Message& message : participant.role.step(local)) participant.port.publish(message);
+  for (auto& message : participant.role.step(local)) participant.port.publish(std::move(message));
   participant.earliest = now_ + step_duration;
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
 
 #include "tests/support.h"
@@ -114,15 +115,16 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   broker.publish(broker_status);
 
   const auto at_agent = receive(other, [&](const auto& all) {
-    return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, path) && holds(all, plan);
+    return holds(all, map) && holds(all, mission) && holds(all, tree) && holds(all, plan);
   });
   EXPECT_TRUE(holds(at_agent, map) && holds(at_agent, mission) && holds(at_agent, tree) &&
-              holds(at_agent, path) && holds(at_agent, plan));
+              holds(at_agent, plan));
   const auto at_service = receive(service, [&](const auto& all) {
-    return holds(all, track) && holds(all, status) && holds(all, broker_status) && holds(all, nodes);
+    return holds(all, path) && holds(all, track) && holds(all, status) && holds(all, broker_status) &&
+           holds(all, nodes);
   });
-  EXPECT_TRUE(holds(at_service, track) && holds(at_service, status) && holds(at_service, broker_status) &&
-              holds(at_service, nodes));
+  EXPECT_TRUE(holds(at_service, path) && holds(at_service, track) && holds(at_service, status) &&
+              holds(at_service, broker_status) && holds(at_service, nodes));
   const auto at_broker =
       receive(broker, [&](const auto& all) { return holds(all, nodes) && holds(all, mission); });
   EXPECT_TRUE(holds(at_broker, nodes) && holds(at_broker, mission));
@@ -218,6 +220,44 @@ TEST(DdsBus, AnotherVendorsDdsReceivesTheRobotStates) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("r1 "), std::string::npos);
   EXPECT_NE(outcome.output.find(" 1.500 2.500"), std::string::npos) << outcome.output;
+}
+
+TEST(DdsBus, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
+  // Within one process Fast DDS would hand samples over unfiltered.
+  using eprosima::fastrtps::LibrarySettingsAttributes;
+  using eprosima::fastrtps::xmlparser::XMLProfileManager;
+  const LibrarySettingsAttributes usual = XMLProfileManager::library_settings();
+  LibrarySettingsAttributes separate = usual;
+  separate.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  XMLProfileManager::library_settings(separate);
+  DdsBus sender({.domain = domain + 7, .robot = "a"}, Role::agent, "a");
+  DdsBus near({.domain = domain + 7, .robot = "b"}, Role::agent, "b");
+  DdsBus far({.domain = domain + 7, .robot = "c"}, Role::agent, "c");
+  DdsBus watcher({.domain = domain + 7}, Role::observer, "watcher");
+  std::set<std::uint32_t> at_near;
+  std::set<std::uint32_t> at_far;
+  std::set<std::uint32_t> at_watcher;
+  const auto take = [](DdsBus& bus, std::set<std::uint32_t>& heard) {
+    for (const Arrival& arrival : bus.take()) {
+      if (const auto* state = std::get_if<RobotState>(arrival.message.get())) heard.insert(state->sequence);
+    }
+  };
+  const auto end = Clock::now() + std::chrono::seconds(20);
+  std::uint32_t k = 0;
+  while ((at_far.size() < 10 || at_near.size() < 60 || at_watcher.size() < 60) && Clock::now() < end) {
+    ++k;
+    sender.publish(
+        Outgoing(some_state(k), k % 8 == 0 ? std::vector<RobotName>{"c", "b"} : std::vector<RobotName>{"b"}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    take(near, at_near);
+    take(far, at_far);
+    take(watcher, at_watcher);
+  }
+  XMLProfileManager::library_settings(usual);
+  EXPECT_GE(at_far.size(), 10u);
+  for (const std::uint32_t sequence : at_far) EXPECT_EQ(sequence % 8, 0u);
+  EXPECT_GE(at_near.size(), 60u);
+  EXPECT_GE(at_watcher.size(), 60u);
 }
 
 }  // namespace

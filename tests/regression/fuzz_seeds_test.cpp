@@ -27,5 +27,9 @@ INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
                          testing::Values(1095,  // with 0.24 s delay, robots under orders feared each other's
                                          1155));  // next move for ever: none bound itself to stand for long
 
+// More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a
+// hair too close to where it might stand.
+INSTANTIATE_TEST_SUITE_P(TooMuchKeptClear, FuzzSeeds, testing::Values(510042, 510110, 700374));
+
 }  // namespace
 }  // namespace coppice

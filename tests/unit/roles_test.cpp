@@ -33,6 +33,12 @@ Scenario two_robots() {
   return scenario;
 }
 
+std::vector<Message> messages(std::vector<Outgoing> outgoing) {
+  std::vector<Message> all;
+  for (Outgoing& one : outgoing) all.push_back(std::move(one.message));
+  return all;
+}
+
 /// What a service hands out when a broker's trees cover the map at once.
 std::vector<Message> map_and_missions(PlannerService& service) {
   std::vector<Message> all = service.step(0);
@@ -203,7 +209,7 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
   for (const Message& message : service.step(now)) agent.on(arrival_of(message, now));
   agent.step(now);
   EXPECT_EQ(agent.next_wake(), now);
-  const auto said = agent.step(now + 0.003);
+  const auto said = messages(agent.step(now + 0.003));
   ASSERT_EQ(of<PathMessage>(said).size(), 1u);
   EXPECT_GT(of<AgentStatus>(said).back().trees_grafted, 0u);
   EXPECT_NEAR(of<AgentStatus>(said).back().plan_seconds, 0.003, 1e-9);
@@ -229,7 +235,7 @@ TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
 std::vector<Message> run(RobotAgent& agent, double from, double until) {
   std::vector<Message> all;
   for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
-    for (Message& message : agent.step(now)) all.push_back(std::move(message));
+    for (Message& message : messages(agent.step(now))) all.push_back(std::move(message));
   }
   return all;
 }
@@ -239,7 +245,7 @@ TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
-  EXPECT_FALSE(of<AgentStatus>(agent.step(0)).empty());
+  EXPECT_FALSE(of<AgentStatus>(messages(agent.step(0))).empty());
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   const auto said = run(agent, 0, 30);
   ASSERT_GE(of<PathMessage>(said).size(), 2u);  // straight off the trees, and then taut

@@ -62,8 +62,8 @@ RobotState state(double stamp) {
 /// The stamps of 1000 states, one each 0.05 s, as they arrive.
 std::vector<double> stamps_through(const BusFaults& faults) {
   SimulatedBus bus(0.001, faults, Random(3));
-  auto& sender = bus.attach(Role::agent, 0);
-  auto& receiver = bus.attach(Role::agent, 1);
+  auto& sender = bus.attach(Role::agent, "r1", 0);
+  auto& receiver = bus.attach(Role::agent, "r2", 1);
   std::vector<double> stamps;
   for (int k = 0; k < 1100; ++k) {
     bus.set_time(0.05 * k);

@@ -1,0 +1,134 @@
+// Of Fleet: whom a state is for (interest.h).
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "bus/validation.h"
+#include "robot_agent/fleet.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr int looks_a_stride = 4;  // whether it is still right
+constexpr int stride_to_the_waiting = 4;
+constexpr int turns_a_choice = 8;  // of the witnesses
+constexpr std::size_t echoes_a_state = 8;
+constexpr int turns_an_echo = 4;
+constexpr int rare = 8;  // a stride, of those who get an echo with every state
+// Until clocks are compared; for that, the other must hear of it.
+constexpr int most_introductions = 5;
+constexpr std::size_t strangers_a_turn = 8;  // each robot tells so many of itself, about
+constexpr int longest_stride_to_strangers = 32;
+
+}  // namespace
+
+double Fleet::gap(const Peer& p) const {
+  const Point2& at = p.dead() ? p.rests.front() : p.state ? p.state->position : p.mission->start;
+  return (at - position_).norm() - own_mission_->radius - (p.state ? p.state->radius : p.mission->radius);
+}
+
+double Fleet::closing_speed(const Peer& p) const {
+  return own_mission_->max_speed + (p.state ? p.state->max_speed : p.mission->max_speed);
+}
+
+bool Fleet::acquainted(const Peer& p) const {
+  return p.clock.known() && p.introductions >= most_introductions;
+}
+
+/// All strangers of all robots are many.
+int Fleet::stride_to_strangers() const {
+  const auto turns = std::bit_floor(std::max<std::size_t>(1, peers_.size() / strangers_a_turn));
+  return std::min(longest_stride_to_strangers, static_cast<int>(turns));
+}
+
+/// A leader waits for all who hold, and these for it.
+bool Fleet::tells_about_knot(const Peer& p) const {
+  if (holds_in_.epoch == 0) return false;
+  if (!leads_) return holds_in_.leader == p.robot;
+  return p.state && (p.state->knot == holds_in_ || holds_in_.includes(p.state->position));
+}
+
+bool Fleet::is_told_about_knot_by(const Peer& p) const {
+  return holds_in_.epoch > 0 && p.state && p.state->stage == Stage::holding &&
+         (leads_ || holds_in_.leader == p.robot) && p.state->knot == holds_in_;
+}
+
+/// It may have come closer since it was heard of.
+int Fleet::stride_to(const Peer& p, double now) const {
+  const double speed = p.state ? p.state->max_speed : p.mission->max_speed;
+  const int stride = stride_over(gap(p) - speed * since(p.heard_at, now), closing_speed(p));
+  if (!acquainted(p)) return std::min(stride, stride_to_strangers());
+  return p.state && p.state->waits_for == self_ ? std::min(stride, stride_to_the_waiting) : stride;
+}
+
+/// The same, looked at anew from time to time only.
+int Fleet::stride_at(Peer& p, std::uint32_t turn, double now) const {
+  if (p.is_witness || tells_about_knot(p)) return 1;
+  if (turn < p.stride_until) return p.stride;
+  p.stride = stride_to(p, now);
+  p.stride_until = turn + static_cast<std::uint32_t>(p.stride / looks_a_stride);
+  return p.stride;
+}
+
+/// At most; it may think that it is closer.
+int Fleet::stride_from(const Peer& p) const {
+  return is_told_about_knot_by(p) ? 1 : stride_over(gap(p), closing_speed(p));
+}
+
+/// The nearest that are alive.
+void Fleet::choose_witnesses() {
+  std::vector<std::pair<double, Peer*>> alive;
+  for (Peer& p : peers_) {
+    p.is_witness = false;
+    if ((p.state || p.mission) && !p.dead()) alive.emplace_back(gap(p), &p);
+  }
+  const std::size_t few = std::min(witnesses, alive.size());
+  std::ranges::partial_sort(alive, alive.begin() + static_cast<std::ptrdiff_t>(few));
+  for (std::size_t k = 0; k < few; ++k) alive[k].second->is_witness = true;
+  chosen_among_ = peers_.size();
+}
+
+Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for,
+                              double now) {
+  if (!own_mission_) return {};
+  if (is_turn_of(0, turn, turns_a_choice) || peers_.size() != chosen_among_) choose_witnesses();
+  std::vector<Peer*> addressed;
+  const bool asks = !waits_for.empty();
+  for (Peer& p : peers_) {
+    if (!p.state && !p.mission) continue;
+    const bool in_knot =
+        news != nullptr && p.state && (p.state->knot == *news || news->includes(p.state->position));
+    const bool is_asked = asks && is_turn_of(p.phase, turn, stride_to_the_waiting) && p.robot == waits_for;
+    if (in_knot || is_asked || is_turn_of(p.phase, turn, stride_at(p, turn, now))) addressed.push_back(&p);
+  }
+  Address to{.agents = {}, .echoes = next_echoes(addressed, turn)};
+  to.agents.reserve(addressed.size());
+  for (const Peer* p : addressed) to.agents.push_back(p->robot);
+  return to;
+}
+
+/// For those who wait for one, and for those who will not hear of the next ones; from time to time whatever
+/// else is news.
+std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {
+  std::vector<Echo> echoes;
+  const auto add = [&](Peer& p) {
+    p.echo_sent = p.state->stamp;
+    echoes.push_back({p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)});
+  };
+  for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
+    Peer* p = addressed[(turn + k) % addressed.size()];
+    if (!p->state || (acquainted(*p) && p->stride < rare)) continue;
+    add(*p);
+    p->introductions += p->clock.known();
+  }
+  const bool all_news = is_turn_of(0, turn, turns_an_echo);
+  for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < echoes_a_state; ++k) {
+    next_echo_ = next_echo_ + 1 < peers_.size() ? next_echo_ + 1 : 0;
+    Peer& p = peers_[next_echo_];
+    if (p.state && p.echo_sent != p.state->stamp) add(p);
+  }
+  return echoes;
+}
+
+}  // namespace coppice

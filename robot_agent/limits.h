@@ -1,0 +1,26 @@
+// What messages say in the words of motion/.
+#pragma once
+
+#include "bus/messages.h"
+#include "motion/promise.h"
+
+namespace coppice {
+
+inline Limits limits_of(const Mission& mission) {
+  return {mission.max_speed, mission.max_acceleration};
+}
+inline Limits limits_of(const RobotState& state) {
+  return {state.max_speed, state.max_acceleration};
+}
+
+/// `clock_offset`: own clock minus the sender's, seconds.
+inline Commitment commitment_of(const RobotState& s, double clock_offset) {
+  return {.stamp = s.stamp + clock_offset,
+          .position = s.position,
+          .velocity = s.velocity,
+          .turn = s.promise.turn + clock_offset,
+          .next_velocity = s.promise.velocity,
+          .expiry = s.promise.expiry + clock_offset};
+}
+
+}  // namespace coppice

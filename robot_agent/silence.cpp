@@ -1,0 +1,236 @@
+// Of Fleet: who has fallen silent, who counts as dead, and where.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "robot_agent/fleet.h"
+#include "robot_agent/limits.h"
+
+namespace coppice {
+
+namespace {
+
+// Seconds without a state (of the wall's clock, or of fleet time where that is slower: states come by fleet
+// time) after which a robot counts as dead: far longer than a pause of a process or a run of lost samples
+// lasts, for one that drives on unheard may touch those who think it dead.
+constexpr double death = 2;
+// The same where others fall silent with it: that looks like a network in pieces, which may heal.
+constexpr double longest_split = 30;
+constexpr double driven_cut_off = 3;  // seconds that one may drive on until it notices
+// Without a state for so long a robot is missing: longer than samples are under way or a process pauses.
+constexpr double absence = 1;
+constexpr double long_absence = 1.5;
+// The same for all others at once, where one is alone: nobody else needs to pause for that.
+constexpr double loneliness = 0.6;
+// The same for one that was never heard of: its process may still have to start.
+constexpr double longest_muster = 10;
+// Who is far away sends less often: so many states in a row may be lost before that is silence.
+constexpr double lost_in_a_row = 10;
+constexpr double slow_beat = standing_stride * control_period;  // of one that stands close by
+constexpr double looks_at_silence = 0.5;                        // seconds between two
+// Who falls silent may have sent states that only some have heard: in this time they are passed on.
+constexpr double relay_from = 0.5;
+constexpr double relay_until = 4;
+constexpr int most_copies = 4;
+constexpr double copies_tried = 0.5;  // seconds
+constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
+constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
+
+/// Until a robot stands that decides nothing more after this state.
+double time_to_rest(const RobotState& s) {
+  const int periods = braking_periods(s.promise.velocity.norm(), limits_of(s), control_period);
+  return s.promise.expiry - s.stamp + periods * control_period;
+}
+
+}  // namespace
+
+/// The last state of one that others no longer hear, passed on.
+void Fleet::hear_again(Peer& p, WallTime arrived) {
+  const bool paused = (arrived - p.said_again_at) * clock_.scale > relay_from * second();
+  if (p.said_again_at < p.heard_at || paused) p.said_again_from = arrived;
+  p.said_again_at = arrived;
+  p.settled_until = 0;
+}
+
+/// What one has heard of another robot of late tells that this is alive.
+void Fleet::hear_of_the_missing(const RobotState& state, double now) {
+  for (const Echo& echo : state.echoes) {
+    const auto known = index_.find(echo.robot);
+    if (known == index_.end()) continue;
+    Peer& p = peers_[known->second];
+    const double newest = p.state ? std::max(p.echoed, p.state->stamp) : p.echoed;
+    if (echo.stamp <= newest) continue;
+    p.echoed = echo.stamp;
+    p.echoed_at = now;
+  }
+}
+
+bool Fleet::heard_elsewhere(const Peer& p, double now) const {
+  return p.echoed_at > 0 && now - p.echoed_at < death * second();
+}
+
+/// For so long nothing needs to come from it, because of how far away it is.
+double Fleet::explained_silence(const Peer& p) const {
+  return lost_in_a_row * std::max(0.0, control_period * stride_from(p) - slow_beat);
+}
+
+/// For so long nothing came that should have.
+double Fleet::unheard(const Peer& p, double now) const {
+  const double silent = since(p.heard_at, now);
+  return silent < relay_from * second() ? silent : std::max(0.0, silent - explained_silence(p));
+}
+
+/// The same, or for so long those closer by have said that they hear no more of it.
+double Fleet::silence(const Peer& p, double now) const {
+  const double here = unheard(p, now);
+  if (p.said_again_at < p.heard_at || p.said_again_at == 0) return here;
+  return std::max(here, relay_from * second() + (p.said_again_at - p.said_again_from) * clock_.scale);
+}
+
+bool Fleet::missing(const Peer& p, double seconds, double now) const {
+  return p.state && !p.dead() && silence(p, now) > seconds * second();
+}
+
+Fleet::Absences Fleet::absences(double now) {
+  Absences count;
+  for (Peer& p : peers_) {
+    if (now < p.settled_until) {
+      ++count.alive;
+      continue;
+    }
+    const double silent = silence(p, now) / second();
+    count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
+    if (p.dead()) {
+      ++count.dead;
+      continue;
+    }
+    if (!p.state) {
+      count.never_came += p.mission && silent > absence;
+      continue;
+    }
+    ++count.alive;
+    if (silent <= loneliness)
+      p.settled_until = now + std::min(loneliness - silent, looks_at_silence) * second();
+    count.unheard += silent > loneliness;
+    count.absent += silent > absence;
+    count.long_absent += silent > long_absence;
+  }
+  return count;
+}
+
+void Fleet::judge_silence(double now, const Point2& position, const KnotId& holds_in,
+                          const ClearanceField& field) {
+  position_ = position;
+  holds_in_ = holds_in;
+  leads_ = holds_in.leader == self_;
+  const Absences count = absences(now);
+  if (count.dead > 0 && now >= next_look_at_the_dead_) look_at_the_dead(now);
+  if (count.never_came + count.absent > 0) give_up_the_lost(count, now, field);
+  say_more_often(count, now);
+  somebody_missing_ = count.absent + count.never_came + count.dead > 0;
+  const bool alone = count.alive > 1 && count.unheard == count.alive;
+  cut_off_ = minority_ || alone || unheard_by_all(count, now) || count.long_absent > 1 || count.elsewhere > 0;
+}
+
+/// Those who are closest say so first.
+bool Fleet::unheard_by_all(const Absences& count, double now) const {
+  const double silent = now - own_echo_;
+  if (count.alive == 0 || own_echo_ == 0 || silent <= long_absence * second()) return false;
+  double explained = std::numeric_limits<double>::infinity();
+  for (const Peer& p : peers_) {
+    if (p.state && !p.dead()) explained = std::min(explained, explained_silence(p));
+  }
+  return silent > long_absence * second() + explained;
+}
+
+/// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
+/// the first is.
+void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceField& field) {
+  const double patience = count.absent > 1 ? longest_split : death;
+  const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
+    return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state) && !heard_elsewhere(p, now);
+  });
+  std::vector<Peer*> lost;
+  for (Peer& p : peers_) {
+    const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * second();
+    const bool given_up = (never_came && !p.dead()) || (over && missing(p, absence, now));
+    if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
+  }
+  const std::size_t left = 1 + count.alive - count.absent;
+  const bool minority = over && is_minority(lost, left);
+  minority_ = minority_ || minority;
+  const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
+  const int unheard_states =
+      count.absent > 1 ? until_noticed : loss_.unheard_states(std::min(left, witnesses));
+  for (Peer* p : lost) {
+    p->across = minority;
+    bury(*p, unheard_states, field, now);
+  }
+}
+
+void Fleet::say_more_often(const Absences& count, double now) {
+  if (count.alive == 0 || !loss_.notable() || loss_.unheard_states(std::min(count.alive, witnesses)) == 0)
+    return;
+  if (copies_ == most_copies || now - copies_since_ <= copies_tried) return;
+  ++copies_;
+  copies_since_ = now;
+}
+
+/// Of two pieces of equal size the one with the first name goes on. Of two robots both do.
+bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
+  if (lost.size() != left || left == 1) return lost.size() > left;
+  return std::ranges::any_of(lost, [&](const Peer* other) {
+    return other->robot < self_ && std::ranges::none_of(peers_, [&](const Peer& p) {
+             return !p.dead() && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
+           });
+  });
+}
+
+/// Metres between the point and the nearest edge of a robot that is alive; this one is at `position`.
+double Fleet::room_at(const Point2& q, const Point2& position, double now) const {
+  double room = (q - position).norm() - own_mission_->radius;
+  for (const Peer& p : peers_) {
+    const bool known = p.state && !p.dead() && !missing(p, absence, now);
+    if (known) room = std::min(room, (q - p.state->position).norm() - p.state->radius);
+  }
+  return room;
+}
+
+/// Where one that is alive has come to stand meanwhile, no dead one does.
+void Fleet::look_at_the_dead(double now) {
+  next_look_at_the_dead_ = now + looks_at_silence;
+  for (Peer& p : peers_) {
+    if (p.rests.size() < 2 || !p.state) continue;
+    const auto disproved = std::remove_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& rest) {
+      return room_at(rest, position_, now) < p.state->radius;
+    });
+    p.rests.erase(disproved, p.rests.end());
+  }
+}
+
+/// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
+/// in one of us.
+void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) {
+  p.settled_until = 0;
+  if (!p.state) {
+    p.rests = {p.mission->start};
+    return;
+  }
+  const RobotState& s = *p.state;
+  p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, rests_radii * s.radius);
+  const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
+    return !field.is_free(q, rests_clear * s.radius) || room_at(q, position_, now) < s.radius + standing_gap;
+  });
+  p.rests.erase(impossible, p.rests.end());
+}
+
+std::vector<RobotState> Fleet::last_words(double now) const {
+  std::vector<RobotState> states;
+  for (const Peer& p : peers_) {
+    const double silent = unheard(p, now) / second();
+    if (p.state && silent > relay_from && silent < relay_until) states.push_back(*p.state);
+  }
+  return states;
+}
+
+}  // namespace coppice

@@ -1,0 +1,145 @@
+// Who hears of whom how often, and what silence means over a distance.
+#include "robot_agent/interest.h"
+
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "robot_agent/fleet.h"
+
+namespace coppice {
+namespace {
+
+constexpr double period = control_period;
+
+TEST(Interest, TheFurtherTheRarer) {
+  EXPECT_EQ(stride_over(-1, 40), 1);
+  EXPECT_EQ(stride_over(16, 40), 1);
+  EXPECT_EQ(stride_over(1e6, 40), longest_stride);
+  int last = 1;
+  for (double gap = 0; gap < 300; gap += 0.5) {
+    const int stride = stride_over(gap, 40);
+    EXPECT_GE(stride, last);
+    EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(stride)));
+    last = stride;
+  }
+}
+
+TEST(Interest, InATurnOfItsStrideEverybodyIsSpokenToOnce) {
+  for (const char* robot : {"a", "r17", "a robot with a long name"}) {
+    for (int stride = 1; stride <= longest_stride; stride *= 2) {
+      int turns = 0;
+      for (std::uint32_t turn = 1000; turn < 1000u + longest_stride; ++turn)
+        turns += is_turn_of(phase_of(robot), turn, stride);
+      EXPECT_EQ(turns, longest_stride / stride);
+    }
+  }
+}
+
+/// Robot "a" at the left end of a row of others, a hundred metres apart from each other.
+class Row {
+ public:
+  explicit Row(int others)
+      : field_(OccupancyMap{.width = 10000, .height = 20, .blocked = std::vector<std::uint8_t>(200000, 0)}) {
+    fleet_.hear(mission("a", 0), 0);
+    for (int k = 1; k <= others; ++k) fleet_.hear(mission(name(k), k), 0);
+  }
+
+  static RobotName name(int k) { return fmt::format("r{}", k); }
+  static Point2 place(int k) { return {10 + 100.0 * k, 10}; }
+
+  void hear(int k, double stamp, double arrived, std::vector<Echo> echoes = {}) {
+    const RobotState state{.robot = name(k),
+                           .stamp = stamp,
+                           .position = place(k),
+                           .radius = 5,
+                           .max_speed = 20,
+                           .max_acceleration = 40,
+                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
+                           .knot = {},
+                           .echoes = std::move(echoes)};
+    fleet_.hear(std::make_shared<const RobotState>(state), arrived);
+  }
+  void judge(double now) { fleet_.judge_silence(now, place(0), {}, field_); }
+  Fleet& fleet() { return fleet_; }
+  bool dead(int k) const { return fleet_.find(name(k))->dead; }
+
+ private:
+  static Mission mission(const RobotName& robot, int k) {
+    return {.robot = robot,
+            .start = place(k),
+            .goal = place(k),
+            .radius = 5,
+            .max_speed = 20,
+            .max_acceleration = 40,
+            .clock = {}};
+  }
+
+  ClearanceField field_;
+  Fleet fleet_{"a"};
+};
+
+TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
+  Row row(40);
+  std::map<RobotName, int> heard;
+  const int turns = 10 * longest_stride;
+  for (int turn = 0; turn < turns; ++turn) {
+    const double now = turn * period;
+    for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+    row.judge(now);
+    const auto [agents, echoes] = row.fleet().address(static_cast<std::uint32_t>(turn), nullptr, {}, now);
+    for (const RobotName& robot : agents) ++heard[robot];
+  }
+  for (int k = 1; k <= 6; ++k) EXPECT_EQ(heard[Row::name(k)], turns) << k;
+  int all = 0;
+  for (int k = 1; k <= 40; ++k) {
+    EXPECT_GE(heard[Row::name(k)], turns / longest_stride) << k;
+    all += heard[Row::name(k)];
+  }
+  EXPECT_LT(all, 9 * turns);
+}
+
+TEST(Interest, WhoIsFarAwayMayBeSilentForLong) {
+  Row row(3);
+  const double beat = longest_stride * period;
+  for (double now = 0; now < 100; now += period) {
+    row.hear(1, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+    if (std::fmod(now, beat) < period && now < 60) {
+      row.hear(2, now, now + 0.001);
+      row.hear(3, now, now + 0.001);
+    }
+    row.judge(now);
+    if (now < 60) {
+      EXPECT_FALSE(row.fleet().cut_off()) << now;
+      EXPECT_FALSE(row.dead(2)) << now;
+    }
+  }
+  EXPECT_FALSE(row.dead(3));
+}
+
+TEST(Interest, OneThatThoseCloseByNoLongerHearIsDeadFarAwayToo) {
+  Row row(3);
+  double now = 0;
+  const auto go_on_until = [&](double end, bool passed_on) {
+    for (; now < end; now += period) {
+      for (const int k : {1, 2}) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+      if (passed_on) row.hear(3, 10, now + 0.002);
+      row.judge(now);
+    }
+  };
+  go_on_until(10, false);
+  row.hear(3, 10, 10.001);
+  go_on_until(14, false);
+  EXPECT_FALSE(row.dead(3));
+  go_on_until(15, true);  // a pause of its process, or a few lost samples
+  EXPECT_FALSE(row.dead(3));
+  go_on_until(20, false);
+  EXPECT_FALSE(row.dead(3));
+  go_on_until(23, true);
+  EXPECT_TRUE(row.dead(3));
+}
+
+}  // namespace
+}  // namespace coppice
