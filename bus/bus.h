@@ -27,8 +27,8 @@ inline Arrival arrival_of(Message message, WallTime at) {
 /// A message and who of the agents is to have it. Readers of other roles have whatever they read.
 struct Outgoing {
   template <class M>
-  requires std::constructible_from<Message, M> Outgoing(M&& what)
-      : message(std::forward<M>(what)) {}  // NOLINT(google-explicit-constructor)
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  requires std::constructible_from<Message, M> Outgoing(M&& what) : message(std::forward<M>(what)) {}
   Outgoing(Message what, std::vector<RobotName> to) : message(std::move(what)), agents(std::move(to)) {}
 
   Message message;

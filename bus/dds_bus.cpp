@@ -85,10 +85,10 @@ dds::DataWriterQos writer_qos(const TopicInfo& info) {
   qos.publish_mode().kind = info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE
                                                                       : dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, heartbeat_nanoseconds);
+  qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
   // The default of 32 readers would leave the rest unfiltered.
   qos.writer_resource_limits().reader_filters_allocation =
       eprosima::fastrtps::ResourceLimitedContainerConfig::dynamic_allocation_configuration();
-  qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
   return qos;
 }
 

@@ -136,7 +136,8 @@ struct Echo {
   bool operator==(const Echo&) const = default;
 };
 
-/// robot_state: agent -> all agents, monitor. Once a control step.
+/// robot_state: agent -> agents, the more often the closer they are; monitor. Once a control step, or less
+/// often while it stands.
 struct RobotState {
   RobotName robot;
   std::uint32_t sequence = 0;
@@ -175,7 +176,7 @@ struct JointPlanMessage {
   bool operator==(const JointPlanMessage&) const = default;
 };
 
-/// path: agent -> agents, service, monitor.
+/// path: agent -> service, monitor.
 struct PathMessage {
   RobotName robot;
   std::uint32_t mission = 0;

@@ -44,9 +44,8 @@ struct Sum {
   }
   std::string in_words() const {
     return fmt::format(
-        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} robots killed, {} pauses, {} robots "
-        "shut "
-        "in by the dead",
+        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} robots killed, {} pauses, "
+        "{} robots shut in by the dead",
         cases, failed, robot_hours, suffered.lost, suffered.kills, suffered.pauses, shut_in);
   }
 };

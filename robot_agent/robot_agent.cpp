@@ -17,7 +17,6 @@ constexpr WallTime status_beat = 0.5;  // seconds: at least this often, for live
 // others may have come to think it dead, and hear of it first.
 constexpr WallTime own_silence = 1;
 constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
-constexpr std::uint32_t relay_each = 4;   // control periods between two times that it passes on last words
 constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
 constexpr std::size_t track_batch = 20;   // points: one second of fleet time
 constexpr WallTime pause_between_improvements = 0.001;
@@ -247,8 +246,11 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   if (!due) return;
 
   decide(fleet_now);
-  speak(fleet_now, out);
-  if (++relay_turn_ % relay_each == 0) {
+  // Counted by periods and not by steps: one that sleeps, or wakes late, misses none.
+  const std::uint32_t beats = sequence_ / standing_stride;
+  const bool beat = beats != std::exchange(last_beat_, beats);
+  speak(fleet_now, beat, out);
+  if (beat) {
     for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
   }
   if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
@@ -421,15 +423,17 @@ int RobotAgent::periods_to_next_control() const {
 }
 
 /// Tells the others. Who goes on standing as it has said does so less often.
-void RobotAgent::speak(double fleet_now, std::vector<Outgoing>& out) {
+void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) {
   const Steady steady{body_->stands(), status_.phase, knot_.id(), knot_.stage(), knot_.waits_for()};
   const bool same_part = steady.knot == last_said_.knot && steady.stage == last_said_.stage;
   since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
   since_knot_ = same_part ? since_knot_ + 1 : 0;
   last_said_ = steady;
-  if (since_news_ > repeat_news && !is_turn_of(0, sequence_, standing_stride)) return;
+  const bool rests = since_news_ > repeat_news;
+  if (rests && !beat) return;
+  const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
   const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
-  auto [agents, echoes] = fleet_.address(sequence_, news, knot_.waits_for(), fleet_now);
+  auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   Outgoing said(state(std::move(echoes)), std::move(agents));
   for (int copy = 1; copy < fleet_.copies(); ++copy) out.push_back(said);
   out.push_back(std::move(said));

@@ -63,7 +63,7 @@ class RobotAgent {
   std::vector<Neighbour> neighbours(double fleet_now);
   FleetMember self() const;
   int periods_to_next_control() const;
-  void speak(double fleet_now, std::vector<Outgoing>& out);
+  void speak(double fleet_now, bool beat, std::vector<Outgoing>& out);
   RobotState state(std::vector<Echo> echoes) const;
   void report(WallTime now, std::vector<Outgoing>& out);
 
@@ -101,7 +101,7 @@ class RobotAgent {
   AgentStatus status_;
   bool status_changed_ = true;
   std::uint32_t sequence_ = 0;    ///< of the next state, by control periods
-  std::uint32_t relay_turn_ = 0;  ///< in control steps
+  std::uint32_t last_beat_ = 0;   ///< in standing strides
   std::uint32_t since_news_ = 0;  ///< control steps
   std::uint32_t since_knot_ = 0;  ///< control steps in which nothing about its part in a knot has changed
   Steady last_said_;
