@@ -232,9 +232,10 @@ TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
 }
 
 /// A lone agent, stepped whenever it wants, for so many seconds.
-std::vector<Message> run(RobotAgent& agent, double from, double until) {
+/// Each time so late.
+std::vector<Message> run(RobotAgent& agent, double from, double until, double late = 0) {
   std::vector<Message> all;
-  for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
+  for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake() + late)) {
     for (Message& message : messages(agent.step(now))) all.push_back(std::move(message));
   }
   return all;
@@ -280,6 +281,19 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
   const auto said = run(agent, 2, 4);
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::stopped);
   EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
+}
+
+TEST(RobotAgent, OneThatStandsAndWakesLateIsStillHeardOf) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  run(agent, 0, 30);  // to its goal
+  for (const double late : {0.0, 0.02, 0.06, 0.11}) {
+    const double from = 30 + 1000 * late;
+    EXPECT_GE(of<RobotState>(run(agent, from, from + 10, late)).size(), 25u) << late;
+  }
 }
 
 RobotState last_of(const RobotName& robot, const std::vector<Message>& messages) {
