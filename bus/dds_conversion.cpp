@@ -174,6 +174,7 @@ idl::RobotState to_dds(const RobotState& m) {
   d.stage(octet(m.stage));
   d.progress(m.progress);
   d.waits_for(m.waits_for);
+  d.wants_echo(m.wants_echo);
   for (const Echo& echo : m.echoes) {
     idl::Echo& to = d.echoes().emplace_back();
     to.robot(echo.robot);
@@ -201,6 +202,7 @@ RobotState from_dds(const idl::RobotState& d) {
           .stage = static_cast<Stage>(d.stage()),
           .progress = d.progress(),
           .waits_for = text(d.waits_for()),
+          .wants_echo = d.wants_echo(),
           .echoes = std::move(echoes)};
 }
 

@@ -153,6 +153,7 @@ struct RobotState {
   Stage stage = Stage::free;
   double progress = 0;         ///< metres along its moves of the joint plan, while ordered
   RobotName waits_for;         ///< empty: for nobody
+  bool wants_echo = false;     ///< nobody has told it of late to have heard of it
   std::vector<Echo> echoes{};  ///< of some of the others, all in turn
   bool operator==(const RobotState&) const = default;
 };

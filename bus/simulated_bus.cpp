@@ -41,9 +41,14 @@ bool read_by(const Message& message, Role role) {
 }  // namespace
 
 SimulatedBus::Port& SimulatedBus::attach(Role role, const RobotName& robot, int side) {
-  if (!robot.empty()) port_of_[robot] = ports_.size();
-  ports_.push_back(std::unique_ptr<Port>(new Port(*this, ports_.size(), role, side)));
+  ports_.push_back(std::unique_ptr<Port>(new Port(*this, ports_.size(), side)));
   Port& port = *ports_.back();
+  by_role_[static_cast<std::size_t>(role)].push_back(&port);
+  if (!robot.empty()) {
+    const auto [number, fresh] = robots_.insert(robot);
+    if (fresh) port_of_robot_.push_back(nullptr);
+    port_of_robot_[number] = &port;
+  }
   for (const auto& [key, messages] : kept_) {
     for (const auto& message : messages) {
       if (read_by(*message, role)) port.deliver(now_ + delay_, message, Reliability::reliable);
@@ -70,25 +75,21 @@ void SimulatedBus::publish(const Port& sender, Outgoing outgoing) {
     kept.push_back(shared);
     return topic.info;
   });
-  std::array<bool, 4> read{};
-  for (const Role role : {Role::broker, Role::agent, Role::service, Role::observer})
-    read[static_cast<std::size_t>(role)] = read_by(message, role);
-  if (outgoing.agents) {
-    read[static_cast<std::size_t>(Role::agent)] = false;
-    for (const RobotName& robot : *outgoing.agents) {
-      const auto port = port_of_.find(robot);
-      if (port != port_of_.end() && !ports_[port->second]->closed_)
-        send(sender, *ports_[port->second], shared, info.reliability);
-    }
+  for (const Role role : {Role::service, Role::broker, Role::agent, Role::observer}) {
+    const bool chosen = role == Role::agent && outgoing.agents;
+    if (chosen || !read_by(message, role)) continue;
+    for (Port* port : by_role_[static_cast<std::size_t>(role)]) send(sender, *port, shared, info.reliability);
   }
-  for (const auto& port : ports_) {
-    if (port.get() != &sender && !port->closed_ && read[static_cast<std::size_t>(port->role_)])
-      send(sender, *port, shared, info.reliability);
+  if (!outgoing.agents) return;
+  for (const RobotName& robot : *outgoing.agents) {
+    if (const auto number = robots_.find(robot))
+      send(sender, *port_of_robot_[*number], shared, info.reliability);
   }
 }
 
 void SimulatedBus::send(const Port& sender, Port& receiver, const std::shared_ptr<const Message>& message,
                         Reliability reliability) {
+  if (&receiver == &sender || receiver.closed_) return;
   double sent = now_;
   while (fails(sender, receiver, sent)) {
     ++lost_;

@@ -12,12 +12,12 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "bus/bus.h"
 #include "bus/messages.h"
+#include "bus/name_index.h"
 #include "bus/topics.h"
 #include "planning/random.h"
 
@@ -54,8 +54,7 @@ class SimulatedBus {
 
    private:
     friend class SimulatedBus;
-    Port(SimulatedBus& bus, std::size_t index, Role role, int side)
-        : bus_(bus), index_(index), role_(role), side_(side) {}
+    Port(SimulatedBus& bus, std::size_t index, int side) : bus_(bus), index_(index), side_(side) {}
     void deliver(double due, const std::shared_ptr<const Message>& message, Reliability reliability);
 
     struct Delivery {
@@ -64,7 +63,6 @@ class SimulatedBus {
     };
     SimulatedBus& bus_;
     std::size_t index_;
-    Role role_;
     int side_;
     bool closed_ = false;
     std::vector<Delivery> inbox_;  ///< under way, in the order of sending
@@ -101,7 +99,9 @@ class SimulatedBus {
   std::size_t lost_ = 0;
   std::size_t rejected_ = 0;
   std::vector<std::unique_ptr<Port>> ports_;
-  std::unordered_map<RobotName, std::size_t> port_of_;  ///< of the agents
+  std::array<std::vector<Port*>, 4> by_role_;
+  NameIndex robots_;
+  std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`; the last that it attached
   /// What transient-local topics keep, by topic and key, in the order of first publication.
   std::vector<std::pair<std::string, std::vector<std::shared_ptr<const Message>>>> kept_;
   std::map<std::string, std::size_t> kept_index_;

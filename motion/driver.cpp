@@ -40,11 +40,17 @@ Commitment Driver::commitment() const {
           .expiry = std::max(time_ + 2 * period_, stays_until_)};
 }
 
-bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours,
-                  const ClearanceField& field) const {
-  return clear_of_obstacles(turn_position(), velocity, radius_, limits_, period_, field) &&
-         clear_of_neighbours(turn_position(), velocity, time_ + period_, radius_, limits_, period_,
-                             neighbours);
+/// `suspect`: of the neighbours; who is in the way of one velocity is in the way of most, and is looked at
+/// first.
+bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
+                  std::size_t& suspect) const {
+  if (!clear_of_obstacles(turn_position(), velocity, radius_, limits_, period_, field)) return false;
+  const auto in_the_way = [&](std::span<const Neighbour> of) {
+    return first_in_the_way(turn_position(), velocity, time_ + period_, radius_, limits_, period_, of);
+  };
+  if (suspect < neighbours.size() && in_the_way(neighbours.subspan(suspect, 1)) == 0) return false;
+  suspect = in_the_way(neighbours);
+  return suspect == neighbours.size();
 }
 
 /// The velocity nearest to the preferred one that reciprocal velocity obstacles allow.
@@ -76,7 +82,8 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   if (bound_to_stand()) return;
   const Point2 wanted = proposal(preferred, neighbours, field);
   next_velocity_ = within_limits(wanted, velocity_, limits_, period_);
-  if (safe(next_velocity_, neighbours, field)) return;
+  std::size_t suspect = neighbours.size();
+  if (safe(next_velocity_, neighbours, field, suspect)) return;
 
   std::vector<Point2> candidates{velocity_};
   const double reach = limits_.max_acceleration * period_;
@@ -89,7 +96,7 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   }
   std::ranges::sort(candidates, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
   const auto first =
-      std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field); });
+      std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field, suspect); });
   // Braking in a straight line was shown to be clear when the current velocity was chosen.
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
 }
@@ -97,15 +104,16 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
 bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
                     const ClearanceField& field) {
   if (bound_to_stand()) return true;
+  std::size_t suspect = neighbours.size();
   for (const double speed : speeds) {
     next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
-    if (safe(next_velocity_, neighbours, field)) return true;
+    if (safe(next_velocity_, neighbours, field, suspect)) return true;
   }
   const bool nothing_stands_there =
-      safe(next_velocity_, {}, field) && std::ranges::all_of(neighbours, [&](Neighbour n) {
+      safe(next_velocity_, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
         if (!n.commitment.velocity.isZero(0) || !n.commitment.next_velocity.isZero(0)) return true;
         n.commitment.expiry = std::numeric_limits<double>::max();
-        return safe(next_velocity_, {&n, 1}, field);
+        return safe(next_velocity_, {&n, 1}, field, suspect);
       });
   next_velocity_ = braked(velocity_, limits_, period_);
   return nothing_stands_there;

@@ -59,7 +59,8 @@ class Driver {
 
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
-  bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field) const;
+  bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
+            std::size_t& suspect) const;
   Point2 turn_position() const { return position_ + period_ * velocity_; }
 
   Point2 position_;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
-#include <unordered_map>
 
 namespace coppice {
 
@@ -16,10 +14,82 @@ constexpr double piece_radii = 0.15;  // length of the pieces that ways are cut 
 /// A short piece of a robot's way.
 struct Piece {
   std::size_t robot;
-  std::size_t move;  ///< its place in the plan
   Point2 middle;
   double begin;  ///< metres along the robot's way
   double end;
+};
+
+/// The pieces of a move, which begins `along` metres along its robot's way; `along` moves on to its end.
+template <class Fn>
+void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
+  for (std::size_t k = 1; k < move.path.size(); ++k) {
+    const Point2 edge = move.path[k] - move.path[k - 1];
+    const double length = edge.norm();
+    const auto parts = std::max(1.0, std::ceil(length / (piece_radii * radius)));
+    for (double part = 0; part < parts; ++part) {
+      fn(Piece{move.robot, move.path[k - 1] + edge * ((part + 0.5) / parts), along + length * part / parts,
+               along + length * (part + 1) / parts});
+    }
+    along += length;
+  }
+}
+
+/// The pieces of others that come near one robot's way, by the square of the plane that their middle lies in.
+class PiecesAround {
+ public:
+  PiecesAround(const Box<2>& box, double near)
+      : lower_(box.lower.array() - 1.5 * near),
+        cell_(near),
+        columns_(cells_over(box.upper.x() - box.lower.x())),
+        near_(columns_ * cells_over(box.upper.y() - box.lower.y()), false),
+        first_(near_.size(), none) {}
+
+  /// The robot's own way comes along here.
+  void mark_around(const Point2& p) {
+    const std::size_t cell = cell_of(p);
+    for (const std::size_t row : {cell - columns_, cell, cell + columns_}) {
+      for (std::size_t k = row - 1; k <= row + 1; ++k) near_[k] = true;
+    }
+  }
+  void add(const Piece& piece) {
+    const Point2 at = (piece.middle - lower_) / cell_;
+    if (!(at.x() >= 0 && at.y() >= 0 && at.x() < static_cast<double>(columns_))) return;
+    const std::size_t cell = cell_of(piece.middle);
+    if (cell >= near_.size() || !near_[cell]) return;
+    pieces_.push_back({piece, first_[cell]});
+    first_[cell] = static_cast<std::uint32_t>(pieces_.size() - 1);
+  }
+  /// `p`: on the own way.
+  template <class Fn>
+  void for_each_within_a_cell(const Point2& p, Fn&& fn) const {
+    const std::size_t cell = cell_of(p);
+    for (const std::size_t row : {cell - columns_, cell, cell + columns_}) {
+      for (std::size_t k = row - 1; k <= row + 1; ++k) {
+        for (std::uint32_t at = first_[k]; at != none; at = pieces_[at].next) fn(pieces_[at].piece);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  struct Entry {
+    Piece piece;
+    std::uint32_t next;
+  };
+
+  /// With one to spare on each side, and half of one for rounding.
+  std::size_t cells_over(double length) const { return static_cast<std::size_t>(length / cell_) + 4; }
+  std::size_t cell_of(const Point2& p) const {
+    return static_cast<std::size_t>((p.y() - lower_.y()) / cell_) * columns_ +
+           static_cast<std::size_t>((p.x() - lower_.x()) / cell_);
+  }
+
+  Point2 lower_;
+  double cell_;
+  std::size_t columns_;
+  std::vector<bool> near_;            ///< by cell
+  std::vector<std::uint32_t> first_;  ///< the same: the piece that came last
+  std::vector<Entry> pieces_;
 };
 
 Box<2> box_around_way(std::size_t robot, std::span<const Move> moves) {
@@ -31,57 +101,6 @@ Box<2> box_around_way(std::size_t robot, std::span<const Move> moves) {
   }
   return box;
 }
-
-/// Every robot's way in pieces, in the plan's order, but for what lies further than `near` from the box.
-std::vector<Piece> pieces_of(std::span<const Move> moves, std::span<const double> radii, const Box<2>& box,
-                             double near) {
-  std::vector<Piece> pieces;
-  std::vector<double> along(radii.size(), 0.0);
-  for (std::size_t m = 0; m < moves.size(); ++m) {
-    const auto& [robot, path] = moves[m];
-    for (std::size_t k = 1; k < path.size(); ++k) {
-      const double length = (path[k] - path[k - 1]).norm();
-      if ((path[k].cwiseMax(path[k - 1]).array() < box.lower.array() - near).any() ||
-          (path[k].cwiseMin(path[k - 1]).array() > box.upper.array() + near).any()) {
-        along[robot] += length;
-        continue;
-      }
-      const auto parts = std::max(1.0, std::ceil(length / (piece_radii * radii[robot])));
-      for (double part = 0; part < parts; ++part) {
-        const Point2 middle = path[k - 1] + (path[k] - path[k - 1]) * ((part + 0.5) / parts);
-        pieces.push_back({robot, m, middle, along[robot] + length * part / parts,
-                          along[robot] + length * (part + 1) / parts});
-      }
-      along[robot] += length;
-    }
-  }
-  return pieces;
-}
-
-/// Pieces by the square of the plane that their middle lies in.
-class PieceGrid {
- public:
-  explicit PieceGrid(double cell) : cell_(cell) {}
-  void add(const Piece& piece) {
-    cells_[key(index(piece.middle.x()), index(piece.middle.y()))].push_back(&piece);
-  }
-  template <class Fn>
-  void for_each_within_a_cell(const Point2& p, Fn&& fn) const {
-    for (std::int64_t j = index(p.y()) - 1; j <= index(p.y()) + 1; ++j) {
-      for (std::int64_t i = index(p.x()) - 1; i <= index(p.x()) + 1; ++i) {
-        const auto found = cells_.find(key(i, j));
-        if (found == cells_.end()) continue;
-        for (const Piece* piece : found->second) fn(*piece);
-      }
-    }
-  }
-
- private:
-  std::int64_t index(double x) const { return static_cast<std::int64_t>(std::floor(x / cell_)); }
-  static std::int64_t key(std::int64_t i, std::int64_t j) { return i * 0x100000001 + j; }
-  double cell_;
-  std::unordered_map<std::int64_t, std::vector<const Piece*>> cells_;
-};
 
 }  // namespace
 
@@ -104,29 +123,42 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
   // Half of each piece's length is what a middle may be away from the piece's points.
   const double inflated = (2 * stray_radii + piece_radii) * largest;
   const double nearest = radii[robot] + largest + inflated;
-  const std::vector<Piece> pieces = pieces_of(moves, radii, box_around_way(robot, moves), nearest);
-  PieceGrid grid(nearest);
+  const Box<2> box = box_around_way(robot, moves);
+  if (!(box.lower.x() <= box.upper.x())) return {};  // it has no moves
+  PiecesAround around(box, nearest);
+  double along_own = 0;
+  for (const Move& move : moves) {
+    if (move.robot == robot)
+      for_each_piece(move, radii[robot], along_own, [&](const Piece& p) { around.mark_around(p.middle); });
+  }
 
   std::vector<Gate> gates;
-  std::map<std::size_t, double> needed;  // of each robot, by the gates so far
-  for (const Piece& piece : pieces) {
-    if (piece.robot != robot) {
-      grid.add(piece);
-      continue;
-    }
-    // The grid holds the pieces of earlier moves, for the plan's order is the order of the pieces.
-    std::map<std::size_t, double> here;
-    grid.for_each_within_a_cell(piece.middle, [&](const Piece& other) {
+  std::vector<double> along(radii.size(), 0.0);
+  std::vector<double> needed(radii.size(), 0.0);  // of each robot, by the gates so far
+  std::vector<std::size_t> rising;                // those of which the piece at hand needs more
+  const auto add_gates = [&](const Piece& piece) {
+    const auto first_of_piece = static_cast<std::ptrdiff_t>(gates.size());
+    rising.clear();
+    around.for_each_within_a_cell(piece.middle, [&](const Piece& other) {
       const double near = radii[robot] + radii[other.robot] + inflated;
-      if ((other.middle - piece.middle).squaredNorm() >= near * near) return;
-      double& most = here[other.robot];
-      most = std::max(most, other.end);
+      if (other.end <= needed[other.robot] || (other.middle - piece.middle).squaredNorm() >= near * near)
+        return;
+      if (std::ranges::find(rising, other.robot) == rising.end()) rising.push_back(other.robot);
+      needed[other.robot] = other.end;
     });
-    for (const auto& [other, metres] : here) {
-      if (metres <= needed[other]) continue;
-      needed[other] = metres;
-      gates.push_back({piece.begin, other, metres});
-    }
+    for (const std::size_t other : rising) gates.push_back({piece.begin, other, needed[other]});
+    std::sort(gates.begin() + first_of_piece, gates.end(),
+              [](const Gate& a, const Gate& b) { return a.robot < b.robot; });
+  };
+  // In the plan's order: each piece of the own way finds those of earlier moves.
+  for (const Move& move : moves) {
+    for_each_piece(move, radii[move.robot], along[move.robot], [&](const Piece& piece) {
+      if (piece.robot == robot) {
+        add_gates(piece);
+      } else {
+        around.add(piece);
+      }
+    });
   }
   return gates;
 }

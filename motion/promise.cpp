@@ -110,11 +110,12 @@ std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limi
   return rests;
 }
 
-bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
-                         const Limits& limits, double period, std::span<const Neighbour> neighbours) {
+std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
+                             const Limits& limits, double period, std::span<const Neighbour> neighbours) {
   const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
   const int periods = 1 + braking_periods(velocity.norm(), limits, period);
-  for (const Neighbour& neighbour : neighbours) {
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const Neighbour& neighbour = neighbours[i];
     const double horizon = from + periods * period - neighbour.commitment.stamp;
     const double far = radius + neighbour.radius + margin + travel +
                        neighbour.limits.max_speed * (std::max(0.0, horizon) + neighbour.clock_error);
@@ -126,13 +127,13 @@ bool clear_of_neighbours(const Point2& position, const Point2& velocity, double 
     double t = from;
     for (int k = 0; k < periods; ++k) {
       const Point2 next = here + period * v;
-      if (!region.clear(here, next, t, t + period)) return false;
+      if (!region.clear(here, next, t, t + period)) return i;
       here = next;
       t += period;
       v = braked(v, limits, period);
     }
   }
-  return true;
+  return neighbours.size();
 }
 
 bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,

@@ -56,9 +56,10 @@ std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limi
                                 int unheard, double step);
 
 /// Where this robot will be if it executes `velocity` for one period from `from` on and then brakes in a
-/// straight line: whether it overlaps nothing that a neighbour may cover until it stands.
-bool clear_of_neighbours(const Point2& position, const Point2& velocity, double from, double radius,
-                         const Limits& limits, double period, std::span<const Neighbour> neighbours);
+/// straight line: the place of the first neighbour in the list that may cover something of that until it
+/// stands; the size of the list if none may.
+std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
+                             const Limits& limits, double period, std::span<const Neighbour> neighbours);
 
 /// The same for obstacles: the straight line until standstill keeps `radius` clear.
 bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,

@@ -108,14 +108,15 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
                                        const std::function<double(std::size_t)>& passed) {
   advance_progress(position);
   const double slack = there_radii * radius_;
-  while (next_gate_ < gates_.size() &&
-         passed(gates_[next_gate_].robot) + slack >= gates_[next_gate_].needed) {
-    ++next_gate_;
+  double ahead = 0;  // of the next gate, metres that its robot has still to come
+  for (; next_gate_ < gates_.size(); ++next_gate_) {
+    ahead = gates_[next_gate_].needed - passed(gates_[next_gate_].robot);
+    if (ahead > slack) break;
   }
   const double gate = next_gate_ < gates_.size() ? gates_[next_gate_].at : along_.back();
   const double stop = std::min(gate, leg_ends_[leg_]);
   waits_for_ = next_gate_ < gates_.size() && gate - progress_ < slack
-                   ? std::optional(gates_[next_gate_].robot)
+                   ? std::optional(Wait{gates_[next_gate_].robot, ahead})
                    : std::nullopt;
   const Point2 gap = point_at(std::min(progress_ + look_ahead_, stop)) - position;
   const double distance = gap.norm();

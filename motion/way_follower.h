@@ -31,8 +31,12 @@ class WayFollower {
   /// How far along the way the robot has come; its whole length once it is there.
   double progress() const { return progress_; }
   bool finished() const;
-  /// The robot of the gate that the last preferred velocity stopped before; none if the way ahead is open.
-  std::optional<std::size_t> waits_for() const { return waits_for_; }
+  struct Wait {
+    std::size_t robot;
+    double metres;  ///< that it has still to come
+  };
+  /// The gate that the last preferred velocity stopped before; none if the way ahead is open.
+  const std::optional<Wait>& waits_for() const { return waits_for_; }
 
  private:
   Point2 point_at(double along) const;
@@ -49,7 +53,7 @@ class WayFollower {
   double radius_;
   double progress_ = 0;
   double look_ahead_;
-  std::optional<std::size_t> waits_for_;
+  std::optional<Wait> waits_for_;
 };
 
 }  // namespace coppice

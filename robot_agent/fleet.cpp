@@ -10,9 +10,10 @@ namespace coppice {
 
 namespace {
 
-constexpr double good_clock = 0.0015;   // seconds: three centimetres' drive
+constexpr double good_clock = 0.003;  // seconds: six centimetres' drive
+constexpr std::size_t usual_neighbours = 32;
 constexpr double prompt_sample = 0.01;  // seconds
-constexpr double recent_echo = 0.8;     // seconds
+constexpr double recent_echo = 0.8;     // seconds: less than it takes a robot to think that nobody hears it
 
 Commitment standing_for_ever_at(const Point2& position) {
   return {.position = position, .expiry = std::numeric_limits<double>::max()};
@@ -25,9 +26,12 @@ bool wants_to_go_on(Phase phase) {
 }  // namespace
 
 Fleet::Peer& Fleet::peer(const RobotName& robot) {
-  const auto [entry, fresh] = index_.try_emplace(robot, peers_.size());
-  if (fresh) peers_.push_back({.phase = phase_of(robot), .robot = robot});
-  return peers_[entry->second];
+  const auto [number, fresh] = index_.insert(robot);
+  if (fresh) {
+    peers_.push_back({.phase = phase_of(robot), .robot = robot});
+    all_settled_until_ = 0;
+  }
+  return peers_[number];
 }
 
 void Fleet::hear(const Mission& mission, WallTime arrived) {
@@ -56,24 +60,29 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     p.clock.hear(state->stamp, now);
     // Nothing to learn from nearly all echoes: but a clock that was set shows in samples that seem late.
     const bool prompt = now - state->stamp < p.clock.estimate() + prompt_sample;
-    const bool known = p.clock.error(now) < good_clock && prompt && now - own_echo_ < recent_echo;
+    const bool known = p.clock.error(now) < good_clock && prompt && echoed(now);
     if (!known) hear_own_echo(*state, p.clock, now);
   }
   if (somebody_missing_) hear_of_the_missing(*state, clock_.fleet_time(arrived));
-  loss_.add(p.received.hear(state->sequence));
+  const Received::Count count = p.received.hear(state->sequence);
+  if (count.sent > 0 && own_mission_ && tells_at_every_beat(p)) loss_.add(count);
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (p.state && state->stamp <= p.state->stamp) {
     if (state->stamp == p.state->stamp) hear_again(p, arrived);
     return false;
   }
   if (std::exchange(p.across, false)) minority_ = false;
+  if (!p.state || p.dead()) all_settled_until_ = 0;
   p.rests.clear();
   p.state = std::move(state);
   p.heard_at = arrived;
   p.away_until = 0;
-  p.settled_until = 0;
   p.stride_until = 0;
   return true;
+}
+
+bool Fleet::echoed(double now) const {
+  return now - own_echo_ < recent_echo * second();
 }
 
 void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double now) {
@@ -99,6 +108,7 @@ void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& ne
 
 std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, double horizon, double now) {
   std::vector<Neighbour> near;
+  near.reserve(usual_neighbours);
   for (Peer& p : peers_) {
     if ((!p.state && !p.mission) || now < p.away_until) continue;
     if (p.state && !p.dead()) {
@@ -123,17 +133,21 @@ FleetMember Fleet::member(const Peer& p) const {
             .position = p.mission->start,
             .goal = p.mission->start,
             .radius = p.mission->radius,
+            .max_speed = p.mission->max_speed,
             .dead = p.dead(),
             .knot = {}};
   }
   const RobotState& s = *p.state;
   const Point2 position = p.dead() ? p.rests.front() : s.position;
+  const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
   return {.robot = p.robot,
           .position = position,
           .velocity = p.dead() ? Point2::Zero() : s.velocity,
           .goal = !p.dead() && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : position,
           .radius = s.radius,
-          .stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0),
+          .max_speed = s.max_speed,
+          .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
+          .stands = stands,
           .dead = p.dead(),
           .parked = !p.dead() && !wants_to_go_on(s.phase),
           .knot = s.knot,
@@ -156,14 +170,23 @@ std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) 
 
 std::optional<FleetMember> Fleet::find(const RobotName& robot) const {
   const auto known = index_.find(robot);
-  if (known == index_.end()) return std::nullopt;
-  return member(peers_[known->second]);
+  return known ? std::optional(member(peers_[*known])) : std::nullopt;
 }
 
 std::vector<FleetMember> Fleet::others() const {
   std::vector<FleetMember> all;
   for (const Peer& p : peers_) all.push_back(member(p));
   return all;
+}
+
+std::vector<FleetMember> Fleet::beside(const Point2& p, double radius, double sums) const {
+  std::vector<FleetMember> close;
+  for (const Peer& peer : peers_) {
+    if (!peer.state && !peer.mission) continue;
+    const double other = peer.state ? peer.state->radius : peer.mission->radius;
+    if ((place_of(peer) - p).norm() <= sums * (radius + other)) close.push_back(member(peer));
+  }
+  return close;
 }
 
 bool Fleet::all_hold(const KnotId& knot) const {

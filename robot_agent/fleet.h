@@ -10,11 +10,11 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "bus/clock_offset.h"
 #include "bus/messages.h"
+#include "bus/name_index.h"
 #include "motion/promise.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
@@ -33,9 +33,11 @@ struct FleetMember {
   Point2 velocity = Point2::Zero();
   Point2 goal = Point2::Zero();  ///< its own place if it is there or wants to go nowhere
   double radius = 0;
-  bool stands = false;  ///< and will until something new is heard of it
-  bool dead = false;    ///< counts as dead
-  bool parked = false;  ///< stands and wants to go nowhere
+  double max_speed = 0;
+  double rests_until = 0;  ///< fleet time; if it stands it has bound itself to that, else when it said so
+  bool stands = false;     ///< and will until something new is heard of it
+  bool dead = false;       ///< counts as dead
+  bool parked = false;     ///< stands and wants to go nowhere
   KnotId knot;
   Stage stage = Stage::free;
   double progress = 0;
@@ -57,6 +59,8 @@ class Fleet {
   /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
   /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
+  /// Somebody has said of late to have heard of this robot.
+  bool echoed(double now) const;
   /// How often to say everything: more than once where few listen and much is lost, so that one of them hears
   /// the last of it.
   int copies() const { return copies_; }
@@ -67,6 +71,8 @@ class Fleet {
 
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
+  /// Those within so many sums of radii of a robot at p.
+  std::vector<FleetMember> beside(const Point2& p, double radius, double sums) const;
   /// Where the dead may stand; this robot is at `position`.
   std::vector<Disc> places_of_the_dead(const Point2& position, double now) const;
   /// Everybody alive within the knot's reach is known to hold in it, and to stand; but for those whom a later
@@ -138,6 +144,7 @@ class Fleet {
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }
   double since(WallTime at, double now) const { return now - clock_.fleet_time(at); }
+  static const Point2& place_of(const Peer& peer);
   double gap(const Peer& peer) const;
   double closing_speed(const Peer& peer) const;
   int stride_to(const Peer& peer, double now) const;
@@ -147,6 +154,7 @@ class Fleet {
   int stride_to_strangers() const;
   bool tells_about_knot(const Peer& peer) const;
   bool is_told_about_knot_by(const Peer& peer) const;
+  bool tells_at_every_beat(const Peer& peer) const;
   double explained_silence(const Peer& peer) const;
   double unheard(const Peer& peer, double now) const;
   double silence(const Peer& peer, double now) const;
@@ -157,7 +165,9 @@ class Fleet {
   void hear_of_the_missing(const RobotState& state, double now);
   bool missing(const Peer& peer, double seconds, double now) const;
   bool heard_elsewhere(const Peer& peer, double now) const;
-  Absences absences(double now);
+  const Absences& absences(double now);
+  void count_absences(double now);
+  void count_absence(Peer& peer, double now);
   bool unheard_by_all(const Absences& count, double now) const;
   void give_up_the_lost(const Absences& count, double now, const ClearanceField& field);
   void say_more_often(const Absences& count, double now);
@@ -176,13 +186,15 @@ class Fleet {
   bool has_clock_ = false;
   std::optional<Mission> own_mission_;
   std::vector<Peer> peers_;
-  std::unordered_map<RobotName, std::size_t> index_;
+  NameIndex index_;  ///< of `peers_`
   std::size_t next_echo_ = 0;
   std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
   LossCount loss_;
   int copies_ = 1;
   double copies_since_ = 0;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
+  Absences absences_;
+  double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   bool somebody_missing_ = false;
   double next_look_at_the_dead_ = 0;
   bool cut_off_ = false;

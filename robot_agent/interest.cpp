@@ -11,7 +11,7 @@ namespace coppice {
 namespace {
 
 constexpr int looks_a_stride = 4;  // whether it is still right
-constexpr int stride_to_the_waiting = 4;
+constexpr int stride_to_the_waiting = 1;
 constexpr int turns_a_choice = 8;  // of the witnesses
 constexpr std::size_t echoes_a_state = 8;
 constexpr int turns_an_echo = 4;
@@ -23,9 +23,13 @@ constexpr int longest_stride_to_strangers = 32;
 
 }  // namespace
 
+const Point2& Fleet::place_of(const Peer& p) {
+  return p.dead() ? p.rests.front() : p.state ? p.state->position : p.mission->start;
+}
+
 double Fleet::gap(const Peer& p) const {
-  const Point2& at = p.dead() ? p.rests.front() : p.state ? p.state->position : p.mission->start;
-  return (at - position_).norm() - own_mission_->radius - (p.state ? p.state->radius : p.mission->radius);
+  return (place_of(p) - position_).norm() - own_mission_->radius -
+         (p.state ? p.state->radius : p.mission->radius);
 }
 
 double Fleet::closing_speed(const Peer& p) const {
@@ -76,6 +80,11 @@ int Fleet::stride_from(const Peer& p) const {
   return is_told_about_knot_by(p) ? 1 : stride_over(gap(p), closing_speed(p));
 }
 
+/// By a wide margin: it may think that this robot is further away.
+bool Fleet::tells_at_every_beat(const Peer& p) const {
+  return peers_.size() <= witnesses || stride_from(p) <= standing_stride / 2;
+}
+
 /// The nearest that are alive.
 void Fleet::choose_witnesses() {
   std::vector<std::pair<double, Peer*>> alive;
@@ -108,8 +117,8 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
   return to;
 }
 
-/// For those who wait for one, and for those who will not hear of the next ones; from time to time whatever
-/// else is news.
+/// For those who ask for one, or have none yet, and for those who will not hear of the next ones; from time
+/// to time whatever else is news.
 std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {
   std::vector<Echo> echoes;
   const auto add = [&](Peer& p) {
@@ -118,7 +127,8 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
   };
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
     Peer* p = addressed[(turn + k) % addressed.size()];
-    if (!p->state || (acquainted(*p) && p->stride < rare)) continue;
+    const bool asks = p->state && p->state->wants_echo;
+    if (!p->state || (!asks && acquainted(*p) && p->stride < rare)) continue;
     add(*p);
     p->introductions += p->clock.known();
   }

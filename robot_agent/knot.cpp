@@ -176,9 +176,10 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
     return other && other->knot == id_ && other->stage == Stage::ordered ? other->progress : 0.0;
   };
   const Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
-  const auto waits = follower_->waits_for();
-  waits_for_ = waits ? members_[*waits] : RobotName();
+  const auto& waits = follower_->waits_for();
+  waits_for_ = waits ? members_[waits->robot] : RobotName();
   const auto waited_for = waits ? fleet.find(waits_for_) : std::nullopt;
+  waits_until_ = waited_for ? waited_for->rests_until + waits->metres / waited_for->max_speed : 0;
   if (waited_for && (waits_for_ != awaited_.robot || waited_for->progress != awaited_.progress)) {
     awaited_ = {waits_for_, waited_for->progress};
     awaited_since_ = now;
@@ -209,11 +210,12 @@ std::size_t Knot::next_move(std::size_t member, double progress) const {
 bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) {
   const auto own = std::ranges::find(members_, robot_) - members_.begin();
   const std::size_t own_next = next_move(static_cast<std::size_t>(own), progress());
-  for (std::size_t k = 0; k < members_.size(); ++k) {
-    const auto other = members_[k] == robot_ ? std::nullopt : fleet.find(members_[k]);
-    if (!other || other->dead || other->knot != id_ || other->stage != Stage::ordered) continue;
-    const bool close = (other->position - self.position).norm() < close_radii * (self.radius + other->radius);
-    if (!close || next_move(k, other->progress) >= own_next) continue;
+  for (const FleetMember& other : fleet.beside(self.position, self.radius, close_radii)) {
+    if (other.dead || other.knot != id_ || other.stage != Stage::ordered) continue;
+    const auto member = std::ranges::find(members_, other.robot);
+    if (member == members_.end()) continue;
+    const auto k = static_cast<std::size_t>(member - members_.begin());
+    if (next_move(k, other.progress) >= own_next) continue;
     last_progress_time_ = now;
     return true;
   }

@@ -36,6 +36,8 @@ class Knot {
   double progress() const { return follower_ ? follower_->progress() : 0; }
   /// Whose progress it waits for; empty for nobody.
   const RobotName& waits_for() const { return waits_for_; }
+  /// Fleet time before which that cannot have come far enough.
+  double waits_until() const { return waits_until_; }
   /// The last joint plan, of the whole fleet, does not bring this robot to its goal.
   bool stranded() const { return stranded_; }
 
@@ -97,6 +99,7 @@ class Knot {
   std::vector<bool> done_;  ///< the members that have made all their moves
   std::optional<WayFollower> follower_;
   RobotName waits_for_;
+  double waits_until_ = 0;
   bool stranded_ = false;
   struct Awaited {
     RobotName robot{};

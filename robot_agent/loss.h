@@ -1,5 +1,5 @@
 // How many of a robot's last states may have reached nobody: the share of samples that are lost follows from
-// the numbers of those that come, of robots that send every one.
+// the numbers of those that come.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,14 @@
 #include <cmath>
 #include <cstdint>
 
+#include "robot_agent/interest.h"
+
 namespace coppice {
 
-/// Which of one robot's last states came. They may overtake each other: what is missing counts as lost only
-/// when it is some turns old. And they may not have been for this robot: so it counts only if two in a row
-/// came both shortly before and shortly after it.
+/// Which of one robot's last states came, of those at every beat (standing_stride): these are for all who are
+/// not far away. They may overtake each other: what is missing counts as lost only when it is some beats old.
+/// And a robot may pause, or come from far away: so it counts only if two in a row came both shortly before
+/// and shortly after it.
 class Received {
  public:
   struct Count {
@@ -20,8 +23,10 @@ class Received {
   };
 
   /// What has become certain now that one came, of whatever age, perhaps not for the first time.
-  Count hear(std::uint32_t sequence) {
+  Count hear(std::uint32_t turn) {
     Count count;
+    if (turn % standing_stride != 0) return count;
+    const std::uint32_t sequence = turn / standing_stride;
     if (came_ != 0 && sequence <= newest_ && newest_ - sequence < window) {
       came_ |= 1u << (newest_ - sequence);
       return count;
@@ -39,8 +44,8 @@ class Received {
   }
 
  private:
-  static constexpr std::uint32_t window = 32;   // a longer gap is a pause, a restart or a partition
-  static constexpr std::uint32_t settled = 16;  // turns: none comes later
+  static constexpr std::uint32_t window = 32;  // a longer gap is a pause, a restart or a partition
+  static constexpr std::uint32_t settled = 4;  // beats: none comes later
   static constexpr std::uint32_t reach = 4;
 
   bool two_in_a_row(std::uint32_t from) const {

@@ -31,8 +31,9 @@ constexpr double stall_radii = 0.5;       // metres that count as progress, in r
 // It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
 // off.
 constexpr double idle_lease = 1;
-constexpr double waiting_lease = 0.5;
-constexpr double lease_for_delay = 3;
+constexpr double waiting_lease = 0.3;
+constexpr double longest_lease = 2;
+constexpr double lease_for_delay = 4;
 constexpr double fair_pace = 0.5;  // of the preferred speed
 constexpr double beside = 1.3;     // sums of radii between two that hinder each other
 constexpr double level = 0.1;      // the same, of the lead of one that is not ahead
@@ -320,10 +321,11 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
 /// behind, or has the later name, stands until the other has gone.
 bool RobotAgent::lets_go_first(const Point2& preferred) const {
   const Point2 ahead = preferred / std::max(preferred.norm(), 1e-9);
-  return std::ranges::any_of(fleet_.others(), [&](const FleetMember& m) {
+  const auto close = fleet_.beside(body_->position(), body_->radius(), beside);
+  return std::ranges::any_of(close, [&](const FleetMember& m) {
+    if (m.stands || m.stage != Stage::free) return false;
     const Point2 gap = m.position - body_->position();
     const double reach = body_->radius() + m.radius;
-    if (gap.norm() > beside * reach || m.stands || m.stage != Stage::free) return false;
     const bool same_way = m.velocity.dot(ahead) > m.velocity.norm() / 2;
     const double lead = gap.dot(ahead);
     const bool goes_first = std::abs(lead) < level * reach ? m.robot < name_ : lead > 0;
@@ -336,7 +338,7 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
   const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   if (wanted.isZero(0)) {
     body_->follow(wanted, neighbours, ground_->field);
-    stand_for(fleet_now, waiting_lease);
+    stand_for(fleet_now, std::clamp(knot_.waits_until() - fleet_now, waiting_lease, longest_lease));
   } else if (!body_->bound_to_stand()) {
     knot_.led_past(body_->follow(wanted, neighbours, ground_->field));
     // Of several that fear each other's next move, one must go.
@@ -434,12 +436,12 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
   const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
   auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
-  Outgoing said(state(std::move(echoes)), std::move(agents));
+  Outgoing said(state(fleet_now, std::move(echoes)), std::move(agents));
   for (int copy = 1; copy < fleet_.copies(); ++copy) out.push_back(said);
   out.push_back(std::move(said));
 }
 
-RobotState RobotAgent::state(std::vector<Echo> echoes) const {
+RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
   const Commitment c = body_->commitment();
   return {.robot = name_,
           .sequence = sequence_,
@@ -455,6 +457,7 @@ RobotState RobotAgent::state(std::vector<Echo> echoes) const {
           .stage = knot_.stage(),
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
+          .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes)};
 }
 

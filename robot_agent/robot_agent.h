@@ -64,7 +64,7 @@ class RobotAgent {
   FleetMember self() const;
   int periods_to_next_control() const;
   void speak(double fleet_now, bool beat, std::vector<Outgoing>& out);
-  RobotState state(std::vector<Echo> echoes) const;
+  RobotState state(double fleet_now, std::vector<Echo> echoes) const;
   void report(WallTime now, std::vector<Outgoing>& out);
 
   /// What must have changed for a robot that stands to have news.

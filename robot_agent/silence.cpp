@@ -49,15 +49,15 @@ void Fleet::hear_again(Peer& p, WallTime arrived) {
   const bool paused = (arrived - p.said_again_at) * clock_.scale > relay_from * second();
   if (p.said_again_at < p.heard_at || paused) p.said_again_from = arrived;
   p.said_again_at = arrived;
-  p.settled_until = 0;
+  p.settled_until = all_settled_until_ = 0;
 }
 
 /// What one has heard of another robot of late tells that this is alive.
 void Fleet::hear_of_the_missing(const RobotState& state, double now) {
   for (const Echo& echo : state.echoes) {
     const auto known = index_.find(echo.robot);
-    if (known == index_.end()) continue;
-    Peer& p = peers_[known->second];
+    if (!known) continue;
+    Peer& p = peers_[*known];
     const double newest = p.state ? std::max(p.echoed, p.state->stamp) : p.echoed;
     if (echo.stamp <= newest) continue;
     p.echoed = echo.stamp;
@@ -76,8 +76,7 @@ double Fleet::explained_silence(const Peer& p) const {
 
 /// For so long nothing came that should have.
 double Fleet::unheard(const Peer& p, double now) const {
-  const double silent = since(p.heard_at, now);
-  return silent < relay_from * second() ? silent : std::max(0.0, silent - explained_silence(p));
+  return std::max(0.0, since(p.heard_at, now) - explained_silence(p));
 }
 
 /// The same, or for so long those closer by have said that they hear no more of it.
@@ -91,31 +90,38 @@ bool Fleet::missing(const Peer& p, double seconds, double now) const {
   return p.state && !p.dead() && silence(p, now) > seconds * second();
 }
 
-Fleet::Absences Fleet::absences(double now) {
-  Absences count;
+/// Nothing has changed while everybody was heard of a moment ago.
+const Fleet::Absences& Fleet::absences(double now) {
+  if (now >= all_settled_until_) count_absences(now);
+  return absences_;
+}
+
+void Fleet::count_absences(double now) {
+  absences_ = {};
+  all_settled_until_ = now + looks_at_silence * second();
   for (Peer& p : peers_) {
-    if (now < p.settled_until) {
-      ++count.alive;
-      continue;
-    }
-    const double silent = silence(p, now) / second();
-    count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
-    if (p.dead()) {
-      ++count.dead;
-      continue;
-    }
-    if (!p.state) {
-      count.never_came += p.mission && silent > absence;
-      continue;
-    }
-    ++count.alive;
-    if (silent <= loneliness)
-      p.settled_until = now + std::min(loneliness - silent, looks_at_silence) * second();
-    count.unheard += silent > loneliness;
-    count.absent += silent > absence;
-    count.long_absent += silent > long_absence;
+    // Early rather than one after the other, so that it need not be done in each step.
+    if (now + looks_at_silence / 2 * second() >= p.settled_until) count_absence(p, now);
+    absences_.alive += p.state && !p.dead();
+    all_settled_until_ = std::min(all_settled_until_, p.settled_until);
   }
-  return count;
+}
+
+void Fleet::count_absence(Peer& p, double now) {
+  Absences& count = absences_;
+  const double silent = silence(p, now) / second();
+  count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
+  count.dead += p.dead();
+  if (p.dead()) return;
+  if (!p.state) {
+    count.never_came += p.mission && silent > absence;
+    return;
+  }
+  if (silent <= relay_from)
+    p.settled_until = now + std::min(relay_from - silent, looks_at_silence) * second();
+  count.unheard += silent > loneliness;
+  count.absent += silent > absence;
+  count.long_absent += silent > long_absence;
 }
 
 void Fleet::judge_silence(double now, const Point2& position, const KnotId& holds_in,
@@ -211,7 +217,7 @@ void Fleet::look_at_the_dead(double now) {
 /// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
 /// in one of us.
 void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) {
-  p.settled_until = 0;
+  p.settled_until = all_settled_until_ = 0;
   if (!p.state) {
     p.rests = {p.mission->start};
     return;
@@ -226,6 +232,7 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
 
 std::vector<RobotState> Fleet::last_words(double now) const {
   std::vector<RobotState> states;
+  if (now < all_settled_until_) return states;
   for (const Peer& p : peers_) {
     const double silent = unheard(p, now) / second();
     if (p.state && silent > relay_from && silent < relay_until) states.push_back(*p.state);

@@ -48,6 +48,7 @@ RobotState some_state(std::uint32_t sequence) {
           .stage = Stage::ordered,
           .progress = 12.5,
           .waits_for = "r2",
+          .wants_echo = true,
           .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
 }
 

@@ -10,11 +10,11 @@ namespace {
 
 constexpr double period = 0.05;
 
-/// The count after states with these numbers came, in this order.
+/// The count after states of these beats came, in this order.
 LossCount counted(const std::vector<std::uint32_t>& numbers) {
   LossCount loss;
   Received received;
-  for (const std::uint32_t number : numbers) loss.add(received.hear(number));
+  for (const std::uint32_t number : numbers) loss.add(received.hear(number * standing_stride));
   return loss;
 }
 
