@@ -174,6 +174,9 @@ idl::RobotState to_dds(const RobotState& m) {
   d.stage(octet(m.stage));
   d.progress(m.progress);
   d.waits_for(m.waits_for);
+  d.copies(m.copies);
+  d.copy(m.copy);
+  d.passed_on(m.passed_on);
   d.wants_echo(m.wants_echo);
   for (const Echo& echo : m.echoes) {
     idl::Echo& to = d.echoes().emplace_back();
@@ -202,6 +205,9 @@ RobotState from_dds(const idl::RobotState& d) {
           .stage = static_cast<Stage>(d.stage()),
           .progress = d.progress(),
           .waits_for = text(d.waits_for()),
+          .copies = d.copies(),
+          .copy = d.copy(),
+          .passed_on = d.passed_on(),
           .wants_echo = d.wants_echo(),
           .echoes = std::move(echoes)};
 }

@@ -112,6 +112,7 @@ Problem check(const RobotState& m) {
        {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
        {not_negative(m.progress), "progress is negative or not finite"},
        {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"},
+       {m.copy < m.copies, "it is a copy that there is not"},
        {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
         "too many echoes, or one without a name or a finite time"}});
 }

@@ -64,11 +64,13 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     if (!known) hear_own_echo(*state, p.clock, now);
   }
   if (somebody_missing_) hear_of_the_missing(*state, clock_.fleet_time(arrived));
-  const Received::Count count = p.received.hear(state->sequence);
-  if (count.sent > 0 && own_mission_ && tells_at_every_beat(p)) loss_.add(count);
+  if (state->copy == 0 && !state->passed_on) {
+    const Received::Count count = p.received.hear(state->sequence);
+    if (count.sent > 0 && own_mission_ && tells_at_every_beat(p)) loss_.add(count);
+  }
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (p.state && state->stamp <= p.state->stamp) {
-    if (state->stamp == p.state->stamp) hear_again(p, arrived);
+    if (state->stamp == p.state->stamp && state->passed_on) hear_again(p, arrived);
     return false;
   }
   if (std::exchange(p.across, false)) minority_ = false;

@@ -61,8 +61,8 @@ class Fleet {
   bool cut_off() const { return cut_off_; }
   /// Somebody has said of late to have heard of this robot.
   bool echoed(double now) const;
-  /// How often to say everything: more than once where few listen and much is lost, so that one of them hears
-  /// the last of it.
+  /// How often to say what this robot decides: more than once where few listen or much is lost, so that one
+  /// of them hears the last of it.
   int copies() const { return copies_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
@@ -170,7 +170,6 @@ class Fleet {
   void count_absence(Peer& peer, double now);
   bool unheard_by_all(const Absences& count, double now) const;
   void give_up_the_lost(const Absences& count, double now, const ClearanceField& field);
-  void say_more_often(const Absences& count, double now);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
   void look_at_the_dead(double now);
   double room_at(const Point2& q, const Point2& position, double now) const;
@@ -191,7 +190,6 @@ class Fleet {
   std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
   LossCount loss_;
   int copies_ = 1;
-  double copies_since_ = 0;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   Absences absences_;
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before

@@ -66,15 +66,20 @@ class LossCount {
     }
   }
 
-  /// More is lost than by chance, and enough came to tell.
-  bool notable() const { return sent_ > 50 && share() > 0.02; }
-  /// The last states that at most one death in a million loses on all its ways to so many robots.
-  int unheard_states(std::size_t listeners) const {
-    const double exponent = std::log(1e-6) / (static_cast<double>(listeners) * std::log(share()));
+  /// The last states of which at most one death in a million loses all samples, so many of each.
+  int unheard_states(std::size_t samples) const {
+    const double exponent = std::log(1e-6) / (static_cast<double>(samples) * std::log(share()));
     return static_cast<int>(std::ceil(exponent)) - 1;
+  }
+  /// How often to say everything to so many robots, above 0, so that there is no such state, or hardly one.
+  int copies_for(std::size_t listeners) const {
+    const int samples = 1 + unheard_states(1);
+    const auto each = static_cast<int>(listeners);
+    return std::min((samples + each - 1) / each, most_copies);
   }
 
  private:
+  static constexpr int most_copies = 16;
   static constexpr double most_lost = 0.5;
   static constexpr double memory = 0.995;  // counts some 200 of the last
 

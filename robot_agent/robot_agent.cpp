@@ -436,9 +436,9 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
   const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
   auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
-  Outgoing said(state(fleet_now, std::move(echoes)), std::move(agents));
-  for (int copy = 1; copy < fleet_.copies(); ++copy) out.push_back(said);
-  out.push_back(std::move(said));
+  RobotState said = state(fleet_now, std::move(echoes));
+  for (; said.copy + 1 < said.copies; ++said.copy) out.emplace_back(said, agents);
+  out.emplace_back(std::move(said), std::move(agents));
 }
 
 RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
@@ -457,6 +457,7 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .stage = knot_.stage(),
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
+          .copies = static_cast<std::uint8_t>(fleet_.copies()),
           .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes)};
 }

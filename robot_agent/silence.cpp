@@ -31,10 +31,9 @@ constexpr double looks_at_silence = 0.5;                        // seconds betwe
 // Who falls silent may have sent states that only some have heard: in this time they are passed on.
 constexpr double relay_from = 0.5;
 constexpr double relay_until = 4;
-constexpr int most_copies = 4;
-constexpr double copies_tried = 0.5;  // seconds
-constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
-constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
+constexpr std::size_t sure_witnesses = 3;  // the others may pause just then
+constexpr double rests_clear = 0.9;        // of its radius: it may have turned a little
+constexpr double rests_radii = 0.25;       // between the places where a dead robot may stand
 
 /// Until a robot stands that decides nothing more after this state.
 double time_to_rest(const RobotState& s) {
@@ -132,7 +131,7 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
   const Absences count = absences(now);
   if (count.dead > 0 && now >= next_look_at_the_dead_) look_at_the_dead(now);
   if (count.never_came + count.absent > 0) give_up_the_lost(count, now, field);
-  say_more_often(count, now);
+  copies_ = count.alive > 0 ? loss_.copies_for(std::min(count.alive, sure_witnesses)) : 1;
   somebody_missing_ = count.absent + count.never_came + count.dead > 0;
   const bool alone = count.alive > 1 && count.unheard == count.alive;
   cut_off_ = minority_ || alone || unheard_by_all(count, now) || count.long_absent > 1 || count.elsewhere > 0;
@@ -166,20 +165,11 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   const bool minority = over && is_minority(lost, left);
   minority_ = minority_ || minority;
   const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
-  const int unheard_states =
-      count.absent > 1 ? until_noticed : loss_.unheard_states(std::min(left, witnesses));
   for (Peer* p : lost) {
     p->across = minority;
-    bury(*p, unheard_states, field, now);
+    const std::size_t samples = std::min(left, witnesses) * (p->state ? p->state->copies : 1);
+    bury(*p, count.absent > 1 ? until_noticed : loss_.unheard_states(samples), field, now);
   }
-}
-
-void Fleet::say_more_often(const Absences& count, double now) {
-  if (count.alive == 0 || !loss_.notable() || loss_.unheard_states(std::min(count.alive, witnesses)) == 0)
-    return;
-  if (copies_ == most_copies || now - copies_since_ <= copies_tried) return;
-  ++copies_;
-  copies_since_ = now;
 }
 
 /// Of two pieces of equal size the one with the first name goes on. Of two robots both do.
@@ -235,7 +225,9 @@ std::vector<RobotState> Fleet::last_words(double now) const {
   if (now < all_settled_until_) return states;
   for (const Peer& p : peers_) {
     const double silent = unheard(p, now) / second();
-    if (p.state && silent > relay_from && silent < relay_until) states.push_back(*p.state);
+    if (!p.state || silent <= relay_from || silent >= relay_until) continue;
+    states.push_back(*p.state);
+    states.back().passed_on = true;
   }
   return states;
 }

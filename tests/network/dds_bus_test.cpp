@@ -48,6 +48,9 @@ RobotState some_state(std::uint32_t sequence) {
           .stage = Stage::ordered,
           .progress = 12.5,
           .waits_for = "r2",
+          .copies = 3,
+          .copy = 2,
+          .passed_on = true,
           .wants_echo = true,
           .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
 }

@@ -38,6 +38,11 @@ TEST(Interest, InATurnOfItsStrideEverybodyIsSpokenToOnce) {
   }
 }
 
+struct How {
+  bool passed_on = false;
+  bool wants_echo = false;
+};
+
 /// Robot "a" at the left end of a row of others, a hundred metres apart from each other.
 class Row {
  public:
@@ -50,7 +55,7 @@ class Row {
   static RobotName name(int k) { return fmt::format("r{}", k); }
   static Point2 place(int k) { return {10 + 100.0 * k, 10}; }
 
-  void hear(int k, double stamp, double arrived, std::vector<Echo> echoes = {}) {
+  void hear(int k, double stamp, double arrived, std::vector<Echo> echoes = {}, How how = {}) {
     const RobotState state{.robot = name(k),
                            .stamp = stamp,
                            .position = place(k),
@@ -59,6 +64,8 @@ class Row {
                            .max_acceleration = 40,
                            .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
                            .knot = {},
+                           .passed_on = how.passed_on,
+                           .wants_echo = how.wants_echo,
                            .echoes = std::move(echoes)};
     fleet_.hear(std::make_shared<const RobotState>(state), arrived);
   }
@@ -101,6 +108,26 @@ TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
   EXPECT_LT(all, 9 * turns);
 }
 
+TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
+  Row row(60);
+  double now = 0;
+  std::uint32_t turn = 0;
+  const auto echoed_in_turn = [&](bool asks) {
+    now = ++turn * period;
+    for (int k = 1; k <= 60; ++k)
+      row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
+               {.wants_echo = asks && k == 2});
+    row.judge(now);
+    const auto echoes = row.fleet().address(turn, nullptr, {}, now).echoes;
+    return std::ranges::count(echoes, Row::name(2), &Echo::robot) == 1;
+  };
+  for (int k = 0; k < 400; ++k) echoed_in_turn(false);  // acquainted
+  int unasked = 0;
+  for (int k = 0; k < 40; ++k) unasked += echoed_in_turn(false);
+  EXPECT_LT(unasked, 10);
+  for (int k = 0; k < 40; ++k) EXPECT_TRUE(echoed_in_turn(true));
+}
+
 TEST(Interest, WhoIsFarAwayMayBeSilentForLong) {
   Row row(3);
   const double beat = longest_stride * period;
@@ -125,7 +152,7 @@ TEST(Interest, OneThatThoseCloseByNoLongerHearIsDeadFarAwayToo) {
   const auto go_on_until = [&](double end, bool passed_on) {
     for (; now < end; now += period) {
       for (const int k : {1, 2}) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
-      if (passed_on) row.hear(3, 10, now + 0.002);
+      row.hear(3, 10, now + 0.002, {}, {.passed_on = passed_on});  // the network may bring it twice
       row.judge(now);
     }
   };

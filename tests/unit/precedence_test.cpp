@@ -29,6 +29,62 @@ TEST(Precedence, FarWaysHaveNoGates) {
   EXPECT_TRUE(gates_of(1, moves, std::vector<double>{5, 5}).empty());
 }
 
+TEST(Precedence, AWaitSaysHowFarTheOtherHasStillToCome) {
+  // The second comes along the first one's way once that is through.
+  const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{50, -40}, {50, 40}}}};
+  const std::vector<double> radii{5, 5};
+  const std::vector<Gate> gates = gates_of(1, moves, radii);
+  WayFollower second(legs_of(1, moves), gates, 5);
+  double first = 0;
+  Point2 position = moves[1].path.front();
+  const auto drive = [&] {
+    for (int k = 0; k < 200; ++k)
+      position +=
+          period * second.preferred_velocity(position, {20, 40}, period, [&](std::size_t) { return first; });
+  };
+  for (const double come : {0.0, 0.5}) {
+    first = come * gates.front().needed;
+    drive();
+    ASSERT_TRUE(second.waits_for());
+    EXPECT_EQ(second.waits_for()->robot, 0u);
+    EXPECT_DOUBLE_EQ(second.waits_for()->metres, gates.front().needed - first);
+  }
+  first = gates.back().needed;
+  drive();
+  EXPECT_FALSE(second.waits_for());
+  EXPECT_TRUE(second.finished());
+}
+
+/// The gates by their definition: pieces shorter than any that gates_of uses, all against all.
+TEST(Precedence, EveryPlaceWhereWaysComeNearHasAGateWhereverTheyLie) {
+  Random random(1);
+  for (int round = 0; round < 30; ++round) {
+    const double scale = std::pow(10, random.uniform(-1, 3));
+    const auto anywhere = [&] {
+      return Point2(random.uniform(-scale, scale), random.uniform(-scale, scale));
+    };
+    std::vector<Move> moves{{0, {anywhere(), anywhere()}}, {1, {anywhere(), anywhere(), anywhere()}}};
+    if (round % 3 == 0) moves[1].path = {{0.3, -scale}, {0.3, scale}};
+    const std::vector<double> radii{3, 5};
+    const std::vector<Gate> gates = gates_of(1, moves, radii);
+    EXPECT_TRUE(gates_of(0, moves, radii).empty());  // it moves first
+    const double length = length_of(moves[0].path);
+    const Point2 step = (moves[0].path[1] - moves[0].path[0]) / 200;
+    double nearest = std::numeric_limits<double>::infinity();
+    double needed = 0;
+    for (int k = 0; k <= 200; ++k) {
+      const double distance = point_path_distance(moves[0].path[0] + k * step, moves[1].path);
+      nearest = std::min(nearest, distance);
+      if (distance < 8) needed = length * k / 200;
+    }
+    if (nearest < 8) {
+      ASSERT_FALSE(gates.empty());
+      EXPECT_GE(gates.back().needed, std::min(length, needed) - 1e-9);
+    }
+    for (std::size_t k = 1; k < gates.size(); ++k) EXPECT_GT(gates[k].needed, gates[k - 1].needed);
+  }
+}
+
 TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
