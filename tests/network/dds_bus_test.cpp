@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <future>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -262,6 +263,29 @@ TEST(DdsBus, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
   for (const std::uint32_t sequence : at_far) EXPECT_EQ(sequence % 8, 0u);
   EXPECT_GE(at_near.size(), 60u);
   EXPECT_GE(at_watcher.size(), 60u);
+}
+
+TEST(DdsBus, CopiesOfAStateAndWhatAnotherPassesOnAllWaitForTheReader) {
+  DdsBus sender({.domain = domain + 8, .robot = "r1"}, Role::agent, "r1");
+  DdsBus other({.domain = domain + 8, .robot = "r2"}, Role::agent, "r2");
+  DdsBus listener({.domain = domain + 8, .robot = "r3"}, Role::agent, "r3");
+  constexpr std::uint8_t copies = 3;
+  std::map<std::uint32_t, std::vector<RobotState>> heard;
+  const auto end = Clock::now() + std::chrono::seconds(20);
+  const auto complete = [&](const auto& entry) { return entry.second.size() == copies + 1u; };
+  for (std::uint32_t k = 1; std::ranges::count_if(heard, complete) < 5 && Clock::now() < end; ++k) {
+    RobotState state = some_state(k);
+    state.copies = copies;
+    for (state.copy = 0; state.copy < copies; ++state.copy) sender.publish(Message(state));
+    state.copy = 0;
+    state.passed_on = true;
+    other.publish(Message(state));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // a control period
+    for (const Arrival& arrival : listener.take()) {
+      if (const auto* s = std::get_if<RobotState>(arrival.message.get())) heard[s->sequence].push_back(*s);
+    }
+  }
+  EXPECT_GE(std::ranges::count_if(heard, complete), 5);
 }
 
 }  // namespace
