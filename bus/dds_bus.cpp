@@ -16,8 +16,10 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_audience_filter.h"
@@ -39,6 +41,8 @@ constexpr std::uint32_t shared_memory_segment = 8u << 20;
 // How soon a lost sample of a reliable topic is asked for again; the default of 3 s is longer than a plan
 // takes.
 constexpr std::uint32_t heartbeat_nanoseconds = 20'000'000;
+// Of one host: each tries one port after the other until one is free, by default a hundred.
+constexpr std::uint32_t most_participants = 1000;
 constexpr int most_taken = 1000;               // samples of a topic at a time
 constexpr std::size_t rejections_logged = 10;  // then every thousandth
 
@@ -48,7 +52,16 @@ T* required(T* created, const char* what) {
   return created;
 }
 
-dds::DomainParticipantQos participant_qos(const std::string& sender) {
+/// Through these servers instead of by multicast.
+void find_others_through(const std::string& servers, dds::DomainParticipantQos& qos) {
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
+  if (!eprosima::fastdds::rtps::load_environment_server_info(servers, discovery.m_DiscoveryServers))
+    throw std::runtime_error(fmt::format(
+        "\"{}\" names no discovery servers, expected HOST:PORT, several with ; between them", servers));
+}
+
+dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
   qos.transport().use_builtin_transports = false;
@@ -57,6 +70,8 @@ dds::DomainParticipantQos participant_qos(const std::string& sender) {
   qos.transport().user_transports.push_back(shared_memory);
   qos.transport().user_transports.push_back(
       std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+  qos.wire_protocol().builtin.mutation_tries = most_participants;
+  if (!settings.discovery.empty()) find_others_through(settings.discovery, qos);
   return qos;
 }
 
@@ -139,9 +154,10 @@ struct DdsBus::Implementation {
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
       : role(role_of_process), robot(settings.robot), audience(robot) {
     register_type_objects();
-    participant = required(dds::DomainParticipantFactory::get_instance()->create_participant(
-                               static_cast<std::uint32_t>(settings.domain), participant_qos(sender)),
-                           "a participant (is the domain between 0 and 232?)");
+    participant =
+        required(dds::DomainParticipantFactory::get_instance()->create_participant(
+                     static_cast<std::uint32_t>(settings.domain), participant_qos(settings, sender)),
+                 "a participant (is the domain between 0 and 232?)");
     if (participant->register_content_filter_factory(AudienceFilter::name, &audience) !=
         eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
       throw std::runtime_error("DDS could not register a content filter");

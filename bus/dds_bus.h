@@ -1,8 +1,10 @@
 // The bus over Fast DDS: one participant a process, and a writer or reader for each topic that the role takes
 // part in.
 //
-// Shared memory between processes of one machine and UDP beyond, found by multicast: nothing needs to be
-// configured. Nothing is done in DDS's own threads: `take` polls the readers in the caller's loop.
+// Shared memory between processes of one machine and UDP beyond. Processes find each other by multicast, with
+// nothing to be configured; or, on a network without multicast, through discovery servers
+// (dds_discovery_server.h). Nothing is done in DDS's own threads: `take`
+// polls the readers in the caller's loop.
 #pragma once
 
 #include <cstddef>
@@ -18,11 +20,15 @@ namespace coppice {
 struct DdsSettings {
   int domain = 0;     ///< 0..232; fleets on different domains do not see each other
   RobotName robot{};  ///< of an agent: what is not for it is not sent to it
+  /// Discovery servers as "HOST:PORT", several after each other with ";" between them. Empty: those of
+  /// ROS_DISCOVERY_SERVER, or by multicast if that is not set either.
+  std::string discovery{};
 };
 
 class DdsBus {
  public:
-  /// `sender` names the participant to tools. Throws std::runtime_error if DDS refuses.
+  /// `sender` names the participant to tools. Throws std::runtime_error if DDS refuses, or if the discovery
+  /// servers are not addresses.
   DdsBus(const DdsSettings& settings, Role role, const std::string& sender);
   ~DdsBus();
   DdsBus(const DdsBus&) = delete;

@@ -15,6 +15,15 @@ namespace coppice {
 /// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
 int run_command(const RunOptions& options, const std::string& program);
 
+struct DiscoveryOptions {
+  std::string address = "127.0.0.1";  ///< of this host
+  std::uint16_t port = 11811;
+  int place = 0;  ///< in the list of servers that the fleet is given
+};
+
+/// A discovery server, until it is told to stop.
+int discovery_command(const DiscoveryOptions& options);
+
 /// All roles in this process, on a virtual clock, with faults. 1 also if anything touched.
 int simulate_command(const RunOptions& options, const Faults& faults);
 

@@ -24,6 +24,14 @@ int main(int argc, char** argv) {
   auto* run = app.add_subcommand("run", "a fleet of processes over DDS on this machine");
   add_run_options(*run, options);
   run->callback([&] { exit_code = run_command(options, "/proc/self/exe"); });
+  DiscoveryOptions server;
+  auto* discovery = app.add_subcommand("discovery", "a discovery server, for networks without multicast");
+  discovery->add_option("--address", server.address, "IPv4 address of this host to listen at");
+  discovery->add_option("--port", server.port, "UDP port")->check(CLI::Range(1, 65535));
+  discovery
+      ->add_option("--place", server.place, "in the list of servers that the fleet is given, 0 for the first")
+      ->check(CLI::Range(0, 255));
+  discovery->callback([&] { exit_code = discovery_command(server); });
   auto* simulate = app.add_subcommand("simulate", "the same roles in one process on a virtual clock");
   add_run_options(*simulate, options);
   Faults faults;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include <fmt/format.h>
@@ -73,8 +74,10 @@ int own_domain() {
   throw std::runtime_error("every DDS domain from 1 to 100 is in use on this machine; name one by --domain");
 }
 
-std::vector<std::string> service_command(const RunOptions& options, const std::string& program, int domain) {
-  std::vector<std::string> command{program, options.scenario, "--domain", std::to_string(domain)};
+std::vector<std::string> service_command(const RunOptions& options, const std::string& program,
+                                         std::span<const std::string> network) {
+  std::vector<std::string> command{program, options.scenario};
+  command.insert(command.end(), network.begin(), network.end());
   const auto add = [&](const std::string& name, const std::string& value) {
     command.push_back(name);
     command.push_back(value);
@@ -109,21 +112,20 @@ int run_command(const RunOptions& options, const std::string& program) {
   remove_stale_shared_memory();
   const std::filesystem::path folder = std::filesystem::canonical(program).parent_path();
   const int domain = options.domain.value_or(own_domain());
-  const std::vector<std::string> on_domain{"--domain", std::to_string(domain)};
+  std::vector<std::string> network{"--domain", std::to_string(domain)};
+  if (!options.discovery.empty()) network.insert(network.end(), {"--discovery", options.discovery});
   const RunFolder run_folder;
   ProcessFleet fleet(run_folder.path());
 
-  fleet.start("tree_broker",
-              {(folder / "tree_broker").string(), on_domain[0], on_domain[1], "--seed",
-               std::to_string(scenario.seed)},
-              ProcessFleet::Output::log);
-  for (const RobotTask& robot : scenario.robots) {
-    fleet.start(robot.name,
-                {(folder / "robot_agent").string(), "--name", robot.name, on_domain[0], on_domain[1]},
-                ProcessFleet::Output::log);
-  }
+  const auto start = [&](const std::string& name, std::vector<std::string> command) {
+    command.insert(command.end(), network.begin(), network.end());
+    fleet.start(name, command, ProcessFleet::Output::log);
+  };
+  start("tree_broker", {(folder / "tree_broker").string(), "--seed", std::to_string(scenario.seed)});
+  for (const RobotTask& robot : scenario.robots)
+    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name});
   const std::string service = "planner_service";
-  fleet.start(service, service_command(options, (folder / service).string(), domain),
+  fleet.start(service, service_command(options, (folder / service).string(), network),
               ProcessFleet::Output::terminal);
 
   std::optional<std::chrono::steady_clock::time_point> asked;

@@ -1,6 +1,7 @@
 #include "files/run_options.h"
 
 #include <cmath>
+#include <regex>
 
 #include <fmt/format.h>
 
@@ -26,6 +27,14 @@ const CLI::Validator above_zero(
     },
     "NUMBER>0");
 
+/// HOST:PORT, several with ; between them.
+std::string problem_with_servers(std::string& text) {
+  static const std::regex list("[^:;]+:[0-9]{1,5}(;[^:;]+:[0-9]{1,5})*");
+  return std::regex_match(text, list) ? std::string()
+                                      : fmt::format("{} is no list of servers, expected HOST:PORT;...", text);
+}
+const CLI::Validator servers(problem_with_servers, "HOST:PORT");
+
 }  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
@@ -50,6 +59,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--trajectory", options.trajectory, "write every control step (CSV)");
   command.add_option("--picture", options.picture, "write a picture (SVG)");
   command.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 232));
+  command
+      .add_option("--discovery", options.discovery,
+                  "discovery servers instead of multicast: HOST:PORT, several with ; between them")
+      ->check(servers);
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")

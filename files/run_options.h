@@ -28,6 +28,7 @@ struct RunOptions {
   std::string trajectory;
   std::string picture;
   std::optional<int> domain;
+  std::string discovery;  ///< servers (bus/dds_bus.h)
   bool quiet = false;  ///< the report is not printed
 };
 

@@ -25,7 +25,8 @@ using namespace coppice;
 /// Exit code: 0 if every robot arrived.
 int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
-  DdsBus bus({.domain = options.domain.value_or(0)}, Role::service, "planner_service");
+  DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
+             "planner_service");
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,
                           .timeout = options.timeout,

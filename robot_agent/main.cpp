@@ -12,11 +12,14 @@ int main(int argc, char** argv) {
   using namespace coppice;
   int domain = 0;
   std::string name;
+  std::string discovery;
   std::string level = "info";
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.add_option("--name", name, "of the robot, as the scenario names it")->required();
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
+  app.add_option("--discovery", discovery,
+                 "discovery servers instead of multicast: HOST:PORT, several with ; between them");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
@@ -32,7 +35,7 @@ int main(int argc, char** argv) {
   }
   install_stop_signals();
   try {
-    DdsBus bus({.domain = domain, .robot = name}, Role::agent, "robot_agent " + name);
+    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery}, Role::agent, "robot_agent " + name);
     RobotAgent agent(name);
     spdlog::info("on domain {}", domain);
     while (!stop_requested()) run_role_once(bus, agent);

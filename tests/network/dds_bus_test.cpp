@@ -12,6 +12,7 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
 
+#include "bus/dds_discovery_server.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -286,6 +287,25 @@ TEST(DdsBus, CopiesOfAStateAndWhatAnotherPassesOnAllWaitForTheReader) {
     }
   }
   EXPECT_GE(std::ranges::count_if(heard, complete), 5);
+}
+
+TEST(DdsBus, ThroughADiscoveryServerThoseWhoKnowItFindEachOther) {
+  const DdsDiscoveryServer server("127.0.0.1", 23917, 0);
+  const std::string known = "127.0.0.1:23917";
+  DdsBus service({.domain = domain + 9, .discovery = known}, Role::service, "service");
+  DdsBus agent({.domain = domain + 9, .discovery = known}, Role::agent, "agent");
+  DdsBus stranger({.domain = domain + 9}, Role::agent, "stranger");
+  const Message mission = some_mission();
+  service.publish(mission);
+  EXPECT_TRUE(holds(receive(agent, [&](const auto& all) { return holds(all, mission); }), mission));
+  EXPECT_TRUE(receive(
+                  stranger, [](const auto& all) { return !all.empty(); }, 1)
+                  .empty());
+}
+
+TEST(DdsBus, DiscoveryServersThatAreNoAddressesAreRefused) {
+  EXPECT_THROW(DdsBus({.discovery = "nonsense"}, Role::agent, "agent"), std::runtime_error);
+  EXPECT_THROW(DdsDiscoveryServer("300.1.1.1", 23918, 0), std::runtime_error);
 }
 
 }  // namespace
