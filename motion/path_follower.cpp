@@ -41,6 +41,14 @@ Point2 PathFollower::point_at(double along) const {
   return path_[i - 1] + share * (path_[i] - path_[i - 1]);
 }
 
+Path PathFollower::rest() const {
+  Path rest{point_at(seen_)};
+  for (std::size_t i = 0; i < path_.size(); ++i) {
+    if (along_[i] > seen_) rest.push_back(path_[i]);
+  }
+  return rest;
+}
+
 /// The nearest point of the path within the window, as a distance along it.
 double PathFollower::advance_progress(const Point2& position) {
   const double window_end = progress_ + projection_window_radii * radius_;
@@ -92,10 +100,12 @@ Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceF
     lost_ = !way_free(field, position, target, radius_);
   }
   if (lost_) {
+    ahead = 0;
     target = point_at(progress_);
     lost_ = !way_free(field, position, target, radius_);
   }
   if (lost_) return Point2::Zero();
+  seen_ = progress_ + ahead;
 
   target = keeping_right(position, target, progress_ + ahead, field);
 

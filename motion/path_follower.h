@@ -21,6 +21,8 @@ class PathFollower {
                             double period);
 
   bool lost() const { return lost_; }
+  /// The path from the point on that the robot last headed for, or saw nearest to it.
+  Path rest() const;
   /// What is left to drive from a place near the path, metres.
   double remaining(const Point2& position) const {
     return (point_at(progress_) - position).norm() + along_.back() - progress_;
@@ -38,6 +40,7 @@ class PathFollower {
   std::vector<double> along_;  ///< distance of each waypoint from the path's beginning
   double radius_;
   double progress_ = 0;  ///< how far along the path the robot has come
+  double seen_ = 0;      ///< the same, of the point that the robot last saw
   bool lost_ = false;
 };
 

@@ -25,11 +25,12 @@ constexpr std::uint64_t most_iterations = 20'000'000;
 }  // namespace
 
 PathFinder::PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver,
-                       const Mission& mission, const Point2& start)
+                       const Mission& mission, const Point2& start, Path known)
     : field_(field),
       improver_(improver),
       mission_(mission),
       start_(start),
+      known_(std::move(known)),
       epsilon_(suggested_epsilon(field, mission.radius)),
       planner_(field,
                {.epsilon = epsilon_,
@@ -58,9 +59,10 @@ std::optional<PathFinder::Result> PathFinder::step() {
   const int most = pause() > 0 ? iterations_a_step : iterations_alone;
   for (int i = 0; i < most && grow(); ++i) ++iterations_;
   ++steps_without_news_;
-  if (solved()) return take_first_path();
+  if (solved()) return take_first_path(rrt_star_ ? rrt_star_->path() : planner_.path(group_));
   const std::uint64_t doubt =
       std::max<std::uint64_t>(least_doubt, field_.map().blocked.size() / cells_an_iteration);
+  if (iterations_ >= doubt && !known_.empty()) return take_first_path(std::move(known_));
   if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
       provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {
     return NoPath{"no path: the goal cannot be reached from the start with this radius"};
@@ -79,14 +81,14 @@ double PathFinder::pause() const {
 }
 
 /// Straight off the trees; from now on it may become shorter.
-Path PathFinder::take_first_path() {
+Path PathFinder::take_first_path(Path path) {
   if (improver_.places() == 0) {
     const Trees<2>& trees = planner_.trees();
     for (NodeId n = 0; n < trees.node_count(); ++n)
       improver_.add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
   }
   improver_.forget_robots();
-  improver_.add_robot(rrt_star_ ? rrt_star_->path() : planner_.path(group_), mission_.radius);
+  improver_.add_robot(std::move(path), mission_.radius);
   return improver_.path(0);
 }
 

@@ -27,9 +27,10 @@ class PathFinder {
   using Result = std::variant<Path, NoPath>;
 
   /// Plans from `start` to the mission's goal on `field`. That and the `improver`, which knows what missions
-  /// before have learnt about the map, outlive it.
+  /// before have learnt about the map, outlive it. `known`: a path that is there already, if any, but perhaps
+  /// a long one: it is taken when the search takes so long that it may have no end.
   PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver, const Mission& mission,
-             const Point2& start);
+             const Point2& start, Path known = {});
 
   void take(const InactiveTreeMessage& tree);
 
@@ -59,12 +60,13 @@ class PathFinder {
  private:
   bool solved() const { return rrt_star_ ? rrt_star_->solved() : planner_.solved(group_); }
   bool grow();
-  Path take_first_path();
+  Path take_first_path(Path path);
 
   const ClearanceField& field_;
   PathImprover<ClearanceField>& improver_;
   Mission mission_;
   Point2 start_;
+  Path known_;
   double epsilon_;
   std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< where the mission asks for it
   MaRrdtStar<ClearanceField> planner_;

@@ -138,10 +138,23 @@ PathImprover<ClearanceField>& RobotAgent::improver() {
   return *improver_;
 }
 
+/// Back as it came, to where it last saw the path, and on along that; empty if it cannot drive so.
+Path RobotAgent::way_back_to_the_path() const {
+  Path way = trail_.back();
+  const Path rest = follower_->rest();
+  way.insert(way.end(), rest.begin(), rest.end());
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    if (!way_free(ground_->field, way[k - 1], way[k], body_->radius())) return {};
+  }
+  return way;
+}
+
 /// From where it is to the mission's goal.
-void RobotAgent::look_for_a_path() {
+void RobotAgent::look_for_a_path(Path known) {
   follower_.reset();
-  finder_ = std::make_unique<PathFinder>(ground_->field, improver(), *mission_, body_->position());
+  trail_.begin(body_->position());
+  finder_ = std::make_unique<PathFinder>(ground_->field, improver(), *mission_, body_->position(),
+                                         std::move(known));
   for (const InactiveTreeMessage& tree : trees_) {
     if (tree.map_id == map_->map_id) finder_->take(tree);
   }
@@ -241,6 +254,7 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
+    trail_.go_on(body_->position(), ground_->field, body_->radius());
     sequence_ += body_->stands() || !due;  // of one that drives, gaps are what others have lost
     due = true;
   }
@@ -294,10 +308,11 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   const Point2 next = body_->position() + period * body_->velocity();
   const Point2 preferred = follower_->preferred_velocity(next, ground_->field, body_->limits(), period);
   if (follower_->lost()) {  // it was pushed to where it does not see its path
-    look_for_a_path();
+    look_for_a_path(way_back_to_the_path());
     enter(Phase::planning);
     return body_->choose(Point2::Zero(), neighbours, ground_->field);
   }
+  trail_.begin(next);
   const double r = body_->radius();
   const bool open = ground_->field.lower_bound(next) >= open_radii * r;
   const bool leans = follower_->remaining(next) > end_radii * r;

@@ -13,6 +13,7 @@
 #include "bus/messages.h"
 #include "motion/driver.h"
 #include "motion/path_follower.h"
+#include "motion/trail.h"
 #include "planning/path_improvement.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/ground.h"
@@ -44,7 +45,8 @@ class RobotAgent {
   void receive(const JointPlanMessage& plan, WallTime) { knot_.hear(plan); }
 
   void begin_mission(WallTime now);
-  void look_for_a_path();
+  void look_for_a_path(Path known = {});
+  Path way_back_to_the_path() const;
   PathImprover<ClearanceField>& improver();
   void plan(WallTime now, std::vector<Outgoing>& out);
   void take_up(const PathFinder::Result& result, WallTime now, std::vector<Outgoing>& out);
@@ -91,6 +93,7 @@ class RobotAgent {
   std::optional<PathFinder::Result> found_;  ///< in the last step
   std::optional<Driver> body_;
   std::optional<PathFollower> follower_;
+  Trail trail_;  ///< since it last saw its path
   Knot knot_;
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time

@@ -29,7 +29,7 @@ INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
 
 // More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a
 // hair too close to where it might stand.
-INSTANTIATE_TEST_SUITE_P(TooMuchKeptClear, FuzzSeeds, testing::Values(510042, 510110, 700374));
+INSTANTIATE_TEST_SUITE_P(TooMuchKeptClear, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));
 
 }  // namespace
 }  // namespace coppice
