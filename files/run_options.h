@@ -29,7 +29,7 @@ struct RunOptions {
   std::string picture;
   std::optional<int> domain;
   std::string discovery;  ///< servers (bus/dds_bus.h)
-  bool quiet = false;  ///< the report is not printed
+  bool quiet = false;     ///< the report is not printed
 };
 
 /// Adds the options to a command; values out of range are usage errors.
