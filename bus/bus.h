@@ -28,7 +28,7 @@ inline Arrival arrival_of(Message message, WallTime at) {
 struct Outgoing {
   template <class M>
   // NOLINTNEXTLINE(google-explicit-constructor)
-  requires std::constructible_from<Message, M> Outgoing(M&& what) : message(std::forward<M>(what)) {}
+  requires std::constructible_from<Message, M> Outgoing(M what) : message(std::move(what)) {}
   Outgoing(Message what, std::vector<RobotName> to) : message(std::move(what)), agents(std::move(to)) {}
 
   Message message;

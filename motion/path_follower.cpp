@@ -80,7 +80,7 @@ Point2 PathFollower::keeping_right(const Point2& position, const Point2& target,
   if (way.norm() < 1e-9 || most <= 0) return target;
   const Point2 right = Point2(way.y(), -way.x()) / way.norm();
   for (const double share : lane_shares) {
-    const Point2 shifted = target + share * most * right;
+    Point2 shifted = target + share * most * right;
     if (way_free(field, position, shifted, radius_) && way_free(field, target, shifted, radius_))
       return shifted;
   }

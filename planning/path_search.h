@@ -85,7 +85,8 @@ void grow_shortest_path_tree(const Trees<D>& trees, NodeId from, Usable&& usable
   scratch.labels[from] = {scratch.search, no_node, 0, 0, false};
   open.emplace(0, from);
   while (!open.empty()) {
-    const auto [cost, n] = open.top();
+    const double cost = open.top().first;
+    const NodeId n = open.top().second;
     open.pop();
     if (std::exchange(scratch.labels[n].closed, true)) continue;
     const std::uint32_t depth = scratch.labels[n].depth + 1;

@@ -217,11 +217,11 @@ double Fleet::crowd(const Point2& p, double near) const {
   while (!open.empty()) {
     const Point2 here = open.back();
     open.pop_back();
-    const auto joined =
-        std::ranges::partition(outside, [&](const Point2& q) { return (q - here).norm() > near; });
-    for (const Point2& q : joined) reach = std::max(reach, (q - p).norm() + near / 2);
-    open.insert(open.end(), joined.begin(), joined.end());
-    outside.erase(joined.begin(), joined.end());
+    const auto joined = std::partition(outside.begin(), outside.end(),
+                                       [&](const Point2& q) { return (q - here).norm() > near; });
+    for (auto q = joined; q != outside.end(); ++q) reach = std::max(reach, (*q - p).norm() + near / 2);
+    open.insert(open.end(), joined, outside.end());
+    outside.erase(joined, outside.end());
   }
   return reach;
 }

@@ -175,7 +175,7 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
     const auto other = fleet.find(members_[index]);
     return other && other->knot == id_ && other->stage == Stage::ordered ? other->progress : 0.0;
   };
-  const Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
+  Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
   const auto& waits = follower_->waits_for();
   waits_for_ = waits ? members_[waits->robot] : RobotName();
   const auto waited_for = waits ? fleet.find(waits_for_) : std::nullopt;
