@@ -11,7 +11,6 @@ namespace coppice {
 namespace {
 
 constexpr int looks_a_stride = 4;  // whether it is still right
-constexpr int stride_to_the_waiting = 1;
 constexpr int turns_a_choice = 8;  // of the witnesses
 constexpr std::size_t echoes_a_state = 8;
 constexpr int turns_an_echo = 4;
@@ -63,7 +62,7 @@ int Fleet::stride_to(const Peer& p, double now) const {
   const double speed = p.state ? p.state->max_speed : p.mission->max_speed;
   const int stride = stride_over(gap(p) - speed * since(p.heard_at, now), closing_speed(p));
   if (!acquainted(p)) return std::min(stride, stride_to_strangers());
-  return p.state && p.state->waits_for == self_ ? std::min(stride, stride_to_the_waiting) : stride;
+  return p.state && p.state->waits_for == self_ ? 1 : stride;
 }
 
 /// The same, looked at anew from time to time only.
@@ -103,13 +102,12 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
   if (!own_mission_) return {};
   if (is_turn_of(0, turn, turns_a_choice) || peers_.size() != chosen_among_) choose_witnesses();
   std::vector<Peer*> addressed;
-  const bool asks = !waits_for.empty();
   for (Peer& p : peers_) {
     if (!p.state && !p.mission) continue;
     const bool in_knot =
         news != nullptr && p.state && (p.state->knot == *news || news->includes(p.state->position));
-    const bool is_asked = asks && is_turn_of(p.phase, turn, stride_to_the_waiting) && p.robot == waits_for;
-    if (in_knot || is_asked || is_turn_of(p.phase, turn, stride_at(p, turn, now))) addressed.push_back(&p);
+    if (in_knot || p.robot == waits_for || is_turn_of(p.phase, turn, stride_at(p, turn, now)))
+      addressed.push_back(&p);
   }
   Address to{.agents = {}, .echoes = next_echoes(addressed, turn)};
   to.agents.reserve(addressed.size());
