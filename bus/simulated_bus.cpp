@@ -97,7 +97,8 @@ void SimulatedBus::send(const Port& sender, Port& receiver, const std::shared_pt
     sent += resend_period;
   }
   double due = sent + delay_of_a_sample();
-  if (reliability == Reliability::reliable || !faults_.reorder) {
+  // One after the other, where samples take differently long.
+  if (reliability == Reliability::reliable || (faults_.jitter > 0 && !faults_.reorder)) {
     std::vector<double>& last = receiver.last_due_[static_cast<std::size_t>(reliability)];
     if (last.size() <= sender.index_) last.resize(ports_.size(), 0.0);
     due = last[sender.index_] = std::max(due, last[sender.index_]);

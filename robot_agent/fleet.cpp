@@ -49,6 +49,11 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
   }
   Peer& p = peer(mission.robot);
   if (!p.mission && !p.state) p.heard_at = arrived;
+  if (!p.state) {
+    p.radius = mission.radius;
+    p.max_speed = mission.max_speed;
+    if (!p.dead) p.place = mission.start;
+  }
   p.mission = std::make_unique<const Mission>(mission);
 }
 
@@ -74,9 +79,13 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     return false;
   }
   if (std::exchange(p.across, false)) minority_ = false;
-  if (!p.state || p.dead()) all_settled_until_ = 0;
-  p.rests.clear();
+  if (!p.state || p.dead) all_settled_until_ = 0;
+  if (std::exchange(p.dead, false)) p.rests.clear();
   p.state = std::move(state);
+  p.place = p.state->position;
+  p.radius = p.state->radius;
+  p.max_speed = p.state->max_speed;
+  p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
   p.away_until = 0;
   p.stride_until = 0;
@@ -96,15 +105,13 @@ void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double no
 }
 
 void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& near) const {
-  const double radius = p.state ? p.state->radius : p.mission->radius;
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
-  for (const Point2& rest : p.rests)
-    near.push_back({.commitment = standing_for_ever_at(rest), .radius = radius, .limits = limits});
-  if (p.dead()) return;
-  if (p.state) {
-    near.push_back({commitment_of(*p.state, p.clock.estimate()), radius, limits, p.clock.error(now)});
+  if (p.dead) {
+    for (const Point2& rest : p.rests) near.emplace_back(standing_for_ever_at(rest), p.radius, limits);
+  } else if (p.state) {
+    near.emplace_back(commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now));
   } else {  // it stands where its mission begins
-    near.push_back({standing_for_ever_at(p.mission->start), radius, limits});
+    near.emplace_back(standing_for_ever_at(p.place), p.radius, limits);
   }
 }
 
@@ -112,8 +119,8 @@ std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, d
   std::vector<Neighbour> near;
   near.reserve(usual_neighbours);
   for (Peer& p : peers_) {
-    if ((!p.state && !p.mission) || now < p.away_until) continue;
-    if (p.state && !p.dead()) {
+    if (now < p.away_until) continue;
+    if (p.state && !p.dead) {
       const RobotState& s = *p.state;
       const double age = now - s.stamp - p.clock.estimate() + p.clock.error(now);
       const double braking = s.promise.expiry - s.stamp + s.max_speed / s.max_acceleration;
@@ -132,26 +139,25 @@ std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, d
 FleetMember Fleet::member(const Peer& p) const {
   if (!p.state) {
     return {.robot = p.robot,
-            .position = p.mission->start,
-            .goal = p.mission->start,
-            .radius = p.mission->radius,
-            .max_speed = p.mission->max_speed,
-            .dead = p.dead(),
+            .position = p.place,
+            .goal = p.place,
+            .radius = p.radius,
+            .max_speed = p.max_speed,
+            .dead = p.dead,
             .knot = {}};
   }
   const RobotState& s = *p.state;
-  const Point2 position = p.dead() ? p.rests.front() : s.position;
   const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
   return {.robot = p.robot,
-          .position = position,
-          .velocity = p.dead() ? Point2::Zero() : s.velocity,
-          .goal = !p.dead() && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : position,
+          .position = p.place,
+          .velocity = p.dead ? Point2::Zero() : s.velocity,
+          .goal = !p.dead && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : p.place,
           .radius = s.radius,
           .max_speed = s.max_speed,
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
           .stands = stands,
-          .dead = p.dead(),
-          .parked = !p.dead() && !wants_to_go_on(s.phase),
+          .dead = p.dead,
+          .parked = !p.dead && !wants_to_go_on(s.phase),
           .knot = s.knot,
           .stage = s.stage,
           .progress = s.progress};
@@ -160,11 +166,10 @@ FleetMember Fleet::member(const Peer& p) const {
 std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) const {
   std::vector<Disc> places;
   for (const Peer& p : peers_) {
-    const double radius = p.state ? p.state->radius : p.mission ? p.mission->radius : 0;
     for (const Point2& rest : p.rests) {
       // Who stands closer than a plan would lead it must get away again.
       const double room = room_at(rest, position, now) - standing_gap;
-      places.push_back({rest, std::clamp(room, 0.0, radius)});
+      places.push_back({rest, std::clamp(room, 0.0, p.radius)});
     }
   }
   return places;
@@ -184,9 +189,7 @@ std::vector<FleetMember> Fleet::others() const {
 std::vector<FleetMember> Fleet::beside(const Point2& p, double radius, double sums) const {
   std::vector<FleetMember> close;
   for (const Peer& peer : peers_) {
-    if (!peer.state && !peer.mission) continue;
-    const double other = peer.state ? peer.state->radius : peer.mission->radius;
-    if ((place_of(peer) - p).norm() <= sums * (radius + other)) close.push_back(member(peer));
+    if ((peer.place - p).norm() <= sums * (radius + peer.radius)) close.push_back(member(peer));
   }
   return close;
 }
@@ -202,15 +205,15 @@ bool Fleet::all_hold(const KnotId& knot) const {
 
 bool Fleet::all_free(const Point2& p, double reach) const {
   return std::ranges::all_of(peers_, [&](const Peer& peer) {
-    const bool far = peer.state && (peer.state->position - p).norm() > reach;
-    return !peer.state || peer.state->stage == Stage::free || far || peer.dead();
+    const bool far = (peer.place - p).norm() > reach;
+    return far || peer.dead || !peer.state || peer.state->stage == Stage::free;
   });
 }
 
 double Fleet::crowd(const Point2& p, double near) const {
   std::vector<Point2> outside;
   for (const Peer& peer : peers_) {
-    if (!peer.dead()) outside.push_back(member(peer).position);
+    if (!peer.dead) outside.push_back(peer.place);
   }
   double reach = near;
   std::vector<Point2> open{p};
@@ -229,7 +232,7 @@ double Fleet::crowd(const Point2& p, double near) const {
 double Fleet::clock_error(double now) const {
   double most = 0;
   for (const Peer& p : peers_) {
-    if (p.clock.known() && !p.dead()) most = std::max(most, p.clock.error(now));
+    if (p.clock.known() && !p.dead) most = std::max(most, p.clock.error(now));
   }
   return most;
 }
@@ -242,7 +245,7 @@ bool Fleet::somebody_plans() const {
 bool Fleet::complete(std::size_t robots) const {
   return peers_.size() + 1 >= robots && std::ranges::all_of(peers_, [&](const Peer& p) {
            const bool done = p.mission && p.mission->cancelled;
-           return done || (p.state && p.clock.known()) || p.dead();
+           return done || (p.state && p.clock.known()) || p.dead;
          });
 }
 

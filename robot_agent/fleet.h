@@ -103,30 +103,37 @@ class Fleet {
   std::vector<RobotState> last_words(double now) const;
 
  private:
+  /// Another robot of which there was a state or a mission.
   struct alignas(64) Peer {
     // What each step looks at, of all, comes first and fills a cache line.
     std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
+    Point2 place = Point2::Zero();              ///< by that, or where its mission begins, or where it died
     WallTime heard_at = 0;                      ///< of the state, or else of the first mission
     double away_until = 0;                      ///< it cannot come near before
-    double settled_until = 0;                   ///< it cannot count as silent before
-    double echo_sent = 0;                       ///< the newest stamp that was echoed
     std::uint32_t stride_until = 0;             ///< turn at which to look again at
     int stride = 1;                             ///< that of this robot's states to it
     std::uint32_t phase = 0;                    ///< of its turns
     bool is_witness = false;                    ///< of this robot
+    bool dead = false;                          ///< counts as dead
+    bool waits_for_this = false;                ///< this robot
     bool across = false;                        ///< the larger piece of a network in pieces
 
+    // What hearing of it looks at comes second and fills another.
+    ClockOffset clock{};  ///< of fleet times
+    Received received{};
+    double radius = 0;  ///< by its state, or else its mission; and so
+    double max_speed = 0;
+    double settled_until = 0;  ///< it cannot count as silent before
+    int introductions = 0;     ///< echoes that it was sent since its clock is known
+
+    double echo_sent = 0;  ///< the newest stamp that was echoed
     RobotName robot{};
     std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
     std::unique_ptr<const Mission> mission{};
-    Received received{};
-    ClockOffset clock{};           ///< of fleet times
-    int introductions = 0;         ///< echoes that it was sent since its clock is known
     WallTime said_again_from = 0;  ///< its last state, again and again, by somebody who hears no more of it:
     WallTime said_again_at = 0;    ///< first and last
     double echoed = 0;             ///< the newest stamp of its own that others have heard, while somebody is
     double echoed_at = 0;          ///< missing here; and when that was news
-    bool dead() const { return !rests.empty(); }
   };
 
   struct Absences {
@@ -144,7 +151,6 @@ class Fleet {
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }
   double since(WallTime at, double now) const { return now - clock_.fleet_time(at); }
-  static const Point2& place_of(const Peer& peer);
   double gap(const Peer& peer) const;
   double closing_speed(const Peer& peer) const;
   int stride_to(const Peer& peer, double now) const;
@@ -180,7 +186,8 @@ class Fleet {
   RobotName self_;
   Point2 position_ = Point2::Zero();
   KnotId holds_in_;
-  bool leads_ = false;  ///< that knot
+  bool leads_ = false;                 ///< that knot
+  std::optional<std::size_t> leader_;  ///< of it, if that is another; index in `peers_`
   FleetClock clock_;
   bool has_clock_ = false;
   std::optional<Mission> own_mission_;

@@ -22,17 +22,12 @@ constexpr int longest_stride_to_strangers = 32;
 
 }  // namespace
 
-const Point2& Fleet::place_of(const Peer& p) {
-  return p.dead() ? p.rests.front() : p.state ? p.state->position : p.mission->start;
-}
-
 double Fleet::gap(const Peer& p) const {
-  return (place_of(p) - position_).norm() - own_mission_->radius -
-         (p.state ? p.state->radius : p.mission->radius);
+  return (p.place - position_).norm() - own_mission_->radius - p.radius;
 }
 
 double Fleet::closing_speed(const Peer& p) const {
-  return own_mission_->max_speed + (p.state ? p.state->max_speed : p.mission->max_speed);
+  return own_mission_->max_speed + p.max_speed;
 }
 
 bool Fleet::acquainted(const Peer& p) const {
@@ -48,8 +43,8 @@ int Fleet::stride_to_strangers() const {
 /// A leader waits for all who hold, and these for it.
 bool Fleet::tells_about_knot(const Peer& p) const {
   if (holds_in_.epoch == 0) return false;
-  if (!leads_) return holds_in_.leader == p.robot;
-  return p.state && (p.state->knot == holds_in_ || holds_in_.includes(p.state->position));
+  if (!leads_) return leader_ && &p == &peers_[*leader_];
+  return p.state && (holds_in_.includes(p.place) || p.state->knot == holds_in_);
 }
 
 bool Fleet::is_told_about_knot_by(const Peer& p) const {
@@ -59,10 +54,9 @@ bool Fleet::is_told_about_knot_by(const Peer& p) const {
 
 /// It may have come closer since it was heard of.
 int Fleet::stride_to(const Peer& p, double now) const {
-  const double speed = p.state ? p.state->max_speed : p.mission->max_speed;
-  const int stride = stride_over(gap(p) - speed * since(p.heard_at, now), closing_speed(p));
+  const int stride = stride_over(gap(p) - p.max_speed * since(p.heard_at, now), closing_speed(p));
   if (!acquainted(p)) return std::min(stride, stride_to_strangers());
-  return p.state && p.state->waits_for == self_ ? 1 : stride;
+  return p.waits_for_this ? 1 : stride;
 }
 
 /// The same, looked at anew from time to time only.
@@ -87,12 +81,13 @@ bool Fleet::tells_at_every_beat(const Peer& p) const {
 /// The nearest that are alive.
 void Fleet::choose_witnesses() {
   std::vector<std::pair<double, Peer*>> alive;
+  alive.reserve(peers_.size());
   for (Peer& p : peers_) {
     p.is_witness = false;
-    if ((p.state || p.mission) && !p.dead()) alive.emplace_back(gap(p), &p);
+    if (!p.dead) alive.emplace_back(gap(p), &p);
   }
   const std::size_t few = std::min(witnesses, alive.size());
-  std::ranges::partial_sort(alive, alive.begin() + static_cast<std::ptrdiff_t>(few));
+  std::ranges::nth_element(alive, alive.begin() + static_cast<std::ptrdiff_t>(few));
   for (std::size_t k = 0; k < few; ++k) alive[k].second->is_witness = true;
   chosen_among_ = peers_.size();
 }
@@ -101,13 +96,13 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
                               double now) {
   if (!own_mission_) return {};
   if (is_turn_of(0, turn, turns_a_choice) || peers_.size() != chosen_among_) choose_witnesses();
+  const auto awaited = index_.find(waits_for);
   std::vector<Peer*> addressed;
+  addressed.reserve(peers_.size());
   for (Peer& p : peers_) {
-    if (!p.state && !p.mission) continue;
-    const bool in_knot =
-        news != nullptr && p.state && (p.state->knot == *news || news->includes(p.state->position));
-    if (in_knot || p.robot == waits_for || is_turn_of(p.phase, turn, stride_at(p, turn, now)))
-      addressed.push_back(&p);
+    const bool in_knot = news != nullptr && p.state && (news->includes(p.place) || p.state->knot == *news);
+    const bool is_awaited = awaited && &p == &peers_[*awaited];
+    if (in_knot || is_awaited || is_turn_of(p.phase, turn, stride_at(p, turn, now))) addressed.push_back(&p);
   }
   Address to{.agents = {}, .echoes = next_echoes(addressed, turn)};
   to.agents.reserve(addressed.size());

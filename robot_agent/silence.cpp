@@ -86,7 +86,7 @@ double Fleet::silence(const Peer& p, double now) const {
 }
 
 bool Fleet::missing(const Peer& p, double seconds, double now) const {
-  return p.state && !p.dead() && silence(p, now) > seconds * second();
+  return p.state && !p.dead && silence(p, now) > seconds * second();
 }
 
 /// Nothing has changed while everybody was heard of a moment ago.
@@ -101,7 +101,7 @@ void Fleet::count_absences(double now) {
   for (Peer& p : peers_) {
     // Early rather than one after the other, so that it need not be done in each step.
     if (now + looks_at_silence / 2 * second() >= p.settled_until) count_absence(p, now);
-    absences_.alive += p.state && !p.dead();
+    absences_.alive += p.state && !p.dead;
     all_settled_until_ = std::min(all_settled_until_, p.settled_until);
   }
 }
@@ -110,8 +110,8 @@ void Fleet::count_absence(Peer& p, double now) {
   Absences& count = absences_;
   const double silent = silence(p, now) / second();
   count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
-  count.dead += p.dead();
-  if (p.dead()) return;
+  count.dead += p.dead;
+  if (p.dead) return;
   if (!p.state) {
     count.never_came += p.mission && silent > absence;
     return;
@@ -128,6 +128,7 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
   position_ = position;
   holds_in_ = holds_in;
   leads_ = holds_in.leader == self_;
+  leader_ = holds_in.epoch > 0 ? index_.find(holds_in.leader) : std::nullopt;
   const Absences count = absences(now);
   if (count.dead > 0 && now >= next_look_at_the_dead_) look_at_the_dead(now);
   if (count.never_came + count.absent > 0) give_up_the_lost(count, now, field);
@@ -143,7 +144,7 @@ bool Fleet::unheard_by_all(const Absences& count, double now) const {
   if (count.alive == 0 || own_echo_ == 0 || silent <= long_absence * second()) return false;
   double explained = std::numeric_limits<double>::infinity();
   for (const Peer& p : peers_) {
-    if (p.state && !p.dead()) explained = std::min(explained, explained_silence(p));
+    if (p.state && !p.dead) explained = std::min(explained, explained_silence(p));
   }
   return silent > long_absence * second() + explained;
 }
@@ -158,7 +159,7 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   std::vector<Peer*> lost;
   for (Peer& p : peers_) {
     const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * second();
-    const bool given_up = (never_came && !p.dead()) || (over && missing(p, absence, now));
+    const bool given_up = (never_came && !p.dead) || (over && missing(p, absence, now));
     if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
   }
   const std::size_t left = 1 + count.alive - count.absent;
@@ -177,7 +178,7 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
   if (lost.size() != left || left == 1) return lost.size() > left;
   return std::ranges::any_of(lost, [&](const Peer* other) {
     return other->robot < self_ && std::ranges::none_of(peers_, [&](const Peer& p) {
-             return !p.dead() && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
+             return !p.dead && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
            });
   });
 }
@@ -186,8 +187,8 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
 double Fleet::room_at(const Point2& q, const Point2& position, double now) const {
   double room = (q - position).norm() - own_mission_->radius;
   for (const Peer& p : peers_) {
-    const bool known = p.state && !p.dead() && !missing(p, absence, now);
-    if (known) room = std::min(room, (q - p.state->position).norm() - p.state->radius);
+    const bool known = p.state && !p.dead && !missing(p, absence, now);
+    if (known) room = std::min(room, (q - p.place).norm() - p.radius);
   }
   return room;
 }
@@ -208,8 +209,9 @@ void Fleet::look_at_the_dead(double now) {
 /// in one of us.
 void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) {
   p.settled_until = all_settled_until_ = 0;
+  p.dead = true;
   if (!p.state) {
-    p.rests = {p.mission->start};
+    p.rests = {p.place};
     return;
   }
   const RobotState& s = *p.state;
@@ -218,6 +220,7 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
     return !field.is_free(q, rests_clear * s.radius) || room_at(q, position_, now) < s.radius + standing_gap;
   });
   p.rests.erase(impossible, p.rests.end());
+  p.place = p.rests.front();
 }
 
 std::vector<RobotState> Fleet::last_words(double now) const {
