@@ -1,6 +1,8 @@
 #include "bus/dds_bus.h"
 
 #include <chrono>
+#include <cstdlib>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
 #include <type_traits>
@@ -9,21 +11,20 @@
 #include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
-#include <fastdds/dds/topic/ContentFilteredTopic.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastdds/rtps/transport/shared_mem/SharedMemTransportDescriptor.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "bus/dds_audience_filter.h"
 #include "bus/dds_conversion.h"
+#include "bus/dds_static_endpoints.h"
+#include "bus/dds_transport.h"
 #include "bus/dds_type_objects.h"
 #include "bus/topics.h"
 #include "bus/validation.h"
@@ -35,16 +36,18 @@ using eprosima::fastrtps::Duration_t;
 
 namespace {
 
-// Of each process's shared memory: holds the fragments of a large map while its readers copy them. Pages that
-// are never written take no memory.
-constexpr std::uint32_t shared_memory_segment = 8u << 20;
-// How soon a lost sample of a reliable topic is asked for again; the default of 3 s is longer than a plan
-// takes.
-constexpr std::uint32_t heartbeat_nanoseconds = 20'000'000;
+// How soon a lost sample of a reliable topic is asked for again: the default of 3 s is longer than a plan
+// takes; but what a busy process has not acknowledged yet must not add to what keeps it busy.
+constexpr std::uint32_t heartbeat_nanoseconds = 100'000'000;
+// How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
+constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
 // Of one host: each tries one port after the other until one is free, by default a hundred.
 constexpr std::uint32_t most_participants = 1000;
-constexpr int most_taken = 1000;               // samples of a topic at a time
-constexpr std::size_t rejections_logged = 10;  // then every thousandth
+constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
+constexpr int static_announcement_period = 10;      // seconds
+constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
+constexpr int most_taken = 1000;                    // samples of a topic at a time
+constexpr std::size_t rejections_logged = 10;       // then every thousandth
 
 template <class T>
 T* required(T* created, const char* what) {
@@ -52,26 +55,49 @@ T* required(T* created, const char* what) {
   return created;
 }
 
+/// Each process announces which endpoints it has, of those that all know.
+void find_others_by_table(dds::DomainParticipantQos& qos) {
+  auto& discovery = qos.wire_protocol().builtin.discovery_config;
+  discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
+  discovery.use_STATIC_EndpointDiscoveryProtocol = true;
+  discovery.static_edp_xml_config(("data://" + static_endpoints()).c_str());
+  // Hundreds of processes: a tenth of the usual rate at which they say that they are still there.
+  discovery.leaseDuration_announcementperiod = Duration_t(static_announcement_period, 0);
+  discovery.leaseDuration = Duration_t(static_lease, 0);
+  qos.name(static_participant);
+}
+
 /// Through these servers instead of by multicast.
 void find_others_through(const std::string& servers, dds::DomainParticipantQos& qos) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
   if (!eprosima::fastdds::rtps::load_environment_server_info(servers, discovery.m_DiscoveryServers))
-    throw std::runtime_error(fmt::format(
-        "\"{}\" names no discovery servers, expected HOST:PORT, several with ; between them", servers));
+    throw std::runtime_error(
+        fmt::format("\"{}\" names no discovery servers, expected multicast, static or HOST:PORT, several "
+                    "with ; between them",
+                    servers));
 }
 
-dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender) {
+dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender,
+                                          Audience& audience, Announcements& announcements) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
+  qos.user_data().data_vec(user_data_of(settings.robot));
   qos.transport().use_builtin_transports = false;
-  auto shared_memory = std::make_shared<eprosima::fastdds::rtps::SharedMemTransportDescriptor>();
-  shared_memory->segment_size(shared_memory_segment);
-  qos.transport().user_transports.push_back(shared_memory);
+  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
+  const std::string discovery =
+      settings.discovery.empty() && usual_servers != nullptr ? usual_servers : settings.discovery;
+  const bool by_servers =
+      !discovery.empty() && discovery != static_discovery && discovery != multicast_discovery;
   qos.transport().user_transports.push_back(
-      std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
-  qos.wire_protocol().builtin.mutation_tries = most_participants;
-  if (!settings.discovery.empty()) find_others_through(settings.discovery, qos);
+      sparing_udp_transport(audience, by_servers ? nullptr : &announcements));
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.mutation_tries = most_participants;
+  // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
+  builtin.discovery_config.initial_announcements.count = first_announcements;
+  builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
+  if (discovery == static_discovery) find_others_by_table(qos);
+  if (by_servers) find_others_through(discovery, qos);
   return qos;
 }
 
@@ -101,9 +127,6 @@ dds::DataWriterQos writer_qos(const TopicInfo& info) {
                                                                       : dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, heartbeat_nanoseconds);
   qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
-  // The default of 32 readers would leave the rest unfiltered.
-  qos.writer_resource_limits().reader_filters_allocation =
-      eprosima::fastrtps::ResourceLimitedContainerConfig::dynamic_allocation_configuration();
   return qos;
 }
 
@@ -111,8 +134,28 @@ dds::DataReaderQos reader_qos(const TopicInfo& info) {
   dds::DataReaderQos qos;
   apply(info, qos);
   qos.reliable_reader_qos().times.heartbeatResponseDelay = Duration_t(0, 0);
+  qos.reliable_reader_qos().times.initialAcknackDelay = Duration_t(0, first_contact_nanoseconds);
   return qos;
 }
+
+template <class Qos>
+void number(std::uint16_t id, Qos& qos) {
+  qos.endpoint().user_defined_id = static_cast<std::int16_t>(id);
+  qos.endpoint().entity_id = static_cast<std::int16_t>(id);
+}
+
+/// Tells the audience who is where.
+class Discoveries final : public dds::DomainParticipantListener {
+ public:
+  explicit Discoveries(Audience& audience) : audience_(audience) {}
+  void on_participant_discovery(dds::DomainParticipant*,
+                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
+    audience_.discover(info);
+  }
+
+ private:
+  Audience& audience_;
+};
 
 /// The ends of one topic in this process; either may be missing.
 template <class M>
@@ -131,14 +174,11 @@ WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
   return time.seconds() + 1e-9 * time.nanosec();
 }
 
-/// Topics on which an agent speaks to some of the agents only.
-template <class M>
-constexpr bool has_audience = std::is_same_v<M, RobotState>;
-
 struct DdsBus::Implementation {
   Role role;
-  std::string robot;
-  AudienceFilter audience;
+  Audience audience;
+  Announcements announcements;
+  Discoveries discoveries{audience};
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
@@ -152,24 +192,37 @@ struct DdsBus::Implementation {
   std::size_t lost = 0;
 
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
-      : role(role_of_process), robot(settings.robot), audience(robot) {
+      : role(role_of_process) {
     register_type_objects();
-    participant =
-        required(dds::DomainParticipantFactory::get_instance()->create_participant(
-                     static_cast<std::uint32_t>(settings.domain), participant_qos(settings, sender)),
-                 "a participant (is the domain between 0 and 232?)");
-    if (participant->register_content_filter_factory(AudienceFilter::name, &audience) !=
-        eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
-      throw std::runtime_error("DDS could not register a content filter");
+    participant = disabled_participant(settings, sender);
     publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
     subscriber = required(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
     std::apply([&](auto&... ends) { (open(ends), ...); }, topics);
+    if (participant->enable() != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+      throw std::runtime_error(
+          "DDS could not enable the participant (are all of the domain's ports in use?)");
+    announcements.begin();
   }
 
   ~Implementation() {
     std::apply([&](auto&... ends) { (detach(ends), ...); }, topics);
     participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
+  }
+
+  /// To be enabled when it is complete, so that those whom it discovers need not be told of each endpoint.
+  dds::DomainParticipant* disabled_participant(const DdsSettings& settings, const std::string& sender) {
+    auto* const factory = dds::DomainParticipantFactory::get_instance();
+    dds::DomainParticipantFactoryQos usual;
+    factory->get_qos(usual);
+    dds::DomainParticipantFactoryQos later = usual;
+    later.entity_factory().autoenable_created_entities = false;
+    factory->set_qos(later);
+    auto* const created = factory->create_participant(
+        static_cast<std::uint32_t>(settings.domain),
+        participant_qos(settings, sender, audience, announcements), &discoveries, dds::StatusMask::none());
+    factory->set_qos(usual);
+    return required(created, "a participant (is the domain between 0 and 232?)");
   }
 
   template <class M>
@@ -187,24 +240,18 @@ struct DdsBus::Implementation {
         participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT),
         "a topic");
     if (T::written_by(role)) {
-      ends.writer = required(publisher->create_datawriter(topic, writer_qos(T::info)), "a writer");
+      dds::DataWriterQos qos = writer_qos(T::info);
+      number(writer_id<M>(), qos);
+      ends.writer = required(publisher->create_datawriter(topic, qos), "a writer");
     }
     if (T::read_by(role)) {
-      ends.reader =
-          required(subscriber->create_datareader(what_to_read<M>(topic), reader_qos(T::info)), "a reader");
+      dds::DataReaderQos qos = reader_qos(T::info);
+      number(reader_id<M>(), qos);
+      ends.reader = required(subscriber->create_datareader(topic, qos), "a reader");
       if (!wakes<M>) return;
       ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
       wait_set.attach_condition(ends.reader->get_statuscondition());
     }
-  }
-
-  template <class M>
-  dds::TopicDescription* what_to_read(dds::Topic* topic) {
-    if (!has_audience<M> || robot.empty()) return topic;
-    return required(
-        participant->create_contentfilteredtopic(std::string(Topic<M>::info.name) + "_for_" + robot, topic,
-                                                 "audience", {robot}, AudienceFilter::name),
-        "a filtered topic");
   }
 
   template <class M>
@@ -254,7 +301,8 @@ void DdsBus::publish(const Outgoing& outgoing) {
         if (writer == nullptr)
           throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
         auto sample = to_dds(m);
-        if constexpr (has_audience<M>) implementation_->audience.set_audience(outgoing.agents);
+        std::optional<Audience::Limit> limit;
+        if (outgoing.agents) limit.emplace(implementation_->audience, *outgoing.agents);
         if (!writer->write(&sample)) {
           ++implementation_->lost;
           spdlog::warn("could not write a sample of topic {}", Topic<M>::info.name);

@@ -1,10 +1,11 @@
 // The bus over Fast DDS: one participant a process, and a writer or reader for each topic that the role takes
 // part in.
 //
-// Shared memory between processes of one machine and UDP beyond. Processes find each other by multicast, with
-// nothing to be configured; or, on a network without multicast, through discovery servers
-// (dds_discovery_server.h). Nothing is done in DDS's own threads: `take`
-// polls the readers in the caller's loop.
+// UDP throughout, also within one machine: shared memory gains little for samples as small as these, costs
+// each process 8 MB and a lock that hundreds wait for, and is left behind by whoever is killed. Processes
+// find each other by multicast, with nothing to be configured; or, on a network without multicast, through
+// discovery servers (dds_discovery_server.h). Nothing is done in DDS's own threads: `take` polls the readers
+// in the caller's loop.
 #pragma once
 
 #include <cstddef>
@@ -17,11 +18,17 @@
 
 namespace coppice {
 
+/// Ways in which processes find each other.
+inline constexpr const char* multicast_discovery = "multicast";
+/// By multicast, and each announces just which of the endpoints in the table of topics it has: for fleets of
+/// fifty robots and more. Who is set up otherwise, or knows no table, is not found.
+inline constexpr const char* static_discovery = "static";
+
 struct DdsSettings {
   int domain = 0;     ///< 0..232; fleets on different domains do not see each other
   RobotName robot{};  ///< of an agent: what is not for it is not sent to it
-  /// Discovery servers as "HOST:PORT", several after each other with ";" between them. Empty: those of
-  /// ROS_DISCOVERY_SERVER, or by multicast if that is not set either.
+  /// One of the above, or discovery servers as "HOST:PORT", several after each other with ";" between them.
+  /// Empty: the servers of ROS_DISCOVERY_SERVER, or by multicast if that is not set either.
   std::string discovery{};
 };
 

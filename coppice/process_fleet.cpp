@@ -1,6 +1,5 @@
 #include "coppice/process_fleet.h"
 
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -15,8 +14,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "coppice/shared_memory.h"
-
 namespace coppice {
 
 namespace {
@@ -25,11 +22,13 @@ constexpr std::chrono::milliseconds last_grace{2000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::size_t last_words_length = 300;  // characters
 
-[[noreturn]] void become(const std::vector<std::string>& command, const std::string& log, pid_t parent) {
+[[noreturn]] void become(const std::vector<std::string>& command, const std::string& log, int niceness,
+                         pid_t parent) {
   // The child's own: dies with the parent, is not ended by the terminal's Ctrl-C before the parent decides.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent was gone before the wish was known
   setpgid(0, 0);
+  nice(niceness);  // if it is refused, it is no worse than without
   if (!log.empty()) {
     const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     if (file >= 0) {
@@ -45,45 +44,16 @@ constexpr std::size_t last_words_length = 300;  // characters
   _exit(127);
 }
 
-/// A program that is not run: the rest of this process waits until `lifeline`, whose other end this fleet and
-/// its children hold, is closed by the last of them, however they ended; then it clears up. The locks of the
-/// last may be let go a moment after its end of the lifeline; those of other containers stay.
-[[noreturn]] void clear_up_after(int lifeline) {
-  setpgid(0, 0);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);
-  char nothing = 0;
-  while (read(lifeline, &nothing, 1) < 0 && errno == EINTR) continue;
-  const auto end = std::chrono::steady_clock::now() + last_grace;
-  while (remove_stale_shared_memory() > 0 && std::chrono::steady_clock::now() < end)
-    std::this_thread::sleep_for(poll_period);
-  _exit(0);
-}
-
 }  // namespace
 
-ProcessFleet::ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {
-  std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) throw std::runtime_error(fmt::format("no new pipe: {}", std::strerror(errno)));
-  caretaker_ = fork();
-  if (caretaker_ == 0) {
-    close(ends[1]);
-    clear_up_after(ends[0]);
-  }
-  close(ends[0]);
-  lifeline_ = ends[1];
-  if (caretaker_ < 0) {
-    close(lifeline_);
-    throw std::runtime_error(fmt::format("no new process: {}", std::strerror(errno)));
-  }
-}
+ProcessFleet::ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {}
 
 ProcessFleet::~ProcessFleet() {
   terminate_all(last_grace);
-  close(lifeline_);
-  waitpid(caretaker_, nullptr, 0);
 }
 
-void ProcessFleet::start(const std::string& name, const std::vector<std::string>& command, Output output) {
+void ProcessFleet::start(const std::string& name, const std::vector<std::string>& command, Output output,
+                         int niceness) {
   if (access(command.front().c_str(), X_OK) != 0) {
     throw std::runtime_error(
         fmt::format("{}: {} cannot be started: {}", name, command.front(), std::strerror(errno)));
@@ -92,7 +62,7 @@ void ProcessFleet::start(const std::string& name, const std::vector<std::string>
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) throw std::runtime_error(fmt::format("{}: no new process: {}", name, std::strerror(errno)));
-  if (pid == 0) become(command, log, parent);
+  if (pid == 0) become(command, log, niceness, parent);
   running_.push_back({name, pid});
 }
 

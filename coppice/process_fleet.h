@@ -1,4 +1,4 @@
-// Child processes that never outlive this one, however it ends, nor leave shared memory behind.
+// Child processes that never outlive this one, however it ends.
 #pragma once
 
 #include <chrono>
@@ -13,21 +13,19 @@ namespace coppice {
 
 class ProcessFleet {
  public:
-  /// Standard output and error of quiet children go to `log_folder`/NAME.log, which exists. Forks a
-  /// caretaker: this process should have no other thread yet, and one fleet at a time. Throws
-  /// std::runtime_error if there is no process or pipe left.
+  /// Standard output and error of quiet children go to `log_folder`/NAME.log, which exists.
   explicit ProcessFleet(std::filesystem::path log_folder);
-  /// Ends and reaps whatever still runs; the caretaker removes the shared memory that children left behind,
-  /// also where this process was killed.
+  /// Ends and reaps whatever still runs.
   ~ProcessFleet();
   ProcessFleet(const ProcessFleet&) = delete;
   ProcessFleet& operator=(const ProcessFleet&) = delete;
 
   enum class Output { terminal, log };
 
-  /// Starts `command` (program and arguments); the kernel ends it when this process is gone. Throws
-  /// std::runtime_error if it cannot be started.
-  void start(const std::string& name, const std::vector<std::string>& command, Output output);
+  /// Starts `command` (program and arguments); the kernel ends it when this process is gone. `niceness`:
+  /// added to this process's. Throws std::runtime_error if it cannot be started.
+  void start(const std::string& name, const std::vector<std::string>& command, Output output,
+             int niceness = 0);
 
   struct Ended {
     std::string name;
@@ -51,8 +49,6 @@ class ProcessFleet {
 
   std::filesystem::path log_folder_;
   std::vector<Child> running_;
-  pid_t caretaker_ = -1;
-  int lifeline_ = -1;  ///< closed when this process and all children are gone: what the caretaker waits for
 };
 
 }  // namespace coppice

@@ -12,10 +12,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "bus/dds_bus.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
-#include "coppice/shared_memory.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 
@@ -23,6 +23,9 @@ namespace coppice {
 
 namespace {
 
+constexpr std::size_t large_fleet = 40;  // robots
+// All agents need what the broker and the service do; these come first where all share few processors.
+constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::seconds patience{15};  // for the report after Ctrl-C
@@ -98,6 +101,12 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
   return command;
 }
 
+/// Where nothing else is asked for, large fleets find each other in the way that suits them.
+std::string discovery_of(const RunOptions& options, std::size_t robots) {
+  const bool chosen = !options.discovery.empty() || std::getenv("ROS_DISCOVERY_SERVER") != nullptr;
+  return chosen || robots < large_fleet ? options.discovery : static_discovery;
+}
+
 void tell_of_end(const ProcessFleet::Ended& ended) {
   std::cerr << fmt::format("{} ended early, exit code {}{}{}\n", ended.name, ended.exit_code,
                            ended.last_words.empty() ? "" : ": ", ended.last_words);
@@ -109,21 +118,21 @@ int run_command(const RunOptions& options, const std::string& program) {
   const Scenario scenario =
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
   install_stop_signals();
-  remove_stale_shared_memory();
   const std::filesystem::path folder = std::filesystem::canonical(program).parent_path();
   const int domain = options.domain.value_or(own_domain());
   std::vector<std::string> network{"--domain", std::to_string(domain)};
-  if (!options.discovery.empty()) network.insert(network.end(), {"--discovery", options.discovery});
+  const std::string discovery = discovery_of(options, scenario.robots.size());
+  if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
   const RunFolder run_folder;
   ProcessFleet fleet(run_folder.path());
 
-  const auto start = [&](const std::string& name, std::vector<std::string> command) {
+  const auto start = [&](const std::string& name, std::vector<std::string> command, int niceness) {
     command.insert(command.end(), network.begin(), network.end());
-    fleet.start(name, command, ProcessFleet::Output::log);
+    fleet.start(name, command, ProcessFleet::Output::log, niceness);
   };
-  start("tree_broker", {(folder / "tree_broker").string(), "--seed", std::to_string(scenario.seed)});
+  start("tree_broker", {(folder / "tree_broker").string(), "--seed", std::to_string(scenario.seed)}, 0);
   for (const RobotTask& robot : scenario.robots)
-    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name});
+    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name}, niceness_of_agents);
   const std::string service = "planner_service";
   fleet.start(service, service_command(options, (folder / service).string(), network),
               ProcessFleet::Output::terminal);

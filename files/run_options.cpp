@@ -27,13 +27,12 @@ const CLI::Validator above_zero(
     },
     "NUMBER>0");
 
-/// HOST:PORT, several with ; between them.
-std::string problem_with_servers(std::string& text) {
-  static const std::regex list("[^:;]+:[0-9]{1,5}(;[^:;]+:[0-9]{1,5})*");
-  return std::regex_match(text, list) ? std::string()
-                                      : fmt::format("{} is no list of servers, expected HOST:PORT;...", text);
+std::string problem_with_discovery(std::string& text) {
+  static const std::regex known("multicast|static|[^:;]+:[0-9]{1,5}(;[^:;]+:[0-9]{1,5})*");
+  if (std::regex_match(text, known)) return {};
+  return fmt::format("{} is no way to find others, expected multicast, static or HOST:PORT;...", text);
 }
-const CLI::Validator servers(problem_with_servers, "HOST:PORT");
+const CLI::Validator a_discovery(problem_with_discovery, "multicast|static|HOST:PORT");
 
 }  // namespace
 
@@ -61,8 +60,9 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 232));
   command
       .add_option("--discovery", options.discovery,
-                  "discovery servers instead of multicast: HOST:PORT, several with ; between them")
-      ->check(servers);
+                  "how processes find each other: multicast; static (by multicast, and a table of their "
+                  "endpoints: for large fleets); or discovery servers, several with ; between them")
+      ->check(a_discovery);
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")

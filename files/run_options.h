@@ -28,7 +28,7 @@ struct RunOptions {
   std::string trajectory;
   std::string picture;
   std::optional<int> domain;
-  std::string discovery;  ///< servers (bus/dds_bus.h)
+  std::string discovery;  ///< as in bus/dds_bus.h
   bool quiet = false;     ///< the report is not printed
 };
 

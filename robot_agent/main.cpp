@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   app.add_option("--name", name, "of the robot, as the scenario names it")->required();
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
-                 "discovery servers instead of multicast: HOST:PORT, several with ; between them");
+                 "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);

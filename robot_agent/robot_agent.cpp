@@ -250,12 +250,14 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   bool due = std::exchange(first_control_, false);
   const double grace = own_silence * std::max(1.0, mission_->clock.scale);
   if (fleet_now - body_->time() > grace) heard_again_at_ = fleet_now + grace;
+  // Where it wakes late it leaves out no number, if it drives, and no beat: gaps are what others have lost.
+  const std::uint32_t next_beat = sequence_ - sequence_ % standing_stride + standing_stride;
   while (body_->time() + period <= fleet_now) {
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
     trail_.go_on(body_->position(), ground_->field, body_->radius());
-    sequence_ += body_->stands() || !due;  // of one that drives, gaps are what others have lost
+    sequence_ += (body_->stands() || !due) && sequence_ < next_beat;
     due = true;
   }
   if (!due) return;

@@ -114,7 +114,7 @@ bool within(std::chrono::milliseconds time, Condition condition) {
   return true;
 }
 
-/// Fast DDS's files in shared memory.
+/// Fast DDS's files in shared memory: there should be none.
 inline std::set<std::string> shared_memory() {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
@@ -122,27 +122,6 @@ inline std::set<std::string> shared_memory() {
     if (name.find("fastrtps_") != std::string::npos) names.insert(name);
   }
   return names;
-}
-
-/// What has come to shared memory since `before` and belongs to no living process: a segment and its lock and
-/// mutex, where nobody maps the segment.
-inline std::vector<std::string> left_in_shared_memory(const std::set<std::string>& before) {
-  std::string maps;
-  for (const ProcessInfo& process : processes()) {
-    std::ifstream file("/proc/" + std::to_string(process.pid) + "/maps");
-    for (std::string line; std::getline(file, line);) {
-      if (line.find("/dev/shm/fastrtps_") != std::string::npos) maps += line + "\n";
-    }
-  }
-  std::vector<std::string> left;
-  for (const std::string& name : shared_memory()) {
-    const std::size_t begin = name.find("fastrtps_");
-    const std::size_t end = name.find('_', begin + std::string("fastrtps_").size());
-    const std::string segment = name.substr(begin, end == std::string::npos ? end : end - begin);
-    if (!before.contains(name) && maps.find("/dev/shm/" + segment + "\n") == std::string::npos)
-      left.push_back(name);
-  }
-  return left;
 }
 
 }  // namespace coppice::test

@@ -77,8 +77,7 @@ void expect_nothing_left(const FleetRun& run, const std::vector<test::ProcessInf
   for (const auto& child : children) {
     EXPECT_TRUE(test::within(5s, [&] { return test::has_ended(child.pid); })) << child.name;
   }
-  EXPECT_TRUE(test::within(5s, [&] { return test::left_in_shared_memory(run.before).empty(); }))
-      << testing::PrintToString(test::left_in_shared_memory(run.before));
+  EXPECT_EQ(test::shared_memory(), run.before);
 }
 
 double length(const proto::Report::Robot& robot) {

@@ -1,21 +1,16 @@
-// Children never outlive their parent, whatever ends it, and shared memory that nobody uses is removed.
+// Children never outlive their parent, whatever ends it.
 
 #include "coppice/process_fleet.h"
 
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <string>
-#include <thread>
 
 #include <gtest/gtest.h>
-#include <sys/file.h>
-#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
-#include "coppice/shared_memory.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -101,7 +96,7 @@ TEST(ProcessFleet, AsksFirstAndKillsAfterTheGrace) {
   }
 }
 
-/// A parent with two children that is ended by `signal`; its children and its caretaker are to be gone.
+/// A parent with two children that is ended by `signal`; its children are to be gone.
 void expect_nothing_outlives(int signal) {
   const test::TemporaryFolder folder;
   const pid_t parent = fork();
@@ -114,7 +109,7 @@ void expect_nothing_outlives(int signal) {
   told(folder.path() / "1");
   told(folder.path() / "2");
   const auto children = test::children_of(parent);
-  EXPECT_EQ(children.size(), 3u) << "two children and the caretaker";
+  EXPECT_EQ(children.size(), 2u);
   kill(parent, signal);
   waitpid(parent, nullptr, 0);
   for (const auto& child : children) {
@@ -129,90 +124,11 @@ TEST(ProcessFleet, NothingOutlivesAParentThatHangsUp) {
   expect_nothing_outlives(SIGHUP);
 }
 
-/// A segment as Fast DDS leaves it: the memory, its lock file if there is one, and a port's mutex.
-class Segment {
- public:
-  Segment(std::string name, bool with_lock) : name_(std::move(name)) {
-    std::ofstream(folder_ / name_) << std::string(4096, 'x');
-    std::ofstream(folder_ / ("sem." + name_ + "_mutex")) << "x";
-    if (with_lock) std::ofstream(lock_file()) << "";
-  }
-  ~Segment() {
-    for (const auto& file : files()) std::filesystem::remove(file);
-  }
-  Segment(const Segment&) = delete;
-  Segment& operator=(const Segment&) = delete;
-  std::filesystem::path memory() const { return folder_ / name_; }
-  std::filesystem::path lock_file() const { return folder_ / (name_ + "_el"); }
-  std::size_t remaining() const {
-    std::size_t count = 0;
-    for (const auto& file : files()) count += std::filesystem::exists(file);
-    return count;
-  }
-
- private:
-  std::vector<std::filesystem::path> files() const {
-    return {memory(), lock_file(), folder_ / ("sem." + name_ + "_mutex")};
-  }
-  std::filesystem::path folder_ = "/dev/shm";
-  std::string name_;
-};
-
-std::string unused_name(const std::string& what) {
-  return "fastrtps_" + what + std::to_string(getpid());
-}
-
-TEST(SharedMemory, WhatNobodyUsesIsRemoved) {
-  const Segment with_lock(unused_name("testa"), true);
-  const Segment without_lock(unused_name("testb"), false);  // a port that its receiver left
-  ASSERT_EQ(with_lock.remaining(), 3u);
-  ASSERT_EQ(without_lock.remaining(), 2u);
-  remove_stale_shared_memory();
-  EXPECT_EQ(with_lock.remaining(), 0u);
-  EXPECT_EQ(without_lock.remaining(), 0u);
-}
-
-TEST(SharedMemory, WhatSomebodyLocksStays) {
-  const Segment segment(unused_name("testc"), true);
-  const int lock = open(segment.lock_file().c_str(), O_RDONLY | O_CLOEXEC);
-  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
-  EXPECT_GE(remove_stale_shared_memory(), 1u);
-  EXPECT_EQ(segment.remaining(), 3u);
-  close(lock);
-}
-
-TEST(ProcessFleet, ClearsUpWhatIsUnlockedALittleAfterTheLastProcess) {
+TEST(ProcessFleet, AChildMayBeNicerThanItsParent) {
   const test::TemporaryFolder folder;
-  auto fleet = std::make_unique<ProcessFleet>(
-      folder.path());  // first, so that its caretaker does not inherit the lock
-  const Segment segment(unused_name("teste"), true);
-  const int lock = open(segment.lock_file().c_str(), O_RDONLY | O_CLOEXEC);
-  ASSERT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0);
-  std::thread later([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
-    close(lock);
-  });
-  fleet.reset();
-  later.join();
-  EXPECT_EQ(segment.remaining(), 0u);
-}
-
-TEST(SharedMemory, WhatSomebodyMapsStays) {
-  const Segment segment(unused_name("testd"), true);
-  const int file = open(segment.memory().c_str(), O_RDONLY | O_CLOEXEC);
-  void* memory = mmap(nullptr, 4096, PROT_READ, MAP_SHARED, file, 0);
-  close(file);
-  ASSERT_NE(memory, MAP_FAILED);
-  remove_stale_shared_memory();
-  EXPECT_EQ(segment.remaining(), 3u);
-  munmap(memory, 4096);
-}
-
-TEST(SharedMemory, FilesOfOthersStay) {
-  const std::filesystem::path other = "/dev/shm/coppice_test_" + std::to_string(getpid()) + "_el";
-  std::ofstream(other) << "x";
-  remove_stale_shared_memory();
-  EXPECT_TRUE(std::filesystem::remove(other));
+  ProcessFleet fleet(folder.path());
+  fleet.start("nice", script("nice"), Output::log, 3);
+  EXPECT_EQ(next_end(fleet).last_words, std::to_string(getpriority(PRIO_PROCESS, 0) + 3) + "\n");
 }
 
 }  // namespace

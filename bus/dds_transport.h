@@ -1,0 +1,97 @@
+// UDP for fleets of hundreds of processes: sends only what somebody needs, by deciding for each datagram
+// which of its destinations get it.
+//
+// Two things need that, as neither a participant's settings nor a writer's QoS can say them:
+//   - A state is for some of the agents only (Outgoing::agents). All of them match with its writer, so that
+//     nothing is announced anew as robots drive.
+//   - Fast DDS answers each participant that it discovers by announcing its own to all that it knows already,
+//     so that N processes send N^3 announcements. Each destination needs to hear an unchanged one just now
+//     and then.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include <fastdds/rtps/common/Guid.h>
+#include <fastdds/rtps/common/Locator.h>
+#include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
+#include <fastdds/rtps/transport/TransportDescriptorInterface.h>
+
+#include "bus/messages.h"
+
+namespace coppice {
+
+/// The agents to which this process's next states are sent, and at which addresses agents are.
+class Audience {
+ public:
+  /// While it exists, what this thread writes goes to those agents only, and to all who are no agents.
+  class Limit {
+   public:
+    Limit(Audience& audience, std::vector<RobotName> agents);
+    ~Limit();
+    Limit(const Limit&) = delete;
+    Limit& operator=(const Limit&) = delete;
+
+   private:
+    Audience& audience_;
+  };
+
+  /// Another process is there, has changed or is gone.
+  void discover(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info);
+
+  bool is_limited() const { return limited_in_ == std::this_thread::get_id(); }
+  /// While it is limited: whether this is not the address of an agent outside.
+  bool includes(const eprosima::fastrtps::rtps::Locator_t& address) const;
+
+ private:
+  std::atomic<std::thread::id> limited_in_{};  ///< the thread; none: not
+  std::vector<RobotName> agents_;              ///< sorted
+  struct Agent {
+    RobotName robot;
+    eprosima::fastrtps::rtps::GUID_t participant;
+  };
+  mutable std::mutex mutex_;  // DDS discovers in a thread of its own
+  std::map<eprosima::fastrtps::rtps::Locator_t, Agent> agent_at_;
+};
+
+/// What a participant's user data says of the robot whose agent it is; empty: it is none.
+std::vector<std::uint8_t> user_data_of(const RobotName& robot);
+RobotName robot_of(std::span<const std::uint8_t> user_data);
+
+/// If an RTPS message only announces that its participant is alive: the number of what it says of itself.
+std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);
+
+/// When each destination was last told that this participant is alive.
+class Announcements {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  /// From now on: before, while it is set up, each of its endpoints would be told to all anew.
+  void begin() { begun_ = true; }
+  /// Whether it must be told now; then it counts as told.
+  bool is_due(const eprosima::fastrtps::rtps::Locator_t& destination, std::uint64_t number, Time now);
+
+ private:
+  struct Told {
+    std::uint64_t number = 0;
+    Time at{};
+  };
+  std::atomic<bool> begun_ = false;
+  std::mutex mutex_;
+  std::map<eprosima::fastrtps::rtps::Locator_t, Told> told_;
+};
+
+/// Of UDPv4 transports that do so. Both must outlive the participant. `announcements`: null where it
+/// announces itself to discovery servers only, which acknowledge what they hear.
+std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> sparing_udp_transport(
+    Audience& audience, Announcements* announcements);
+
+}  // namespace coppice
