@@ -37,8 +37,10 @@ using eprosima::fastrtps::Duration_t;
 namespace {
 
 // How soon a lost sample of a reliable topic is asked for again: the default of 3 s is longer than a plan
-// takes; but what a busy process has not acknowledged yet must not add to what keeps it busy.
+// takes; but what a busy process has not acknowledged yet must not add to what keeps it busy. Among agents
+// all are asked for all, whenever one has come.
 constexpr std::uint32_t heartbeat_nanoseconds = 100'000'000;
+constexpr std::uint32_t heartbeat_among_agents_nanoseconds = 500'000'000;
 // How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
 // Of one host: each tries one port after the other until one is free, by default a hundred.
@@ -119,13 +121,17 @@ void apply(const TopicInfo& info, Qos& qos) {
   qos.data_sharing().off();
 }
 
-dds::DataWriterQos writer_qos(const TopicInfo& info) {
+template <class M>
+dds::DataWriterQos writer_qos() {
+  constexpr TopicInfo info = Topic<M>::info;
+  constexpr bool among_agents = Topic<M>::written_by(Role::agent) && Topic<M>::read_by(Role::agent);
   dds::DataWriterQos qos;
   apply(info, qos);
   // Fragments of a large sample leave in DDS's own thread; a small one need not wait for that.
   qos.publish_mode().kind = info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE
                                                                       : dds::SYNCHRONOUS_PUBLISH_MODE;
-  qos.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0, heartbeat_nanoseconds);
+  qos.reliable_writer_qos().times.heartbeatPeriod =
+      Duration_t(0, among_agents ? heartbeat_among_agents_nanoseconds : heartbeat_nanoseconds);
   qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
   return qos;
 }
@@ -240,7 +246,7 @@ struct DdsBus::Implementation {
         participant->create_topic(std::string(T::info.name), type.get_type_name(), dds::TOPIC_QOS_DEFAULT),
         "a topic");
     if (T::written_by(role)) {
-      dds::DataWriterQos qos = writer_qos(T::info);
+      dds::DataWriterQos qos = writer_qos<M>();
       number(writer_id<M>(), qos);
       ends.writer = required(publisher->create_datawriter(topic, qos), "a writer");
     }

@@ -135,7 +135,8 @@ TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
   for (const std::string command : {"run", "simulate", "plan"}) {
     for (const std::string& arguments :
          {std::string("none.json"), truncated, rooms + " --radius -1", rooms + " --robots 9",
-          rooms + " --time-scale 0", rooms + " --max-speed nan", rooms + " --fancy", std::string()}) {
+          rooms + " --time-scale 0", rooms + " --max-speed nan", rooms + " --discovery nonsense",
+          rooms + " --fancy", std::string()}) {
       const Outcome outcome = shell(program("coppice") + " " + command + " " + arguments);
       EXPECT_EQ(outcome.exit_code, 2) << command << " " << arguments << ": " << outcome.output;
       EXPECT_FALSE(outcome.output.empty());

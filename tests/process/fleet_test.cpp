@@ -145,10 +145,12 @@ void expect_good_motion(const proto::Report& report, const std::filesystem::path
   EXPECT_EQ(report.collisions(), 0u);
 }
 
-TEST(Fleet, RoomsEndWell) {
+class FleetsThatMeet : public testing::TestWithParam<const char*> {};
+
+TEST_P(FleetsThatMeet, InRoomsEndWell) {
   const std::filesystem::path file = test::scenarios() / "rooms-8.json";
   const Scenario scenario = read_scenario(file, {});
-  FleetRun run(file);
+  FleetRun run(file, {"--discovery", GetParam()});
   ASSERT_TRUE(run.has_begun()) << run.log();
   EXPECT_EQ(run.roles("tree_broker"), 1u);
   EXPECT_EQ(run.roles("planner_service"), 1u);
@@ -177,6 +179,8 @@ TEST(Fleet, RoomsEndWell) {
   for (const test::Expected& robot : robots)
     EXPECT_NE(picture.find(">" + robot.name + "<"), std::string::npos);
 }
+
+INSTANTIATE_TEST_SUITE_P(Fleet, FleetsThatMeet, testing::Values("multicast", "static"));
 
 /// The reference maps: paths, sharing, and arrival with nothing touched.
 void expect_reference_map_planned(const std::string& name, const std::string& map_name) {
