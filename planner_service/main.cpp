@@ -22,11 +22,27 @@ namespace {
 
 using namespace coppice;
 
+constexpr double worth_telling = 3;  // seconds
+
+/// Until an agent for each robot, and a broker, can hear of its mission: those of a large fleet on few
+/// processors meet sooner while none of them drives. Who has not come by then gets its mission when it does.
+void wait_for_agents(DdsBus& bus, std::size_t robots) {
+  const WallTime begin = wall_now();
+  const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
+  while (bus.matched_readers<Mission>() < robots + 1 && wall_now() < latest && !stop_requested())
+    bus.wait(longest_wait);
+  const double waited = wall_now() - begin;
+  if (waited > worth_telling)
+    spdlog::info("{} of {} processes have come after {:.1f} s", bus.matched_readers<Mission>(), robots + 1,
+                 waited);
+}
+
 /// Exit code: 0 if every robot arrived.
 int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
              "planner_service");
+  wait_for_agents(bus, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,
                           .timeout = options.timeout,

@@ -460,6 +460,8 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
 
 RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
   const Commitment c = body_->commitment();
+  // One that has never set off has decided nothing that its death could hide.
+  const bool has_set_off = status_.driven_length > 0 || !body_->stands();
   return {.robot = name_,
           .sequence = sequence_,
           .stamp = c.stamp,
@@ -474,7 +476,7 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .stage = knot_.stage(),
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
-          .copies = static_cast<std::uint8_t>(fleet_.copies()),
+          .copies = static_cast<std::uint8_t>(has_set_off ? fleet_.copies() : 1),
           .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes)};
 }
