@@ -63,7 +63,7 @@ void find_others_by_table(dds::DomainParticipantQos& qos) {
   discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
   discovery.use_STATIC_EndpointDiscoveryProtocol = true;
   discovery.static_edp_xml_config(("data://" + static_endpoints()).c_str());
-  // Hundreds of processes: a tenth of the usual rate at which they say that they are still there.
+  // Hundreds of processes: a third of the usual rate at which they say that they are still there.
   discovery.leaseDuration_announcementperiod = Duration_t(static_announcement_period, 0);
   discovery.leaseDuration = Duration_t(static_lease, 0);
   qos.name(static_participant);

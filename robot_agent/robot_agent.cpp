@@ -460,7 +460,7 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
 
 RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
   const Commitment c = body_->commitment();
-  // One that has never set off has decided nothing that its death could hide.
+  // One that has stood since its mission began has decided nothing that its death could hide.
   const bool has_set_off = status_.driven_length > 0 || !body_->stands();
   return {.robot = name_,
           .sequence = sequence_,

@@ -76,6 +76,7 @@ TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
   EXPECT_FALSE(announcements.is_due(one, 1, now + 1s));
   EXPECT_TRUE(announcements.is_due(other, 1, now + 1s));
   EXPECT_TRUE(announcements.is_due(all, 2, now + 1s)) << "news";
+  EXPECT_FALSE(announcements.is_due(one, 2, now + 1s)) << "which it hears in the group";
   EXPECT_TRUE(announcements.is_due(all, 2, now + 5s)) << "for those who have come";
   EXPECT_TRUE(announcements.is_due(one, 2, now + 12s));
 }
