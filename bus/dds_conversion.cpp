@@ -329,6 +329,8 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
 idl::BrokerStatus to_dds(const BrokerStatus& m) {
   idl::BrokerStatus d;
   d.broker(m.broker);
+  d.leads(m.leads);
+  d.leading_since(m.leading_since);
   d.nodes_valid(m.nodes_valid);
   d.nodes_invalid(m.nodes_invalid);
   d.trees_active(m.trees_active);
@@ -340,6 +342,8 @@ idl::BrokerStatus to_dds(const BrokerStatus& m) {
 
 BrokerStatus from_dds(const idl::BrokerStatus& d) {
   return {.broker = d.broker(),
+          .leads = d.leads(),
+          .leading_since = d.leading_since(),
           .nodes_valid = d.nodes_valid(),
           .nodes_invalid = d.nodes_invalid(),
           .trees_active = d.trees_active(),

@@ -73,7 +73,7 @@ struct RootNodes {
   bool operator==(const RootNodes&) const = default;
 };
 
-/// inactive_tree: broker -> agents. Never changes once published.
+/// inactive_tree: broker -> agents, brokers. Never changes once published.
 struct InactiveTreeMessage {
   TreeId tree;
   std::string map_id;
@@ -224,13 +224,22 @@ struct AgentStatus {
   bool operator==(const AgentStatus&) const = default;
 };
 
-/// broker_status: broker -> service, monitor.
+/// Nothing that the later one says is news but how far the robot has come.
+inline bool same_progress(const AgentStatus& earlier, const AgentStatus& later) {
+  return earlier.mission == later.mission && earlier.phase == later.phase && earlier.reason == later.reason &&
+         earlier.path_time == later.path_time && earlier.arrival_time == later.arrival_time &&
+         earlier.improve_seconds == later.improve_seconds;
+}
+
+/// broker_status: broker -> brokers, service, monitor.
 struct BrokerStatus {
   std::uint64_t broker = 0;
+  bool leads = true;           ///< grows and publishes trees; otherwise it stands by
+  WallTime leading_since = 0;  ///< if it leads
   std::uint32_t nodes_valid = 0;
   std::uint32_t nodes_invalid = 0;
   std::uint32_t trees_active = 0;
-  std::uint32_t trees_published = 0;
+  std::uint32_t trees_published = 0;  ///< inactive ones that it knows: while it leads, it has published all
   std::string covered_map{};  ///< id of the map that its trees cover by now, for all radii; empty: not yet
   std::uint32_t rejected = 0;
   bool operator==(const BrokerStatus&) const = default;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
+#include <utility>
 
 #include "bus/dds_bus.h"
 #include "bus/fleet_clock.h"
@@ -26,13 +28,21 @@ bool set_up_logging(const std::string& name, const std::string& level);
 inline constexpr double longest_wait = 0.1;
 
 /// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
-template <class R>
-void run_role_once(DdsBus& bus, R& role) {
+/// `keeper` (journal.h) has what is said before anybody else.
+template <class R, class K>
+void run_role_once(DdsBus& bus, R& role, K& keeper) {
   bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
-  for (const Arrival& arrival : bus.take()) role.on(arrival);
+  for (const Arrival& arrival : bus.take()) {
+    keeper.heard(*arrival.message);
+    role.on(arrival);
+  }
   const WallTime now = wall_now();
   if (role.next_wake() > now) return;
-  for (const auto& message : role.step(now)) bus.publish(message);
+  for (auto& said : role.step(now)) {
+    const Outgoing outgoing(std::move(said));
+    keeper.said(outgoing.message);
+    bus.publish(outgoing);
+  }
 }
 
 }  // namespace coppice

@@ -50,8 +50,8 @@ SimulatedBus::Port& SimulatedBus::attach(Role role, const RobotName& robot, int 
     port_of_robot_[number] = &port;
   }
   for (const auto& [key, messages] : kept_) {
-    for (const auto& message : messages) {
-      if (read_by(*message, role)) port.deliver(now_ + delay_, message, Reliability::reliable);
+    for (const Kept& kept : messages) {
+      if (read_by(*kept.message, role)) port.deliver(now_ + delay_, kept.message, Reliability::reliable);
     }
   }
   return port;
@@ -68,11 +68,11 @@ void SimulatedBus::publish(const Port& sender, Outgoing outgoing) {
     if (topic.info.durability != Durability::transient_local) return topic.info;
     const std::string key = std::string(topic.info.name) + "/" + key_of(m);
     const auto [entry, fresh] = kept_index_.try_emplace(key, kept_.size());
-    if (fresh) kept_.emplace_back(key, std::vector<std::shared_ptr<const Message>>{});
+    if (fresh) kept_.emplace_back(key, std::vector<Kept>{});
     auto& kept = kept_[entry->second].second;
     if (topic.info.depth > 0 && kept.size() >= static_cast<std::size_t>(topic.info.depth))
       kept.erase(kept.begin());
-    kept.push_back(shared);
+    kept.push_back({sender.index_, shared});
     return topic.info;
   });
   for (const Role role : {Role::service, Role::broker, Role::agent, Role::observer}) {
@@ -145,6 +145,8 @@ std::vector<Arrival> SimulatedBus::Port::take() {
 
 void SimulatedBus::Port::close() {
   closed_ = true;
+  for (auto& [key, messages] : bus_.kept_)
+    std::erase_if(messages, [&](const Kept& kept) { return kept.sender == index_; });
   inbox_.clear();
   next_delivery_ = std::numeric_limits<double>::infinity();
 }

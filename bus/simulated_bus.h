@@ -49,7 +49,7 @@ class SimulatedBus {
     /// When the next message is due that wakes who waits for it, which best-effort samples do not; infinity
     /// if none is under way.
     double next_delivery() const { return next_delivery_; }
-    /// Its process is dead: nothing reaches it any more.
+    /// Its process is dead: nothing reaches it any more, and what it kept for late joiners is gone.
     void close();
 
    private:
@@ -102,8 +102,12 @@ class SimulatedBus {
   std::array<std::vector<Port*>, 4> by_role_;
   NameIndex robots_;
   std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`; the last that it attached
+  struct Kept {
+    std::size_t sender;
+    std::shared_ptr<const Message> message;
+  };
   /// What transient-local topics keep, by topic and key, in the order of first publication.
-  std::vector<std::pair<std::string, std::vector<std::shared_ptr<const Message>>>> kept_;
+  std::vector<std::pair<std::string, std::vector<Kept>>> kept_;
   std::map<std::string, std::size_t> kept_index_;
 };
 

@@ -44,13 +44,13 @@ inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer)
 COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
 COPPICE_TOPIC(Mission,             "mission",       reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::observer);
 COPPICE_TOPIC(RootNodes,           "root_nodes",    reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
-COPPICE_TOPIC(InactiveTreeMessage, "inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(InactiveTreeMessage, "inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::broker | topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(RobotState,          "robot_state",   best_effort, volatile_,       32,    topic_roles::agent,   topic_roles::agent | topic_roles::observer);
 COPPICE_TOPIC(JointPlanMessage,    "joint_plan",    reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::observer);
 COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
-COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::broker | topic_roles::service | topic_roles::observer);
 // clang-format on
 
 #undef COPPICE_TOPIC

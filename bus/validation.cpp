@@ -157,7 +157,9 @@ Problem check(const AgentStatus& m) {
 }
 
 Problem check(const BrokerStatus& m) {
-  return first_of({{m.covered_map.size() <= longest_name, "map id is too long"}});
+  return first_of(
+      {{m.covered_map.size() <= longest_name, "map id is too long"},
+       {std::isfinite(m.leading_since) && m.leading_since >= 0, "time since it leads is not a time"}});
 }
 
 }  // namespace

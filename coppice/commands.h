@@ -12,8 +12,13 @@
 
 namespace coppice {
 
+struct FleetOptions {
+  bool standby = false;  ///< a second broker, that takes over if the first is gone
+  bool restart = false;  ///< who ends early is started again
+};
+
 /// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
-int run_command(const RunOptions& options, const std::string& program);
+int run_command(const RunOptions& options, const FleetOptions& fleet, const std::string& program);
 
 struct DiscoveryOptions {
   std::string address = "127.0.0.1";  ///< of this host

@@ -58,6 +58,9 @@ void add_fault_options(CLI::App& command, Faults& faults) {
         [&faults](const std::string& robot, const std::string& time) {
           faults.kills.push_back({robot, seconds(time, "--kill")});
         });
+  number("--restart-after", faults.restart_after,
+         "seconds after which the process of a killed agent is started anew; without: never")
+      ->check(CLI::PositiveNumber);
   number("--pause-rate", faults.pause_rate, "agents that stop for a while, for each robot and hour")
       ->check(CLI::NonNegativeNumber);
   number("--pause", faults.pause, "how long, seconds")->check(CLI::PositiveNumber);

@@ -23,7 +23,11 @@ int main(int argc, char** argv) {
 
   auto* run = app.add_subcommand("run", "a fleet of processes over DDS on this machine");
   add_run_options(*run, options);
-  run->callback([&] { exit_code = run_command(options, "/proc/self/exe"); });
+  FleetOptions fleet;
+  add_state_option(*run, options);
+  run->add_flag("--standby", fleet.standby, "a second broker that takes over if the first is gone");
+  run->add_flag("--restart", fleet.restart, "processes that end early are started again, and go on");
+  run->callback([&] { exit_code = run_command(options, fleet, "/proc/self/exe"); });
   DiscoveryOptions server;
   auto* discovery = app.add_subcommand("discovery", "a discovery server, for networks without multicast");
   discovery->add_option("--address", server.address, "IPv4 address of this host to listen at");

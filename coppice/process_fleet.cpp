@@ -64,6 +64,12 @@ void ProcessFleet::start(const std::string& name, const std::vector<std::string>
   if (pid < 0) throw std::runtime_error(fmt::format("{}: no new process: {}", name, std::strerror(errno)));
   if (pid == 0) become(command, log, niceness, parent);
   running_.push_back({name, pid});
+  starts_.insert_or_assign(name, Start{command, output, niceness});
+}
+
+void ProcessFleet::start_again(const std::string& name) {
+  const Start again = starts_.at(name);
+  start(name, again.command, again.output, again.niceness);
 }
 
 std::optional<ProcessFleet::Ended> ProcessFleet::reap() {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,6 +28,9 @@ class ProcessFleet {
   void start(const std::string& name, const std::vector<std::string>& command, Output output,
              int niceness = 0);
 
+  /// The same again, of a child that has ended.
+  void start_again(const std::string& name);
+
   struct Ended {
     std::string name;
     int exit_code = 0;       ///< 128 + signal if one ended it
@@ -41,6 +45,11 @@ class ProcessFleet {
   void terminate_all(std::chrono::milliseconds grace);
 
  private:
+  struct Start {
+    std::vector<std::string> command;
+    Output output;
+    int niceness;
+  };
   struct Child {
     std::string name;
     pid_t pid;
@@ -48,6 +57,7 @@ class ProcessFleet {
   std::string last_words_of(const std::string& name) const;
 
   std::filesystem::path log_folder_;
+  std::map<std::string, Start> starts_;
   std::vector<Child> running_;
 };
 

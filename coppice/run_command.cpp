@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <span>
 #include <thread>
@@ -28,6 +29,7 @@ constexpr std::size_t large_fleet = 40;  // robots
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
 constexpr std::chrono::milliseconds poll_period{10};
+constexpr std::chrono::milliseconds pause_before_restart{500};
 constexpr std::chrono::seconds patience{15};  // for the report after Ctrl-C
 
 /// A folder of its own for logs and the report, removed at the end.
@@ -114,7 +116,7 @@ void tell_of_end(const ProcessFleet::Ended& ended) {
 
 }  // namespace
 
-int run_command(const RunOptions& options, const std::string& program) {
+int run_command(const RunOptions& options, const FleetOptions& fleet_options, const std::string& program) {
   const Scenario scenario =
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
   install_stop_signals();
@@ -124,19 +126,28 @@ int run_command(const RunOptions& options, const std::string& program) {
   const std::string discovery = discovery_of(options, scenario.robots.size());
   if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
   const RunFolder run_folder;
+  const std::filesystem::path state =
+      options.state.empty() ? run_folder.path() / "state" : std::filesystem::path(options.state);
   ProcessFleet fleet(run_folder.path());
 
-  const auto start = [&](const std::string& name, std::vector<std::string> command, int niceness) {
+  const auto start = [&](const std::string& name, std::vector<std::string> command,
+                         const std::filesystem::path& keeps_in, int niceness) {
     command.insert(command.end(), network.begin(), network.end());
+    command.insert(command.end(), {"--state", keeps_in.string()});
     fleet.start(name, command, ProcessFleet::Output::log, niceness);
   };
-  start("tree_broker", {(folder / "tree_broker").string(), "--seed", std::to_string(scenario.seed)}, 0);
+  const std::string seed = std::to_string(scenario.seed);
+  start("tree_broker", {(folder / "tree_broker").string(), "--seed", seed}, state, 0);
+  if (fleet_options.standby)
+    start("standby broker", {(folder / "tree_broker").string(), "--seed", seed}, state / "standby", 0);
   for (const RobotTask& robot : scenario.robots)
-    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name}, niceness_of_agents);
+    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name}, state, niceness_of_agents);
   const std::string service = "planner_service";
-  fleet.start(service, service_command(options, (folder / service).string(), network),
-              ProcessFleet::Output::terminal);
+  std::vector<std::string> command = service_command(options, (folder / service).string(), network);
+  command.insert(command.end(), {"--state", state.string()});
+  fleet.start(service, command, ProcessFleet::Output::terminal);
 
+  std::multimap<std::chrono::steady_clock::time_point, std::string> to_start;
   std::optional<std::chrono::steady_clock::time_point> asked;
   while (true) {
     if (stop_requested() && !asked) {
@@ -149,17 +160,22 @@ int run_command(const RunOptions& options, const std::string& program) {
       fleet.terminate_all(grace);
       return 1;
     }
+    if (!to_start.empty() && to_start.begin()->first <= std::chrono::steady_clock::now()) {
+      fleet.start_again(to_start.begin()->second);
+      to_start.erase(to_start.begin());
+    }
     if (!ended) {
       std::this_thread::sleep_for(poll_period);
+      continue;
+    }
+    const bool done = ended->name == service && ended->exit_code <= 2;
+    if (!done) tell_of_end(*ended);
+    // Bad usage does not get better.
+    if (fleet_options.restart && !done && !asked && ended->exit_code != 2) {
+      to_start.emplace(std::chrono::steady_clock::now() + pause_before_restart, ended->name);
     } else if (ended->name == service) {
       fleet.terminate_all(grace);
-      if (ended->exit_code > 2) {
-        tell_of_end(*ended);
-        return 1;
-      }
-      return ended->exit_code;
-    } else {
-      tell_of_end(*ended);
+      return done ? ended->exit_code : 1;
     }
   }
 }

@@ -72,6 +72,11 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_flag("--quiet", options.quiet, "do not print the report");
 }
 
+void add_state_option(CLI::App& command, RunOptions& options) {
+  command.add_option("--state", options.state,
+                     "folder in which processes keep what they need to go on if they are started anew");
+}
+
 PlannerKind chosen_planner(const RunOptions& options) {
   return planner_kind(options.planner).value();  // checked when the option was read
 }

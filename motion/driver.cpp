@@ -20,6 +20,17 @@ constexpr std::array speeds{1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03};  // of the wan
 
 }  // namespace
 
+Driver::Driver(const Commitment& c, double radius, const Limits& limits, double period)
+    : position_(c.position),
+      time_(c.stamp),
+      radius_(radius),
+      limits_(limits),
+      period_(period),
+      velocity_(c.velocity),
+      next_velocity_(c.next_velocity) {
+  if (c.expiry > time_ + 2 * period_ + rounding) stay(c.expiry);
+}
+
 void Driver::advance() {
   position_ += period_ * velocity_;
   time_ += period_;

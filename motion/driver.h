@@ -26,6 +26,9 @@ class Driver {
   Driver(const Point2& start, double time, double radius, const Limits& limits, double period)
       : position_(start), time_(time), radius_(radius), limits_(limits), period_(period) {}
 
+  /// Goes on as another one had committed itself.
+  Driver(const Commitment& commitment, double radius, const Limits& limits, double period);
+
   /// One period passes: what was chosen is executed, and braking is what comes next unless something is
   /// chosen.
   void advance();

@@ -1,6 +1,7 @@
 // planner_service --domain D SCENARIO: hands out the missions of a scenario, shows progress, writes the
 // report.
 
+#include <filesystem>
 #include <iostream>
 #include <optional>
 
@@ -9,6 +10,8 @@
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/journal.h"
+#include "bus/keep.h"
 #include "bus/process.h"
 #include "files/input_error.h"
 #include "files/picture.h"
@@ -17,6 +20,7 @@
 #include "files/scenario_file.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
+#include "planner_service/run_record.h"
 
 namespace {
 
@@ -40,9 +44,15 @@ void wait_for_agents(DdsBus& bus, std::size_t robots) {
 /// Exit code: 0 if every robot arrived.
 int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
+  auto journal = journal_in(options.state, "planner_service");
+  if (journal && !journal->complete())
+    throw InputError(
+        journal->file().string() +
+        ": the disk was full when it was written, so that the run cannot go on from it: remove it");
+  const std::vector<Message> kept = journal ? journal->take_recalled() : std::vector<Message>();
   DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
              "planner_service");
-  wait_for_agents(bus, scenario.robots.size());
+  if (kept.empty()) wait_for_agents(bus, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,
                           .timeout = options.timeout,
@@ -50,15 +60,22 @@ int run(const RunOptions& options) {
                           .plan_budget = options.plan_budget.value_or(default_plan_budget),
                           .lifelong = options.lifelong},
                          wall_now());
+  if (!service.recall(kept, wall_now()))
+    throw InputError(journal->file().string() +
+                     ": is of another run: end that one, remove the file, or name another folder");
+  RunRecord record;
+  record.recall(kept);
+  Keeper keeper(std::move(record), journal ? &*journal : nullptr);
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
-    run_role_once(bus, service);
+    run_role_once(bus, service, keeper);
     display.show(service.progress(wall_now()), wall_now());
   }
   display.finish(service.progress(wall_now()));
   const proto::Report report = service.report();
   write_results(options, report, service.tracks(), service.picture());
+  if (journal) std::filesystem::remove(journal->file());  // the run is over
   if (!options.quiet) std::cout << '\n' << report_table(report);
   return service.everybody_arrived() ? 0 : 1;
 }
@@ -70,6 +87,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Coppice planner service: missions in, progress and a report out"};
   app.set_version_flag("--version", COPPICE_VERSION);
   add_run_options(app, options);
+  add_state_option(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {

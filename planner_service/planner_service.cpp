@@ -82,7 +82,10 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   if (status.mission != known->second.mission) return;
   known->second.lost = false;
   known->second.status = status;
-  if (status.mission == 1) known->second.first_status = status;
+  // An agent that was started anew tells less of its first path.
+  const auto& first = known->second.first_status;
+  const bool tells_less = first && first->path_time > 0 && status.path_time != first->path_time;
+  if (status.mission == 1 && !tells_less) known->second.first_status = status;
 }
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
@@ -121,7 +124,7 @@ void PlannerService::receive(const RootNodes& batch, WallTime) {
 }
 
 void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
-  if (tree.map_id != map_id_ || !trees_seen_.emplace(tree.tree, true).second) return;
+  if (tree.map_id != map_id_ || !trees_seen_.insert(tree.tree).second) return;
   for (const InactiveTreeMessage::Node& node : tree.nodes) {
     if (node.parent < 0 || shared_edges_.size() >= most_picture_edges) continue;
     shared_edges_.push_back({tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position, -1});
@@ -168,17 +171,55 @@ void PlannerService::give_new_goals(std::vector<Message>& out) {
     if (!robot.arrived()) continue;
     const auto goal = draw_goal(robot);
     if (!goal) continue;
-    robot.earlier_nodes.valid += robot.status->nodes_valid;
-    robot.earlier_nodes.invalid += robot.status->nodes_invalid;
-    robot.earlier_grafts += robot.status->trees_grafted;
-    ++robot.mission;
-    robot.task.start = robot.task.goal;
-    robot.task.goal = *goal;
-    robot.status.reset();
-    robot.path.clear();
-    robot.root_nodes.clear();
+    begin_next_mission(robot, *goal);
     out.emplace_back(mission_of(robot));
   }
+}
+
+void PlannerService::begin_next_mission(Robot& robot, const Point2& goal) {
+  const AgentStatus done = robot.status.value_or(AgentStatus{});
+  robot.earlier_nodes.valid += done.nodes_valid;
+  robot.earlier_nodes.invalid += done.nodes_invalid;
+  robot.earlier_grafts += done.trees_grafted;
+  ++robot.mission;
+  robot.task.start = robot.task.goal;
+  robot.task.goal = goal;
+  robot.status.reset();
+  robot.path.clear();
+  robot.root_nodes.clear();
+}
+
+bool PlannerService::recall(std::span<const Message> kept, WallTime now) {
+  std::uint64_t drawn = 0;
+  for (const Message& message : kept) {
+    if (const auto* mission = std::get_if<Mission>(&message)) {
+      if (!take_up(*mission, now)) return false;
+      drawn += mission->number > 1;
+    } else {
+      on(arrival_of(message, now));
+    }
+  }
+  says_missions_again_ = missions_published_;
+  random_ = Random(scenario_.seed + drawn);  // not the goals that were drawn already
+  return true;
+}
+
+bool PlannerService::take_up(const Mission& mission, WallTime now) {
+  const auto known = robots_.find(mission.robot);
+  if (known == robots_.end() || mission.map_id != map_id_ || mission.fleet_size != robots_.size())
+    return false;
+  Robot& robot = known->second;
+  if (mission.number == robot.mission + 1) begin_next_mission(robot, mission.goal);
+  const RobotTask& task = robot.task;
+  const bool same_task = mission.number == robot.mission && mission.start == task.start &&
+                         mission.goal == task.goal && mission.radius == task.radius &&
+                         mission.max_speed == task.max_speed;
+  if (!same_task || mission.clock.scale != settings_.time_scale || mission.planner != settings_.planner)
+    return false;
+  clock_ = mission.clock;
+  missions_published_ = true;
+  if (mission.cancelled) ended_ = now;
+  return true;
 }
 
 /// Some way off, and where no other robot wants to go or stands; none if chance does not find one.
@@ -228,6 +269,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
     clock_.epoch = now;
     publish_missions(out);
   }
+  if (std::exchange(says_missions_again_, false)) publish_missions(out);
   watch_liveliness(now);
   if (!ended_ && goals_go_on(now)) give_new_goals(out);
   if (!ended_ && run_is_over(now)) {
@@ -368,8 +410,8 @@ proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) cons
   for (const auto& [id, broker] : brokers_) {
     report.set_nodes_valid(report.nodes_valid() + broker.nodes_valid);
     report.set_nodes_invalid(report.nodes_invalid() + broker.nodes_invalid);
-    report.set_trees_published(report.trees_published() + broker.trees_published);
   }
+  report.set_trees_published(static_cast<std::uint32_t>(trees_seen_.size()));
   report.set_outcome(all_arrived    ? "arrived"
                      : interrupted_ ? "interrupted"
                      : timed_out_   ? "timeout"

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,10 @@ class PlannerService {
   /// Hands out the map at once, and the missions when every agent has trees that cover it; fleet time is 0
   /// then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now);
+
+  /// Goes on with a run whose service was killed, by what that kept (run_record.h). False, and nothing of use
+  /// any more, if it is not a run of this scenario with these settings. Before anything else.
+  bool recall(std::span<const Message> kept, WallTime now);
 
   void on(const Arrival& arrival);
   std::vector<Message> step(WallTime now);
@@ -96,6 +102,8 @@ class PlannerService {
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;
+  bool take_up(const Mission& mission, WallTime now);
+  static void begin_next_mission(Robot& robot, const Point2& goal);
   void give_new_goals(std::vector<Message>& out);
   std::optional<Point2> draw_goal(const Robot& robot);
   bool goals_go_on(WallTime now) const;
@@ -118,11 +126,12 @@ class PlannerService {
   std::vector<RobotName> order_;  ///< as in the scenario
   std::map<std::uint64_t, BrokerStatus> brokers_;
   std::vector<PictureContent::Edge> shared_edges_;
-  std::map<TreeId, bool> trees_seen_;
+  std::set<TreeId> trees_seen_;
   WallTime begun_;
   bool map_published_ = false;
   std::optional<std::uint32_t> forest_size_;  ///< trees that cover the map; none: not yet
   bool missions_published_ = false;
+  bool says_missions_again_ = false;
   bool interrupted_ = false;
   bool timed_out_ = false;
   bool finished_ = false;

@@ -52,6 +52,8 @@ class Fleet {
   bool hear(std::shared_ptr<const RobotState> state, WallTime arrived);
 
   const std::optional<Mission>& own_mission() const { return own_mission_; }
+  /// Tells the run that the missions are of from others; none before the first mission.
+  std::optional<FleetClock> run() const { return has_clock_ ? std::optional(clock_) : std::nullopt; }
 
   /// Once in each control step, with where this robot is and what knot it holds in (none: no epoch): who has
   /// been silent for too long counts as dead from now on.

@@ -38,7 +38,7 @@ void Knot::let_go() {
 
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
   latest_epoch_ = std::max(latest_epoch_, state.knot.epoch);
-  const bool called_on = state.knot.overrides(id_);
+  const bool called_on = calls_this(state.knot);
   const bool through = stage_ == Stage::ordered && state.stage == Stage::free && state.knot == id_;
   if (!called_on && !through) return;  // nearly all
   const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
@@ -54,7 +54,7 @@ void Knot::hear(const RobotState& state, const std::optional<Point2>& position) 
 void Knot::hear(const JointPlanMessage& plan) {
   const bool member =
       std::ranges::find(plan.members, robot_, &JointPlanMessage::Member::robot) != plan.members.end();
-  if (plan.knot.overrides(id_) && member) join(plan.knot);
+  if (calls_this(plan.knot) && member) join(plan.knot);
   if (plan.knot == id_) plan_ = plan;
 }
 

@@ -10,6 +10,7 @@
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -46,6 +47,10 @@ class Knot {
   /// Knots that it called one after the other from the same place.
   int calls_in_vain() const { return calls_in_vain_; }
 
+  /// It took part in one with this epoch before its process was started anew: what it was to do in that, and
+  /// in earlier ones, it knows no more.
+  void forget(std::uint32_t epoch) { latest_epoch_ = forgotten_ = epoch; }
+
   /// `position`: of this robot, none before it has a body.
   void hear(const RobotState& state, const std::optional<Point2>& position);
   void hear(const JointPlanMessage& plan);
@@ -74,6 +79,7 @@ class Knot {
     std::vector<std::size_t> at{};  ///< in the plan
   };
 
+  bool calls_this(const KnotId& knot) const { return knot.epoch > forgotten_ && knot.overrides(id_); }
   void join(const KnotId& id);
   void begin(const FleetMember& self, double reach, double now);
   void let_go();
@@ -85,6 +91,7 @@ class Knot {
   RobotName robot_;
   KnotId id_;
   std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
+  std::uint32_t forgotten_ = 0;     ///< epoch
   Stage stage_ = Stage::free;
   std::optional<JointPlanMessage> plan_;  ///< of this knot
   std::optional<double> holding_since_;

@@ -4,8 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_bus.h"
+#include "bus/journal.h"
+#include "bus/keep.h"
 #include "bus/process.h"
 #include "bus/validation.h"
+#include "robot_agent/memory.h"
 #include "robot_agent/robot_agent.h"
 
 int main(int argc, char** argv) {
@@ -13,6 +16,7 @@ int main(int argc, char** argv) {
   int domain = 0;
   std::string name;
   std::string discovery;
+  std::string state;
   std::string level = "info";
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
@@ -20,6 +24,8 @@ int main(int argc, char** argv) {
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
+  app.add_option("--state", state,
+                 "folder in which it keeps where its robot is, for when it is started anew");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
@@ -35,10 +41,22 @@ int main(int argc, char** argv) {
   }
   install_stop_signals();
   try {
+    auto journal = journal_in(state, name);
+    if (journal && !journal->complete()) {
+      throw std::runtime_error(
+          journal->file().string() +
+          ": the disk was full when it was written, so that it does not say where the robot is: remove "
+          "it once the robot stands at the start of its mission");
+    }
+    const std::vector<Message> kept = journal ? journal->take_recalled() : std::vector<Message>();
+    Remembrance remembrance(name);
+    remembrance.recall(kept);
+    Keeper keeper(std::move(remembrance), journal ? &*journal : nullptr);
     DdsBus bus({.domain = domain, .robot = name, .discovery = discovery}, Role::agent, "robot_agent " + name);
     RobotAgent agent(name);
+    agent.recall(kept);
     spdlog::info("on domain {}", domain);
-    while (!stop_requested()) run_role_once(bus, agent);
+    while (!stop_requested()) run_role_once(bus, agent, keeper);
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());
     return 2;

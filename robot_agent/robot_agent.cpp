@@ -19,6 +19,7 @@ constexpr WallTime own_silence = 1;
 constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
 constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
 constexpr std::size_t track_batch = 20;   // points: one second of fleet time
+constexpr std::size_t longest_batch = 10'000;
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
@@ -72,16 +73,35 @@ void RobotAgent::on(const Arrival& arrival) {
 void RobotAgent::receive(const MapMessage& message, WallTime) {
   if (map_ && map_->map_id == message.map_id) return;
   map_ = message;
-  std::erase_if(trees_, [&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
+  std::erase_if(trees_, [&](const InactiveTreeMessage& tree) {
+    const bool of_another = tree.map_id != message.map_id;
+    if (of_another) tree_ids_.erase(tree.tree);
+    return of_another;
+  });
   status_.trees_received = static_cast<std::uint32_t>(trees_.size());
 }
 
 void RobotAgent::receive(const Mission& mission, WallTime arrived) {
+  const bool of_another_run = fleet_.run() && *fleet_.run() != mission.clock;
+  if (of_another_run && mission.clock.epoch < fleet_.run()->epoch) return;
+  if (of_another_run) begin_run();
   fleet_.hear(mission, arrived);
 }
 
+/// Fleet time begins anew, and robots stand where their missions say. Map and trees stay.
+void RobotAgent::begin_run() {
+  RobotAgent fresh(name_, grounds_);
+  fresh.map_ = std::move(map_);
+  fresh.trees_ = std::move(trees_);
+  fresh.tree_ids_ = std::move(tree_ids_);
+  fresh.status_.trees_received = status_.trees_received;
+  *this = std::move(fresh);
+}
+
+/// A tree may come again, from a broker that has taken over.
 void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
   if (map_ && tree.map_id != map_->map_id) return;
+  if (!tree_ids_.insert(tree.tree).second) return;
   trees_.push_back(tree);
   ++status_.trees_received;
   if (status_.phase == Phase::waiting) status_changed_ = true;  // the service waits for that
@@ -110,30 +130,57 @@ void RobotAgent::begin_mission(WallTime now) {
     ground_ = grounds_->of(*map_);
   }
   const double fleet_now = mission.clock.fleet_time(now);
-  if (!body_) {
-    const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
-    body_.emplace(mission.start, begin, mission.radius, limits_of(mission), period);
-  }
-  mission_ = mission;
-  mission_wall_ = now;
-  found_.reset();
-  times_stranded_ = 0;
-  look_for_a_path();
-  lets_others_finish_ = true;
   status_ = AgentStatus{.robot = name_,
                         .mission = mission.number,
                         .reason = {},
                         .mission_time = fleet_now,
                         .trees_received = static_cast<std::uint32_t>(trees_.size()),
                         .track_points = status_.track_points};
+  mission_ = mission;
+  mission_wall_ = now;
+  mustering_since_ = fleet_now;
+  if (!body_) place_body(mission, fleet_now);
+  found_.reset();
+  times_stranded_ = 0;
+  look_for_a_path();
+  lets_others_finish_ = true;
   enter(Phase::planning);
+}
+
+void RobotAgent::place_body(const Mission& mission, double fleet_now) {
+  const auto memory = std::exchange(memory_, std::nullopt);
+  if (memory && memory->mission.clock == mission.clock && memory->mission.map_id == mission.map_id)
+    return go_on_from(*memory, fleet_now);
+  const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
+  body_.emplace(mission.start, begin, mission.radius, limits_of(mission), period);
+}
+
+/// As after a pause, but that it knows nobody yet: it stands until it has heard of the others.
+void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
+  body_ = memory.body;
+  track_ = memory.track;
+  sequence_ = memory.sequence;
+  last_beat_ = sequence_ / standing_stride;
+  first_control_ = false;
+  knot_.forget(memory.knot_epoch);
+  has_left_knot_ = memory.stage != Stage::free;
+  heard_again_at_ = fleet_now + own_silence * std::max(1.0, mission_->clock.scale);
+  const AgentStatus& before = memory.status;
+  if (before.mission == mission_->number) {
+    status_.mission_time = before.mission_time;
+    status_.path_time = before.path_time;
+    status_.plan_seconds = before.plan_seconds;
+    status_.improve_seconds = before.improve_seconds;
+    if (before.phase == Phase::arrived) status_.arrival_time = before.arrival_time;
+    status_.driven_length = memory.driven_length;
+  }
 }
 
 PathImprover<ClearanceField>& RobotAgent::improver() {
   if (!improver_ || improver_radius_ != mission_->radius) {
     improver_radius_ = mission_->radius;
-    improver_.emplace(ground_->field, suggested_epsilon(ground_->field, improver_radius_),
-                      Random(mission_->seed + 1));
+    improver_ = std::make_unique<PathImprover<ClearanceField>>(
+        ground_->field, suggested_epsilon(ground_->field, improver_radius_), Random(mission_->seed + 1));
   }
   return *improver_;
 }
@@ -283,6 +330,9 @@ void RobotAgent::decide(double fleet_now) {
   const bool listens = fleet_now < heard_again_at_;
   if (!listens && status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(self(), fleet_, ground_->places, fleet_now);
+  if (!listens && status_.phase != Phase::stopped && std::exchange(has_left_knot_, false) &&
+      knot_.stage() == Stage::free)
+    knot_.call(self(), fleet_, fleet_now);
   const bool free = knot_.stage() == Stage::free;
   lets_others_finish_ = lets_others_finish_ && !all_free_around();
   if (listens) {
@@ -387,7 +437,7 @@ void RobotAgent::watch_arrival(double fleet_now) {
   }
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
-    status_.arrival_time = body_->time();
+    if (status_.arrival_time == 0) status_.arrival_time = body_->time();
     enter(Phase::arrived);
   } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere)) {
     // Where the others are now, another attempt may succeed.
@@ -409,8 +459,7 @@ void RobotAgent::enter(Phase phase) {
 /// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
 /// there are.
 bool RobotAgent::may_set_off(double fleet_now) const {
-  const bool mustered =
-      fleet_now - status_.mission_time > longest_muster * std::max(1.0, mission_->clock.scale);
+  const bool mustered = fleet_now - mustering_since_ > longest_muster * std::max(1.0, mission_->clock.scale);
   return fleet_.complete(mustered ? 0 : mission_->fleet_size);
 }
 
@@ -481,14 +530,23 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .echoes = std::move(echoes)};
 }
 
-/// Track points go out in batches, and all of them with a change of phase, so that the record is complete.
-void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
-  const bool beat = status_changed_ || now >= next_status_;
-  if (!track_.empty() && (beat || track_.size() >= track_batch)) {
-    TrackMessage batch{name_, status_.mission, status_.track_points, std::exchange(track_, {})};
+/// In pieces that a message holds, if it is all of a long one.
+void RobotAgent::say_track(std::vector<Outgoing>& out) {
+  for (std::size_t from = 0; from < track_.size(); from += longest_batch) {
+    const std::size_t to = std::min(track_.size(), from + longest_batch);
+    TrackMessage batch{name_, status_.mission, status_.track_points, {}};
+    batch.points.assign(track_.begin() + static_cast<std::ptrdiff_t>(from),
+                        track_.begin() + static_cast<std::ptrdiff_t>(to));
     status_.track_points += static_cast<std::uint32_t>(batch.points.size());
     out.emplace_back(std::move(batch));
   }
+  track_.clear();
+}
+
+/// Track points go out in batches, and all of them with a change of phase, so that the record is complete.
+void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
+  const bool beat = status_changed_ || now >= next_status_;
+  if (!track_.empty() && (beat || track_.size() >= track_batch)) say_track(out);
   if (!beat) return;
   out.emplace_back(status_);
   status_changed_ = false;

@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@
 #include "robot_agent/fleet.h"
 #include "robot_agent/ground.h"
 #include "robot_agent/knot.h"
+#include "robot_agent/memory.h"
 #include "robot_agent/path_finder.h"
 
 namespace coppice {
@@ -28,6 +31,10 @@ class RobotAgent {
       : name_(std::move(name)), grounds_(std::move(grounds)), fleet_(name_), knot_(name_) {
     status_.robot = name_;
   }
+
+  /// What its predecessor kept (memory.h), if that was killed in mid-run. Before anything else. It is of use
+  /// if the mission that comes is of the same run.
+  void recall(std::span<const Message> kept) { memory_ = memory_of(kept); }
 
   void on(const Arrival& arrival);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
@@ -44,7 +51,10 @@ class RobotAgent {
   void receive(const InactiveTreeMessage& tree, WallTime arrived);
   void receive(const JointPlanMessage& plan, WallTime) { knot_.hear(plan); }
 
+  void begin_run();
   void begin_mission(WallTime now);
+  void place_body(const Mission& mission, double fleet_now);
+  void go_on_from(const Memory& memory, double fleet_now);
   void look_for_a_path(Path known = {});
   Path way_back_to_the_path() const;
   PathImprover<ClearanceField>& improver();
@@ -67,6 +77,7 @@ class RobotAgent {
   int periods_to_next_control() const;
   void speak(double fleet_now, bool beat, std::vector<Outgoing>& out);
   RobotState state(double fleet_now, std::vector<Echo> echoes) const;
+  void say_track(std::vector<Outgoing>& out);
   void report(WallTime now, std::vector<Outgoing>& out);
 
   /// What must have changed for a robot that stands to have news.
@@ -82,12 +93,14 @@ class RobotAgent {
   RobotName name_;
   std::optional<MapMessage> map_;
   std::shared_ptr<Grounds> grounds_;
-  std::shared_ptr<Ground> ground_;                        ///< of the mission's map
-  std::optional<PathImprover<ClearanceField>> improver_;  ///< on the ground, for `improver_radius_`
+  std::shared_ptr<Ground> ground_;                          ///< of the mission's map
+  std::unique_ptr<PathImprover<ClearanceField>> improver_;  ///< on the ground, for `improver_radius_`
   double improver_radius_ = 0;
   std::vector<InactiveTreeMessage> trees_;  ///< of this map
+  std::set<TreeId> tree_ids_;               ///< of all these
   Fleet fleet_;
 
+  std::optional<Memory> memory_;    ///< until its mission comes
   std::optional<Mission> mission_;  ///< the one that is being carried out
   std::unique_ptr<PathFinder> finder_;
   std::optional<PathFinder::Result> found_;  ///< in the last step
@@ -109,7 +122,9 @@ class RobotAgent {
   std::uint32_t since_knot_ = 0;  ///< control steps in which nothing about its part in a knot has changed
   Steady last_said_;
   bool first_control_ = true;
-  double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence
+  double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
+  bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more
+  double mustering_since_ = 0;  ///< fleet time
   int times_stranded_ = 0;
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;

@@ -21,17 +21,26 @@ double AgentFaults::awake_from(double time) const {
   return next == pauses.begin() ? time : std::max(time, *(next - 1) + pause);
 }
 
+double AgentFaults::killed_after(double time) const {
+  const auto next = std::ranges::lower_bound(kills, time);
+  return next == kills.end() ? std::numeric_limits<double>::infinity() : *next;
+}
+
 AgentFaults draw_faults(const Faults& faults, const std::string& robot, double horizon, Random& random) {
   AgentFaults drawn{.side = static_cast<int>(random.index(2)),
                     .clock_offset = random.uniform(-faults.clock_skew, faults.clock_skew),
-                    .killed_at = gap(faults.kill_rate, random),
+                    .restart_after = faults.restart_after,
                     .pause = faults.pause};
+  for (double t = gap(faults.kill_rate, random); t < horizon;
+       t += faults.restart_after + gap(faults.kill_rate, random))
+    drawn.kills.push_back(t);
   for (double t = gap(faults.pause_rate, random); t < horizon;
        t += faults.pause + gap(faults.pause_rate, random))
     drawn.pauses.push_back(t);
   for (const Faults::Kill& kill : faults.kills) {
-    if (kill.robot == robot) drawn.killed_at = std::min(drawn.killed_at, kill.time);
+    if (kill.robot == robot) drawn.kills.push_back(kill.time);
   }
+  std::ranges::sort(drawn.kills);
   return drawn;
 }
 

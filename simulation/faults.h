@@ -23,24 +23,30 @@ struct Faults {
     double time = 0;
   };
   std::vector<Kill> kills{};  ///< beyond those that are drawn
+  /// Seconds after which the process of a killed agent is started anew; infinity: never.
+  double restart_after = std::numeric_limits<double>::infinity();
 };
 
 /// What happens to one agent.
 struct AgentFaults {
   int side = 0;  ///< of partitions
   double clock_offset = 0;
-  double killed_at = std::numeric_limits<double>::infinity();
+  std::vector<double> kills{};  ///< in order
+  double restart_after = std::numeric_limits<double>::infinity();
   std::vector<double> pauses{};  ///< when they begin; in order
   double pause = 0;
 
   /// The end of the pause that holds `time`, or `time`.
   double awake_from(double time) const;
+  /// The first kill from `time` on; infinity if none.
+  double killed_after(double time) const;
 };
 
 /// What came of it in a run.
 struct SufferedFaults {
   std::size_t lost = 0;  ///< samples that did not arrive, or had to be sent again
   std::size_t kills = 0;
+  std::size_t restarts = 0;
   std::size_t pauses = 0;
   std::size_t rejected = 0;  ///< messages that no reader takes: always a mistake of the sender
 };

@@ -25,13 +25,32 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
   Random random(scenario.seed + 1);
-  const auto grounds = std::make_shared<Grounds>();
   for (const RobotTask& task : scenario.robots) {
     AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);
-    auto& port = bus_.attach(Role::agent, task.name, faults.side);
-    agents_.push_back({task.name, {RobotAgent(task.name, grounds), port}, std::move(faults)});
+    const double next_kill = faults.killed_after(0);
+    agents_.push_back({.name = task.name,
+                       .process = nullptr,
+                       .faults = std::move(faults),
+                       .next_kill = next_kill,
+                       .kept = std::make_unique<KeptInMemory>()});
     agents_.back().track.radius = task.radius;
+    start(agents_.back());
   }
+}
+
+void FleetSimulation::start(Agent& agent) {
+  const bool may_return = agent.faults.restart_after < std::numeric_limits<double>::infinity();
+  auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
+  agent.process = std::make_unique<Participant<RobotAgent>>(RobotAgent(agent.name, grounds_), port);
+  agent.process->role.recall(agent.kept->messages);
+  Remembrance remembrance(agent.name);
+  remembrance.recall(agent.kept->messages);
+  agent.keeper.emplace(std::move(remembrance), may_return ? agent.kept.get() : nullptr);
+}
+
+void FleetSimulation::kill(Agent& agent) {
+  agent.process->port.close();
+  agent.process.reset();
 }
 
 template <class R>
@@ -39,32 +58,43 @@ double FleetSimulation::Participant<R>::next_event(double clock_offset) const {
   return std::max(earliest, std::min(role.next_wake() - clock_offset, port.next_delivery()));
 }
 
+/// Until it is killed; or until it is started anew.
 double FleetSimulation::Agent::next_event() const {
-  const double next = faults.awake_from(participant.next_event(faults.clock_offset));
-  return next < faults.killed_at ? next : std::numeric_limits<double>::infinity();
+  const double back = next_kill + faults.restart_after;
+  if (!process) return back;
+  const double next = faults.awake_from(process->next_event(faults.clock_offset));
+  return next < next_kill ? next : back;
 }
 
-template <class R>
-void FleetSimulation::turn(Participant<R>& participant, double clock_offset) {
+template <class R, class K>
+void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock_offset) {
   if (participant.next_event(clock_offset) > now_) return;
   const WallTime local = now_ + clock_offset;
   for (Arrival& arrival : participant.port.take()) {
     arrival.at += clock_offset;
+    keeper.heard(*arrival.message);
     participant.role.on(arrival);
   }
   if (participant.role.next_wake() - clock_offset > now_) return;  // as next_event has it, to the bit
-  for (auto& message : participant.role.step(local)) participant.port.publish(std::move(message));
+  for (auto& said : participant.role.step(local)) {
+    Outgoing outgoing(std::move(said));
+    keeper.said(outgoing.message);
+    participant.port.publish(std::move(outgoing));
+  }
   participant.earliest = now_ + step_duration;
 }
 
 void FleetSimulation::turn(Agent& agent) {
-  if (now_ >= agent.faults.killed_at) {
-    agent.participant.port.close();
-    return;
+  if (agent.process && now_ >= agent.next_kill) kill(agent);
+  if (!agent.process) {
+    if (now_ < agent.next_event()) return;
+    agent.next_kill = agent.faults.killed_after(now_);
+    ++agent.restarts;
+    start(agent);
   }
   if (agent.next_event() > now_) return;
-  turn(agent.participant, agent.faults.clock_offset);
-  const auto& body = agent.participant.role.body();
+  turn(*agent.process, *agent.keeper, agent.faults.clock_offset);
+  const auto& body = agent.process->role.body();
   if (!body) return;
   record(agent, body->time());
   agent.body = *body;
@@ -91,8 +121,8 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
   while (!service_.role.finished()) {
     now_ = std::max(now_, next_event());
     bus_.set_time(now_);
-    turn(service_);
-    turn(broker_);
+    turn(service_, KeepsNothing{});
+    turn(broker_, KeepsNothing{});
     for (Agent& agent : agents_) turn(agent);
     if (now_ < next_watch) continue;
     next_watch = now_ + watch_period;
@@ -112,16 +142,17 @@ std::vector<NamedTrack> FleetSimulation::tracks() const {
 SufferedFaults FleetSimulation::suffered() const {
   SufferedFaults suffered{.lost = bus_.lost(), .rejected = bus_.rejected()};
   for (const Agent& agent : agents_) {
-    suffered.kills += now_ >= agent.faults.killed_at;
+    suffered.kills += agent.restarts + (now_ >= agent.next_kill);
+    suffered.restarts += agent.restarts;
     suffered.pauses += std::ranges::count_if(
-        agent.faults.pauses, [&](double begin) { return begin < std::min(now_, agent.faults.killed_at); });
+        agent.faults.pauses, [&](double begin) { return begin < std::min(now_, agent.next_kill); });
   }
   return suffered;
 }
 
 bool FleetSimulation::killed(const RobotName& robot) const {
   const auto agent = std::ranges::find(agents_, robot, &Agent::name);
-  return agent != agents_.end() && now_ >= agent->faults.killed_at;
+  return agent != agents_.end() && now_ >= agent->next_kill;
 }
 
 }  // namespace coppice

@@ -11,8 +11,10 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "bus/keep.h"
 #include "bus/simulated_bus.h"
 #include "files/scenario.h"
 #include "planner_service/planner_service.h"
@@ -46,6 +48,7 @@ class FleetSimulation {
   std::vector<NamedTrack> tracks() const;
   /// What went wrong so far.
   SufferedFaults suffered() const;
+  /// And not started anew.
   bool killed(const RobotName& robot) const;
 
  private:
@@ -59,20 +62,31 @@ class FleetSimulation {
 
   struct Agent {
     RobotName name;
-    Participant<RobotAgent> participant;
+    std::unique_ptr<Participant<RobotAgent>> process;  ///< null: killed
     AgentFaults faults;
+    double next_kill = 0;  ///< infinity: none
+    std::size_t restarts = 0;
+    std::unique_ptr<KeptInMemory> kept;  ///< if it may be started anew
+    std::optional<Keeper<Remembrance, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was when the agent last had its turn
     Track track{};
     double next_event() const;
   };
 
-  template <class R>
-  void turn(Participant<R>& participant, double clock_offset = 0);
+  struct KeepsNothing {
+    void heard(const Message&) {}
+    void said(const Message&) {}
+  };
+  template <class R, class K>
+  void turn(Participant<R>& participant, K&& keeper, double clock_offset = 0);
   void turn(Agent& agent);
+  void kill(Agent& agent);
+  void start(Agent& agent);
   void record(Agent& agent, double until);
   double next_event() const;
 
   SimulatedBus bus_;
+  std::shared_ptr<Grounds> grounds_ = std::make_shared<Grounds>();
   double now_ = 0;
   Participant<PlannerService> service_;
   Participant<TreeBroker> broker_;

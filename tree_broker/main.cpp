@@ -6,7 +6,10 @@
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_bus.h"
+#include "bus/journal.h"
+#include "bus/keep.h"
 #include "bus/process.h"
+#include "tree_broker/forest_record.h"
 #include "tree_broker/tree_broker.h"
 
 int main(int argc, char** argv) {
@@ -14,6 +17,7 @@ int main(int argc, char** argv) {
   int domain = 0;
   std::uint64_t seed = 1;
   std::string discovery;
+  std::string state;
   std::string level = "info";
   CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};
   app.set_version_flag("--version", COPPICE_VERSION);
@@ -21,6 +25,7 @@ int main(int argc, char** argv) {
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
   app.add_option("--seed", seed, "of every random choice");
+  app.add_option("--state", state, "folder in which it keeps the forest, for when it is started anew");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
@@ -36,10 +41,21 @@ int main(int argc, char** argv) {
     // Every start of a broker is another broker: its trees are its own.
     std::random_device device;
     const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device();
+    auto journal = journal_in(state, "tree_broker");
+    const std::vector<Message> kept = journal ? journal->take_recalled() : std::vector<Message>();
+    ForestRecord record;
+    record.recall(kept);
+    Keeper keeper(std::move(record), journal ? &*journal : nullptr);
     DdsBus bus({.domain = domain, .discovery = discovery}, Role::broker, "tree_broker");
     TreeBroker broker(id, seed);
+    broker.recall(kept, wall_now());
     spdlog::info("broker {:016x} on domain {}", id, domain);
-    while (!stop_requested()) run_role_once(bus, broker);
+    bool led = false;
+    while (!stop_requested()) {
+      run_role_once(bus, broker, keeper);
+      if (broker.leads() != std::exchange(led, broker.leads()))
+        spdlog::info("{}", led ? "leads" : "stands by: another broker leads");
+    }
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());
     return 2;

@@ -11,6 +11,8 @@ namespace {
 
 constexpr int iterations_a_step = 500;         // about half a millisecond: roots that come near are seen soon
 constexpr WallTime status_period = 0.5;        // seconds
+constexpr WallTime lease = 1.5;                // seconds without a status: who leads counts as gone
+constexpr WallTime first_listening = 1;        // seconds: who leads says so twice
 constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
 
 }  // namespace
@@ -20,16 +22,21 @@ TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, Random random
       epsilon(suggested_epsilon(field, radius)),
       planner(field, {.epsilon = epsilon, .disjointed_trees = suggested_trees(field, epsilon)}, random) {}
 
+void TreeBroker::recall(std::span<const Message> known, WallTime now) {
+  for (const Message& message : known) on(arrival_of(message, now));
+  if (!known.empty()) listens_until_ = now + first_listening;
+}
+
 void TreeBroker::on(const Arrival& arrival) {
   std::visit(
       [&](const auto& m) {
-        if constexpr (requires { receive(m); }) receive(m);
+        if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
       },
       *arrival.message);
   next_wake_ = arrival.at;
 }
 
-void TreeBroker::receive(const MapMessage& message) {
+void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
   if (map_ && map_->map_id == message.map_id) return;
   map_ = message;
   forest_.reset();
@@ -41,11 +48,49 @@ void TreeBroker::receive(const MapMessage& message) {
     forest_ = std::make_unique<Forest>(map_->map, radii.back(), Random(seed_));
     forest_->uncovered = std::move(radii);
   }
-  for (const auto& [robot, mission] : std::exchange(waiting_missions_, {})) receive(mission);
+  take_up_waiting_trees(arrived);
+  for (const auto& [robot, mission] : std::exchange(waiting_missions_, {})) receive(mission, arrived);
+}
+
+/// One that another broker grew, or this one before it was started anew.
+void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
+  if (!forest_ || map_->map_id != tree.map_id) return waiting_trees_.push_back(tree);
+  const auto [known, fresh] = forest_->inactive.try_emplace(tree.tree);
+  if (!fresh) return;
+  FrozenTree<2> frozen{.radius = tree.radius, .nodes = {}, .parents = {}};
+  for (const InactiveTreeMessage::Node& node : tree.nodes) {
+    frozen.nodes.push_back(node.position);
+    frozen.parents.push_back(node.parent);
+  }
+  known->second = forest_->planner.add_inactive_tree(frozen);
+  forest_->unsaid.push_back(tree.tree);
+}
+
+void TreeBroker::take_up_waiting_trees(WallTime now) {
+  std::erase_if(waiting_trees_, [&](const InactiveTreeMessage& tree) {
+    const bool of_this_map = forest_ && tree.map_id == map_->map_id;
+    if (of_this_map) receive(tree, now);
+    return of_this_map;
+  });
+}
+
+void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
+  if (status.broker != id_)
+    others_[status.broker] = {status.leads ? std::optional(status.leading_since) : std::nullopt, arrived};
+}
+
+/// Of several that lead, because they did not hear of each other, the one that has done so for longest goes
+/// on.
+bool TreeBroker::another_leads(WallTime now) const {
+  return std::ranges::any_of(others_, [&](const auto& entry) {
+    const auto& [id, other] = entry;
+    if (!other.leads_since || now - other.heard_at > lease) return false;
+    return !leads() || std::pair(*other.leads_since, id) < std::pair(*leads_since_, id_);
+  });
 }
 
 /// Every mission that is not over is a group; a newer one of the same robot ends the older.
-void TreeBroker::receive(const Mission& mission) {
+void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   if (!map_ || map_->map_id != mission.map_id) {
     waiting_missions_[mission.robot] = mission;
     return;
@@ -56,6 +101,7 @@ void TreeBroker::receive(const Mission& mission) {
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
     forest_ = std::make_unique<Forest>(map_->map, mission.radius, Random(seed_));
+    take_up_waiting_trees(arrived);
   }
   const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
   groups_[mission.robot] = {mission.number, group, 0};
@@ -64,7 +110,7 @@ void TreeBroker::receive(const Mission& mission) {
   forest_->planner.add_remote_node(group, Root::goal, mission.goal);
 }
 
-void TreeBroker::receive(const RootNodes& batch) {
+void TreeBroker::receive(const RootNodes& batch, WallTime) {
   const auto known = groups_.find(batch.robot);
   if (known == groups_.end() || known->second.mission != batch.mission) return;
   for (std::size_t i = 0; i < batch.nodes.size(); ++i) {
@@ -77,7 +123,7 @@ void TreeBroker::receive(const RootNodes& batch) {
   }
 }
 
-void TreeBroker::receive(const AgentStatus& status) {
+void TreeBroker::receive(const AgentStatus& status, WallTime) {
   const auto known = groups_.find(status.robot);
   if (known == groups_.end() || known->second.mission != status.mission) return;
   if (status.phase != Phase::waiting && status.phase != Phase::planning) end_group(status.robot);
@@ -92,17 +138,27 @@ void TreeBroker::end_group(const RobotName& robot) {
 
 std::vector<Message> TreeBroker::step(WallTime now) {
   std::vector<Message> out;
-  bool grows = forest_ != nullptr;
+  const bool led = leads();
+  const bool may_lead = now >= listens_until_ && !another_leads(now);
+  if (may_lead != led) leads_since_ = may_lead ? std::optional(now) : std::nullopt;
+  bool grows = forest_ != nullptr && leads();
   for (int i = 0; i < iterations_a_step && grows; ++i) grows = grow();
-  if (forest_) {
-    for (const TreeIndex tree : forest_->planner.take_frozen()) out.emplace_back(describe(tree));
-  }
-  if (now >= next_status_ || !out.empty()) {
+  if (forest_ && leads()) publish_trees(out);
+  if (now >= next_status_ || !out.empty() || leads() != led) {
     out.emplace_back(status());
     next_status_ = now + status_period;
   }
   next_wake_ = grows ? now : next_status_;
   return out;
+}
+
+/// All that this broker has not published itself: what has grown, and what it took over.
+void TreeBroker::publish_trees(std::vector<Message>& out) {
+  for (const TreeIndex tree : forest_->planner.take_frozen()) {
+    forest_->unsaid.push_back({id_, frozen_++});
+    forest_->inactive.emplace(forest_->unsaid.back(), tree);
+  }
+  for (const TreeId& id : std::exchange(forest_->unsaid, {})) out.emplace_back(describe(id));
 }
 
 /// For the groups that wait for trees; when there are none, ahead. False: nothing to do.
@@ -115,10 +171,9 @@ bool TreeBroker::grow() {
   return true;
 }
 
-InactiveTreeMessage TreeBroker::describe(TreeIndex tree) {
-  const FrozenTree<2> frozen = forest_->planner.frozen_tree(tree);
-  InactiveTreeMessage message{
-      .tree = {id_, published_++}, .map_id = map_->map_id, .radius = frozen.radius, .nodes = {}};
+InactiveTreeMessage TreeBroker::describe(const TreeId& id) const {
+  const FrozenTree<2> frozen = forest_->planner.frozen_tree(forest_->inactive.at(id));
+  InactiveTreeMessage message{.tree = id, .map_id = map_->map_id, .radius = frozen.radius, .nodes = {}};
   for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
     const std::int32_t parent = frozen.parents[i];
     const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];
@@ -130,11 +185,12 @@ InactiveTreeMessage TreeBroker::describe(TreeIndex tree) {
 }
 
 BrokerStatus TreeBroker::status() const {
-  BrokerStatus status{.broker = id_, .trees_published = published_};
+  BrokerStatus status{.broker = id_, .leads = leads(), .leading_since = leads_since_.value_or(0)};
   if (forest_) {
+    status.trees_published = static_cast<std::uint32_t>(forest_->inactive.size());
     status.nodes_valid = forest_->planner.disjointed_counts().valid;
     status.nodes_invalid = forest_->planner.disjointed_counts().invalid;
-    if (forest_->uncovered.empty()) status.covered_map = map_->map_id;
+    if (forest_->uncovered.empty() && leads()) status.covered_map = map_->map_id;
     status.trees_active = static_cast<std::uint32_t>(forest_->planner.active_trees());
   }
   return status;

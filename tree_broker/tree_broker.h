@@ -2,6 +2,11 @@
 //
 // It grows ahead as soon as it has the map, so that a mission finds trees in place. Then it learns of the
 // groups from the missions, of their root trees from `root_nodes`, and of their success from `agent_status`.
+//
+// Several brokers may serve one fleet: one leads, the others stand by. Each knows every inactive tree, its
+// own and those that it hears of; who leads and falls silent is followed by another, which publishes all of
+// them anew, for those who come later.
+//
 // A state machine: messages and the time go in, messages come out; no clock, thread or I/O.
 #pragma once
 
@@ -9,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,11 +30,17 @@ class TreeBroker {
   /// `id` tells this broker's trees from those of every other one; `seed` is of every random choice.
   TreeBroker(std::uint64_t id, std::uint64_t seed) : id_(id), seed_(seed) {}
 
+  /// What a broker knew whose place it takes (journal.h): the map and trees. Before anything else; it then
+  /// listens for a second to who leads by now.
+  void recall(std::span<const Message> known, WallTime now);
+
   void on(const Arrival& arrival);
   /// Grows for about a millisecond if there is something to grow; returns what is to be published.
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
+  /// It grows trees, and publishes them; otherwise another one does.
+  bool leads() const { return leads_since_.has_value(); }
 
  private:
   using Planner = MaRrdtStar<ClearanceField>;
@@ -41,6 +53,13 @@ class TreeBroker {
     double epsilon;
     Planner planner;
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
+    std::map<TreeId, TreeIndex> inactive{};
+    std::vector<TreeId> unsaid{};  ///< inactive, and not published by this broker yet
+  };
+  /// Another broker.
+  struct Other {
+    std::optional<WallTime> leads_since{};
+    WallTime heard_at = 0;
   };
   struct Group {
     std::uint32_t mission = 0;
@@ -48,22 +67,31 @@ class TreeBroker {
     std::uint32_t nodes_received = 0;
   };
 
-  void receive(const MapMessage& message);
-  void receive(const Mission& mission);
-  void receive(const RootNodes& batch);
-  void receive(const AgentStatus& status);
+  void receive(const MapMessage& message, WallTime arrived);
+  void receive(const Mission& mission, WallTime arrived);
+  void receive(const RootNodes& batch, WallTime arrived);
+  void receive(const InactiveTreeMessage& tree, WallTime arrived);
+  void receive(const AgentStatus& status, WallTime arrived);
+  void receive(const BrokerStatus& status, WallTime arrived);
   void end_group(const RobotName& robot);
+  bool another_leads(WallTime now) const;
   bool grow();
-  InactiveTreeMessage describe(TreeIndex tree);
+  void take_up_waiting_trees(WallTime now);
+  void publish_trees(std::vector<Message>& out);
+  InactiveTreeMessage describe(const TreeId& id) const;
   BrokerStatus status() const;
 
   std::uint64_t id_;
   std::uint64_t seed_;
   std::optional<MapMessage> map_;
-  std::map<RobotName, Mission> waiting_missions_;  ///< for a map that is not there yet
+  std::map<RobotName, Mission> waiting_missions_;   ///< for a map that is not there yet
+  std::vector<InactiveTreeMessage> waiting_trees_;  ///< likewise
   std::unique_ptr<Forest> forest_;
   std::map<RobotName, Group> groups_;
-  std::uint32_t published_ = 0;
+  std::map<std::uint64_t, Other> others_;
+  std::uint32_t frozen_ = 0;  ///< by this broker
+  std::optional<WallTime> leads_since_;
+  WallTime listens_until_ = 0;
   WallTime next_wake_ = 0;
   WallTime next_status_ = 0;
 };

@@ -113,7 +113,7 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
       {4, "r1"}, {{"r1", 5, false}, {"r2", 4.5, true}}, {{1, {{0, 0}, {1, 2}}}, {0, {{3, 4}}}}};
   const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}};
   const Message status = AgentStatus{"r1", 3, Phase::no_path, "why not", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-  const Message broker_status = BrokerStatus{1ull << 50, 2, 3, 4, 5, "some-map", 6};
+  const Message broker_status = BrokerStatus{1ull << 50, true, 1.5, 2, 3, 4, 5, "some-map", 6};
   service.publish(map);
   service.publish(mission);
   for (const Message& m : {nodes, plan, path, track, status}) agent.publish(m);

@@ -90,6 +90,19 @@ TEST(Faults, WrongClocksTouchNothing) {
   }
 }
 
+// The simulation goes on driving the bodies meanwhile: where an agent that is started anew thinks its robot
+// elsewhere than it is shows as a jump.
+TEST(Faults, AgentsThatAreKilledAndStartedAnewCostTimeOnly) {
+  for (const double after : {0.3, 1.0, 4.0}) {
+    const Faults faults{.kill_rate = 200, .restart_after = after};
+    for (const char* name : {"rooms", "corridor-24", "door-14"})
+      expect_all_arrive(simulate(name, 10, 1, faults), name);
+    const Faults more{
+        .bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}, .kill_rate = 100, .restart_after = after};
+    expect_all_arrive(simulate("rooms", 10, 2, more), "rooms");
+  }
+}
+
 TEST(Faults, TheSameSeedGivesTheSameRun) {
   const Faults faults{.bus = {.loss = 0.2, .delay = 0.1, .jitter = 0.05}, .kill_rate = 20, .pause_rate = 100};
   const Outcome first = simulate("circle", 10, 5, faults);

@@ -1,0 +1,173 @@
+#include "bus/journal.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "bus/serialized.h"
+
+namespace coppice {
+
+namespace {
+
+// A line of text, then the records: length and checksum of the bytes, four each, and the bytes.
+constexpr std::string_view magic = "coppice journal " COPPICE_VERSION " ";
+constexpr char whole = 'c';
+constexpr char has_gaps = 'i';
+constexpr std::size_t header_size = magic.size() + 2;
+constexpr std::size_t frame_size = 8;
+constexpr std::uint32_t longest_record = 256u << 20;  // bytes
+
+std::uint32_t checksum(const std::uint8_t* bytes, std::size_t size) {
+  return static_cast<std::uint32_t>(crc32(crc32(0, nullptr, 0), bytes, static_cast<uInt>(size)));
+}
+
+std::uint32_t number_at(const std::uint8_t* bytes) {
+  return bytes[0] | std::uint32_t{bytes[1]} << 8 | std::uint32_t{bytes[2]} << 16 |
+         std::uint32_t{bytes[3]} << 24;
+}
+
+void append_number(std::uint32_t number, std::vector<std::uint8_t>& bytes) {
+  for (const int shift : {0, 8, 16, 24}) bytes.push_back(static_cast<std::uint8_t>(number >> shift));
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+  throw std::runtime_error(fmt::format("{}: {}", path.string(), what));
+}
+
+std::vector<std::uint8_t> contents(int descriptor, const std::filesystem::path& path) {
+  struct stat status {};
+  if (fstat(descriptor, &status) != 0) fail(path, std::strerror(errno));
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = pread(descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+    if (got <= 0) fail(path, "reading failed");
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Journal::Journal(std::filesystem::path file) : path_(std::move(file)) {
+  descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor_ < 0) fail(path_, fmt::format("cannot be opened for writing: {}", std::strerror(errno)));
+  try {
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) fail(path_, "is in use by another process");
+    read_all();
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
+}
+
+Journal::Journal(Journal&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      end_(other.end_),
+      complete_(other.complete_),
+      recalled_(std::move(other.recalled_)) {}
+
+Journal::~Journal() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+void Journal::read_all() {
+  const std::vector<std::uint8_t> bytes = contents(descriptor_, path_);
+  // One that was killed as it made the file has left a part of the first line.
+  const std::size_t known = std::min(bytes.size(), magic.size());
+  if (!std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(known), magic.begin()))
+    fail(path_,
+         fmt::format("is no journal of version {}: remove it, or name another folder", COPPICE_VERSION));
+  if (bytes.size() < header_size) {
+    if (!begin_anew()) fail(path_, fmt::format("cannot be written: {}", std::strerror(errno)));
+    return;
+  }
+  complete_ = bytes[magic.size()] == whole;
+  end_ = header_size;
+  while (bytes.size() - end_ >= frame_size) {
+    const std::uint8_t* const frame = bytes.data() + end_;
+    const std::uint32_t length = number_at(frame);
+    const bool there = length <= longest_record && length <= bytes.size() - end_ - frame_size;
+    if (!there || number_at(frame + 4) != checksum(frame + frame_size, length)) break;
+    if (auto message = deserialized({frame + frame_size, length})) recalled_.push_back(*std::move(message));
+    end_ += frame_size + length;
+  }
+  if (ftruncate(descriptor_, static_cast<off_t>(end_)) != 0) fail(path_, std::strerror(errno));
+}
+
+bool Journal::begin_anew() {
+  complete_ = true;
+  end_ = 0;
+  std::vector<std::uint8_t> header(magic.begin(), magic.end());
+  header.push_back(whole);
+  header.push_back('\n');
+  return ftruncate(descriptor_, 0) == 0 && write_at_end(header);
+}
+
+bool Journal::write_at_end(const std::vector<std::uint8_t>& bytes) {
+  const ssize_t written = pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(end_));
+  if (written == static_cast<ssize_t>(bytes.size())) {
+    end_ += bytes.size();
+    return true;
+  }
+  const int error = written < 0 ? errno : ENOSPC;
+  if (ftruncate(descriptor_, static_cast<off_t>(end_)) != 0)
+    spdlog::error("{}: {}", path_.string(), std::strerror(errno));
+  errno = error;
+  return false;
+}
+
+void Journal::append(const Message& message) {
+  if (!complete_) return;
+  const std::vector<std::uint8_t> bytes = serialized(message);
+  std::vector<std::uint8_t> record;
+  record.reserve(frame_size + bytes.size());
+  append_number(static_cast<std::uint32_t>(bytes.size()), record);
+  append_number(checksum(bytes.data(), bytes.size()), record);
+  record.insert(record.end(), bytes.begin(), bytes.end());
+  if (!write_at_end(record)) give_up();
+}
+
+void Journal::give_up() {
+  spdlog::error("{}: cannot be written: {}; what comes from now on is not kept", path_.string(),
+                std::strerror(errno));
+  complete_ = false;
+  // In place: that needs no room.
+  if (pwrite(descriptor_, &has_gaps, 1, static_cast<off_t>(magic.size())) != 1)
+    spdlog::error("{}: cannot be marked as incomplete: {}", path_.string(), std::strerror(errno));
+}
+
+void Journal::keep(Keep choice, const Message& message) {
+  if (choice == Keep::begin_anew && !begin_anew()) give_up();
+  if (choice != Keep::nothing) append(message);
+}
+
+std::optional<Journal> journal_in(const std::string& folder, const std::string& process) {
+  if (folder.empty()) return std::nullopt;
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem) fail(folder, fmt::format("cannot be made: {}", problem.message()));
+  std::string name;
+  for (const char c : process) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+    name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return Journal(std::filesystem::path(folder) / (name + ".journal"));
+}
+
+}  // namespace coppice

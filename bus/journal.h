@@ -1,0 +1,61 @@
+// Messages on disk, in order: what a process must know again that takes the place of one that was killed.
+//
+// Each is on its way to the disk when `append` returns, so that it survives the process; not a loss of power.
+// A file of its own rather than a database: an agent writes twenty times a second, some hundred bytes each
+// time, and a database writes whole pages.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bus/keep.h"
+#include "bus/messages.h"
+
+namespace coppice {
+
+class Journal {
+ public:
+  /// Opens the file, or makes it; what follows after the first record that is torn is cut off. Throws
+  /// std::runtime_error, which names the file, if it cannot be opened or written, is in use by another
+  /// process, is no journal, or was written by another version.
+  explicit Journal(std::filesystem::path file);
+  ~Journal();
+  Journal(Journal&& other) noexcept;
+  Journal& operator=(Journal&&) = delete;
+
+  /// What was in the file when it was opened; once.
+  std::vector<Message> take_recalled() { return std::exchange(recalled_, {}); }
+
+  /// Where there is no room this is logged, once, and the file counts as incomplete from then on: it keeps
+  /// what it has, and takes no more.
+  void append(const Message& message);
+  /// The same, or empties it first.
+  void keep(Keep choice, const Message& message);
+  /// False: the disk was full at some time since the file was begun, and what came then is missing.
+  bool complete() const { return complete_; }
+
+  const std::filesystem::path& file() const { return path_; }
+
+ private:
+  void read_all();
+  bool begin_anew();
+  void give_up();
+  bool write_at_end(const std::vector<std::uint8_t>& bytes);
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::size_t end_ = 0;  ///< of the last whole record
+  bool complete_ = true;
+  std::vector<Message> recalled_;
+};
+
+/// The journal of a process in the folder that `--state` names, which is made if there is none; nothing if
+/// that is empty: then nothing is kept. Throws as Journal does.
+std::optional<Journal> journal_in(const std::string& folder, const std::string& process);
+
+}  // namespace coppice

@@ -1,0 +1,26 @@
+// What of a run the service keeps, so that another one can go on with it: the missions that it handed out,
+// and what the agents said that the report is made of.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+
+#include "bus/keep.h"
+#include "bus/messages.h"
+
+namespace coppice {
+
+class RunRecord {
+ public:
+  /// Goes on after what was kept before.
+  void recall(std::span<const Message> kept);
+  Keep heard(const Message& message);
+  Keep said(const Message& message);
+
+ private:
+  std::map<RobotName, AgentStatus> statuses_;
+  std::map<RobotName, std::size_t> track_points_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,50 @@
+// What an agent knows again of its robot if its process was killed in mid-run and started anew.
+//
+// To the robot that looks like a pause: its body has braked in a straight line meanwhile, as it does whenever
+// nothing is decided. All that follows from the states that it said, for these say where the body is and what
+// it does next; so they are kept, with the mission that they belong to, before anybody hears them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "bus/keep.h"
+#include "bus/messages.h"
+#include "motion/driver.h"
+
+namespace coppice {
+
+struct Memory {
+  Mission mission;                         ///< the last one
+  Driver body;                             ///< as it was when the last state was said
+  std::vector<TrackMessage::Point> track;  ///< from the first mission of the run until then
+  double driven_length = 0;                ///< metres, along that
+  std::uint32_t sequence = 0;              ///< of the last state
+  std::uint32_t knot_epoch = 0;            ///< likewise
+  Stage stage = Stage::free;               ///< likewise
+  AgentStatus status;                      ///< the last one
+};
+
+/// From what was kept, in order; none if the robot had no body yet.
+std::optional<Memory> memory_of(std::span<const Message> kept);
+
+/// Chooses what to keep.
+class Remembrance {
+ public:
+  explicit Remembrance(RobotName robot) : robot_(std::move(robot)) {}
+
+  /// Goes on after what was kept before.
+  void recall(std::span<const Message> kept);
+  Keep heard(const Message& message);
+  Keep said(const Message& message);
+
+ private:
+  RobotName robot_;
+  std::optional<Mission> mission_;
+  std::optional<AgentStatus> status_;
+};
+
+}  // namespace coppice

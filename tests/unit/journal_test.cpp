@@ -1,0 +1,131 @@
+// What survives a process on disk, and what a full, foreign or torn file does.
+#include "bus/journal.h"
+
+#include <csignal>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+const Message status = AgentStatus{.robot = "r1", .mission = 3, .reason = "because", .driven_length = 7.5};
+const Message tree = InactiveTreeMessage{{7, 2}, "map", 5, {{{1, 2}, -1, 6}, {{3, 4}, 0, 5.5}}};
+const Message track = TrackMessage{"r1", 1, 4, {{0.5, {1, 2}, {3, 4}}, {0.55, {1.15, 2.2}, {0, 0}}}};
+
+std::vector<Message> held_by(const std::filesystem::path& file) {
+  return Journal(file).take_recalled();
+}
+
+struct InAFolder : testing::Test {
+  test::TemporaryFolder folder;
+  std::filesystem::path file = folder.path() / "journal";
+};
+using AJournal = InAFolder;
+
+TEST_F(AJournal, HoldsWhatWasAppendedInOrderAndGoesOn) {
+  {
+    Journal journal(file);
+    EXPECT_TRUE(journal.take_recalled().empty());
+    journal.append(status);
+    journal.append(tree);
+  }
+  {
+    Journal journal(file);
+    EXPECT_EQ(journal.take_recalled(), (std::vector<Message>{status, tree}));
+    EXPECT_TRUE(journal.take_recalled().empty());
+    journal.append(track);
+  }
+  EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree, track}));
+  Journal(file).keep(Keep::begin_anew, tree);
+  EXPECT_EQ(held_by(file), std::vector<Message>{tree});
+}
+
+TEST_F(AJournal, CutAnywhereHoldsTheRecordsBeforeAndTakesMore) {
+  {
+    Journal journal(file);
+    journal.append(status);
+    journal.append(tree);
+  }
+  const std::string whole = test::contents(file);
+  std::size_t most = 0;
+  for (std::size_t size = 0; size <= whole.size(); ++size) {
+    std::ofstream(file, std::ios::binary) << whole.substr(0, size);
+    const auto held = held_by(file);
+    EXPECT_GE(held.size(), most) << size;
+    most = held.size();
+    EXPECT_TRUE(held.empty() || held[0] == status) << size;
+    Journal(file).append(track);
+    EXPECT_EQ(held_by(file).back(), track) << size;
+  }
+  EXPECT_EQ(most, 2u);
+}
+
+TEST_F(AJournal, AChangedByteEndsIt) {
+  {
+    Journal journal(file);
+    journal.append(status);
+    journal.append(tree);
+  }
+  std::string bytes = test::contents(file);
+  bytes[bytes.size() - 3] ^= 1;
+  std::ofstream(file, std::ios::binary) << bytes;
+  EXPECT_EQ(held_by(file), std::vector<Message>{status});
+}
+
+std::string problem_with_opening(const std::filesystem::path& path) {
+  try {
+    const Journal journal(path);
+  } catch (const std::runtime_error& problem) {
+    return problem.what();
+  }
+  return {};
+}
+
+TEST_F(AJournal, RefusesForeignFilesFoldersAndFilesInUseAndNamesThem) {
+  folder.write("notes", "of something else that nobody must lose");
+  EXPECT_NE(problem_with_opening(folder.path() / "notes").find("notes: is no journal"), std::string::npos);
+  EXPECT_EQ(test::contents(folder.path() / "notes"), "of something else that nobody must lose");
+  EXPECT_NE(problem_with_opening(folder.path()).find("cannot be opened"), std::string::npos);
+  EXPECT_NE(problem_with_opening(folder.path() / "none" / "x").find("cannot be opened"), std::string::npos);
+  EXPECT_NE(problem_with_opening("/dev/full").find("/dev/full: cannot be written"), std::string::npos);
+  const Journal journal(file);
+  EXPECT_NE(problem_with_opening(file).find("in use"), std::string::npos);
+}
+
+TEST_F(AJournal, WhereThereIsNoRoomKeepsWhatItHasAndSaysThatItIsIncomplete) {
+  // In a process of its own, whose files cannot grow beyond a limit.
+  const pid_t child = fork();
+  if (child == 0) {
+    signal(SIGXFSZ, SIG_IGN);
+    Journal journal(file);
+    journal.append(status);
+    const rlimit limit{std::filesystem::file_size(file) + 20, RLIM_INFINITY};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    journal.append(tree);  // would be torn
+    const bool said = !journal.complete();
+    journal.append(status);
+    _exit(said ? 0 : 1);
+  }
+  int result = 0;
+  waitpid(child, &result, 0);
+  EXPECT_TRUE(WIFEXITED(result) && WEXITSTATUS(result) == 0);
+  Journal journal(file);
+  EXPECT_FALSE(journal.complete());
+  EXPECT_EQ(journal.take_recalled(), std::vector<Message>{status});
+}
+
+TEST_F(AJournal, IsNamedAfterItsProcessAndItsFolderIsMade) {
+  EXPECT_FALSE(journal_in("", "r1").has_value());
+  const auto journal = journal_in((folder.path() / "new" / "state").string(), "../r/1");
+  ASSERT_TRUE(journal.has_value());
+  EXPECT_EQ(journal->file().parent_path(), folder.path() / "new" / "state");
+}
+
+}  // namespace
+}  // namespace coppice

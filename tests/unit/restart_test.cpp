@@ -1,0 +1,372 @@
+// Roles whose process was killed, and those who take their place: as state machines, message by message.
+#include <gtest/gtest.h>
+
+#include "planner_service/planner_service.h"
+#include "planner_service/run_record.h"
+#include "planning/map_generator.h"
+#include "robot_agent/robot_agent.h"
+#include "tree_broker/forest_record.h"
+#include "tree_broker/tree_broker.h"
+
+namespace coppice {
+namespace {
+
+OccupancyMap wall_with_door() {
+  OccupancyMap map{.width = 120, .height = 80, .blocked = std::vector<std::uint8_t>(9600, 0)};
+  for (int j = 0; j < 80; ++j) {
+    for (int i = 58; i < 62; ++i) map.blocked[static_cast<std::size_t>(j * 120 + i)] = j < 5 || j > 25;
+  }
+  return map;
+}
+
+Scenario one_robot() {
+  Scenario scenario{.map_name = "wall", .map = wall_with_door(), .robots = {}};
+  scenario.robots = {{"a", {20, 60}, {100, 60}, 5, 20, 40, 1}};
+  return scenario;
+}
+
+template <class M>
+std::vector<M> of(const std::vector<Message>& messages) {
+  std::vector<M> result;
+  for (const Message& message : messages) {
+    if (const M* m = std::get_if<M>(&message)) result.push_back(*m);
+  }
+  return result;
+}
+
+/// What a process keeps, and would find again.
+template <class Chooser>
+struct Kept {
+  explicit Kept(Chooser chooser = Chooser()) : keeper(std::move(chooser), &store) {}
+  Kept(const Kept&) = delete;
+  KeptInMemory store;
+  Keeper<Chooser, KeptInMemory> keeper;
+};
+
+// --- brokers ---
+
+MapMessage map_message() {
+  return {"wall", wall_with_door(), {5}};
+}
+
+MapMessage rooms() {
+  Random random(1);
+  return {"rooms", generate_map(MapKind::room, 400, 400, random), {5}};
+}
+
+/// Brokers that hear each other at once, stepped each millisecond.
+struct Brokers {
+  void run(double seconds) {
+    for (const double until = now + seconds; now < until; now += 0.001) {
+      for (std::size_t i = 0; i < brokers.size(); ++i) {
+        if (!brokers[i] || brokers[i]->next_wake() > now) continue;
+        for (const Message& message : brokers[i]->step(now)) hear(message, i);
+      }
+    }
+  }
+  void hear(const Message& message, std::size_t from) {
+    said[from].push_back(message);
+    for (std::size_t i = 0; i < brokers.size(); ++i) {
+      if (i != from && brokers[i]) brokers[i]->on(arrival_of(message, now));
+    }
+  }
+  std::set<TreeId> trees_of(std::size_t i) const {
+    std::set<TreeId> ids;
+    for (const auto& tree : of<InactiveTreeMessage>(said[i])) ids.insert(tree.tree);
+    return ids;
+  }
+  double now = 100;
+  std::vector<std::optional<TreeBroker>> brokers{};
+  std::vector<std::vector<Message>> said = std::vector<std::vector<Message>>(3);
+};
+
+TEST(Brokers, TheSecondStandsByAndTakesOverWithinTwoSecondsWithAllTrees) {
+  Brokers fleet;
+  fleet.brokers.emplace_back(TreeBroker(9, 1));
+  fleet.brokers[0]->on(arrival_of(rooms(), fleet.now));
+  fleet.run(0.1);
+  fleet.brokers.emplace_back(TreeBroker(4, 2));
+  fleet.brokers[1]->on(arrival_of(rooms(), fleet.now));
+  for (const Message& message : fleet.said[0]) fleet.brokers[1]->on(arrival_of(message, fleet.now));
+  fleet.run(1);
+  EXPECT_TRUE(fleet.brokers[0]->leads());
+  EXPECT_FALSE(fleet.brokers[1]->leads());
+  const std::set<TreeId> trees = fleet.trees_of(0);
+  ASSERT_FALSE(trees.empty());
+  EXPECT_TRUE(fleet.trees_of(1).empty());
+
+  fleet.brokers[0].reset();
+  fleet.run(2);
+  ASSERT_TRUE(fleet.brokers[1]->leads());
+  EXPECT_TRUE(std::ranges::includes(fleet.trees_of(1), trees));
+  // It went on where the other was: most of the map was covered.
+  EXPECT_LT(2 * of<BrokerStatus>(fleet.said[1]).back().nodes_valid,
+            of<BrokerStatus>(fleet.said[0]).back().nodes_valid);
+  EXPECT_EQ(of<BrokerStatus>(fleet.said[1]).back().trees_published, fleet.trees_of(1).size());
+  EXPECT_EQ(of<BrokerStatus>(fleet.said[1]).back().covered_map, "rooms");
+}
+
+TEST(Brokers, OfTwoThatLeadTheOneThatDidSoFirstGoesOn) {
+  Brokers fleet;
+  for (const std::uint64_t id : {9u, 4u}) {
+    fleet.brokers.emplace_back(TreeBroker(id, id));
+    fleet.brokers.back()->on(arrival_of(map_message(), fleet.now));
+    fleet.brokers.back()->step(fleet.now);  // neither hears of the other yet
+    fleet.now += 0.01;
+    EXPECT_TRUE(fleet.brokers.back()->leads());
+  }
+  fleet.run(1);
+  EXPECT_TRUE(fleet.brokers[0]->leads());
+  EXPECT_FALSE(fleet.brokers[1]->leads());
+}
+
+TEST(Brokers, OneThatIsStartedAnewPublishesWhatItKept) {
+  Kept<ForestRecord> kept;
+  Brokers fleet;
+  fleet.brokers.emplace_back(TreeBroker(9, 1));
+  fleet.brokers[0]->on(arrival_of(map_message(), fleet.now));
+  kept.keeper.heard(map_message());
+  fleet.run(1);
+  for (const Message& message : fleet.said[0]) kept.keeper.said(message);
+  for (const Message& message : fleet.said[0]) kept.keeper.heard(message);  // again, from another broker
+  EXPECT_EQ(of<InactiveTreeMessage>(kept.store.messages).size(), fleet.trees_of(0).size());
+
+  fleet.brokers[0].reset();
+  fleet.brokers.emplace_back(TreeBroker(10, 3));
+  fleet.brokers[1]->recall(kept.store.messages, fleet.now);
+  fleet.run(0.9);
+  EXPECT_FALSE(fleet.brokers[1]->leads());  // another one may
+  fleet.run(0.2);
+  EXPECT_TRUE(fleet.brokers[1]->leads());
+  EXPECT_TRUE(std::ranges::includes(fleet.trees_of(1), fleet.trees_of(0)));
+
+  // Another map: what was kept of this one is of no use.
+  kept.keeper.heard(MapMessage{"other", wall_with_door(), {5}});
+  EXPECT_EQ(kept.store.messages.size(), 1u);
+}
+
+// --- the service ---
+
+struct ServiceRun {
+  explicit ServiceRun(double lifelong = 0)
+      : settings{.lifelong = lifelong}, service(one_robot(), settings, 0) {}
+  std::vector<Message> step(double now) {
+    auto all = service.step(now);
+    for (const Message& message : all) kept.keeper.said(message);
+    return all;
+  }
+  void hear(const Message& message, double now) {
+    kept.keeper.heard(message);
+    service.on(arrival_of(message, now));
+  }
+  ServiceSettings settings;
+  PlannerService service;
+  Kept<RunRecord> kept{};
+};
+
+AgentStatus arrived(std::uint32_t mission, std::uint32_t points) {
+  AgentStatus status{.robot = "a", .mission = mission, .phase = Phase::arrived};
+  status.arrival_time = 5;
+  status.path_time = 0.5;
+  status.nodes_valid = 10;
+  status.track_points = points;
+  return status;
+}
+
+TEST(PlannerServiceAnew, GoesOnWithTheMissionsAndTheRecord) {
+  ServiceRun before(20);
+  before.step(0);
+  const auto first = of<Mission>(before.step(4));  // no broker came
+  ASSERT_EQ(first.size(), 1u);
+  before.hear(PathMessage{"a", 1, {{20, 60}, {60, 15}, {100, 60}}}, 5);
+  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 9);
+  before.hear(arrived(1, 2), 9);
+  const auto second = of<Mission>(before.step(9.1));
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_EQ(second[0].number, 2u);
+
+  PlannerService after(one_robot(), before.settings, 10);
+  ASSERT_TRUE(after.recall(before.kept.store.messages, 10));
+  const auto again = of<Mission>(after.step(10));
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0], second[0]);
+  EXPECT_TRUE(of<Mission>(after.step(10.2)).empty());
+  EXPECT_EQ(after.tracks()[0].track.points.size(), 2u);
+  EXPECT_EQ(after.progress(10).missions, 1);
+  EXPECT_EQ(after.report().nodes_valid(), before.service.report().nodes_valid());
+
+  // The agent says its track again: nothing is counted twice.
+  after.on(arrival_of(TrackMessage{"a", 2, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 11));
+  EXPECT_EQ(after.tracks()[0].track.points.size(), 2u);
+}
+
+TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
+  ServiceRun before;
+  before.step(0);
+  before.step(4);
+  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 9);
+  before.hear(arrived(1, 2), 9);
+  EXPECT_TRUE(of<Mission>(before.step(9.1)).at(0).cancelled);
+  PlannerService after(one_robot(), before.settings, 10);
+  ASSERT_TRUE(after.recall(before.kept.store.messages, 10));
+  EXPECT_TRUE(of<Mission>(after.step(10)).at(0).cancelled);
+  after.step(13.1);
+  EXPECT_TRUE(after.finished());
+  EXPECT_TRUE(after.everybody_arrived());
+}
+
+TEST(PlannerServiceAnew, RefusesWhatIsOfAnotherRun) {
+  ServiceRun before;
+  before.step(0);
+  before.step(4);
+  Scenario other = one_robot();
+  other.robots[0].goal = {100, 20};
+  EXPECT_FALSE(PlannerService(other, {}, 5).recall(before.kept.store.messages, 5));
+  other = one_robot();
+  other.map.blocked[0] = 1;
+  EXPECT_FALSE(PlannerService(other, {}, 5).recall(before.kept.store.messages, 5));
+  other = one_robot();
+  other.robots.push_back({"b", {20, 20}, {20, 40}, 5, 20, 40, 1});
+  EXPECT_FALSE(PlannerService(other, {}, 5).recall(before.kept.store.messages, 5));
+  EXPECT_FALSE(PlannerService(one_robot(), {.time_scale = 2}, 5).recall(before.kept.store.messages, 5));
+  EXPECT_TRUE(PlannerService(one_robot(), {}, 5).recall(before.kept.store.messages, 5));
+  EXPECT_TRUE(PlannerService(one_robot(), {}, 5).recall({}, 5));
+}
+
+// --- the agent ---
+
+/// Alone, stepped whenever it wants.
+struct AgentRun {
+  AgentRun() = default;
+  AgentRun(const AgentRun&) = delete;
+  void recall(const std::vector<Message>& kept) {
+    agent.recall(kept);
+    Remembrance remembrance("a");
+    remembrance.recall(kept);
+    store.messages = kept;
+    keeper = Keeper(std::move(remembrance), &store);
+  }
+  void hear(const Message& message, double now) {
+    keeper.heard(message);
+    agent.on(arrival_of(message, now));
+  }
+  void run(double from, double until) {
+    for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
+      for (Outgoing& one : agent.step(now)) {
+        keeper.said(one.message);
+        said.push_back(std::move(one.message));
+      }
+    }
+  }
+  RobotAgent agent{"a"};
+  KeptInMemory store{};
+  Keeper<Remembrance, KeptInMemory> keeper{Remembrance("a"), &store};
+  std::vector<Message> said{};
+};
+
+Mission mission_of_a(double epoch) {
+  return {.robot = "a",
+          .number = 1,
+          .map_id = "wall",
+          .start = {20, 60},
+          .goal = {100, 60},
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .goal_tolerance = 1,
+          .plan_budget = 0.1,
+          .clock = {epoch, 1}};
+}
+
+/// Of a robot that drives.
+void run_until_killed_at(double time, AgentRun& before) {
+  before.hear(map_message(), 0);
+  before.hear(mission_of_a(0), 0);
+  before.run(0, time);
+}
+
+TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
+  AgentRun before;
+  run_until_killed_at(3, before);
+  const RobotState last = of<RobotState>(before.said).back();
+  ASSERT_GT(last.velocity.norm(), 5);  // it drives
+
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 6);
+  after.hear(mission_of_a(0), 6);
+  after.run(6, 20);
+  EXPECT_EQ(of<AgentStatus>(after.said).back().phase, Phase::arrived);
+  const RobotState first = of<RobotState>(after.said).front();
+  EXPECT_GT(first.sequence, last.sequence);
+  EXPECT_TRUE(first.velocity.isZero(0));
+  EXPECT_LT((first.position - last.position).norm(), 20 * 20 / (2 * 40) + 3);
+
+  // The record goes from the start to the goal without a gap, as fast as a robot may.
+  std::vector<TrackMessage::Point> track;
+  for (const TrackMessage& batch : of<TrackMessage>(after.said)) {
+    ASSERT_EQ(batch.first_index, track.size());
+    track.insert(track.end(), batch.points.begin(), batch.points.end());
+  }
+  EXPECT_EQ(track.front().position, Point2(20, 60));
+  EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
+  for (std::size_t k = 1; k < track.size(); ++k) {
+    ASSERT_NEAR(track[k].time - track[k - 1].time, 0.05, 1e-6);
+    ASSERT_LT((track[k].position - track[k - 1].position - 0.05 * track[k - 1].velocity).norm(), 1e-9);
+    ASSERT_LE((track[k].velocity - track[k - 1].velocity).norm(), 40 * 0.05 + 1e-9);
+  }
+  // What it had said before it was killed, it says again just so.
+  const auto said_before = of<TrackMessage>(before.said);
+  ASSERT_FALSE(said_before.empty());
+  for (const TrackMessage& batch : said_before) {
+    for (std::size_t k = 0; k < batch.points.size(); ++k)
+      ASSERT_EQ(batch.points[k], track[batch.first_index + k]);
+  }
+  const AgentStatus status = of<AgentStatus>(after.said).back();
+  EXPECT_EQ(status.path_time, of<AgentStatus>(before.said).back().path_time);
+}
+
+TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
+  auto life = std::make_unique<AgentRun>();
+  run_until_killed_at(1.5, *life);
+  double now = 2;
+  for (int k = 0; k < 6; ++k) {
+    auto next = std::make_unique<AgentRun>();
+    next->recall(life->store.messages);
+    next->hear(map_message(), now);
+    next->hear(mission_of_a(0), now);
+    next->run(now, now + 2.5);
+    now += 2.6;
+    life = std::move(next);
+  }
+  EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
+}
+
+TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
+  AgentRun before;
+  run_until_killed_at(3, before);
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 106);
+  after.hear(mission_of_a(106), 106);
+  after.run(106, 107);
+  EXPECT_EQ(of<RobotState>(after.said).front().position, Point2(20, 60));
+}
+
+TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
+  AgentRun agent;
+  run_until_killed_at(20, agent);  // it has arrived
+  agent.hear(mission_of_a(100), 100);
+  agent.said.clear();
+  agent.run(100, 120);
+  EXPECT_EQ(of<RobotState>(agent.said).front().position, Point2(20, 60));
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
+  EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
+  const std::optional<Memory> memory = memory_of(agent.store.messages);
+  ASSERT_TRUE(memory.has_value());
+  EXPECT_EQ(memory->track.front().position, Point2(20, 60));
+  EXPECT_EQ(memory->mission.clock.epoch, 100);
+}
+
+}  // namespace
+}  // namespace coppice

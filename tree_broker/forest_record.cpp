@@ -1,0 +1,22 @@
+#include "tree_broker/forest_record.h"
+
+#include <variant>
+
+namespace coppice {
+
+void ForestRecord::recall(std::span<const Message> kept) {
+  for (const Message& message : kept) heard(message);
+}
+
+Keep ForestRecord::heard(const Message& message) {
+  if (const auto* map = std::get_if<MapMessage>(&message); map != nullptr && map->map_id != map_id_) {
+    map_id_ = map->map_id;
+    trees_.clear();
+    return Keep::begin_anew;
+  }
+  const auto* tree = std::get_if<InactiveTreeMessage>(&message);
+  const bool is_new = tree != nullptr && tree->map_id == map_id_ && trees_.insert(tree->tree).second;
+  return is_new ? Keep::append : Keep::nothing;
+}
+
+}  // namespace coppice

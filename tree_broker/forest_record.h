@@ -1,0 +1,25 @@
+// What a broker keeps, so that another one can take its place: the map, and every inactive tree on it.
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+
+#include "bus/keep.h"
+#include "bus/messages.h"
+
+namespace coppice {
+
+class ForestRecord {
+ public:
+  /// Goes on after what was kept before.
+  void recall(std::span<const Message> kept);
+  Keep heard(const Message& message);
+  Keep said(const Message& message) { return heard(message); }
+
+ private:
+  std::string map_id_;
+  std::set<TreeId> trees_;
+};
+
+}  // namespace coppice
