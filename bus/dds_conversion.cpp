@@ -177,6 +177,8 @@ idl::RobotState to_dds(const RobotState& m) {
   d.copies(m.copies);
   d.copy(m.copy);
   d.passed_on(m.passed_on);
+  d.counts_as_dead(m.counts_as_dead);
+  d.is_new(m.is_new);
   d.wants_echo(m.wants_echo);
   for (const Echo& echo : m.echoes) {
     idl::Echo& to = d.echoes().emplace_back();
@@ -208,6 +210,8 @@ RobotState from_dds(const idl::RobotState& d) {
           .copies = d.copies(),
           .copy = d.copy(),
           .passed_on = d.passed_on(),
+          .counts_as_dead = d.counts_as_dead(),
+          .is_new = d.is_new(),
           .wants_echo = d.wants_echo(),
           .echoes = std::move(echoes)};
 }

@@ -151,11 +151,14 @@ struct RobotState {
   Promise promise;
   KnotId knot;
   Stage stage = Stage::free;
-  double progress = 0;         ///< metres along its moves of the joint plan, while ordered
-  RobotName waits_for;         ///< empty: for nobody
-  std::uint8_t copies = 1;     ///< so often it is said
-  std::uint8_t copy = 0;       ///< which of these it is
-  bool passed_on = false;      ///< by another robot, which hears no more of this one
+  double progress = 0;          ///< metres along its moves of the joint plan, while ordered
+  RobotName waits_for;          ///< empty: for nobody
+  std::uint8_t copies = 1;      ///< so often it is said
+  std::uint8_t copy = 0;        ///< which of these it is
+  bool passed_on = false;       ///< by another robot, which hears no more of this one
+  bool counts_as_dead = false;  ///< to the one that passes it on
+  bool is_new =
+      false;  ///< its process was started anew in mid-run: it does not know yet where all others are
   bool wants_echo = false;     ///< nobody has told it of late to have heard of it
   std::vector<Echo> echoes{};  ///< of some of the others, all in turn
   bool operator==(const RobotState&) const = default;

@@ -113,6 +113,7 @@ Problem check(const RobotState& m) {
        {not_negative(m.progress), "progress is negative or not finite"},
        {m.waits_for.size() <= longest_name, "name of the robot waited for is too long"},
        {m.copy < m.copies, "it is a copy that there is not"},
+       {m.passed_on || !m.counts_as_dead, "it comes from a robot that is dead"},
        {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
         "too many echoes, or one without a name or a finite time"}});
 }

@@ -79,6 +79,9 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     return false;
   }
   if (std::exchange(p.across, false)) minority_ = false;
+  p.said_dead = !p.state && state->counts_as_dead;
+  somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
+  if (state->is_new) p.introductions = 0;
   if (!p.state || p.dead) all_settled_until_ = 0;
   if (std::exchange(p.dead, false)) p.rests.clear();
   p.state = std::move(state);

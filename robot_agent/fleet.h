@@ -103,6 +103,10 @@ class Fleet {
   Address address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for, double now);
   /// The last states of those who have just fallen silent.
   std::vector<RobotState> last_words(double now) const;
+  /// Who was started anew in mid-run, and does not know where all others are; and for them the last states of
+  /// those who count as dead.
+  std::vector<RobotName> newcomers(double now) const;
+  std::vector<RobotState> states_of_the_dead() const;
 
  private:
   /// Another robot of which there was a state or a mission.
@@ -136,6 +140,7 @@ class Fleet {
     WallTime said_again_at = 0;    ///< first and last
     double echoed = 0;             ///< the newest stamp of its own that others have heard, while somebody is
     double echoed_at = 0;          ///< missing here; and when that was news
+    bool said_dead = false;        ///< by the first who told of it
   };
 
   struct Absences {
@@ -181,6 +186,8 @@ class Fleet {
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
   void look_at_the_dead(double now);
   double room_at(const Point2& q, const Point2& position, double now) const;
+  void bury_who_is_said_to_be_dead(const Absences& count, double now, const ClearanceField& field);
+  int unheard_states_of(const Peer& peer, const Absences& count) const;
   void bury(Peer& peer, int unheard, const ClearanceField& field, double now);
   void add_neighbours(const Peer& peer, double now, std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer) const;
@@ -203,6 +210,7 @@ class Fleet {
   Absences absences_;
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   bool somebody_missing_ = false;
+  bool somebody_said_dead_ = false;
   double next_look_at_the_dead_ = 0;
   bool cut_off_ = false;
   bool minority_ = false;  ///< those who fell silent at once were more than those who are left

@@ -20,6 +20,7 @@ constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot th
 constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
 constexpr std::size_t track_batch = 20;   // points: one second of fleet time
 constexpr std::size_t longest_batch = 10'000;
+constexpr std::uint32_t beats_between_news_of_the_dead = 4;
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
@@ -163,6 +164,7 @@ void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
   last_beat_ = sequence_ / standing_stride;
   first_control_ = false;
   knot_.forget(memory.knot_epoch);
+  is_new_ = true;
   has_left_knot_ = memory.stage != Stage::free;
   heard_again_at_ = fleet_now + own_silence * std::max(1.0, mission_->clock.scale);
   const AgentStatus& before = memory.status;
@@ -314,10 +316,23 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   const std::uint32_t beats = sequence_ / standing_stride;
   const bool beat = beats != std::exchange(last_beat_, beats);
   speak(fleet_now, beat, out);
-  if (beat) {
-    for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
-  }
+  if (beat) pass_on_last_words(fleet_now, out);
   if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
+}
+
+void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out) {
+  for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
+  if (last_beat_ % beats_between_news_of_the_dead != 0) return;
+  const std::vector<RobotName> newcomers = fleet_.newcomers(fleet_now);
+  if (newcomers.empty()) return;
+  for (RobotState& dead : fleet_.states_of_the_dead()) out.emplace_back(Message(std::move(dead)), newcomers);
+}
+
+/// Others may be anywhere by now, and not where their missions begin.
+bool RobotAgent::stands_as_newcomer(double fleet_now) {
+  is_new_ = is_new_ && (fleet_now < heard_again_at_ || !may_set_off(fleet_now));
+  if (is_new_ && body_->stands()) stand_for(fleet_now, waiting_lease);
+  return is_new_;  // its body brakes
 }
 
 /// Chooses the velocity of the next period.
@@ -325,6 +340,7 @@ void RobotAgent::decide(double fleet_now) {
   const bool holds = knot_.stage() == Stage::holding;
   fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
   if (fleet_.cut_off()) heard_again_at_ = fleet_now + own_silence * std::max(1.0, mission_->clock.scale);
+  if (stands_as_newcomer(fleet_now)) return;
   const std::vector<Neighbour> others =
       body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
@@ -503,6 +519,7 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
   auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
+  if (is_new_) return out.push_back(Outgoing(std::move(said)));  // to all
   for (; said.copy + 1 < said.copies; ++said.copy) out.emplace_back(said, agents);
   out.emplace_back(std::move(said), std::move(agents));
 }
@@ -525,7 +542,8 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .stage = knot_.stage(),
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
-          .copies = static_cast<std::uint8_t>(has_set_off ? fleet_.copies() : 1),
+          .copies = static_cast<std::uint8_t>(has_set_off && !is_new_ ? fleet_.copies() : 1),
+          .is_new = is_new_,
           .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes)};
 }

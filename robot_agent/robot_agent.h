@@ -63,7 +63,9 @@ class RobotAgent {
   void follow(const Path& path, std::vector<Outgoing>& out);
   void improve(WallTime now, std::vector<Outgoing>& out);
   void control(double fleet_now, std::vector<Outgoing>& out);
+  void pass_on_last_words(double fleet_now, std::vector<Outgoing>& out);
   void decide(double fleet_now);
+  bool stands_as_newcomer(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double fleet_now, double seconds);
@@ -123,6 +125,7 @@ class RobotAgent {
   Steady last_said_;
   bool first_control_ = true;
   double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
+  bool is_new_ = false;         ///< does not know yet where all others are, though it is mid-run
   bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more
   double mustering_since_ = 0;  ///< fleet time
   int times_stranded_ = 0;

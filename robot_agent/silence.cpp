@@ -130,6 +130,7 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
   leads_ = holds_in.leader == self_;
   leader_ = holds_in.epoch > 0 ? index_.find(holds_in.leader) : std::nullopt;
   const Absences count = absences(now);
+  if (std::exchange(somebody_said_dead_, false)) bury_who_is_said_to_be_dead(count, now, field);
   if (count.dead > 0 && now >= next_look_at_the_dead_) look_at_the_dead(now);
   if (count.never_came + count.absent > 0) give_up_the_lost(count, now, field);
   copies_ = count.alive > 0 ? loss_.copies_for(std::min(count.alive, sure_witnesses)) : 1;
@@ -168,8 +169,19 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
   for (Peer* p : lost) {
     p->across = minority;
-    const std::size_t samples = std::min(left, witnesses) * (p->state ? p->state->copies : 1);
-    bury(*p, count.absent > 1 ? until_noticed : loss_.unheard_states(samples), field, now);
+    bury(*p, count.absent > 1 ? until_noticed : unheard_states_of(*p, count), field, now);
+  }
+}
+
+int Fleet::unheard_states_of(const Peer& p, const Absences& count) const {
+  const std::size_t left = 1 + count.alive - count.absent;
+  return loss_.unheard_states(std::min(left, witnesses) * (p.state ? p.state->copies : 1));
+}
+
+/// They have waited for it as long as it takes.
+void Fleet::bury_who_is_said_to_be_dead(const Absences& count, double now, const ClearanceField& field) {
+  for (Peer& p : peers_) {
+    if (std::exchange(p.said_dead, false)) bury(p, unheard_states_of(p, count), field, now);
   }
 }
 
@@ -221,6 +233,25 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
   });
   p.rests.erase(impossible, p.rests.end());
   p.place = p.rests.front();
+}
+
+std::vector<RobotName> Fleet::newcomers(double now) const {
+  std::vector<RobotName> names;
+  for (const Peer& p : peers_) {
+    if (p.state && p.state->is_new && !p.dead && since(p.heard_at, now) < absence * second())
+      names.push_back(p.robot);
+  }
+  return names;
+}
+
+std::vector<RobotState> Fleet::states_of_the_dead() const {
+  std::vector<RobotState> states;
+  for (const Peer& p : peers_) {
+    if (!p.state || !p.dead) continue;
+    states.push_back(*p.state);
+    states.back().passed_on = states.back().counts_as_dead = true;
+  }
+  return states;
 }
 
 std::vector<RobotState> Fleet::last_words(double now) const {

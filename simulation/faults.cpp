@@ -38,7 +38,9 @@ AgentFaults draw_faults(const Faults& faults, const std::string& robot, double h
        t += faults.pause + gap(faults.pause_rate, random))
     drawn.pauses.push_back(t);
   for (const Faults::Kill& kill : faults.kills) {
-    if (kill.robot == robot) drawn.kills.push_back(kill.time);
+    if (kill.robot != robot) continue;
+    drawn.kills.push_back(kill.time);
+    if (kill.for_good) drawn.restart_after = std::numeric_limits<double>::infinity();
   }
   std::ranges::sort(drawn.kills);
   return drawn;

@@ -21,6 +21,7 @@ struct Faults {
   struct Kill {
     std::string robot;
     double time = 0;
+    bool for_good = false;  ///< it is not started anew
   };
   std::vector<Kill> kills{};  ///< beyond those that are drawn
   /// Seconds after which the process of a killed agent is started anew; infinity: never.

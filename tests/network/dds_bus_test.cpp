@@ -53,6 +53,8 @@ RobotState some_state(std::uint32_t sequence) {
           .copies = 3,
           .copy = 2,
           .passed_on = true,
+          .counts_as_dead = true,
+          .is_new = true,
           .wants_echo = true,
           .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
 }
