@@ -52,6 +52,7 @@ int map_command(const MapOptions& options);
 struct FuzzOptions {
   double robot_hours = 1;  ///< of fleet time, over all robots: until then cases are drawn
   std::uint32_t first_seed = 1;
+  bool restarts = false;                ///< agents are killed and started anew, too
   std::optional<std::uint32_t> replay;  ///< only the case of this seed, with its files
   RunOptions files;                     ///< what a replay writes
 };

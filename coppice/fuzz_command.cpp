@@ -40,19 +40,22 @@ struct Sum {
     robot_hours += result.robot_hours;
     suffered.lost += result.suffered.lost;
     suffered.kills += result.suffered.kills;
+    suffered.restarts += result.suffered.restarts;
     suffered.pauses += result.suffered.pauses;
   }
   std::string in_words() const {
     return fmt::format(
-        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} robots killed, {} pauses, "
-        "{} robots shut in by the dead",
-        cases, failed, robot_hours, suffered.lost, suffered.kills, suffered.pauses, shut_in);
+        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} agents killed, {} of them started "
+        "anew, "
+        "{} pauses, {} robots shut in by the dead",
+        cases, failed, robot_hours, suffered.lost, suffered.kills, suffered.restarts, suffered.pauses,
+        shut_in);
   }
 };
 
 /// One case, with its files.
 int replay(const FuzzOptions& options) {
-  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay);
+  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts);
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   simulation.run(go_on);
   const FuzzResult result = judge(fuzz_case, simulation);
@@ -72,7 +75,7 @@ int fuzz_command(const FuzzOptions& options) {
   Sum sum;
   WallTime next_line = wall_now() + progress_period;
   for (std::uint32_t seed = options.first_seed; sum.robot_hours < options.robot_hours; ++seed) {
-    const FuzzCase fuzz_case = draw_fuzz_case(seed);
+    const FuzzCase fuzz_case = draw_fuzz_case(seed, options.restarts);
     FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
     simulation.run(go_on);
     if (stop_requested()) break;
@@ -80,7 +83,9 @@ int fuzz_command(const FuzzOptions& options) {
     sum.add(result);
     if (!result.failures.empty() || !result.shut_in.empty()) {
       tell_failures(fuzz_case, result);
-      std::cout << fmt::format("  again: coppice fuzz --replay {}\n", seed) << std::flush;
+      std::cout << fmt::format("  again: coppice fuzz --replay {}{}\n", seed,
+                               options.restarts ? " --restarts" : "")
+                << std::flush;
     }
     if (wall_now() < next_line) continue;
     next_line = wall_now() + progress_period;

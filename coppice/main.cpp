@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   hunt->add_option("--hours", fuzz.robot_hours, "robot-hours of fleet time to simulate")
       ->check(CLI::PositiveNumber);
   hunt->add_option("--seed", fuzz.first_seed, "the first one");
+  hunt->add_flag("--restarts", fuzz.restarts, "agents are killed and started anew, too");
   hunt->add_option("--replay", fuzz.replay, "only the case of this seed; writes its files");
   hunt->add_option("--report", fuzz.files.report, "of the replay, JSON");
   hunt->add_option("--trajectory", fuzz.files.trajectory, "of the replay, CSV");

@@ -71,6 +71,9 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
       scenario.robots.size(), scenario.map_name, faults.bus.loss, faults.bus.delay, faults.bus.jitter,
       faults.bus.duplicate, faults.bus.reorder ? ", reordered" : "", faults.pause_rate, faults.pause,
       faults.clock_skew);
+  if (faults.kill_rate > 0)
+    text +=
+        fmt::format(", {:.0f} kills/h, started anew {:.2f} s later", faults.kill_rate, faults.restart_after);
   for (const Faults::Kill& kill : faults.kills)
     text += fmt::format(", {} killed at {:.2f} s", kill.robot, kill.time);
   return text;
@@ -114,10 +117,16 @@ std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::ve
 
 }  // namespace
 
-FuzzCase draw_fuzz_case(std::uint32_t seed) {
+FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
   Random random(seed);
   Scenario scenario = draw_scenario(seed, random);
   Faults faults = draw_kinds_of_faults(scenario, random);
+  if (restarts) {
+    Random of_restarts(seed + 1);  // what the seed gives without them stays as it is
+    faults.kill_rate = of_restarts.uniform(5, 60);
+    faults.restart_after = of_restarts.uniform(0.1, 8);
+    for (Faults::Kill& kill : faults.kills) kill.for_good = true;
+  }
   const double lifelong = random.uniform() < 0.2 ? 300 : 0;
   std::string what = in_words(scenario, faults);
   if (lifelong > 0) what += fmt::format(", new goals for {:.0f} s", lifelong);

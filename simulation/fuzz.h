@@ -22,8 +22,8 @@ struct FuzzCase {
   SimulationSettings settings;
 };
 
-/// The same seed gives the same case.
-FuzzCase draw_fuzz_case(std::uint32_t seed);
+/// The same seed gives the same case. `restarts`: and agents are killed and started anew.
+FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts = false);
 
 struct FuzzResult {
   std::vector<std::string> failures;  ///< empty: survived

@@ -1,0 +1,121 @@
+// Two brokers over DDS: the one that leads is killed, and later comes back with what it kept.
+
+#include <chrono>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "bus/dds_bus.h"
+#include "planning/map_generator.h"
+#include "tests/processes.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int domain = 154;
+
+struct Watch {
+  void look() {
+    bus.wait(0.02);
+    for (const Arrival& arrival : bus.take()) {
+      if (const auto* status = std::get_if<BrokerStatus>(arrival.message.get()))
+        statuses[status->broker] = *status;
+      if (const auto* tree = std::get_if<InactiveTreeMessage>(arrival.message.get()))
+        trees.insert(tree->tree);
+    }
+  }
+  /// Brokers that said so last.
+  std::set<std::uint64_t> leaders() const {
+    std::set<std::uint64_t> ids;
+    for (const auto& [id, status] : statuses) {
+      if (status.leads && id != gone) ids.insert(id);
+    }
+    return ids;
+  }
+  template <class Condition>
+  bool sees(std::chrono::milliseconds time, Condition condition) {
+    return test::within(time, [&] {
+      look();
+      return condition();
+    });
+  }
+  DdsBus bus{{.domain = domain}, Role::observer, "watch"};
+  std::map<std::uint64_t, BrokerStatus> statuses{};
+  std::set<TreeId> trees{};
+  std::uint64_t gone = 0;  ///< that was killed
+};
+
+struct TwoBrokers : testing::Test {
+  std::unique_ptr<test::Background> broker(const std::string& name) const {
+    return std::make_unique<test::Background>(
+        std::vector<std::string>{test::program("tree_broker"), "--domain", std::to_string(domain), "--state",
+                                 (folder.path() / name).string()},
+        folder.path() / (name + ".log"));
+  }
+  test::TemporaryFolder folder;
+};
+
+TEST_F(TwoBrokers, TheOneThatStandsByTakesOverWithinTwoSecondsAndNoTreeIsLost) {
+  DdsBus service({.domain = domain}, Role::service, "service");
+  Random random(1);
+  service.publish(MapMessage{"rooms", generate_map(MapKind::room, 300, 300, random), {5}});
+  Watch watch;
+  auto first = broker("first");
+  ASSERT_TRUE(watch.sees(10s, [&] {
+    return watch.statuses.size() == 1 && watch.statuses.begin()->second.covered_map == "rooms";
+  }));
+  const std::uint64_t leader = watch.statuses.begin()->first;
+  const auto second = broker("second");
+  ASSERT_TRUE(watch.sees(10s, [&] {
+    const bool equal = watch.statuses.size() == 2 && watch.statuses.begin()->second.trees_published ==
+                                                         watch.statuses.rbegin()->second.trees_published;
+    return equal && watch.leaders() == std::set{leader};
+  }));
+  const std::set<TreeId> trees = watch.trees;
+  ASSERT_FALSE(trees.empty());
+
+  first->send(SIGKILL);
+  first->wait();
+  watch.gone = leader;
+  EXPECT_TRUE(watch.sees(2s, [&] { return !watch.leaders().empty(); }));
+  Watch late;
+  EXPECT_TRUE(late.sees(5s, [&] { return std::ranges::includes(late.trees, trees); }))
+      << late.trees.size() << " of " << trees.size();
+
+  // Started again it stands by: the other one leads.
+  first = broker("first");
+  EXPECT_TRUE(watch.sees(5s, [&] { return watch.statuses.size() == 3; }));
+  watch.sees(2s, [] { return false; });
+  EXPECT_EQ(watch.leaders().size(), 1u);
+  EXPECT_EQ(watch.leaders(), late.leaders());
+}
+
+TEST_F(TwoBrokers, ShareNoState) {
+  const auto first = broker("shared");
+  ASSERT_TRUE(test::within(5s, [&] { return std::filesystem::exists(folder.path() / "shared"); }));
+  std::this_thread::sleep_for(500ms);
+  const test::Outcome outcome = test::shell(test::program("tree_broker") + " --domain 154 --state " +
+                                            (folder.path() / "shared").string());
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.output.find("is in use by another process"), std::string::npos) << outcome.output;
+}
+
+TEST_F(TwoBrokers, AFolderThatCannotBeWrittenIsTold) {
+  folder.write("file", "");
+  for (const std::string role : {"tree_broker", "robot_agent --name r1"}) {
+    const test::Outcome outcome =
+        test::shell(test::program(role) + " --domain 154 --state " + (folder.path() / "file").string());
+    EXPECT_EQ(outcome.exit_code, 2) << role;
+    EXPECT_NE(outcome.output.find("file: cannot be made"), std::string::npos) << outcome.output;
+  }
+}
+
+}  // namespace
+}  // namespace coppice
