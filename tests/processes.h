@@ -25,13 +25,14 @@ namespace coppice::test {
 /// A command in the background, in a process group of its own; killed and reaped if it still runs at the end.
 class Background {
  public:
-  /// Standard output and error go to `log`.
-  Background(std::vector<std::string> command, const std::filesystem::path& log) {
+  /// Standard output and error go to `log`; standard input is the file of number `input`, or this process's.
+  Background(std::vector<std::string> command, const std::filesystem::path& log, int input = STDIN_FILENO) {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
                                      0600);
     posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    if (input != STDIN_FILENO) posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);

@@ -15,15 +15,16 @@
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 #include "tests/processes.h"
-#include "tests/run_check.h"
+#include "tests/run_expectations.h"
 #include "tests/support.h"
 
 namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr double tolerance = 1e-3;  // metres: what rounding in files and touching may cost
+using test::expect_good_motion;
+using test::expect_good_paths;
+using test::tolerance;
 
 /// A run in a folder of its own.
 struct FleetRun {
@@ -78,71 +79,6 @@ void expect_nothing_left(const FleetRun& run, const std::vector<test::ProcessInf
     EXPECT_TRUE(test::within(5s, [&] { return test::has_ended(child.pid); })) << child.name;
   }
   EXPECT_EQ(test::shared_memory(), run.before);
-}
-
-double length(const proto::Report::Robot& robot) {
-  double sum = 0;
-  for (int i = 1; i < robot.path_size(); ++i) {
-    sum += std::hypot(robot.path(i).x() - robot.path(i - 1).x(), robot.path(i).y() - robot.path(i - 1).y());
-  }
-  return sum;
-}
-
-/// Every robot has a path from its start to its goal that keeps its radius clear.
-void expect_good_paths(const proto::Report& report, const std::vector<test::Expected>& robots, double radius,
-                       const test::PlainMap& map) {
-  ASSERT_EQ(static_cast<std::size_t>(report.robots_size()), robots.size());
-  double sum = 0;
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    const auto& robot = report.robots(static_cast<int>(i));
-    SCOPED_TRACE(robot.name());
-    EXPECT_EQ(robot.name(), robots[i].name);
-    EXPECT_TRUE(robot.planned());
-    ASSERT_GE(robot.path_size(), 2);
-    std::vector<test::Place> path;
-    for (const auto& p : robot.path()) path.push_back({p.x(), p.y()});
-    EXPECT_LE(test::distance(path.front(), robots[i].start), tolerance);
-    EXPECT_LE(test::distance(path.back(), robots[i].goal), tolerance);
-    for (std::size_t k = 1; k < path.size(); ++k) {
-      EXPECT_GE(map.clearance(path[k - 1], path[k], radius + 1), radius - tolerance) << "leg " << k;
-    }
-    EXPECT_NEAR(robot.path_length(), length(robot), tolerance);
-    sum += length(robot);
-  }
-  EXPECT_NEAR(report.path_length(), sum / static_cast<double>(robots.size()), tolerance);
-}
-
-/// What the report says of motion follows from the trajectory, and nobody touched anything.
-void expect_good_motion(const proto::Report& report, const std::filesystem::path& trajectory, double radius,
-                        const test::PlainMap& map) {
-  const auto tracks = test::read_trajectory_rows(trajectory);
-  ASSERT_EQ(tracks.size(), static_cast<std::size_t>(report.robots_size()));
-  double separation = std::numeric_limits<double>::infinity();
-  const double reach =
-      radius + std::max(report.least_clearance(), 0.0) + 1;  // far enough to see it said too low
-  double clearance = reach - radius;
-  for (auto a = tracks.begin(); a != tracks.end(); ++a) {
-    for (auto b = std::next(a); b != tracks.end(); ++b) {
-      separation = std::min(separation, test::least_distance(a->second, b->second) - 2 * radius);
-    }
-    double driven = 0;
-    for (std::size_t i = 1; i < a->second.size(); ++i) {
-      const test::Place from = a->second[i - 1].place;
-      const test::Place to = a->second[i].place;
-      driven += test::distance(from, to);
-      clearance = std::min(clearance, map.clearance(from, to, reach) - radius);
-    }
-    const auto& rows = report.robots();
-    const auto row =
-        std::find_if(rows.begin(), rows.end(), [&](const auto& r) { return r.name() == a->first; });
-    ASSERT_NE(row, rows.end()) << a->first;
-    EXPECT_NEAR(row->driven_length(), driven, 0.01) << a->first;
-  }
-  EXPECT_GE(separation, -tolerance);
-  EXPECT_GE(clearance, -tolerance);
-  EXPECT_NEAR(report.least_separation(), separation, 0.01);
-  EXPECT_NEAR(report.least_clearance(), clearance, 0.01);
-  EXPECT_EQ(report.collisions(), 0u);
 }
 
 class FleetsThatMeet : public testing::TestWithParam<const char*> {};
