@@ -109,11 +109,12 @@ std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> messa
   return number;
 }
 
-bool Announcements::is_due(const rtps::Locator_t& destination, std::uint64_t number, Time now) {
+bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
+                           std::uint64_t number, Time now) {
   if (!begun_) return false;
   const bool is_group = rtps::IPLocator::isMulticast(destination);
   const std::scoped_lock lock(mutex_);
-  const auto [told, fresh] = told_.try_emplace(destination);
+  const auto [told, fresh] = told_.try_emplace({sender, destination});
   const bool is_news = told->second.number != number && is_group;
   if (!fresh && !is_news && now - told->second.at < (is_group ? repeat_to_group : repeat_to_one))
     return false;
@@ -144,7 +145,9 @@ class SparingTransport final : public transport::ChainingTransport {
     }
     if (const auto number = announcements_ != nullptr ? announcement_in({message, size}) : std::nullopt) {
       const auto now = std::chrono::steady_clock::now();
-      const auto is_due = [&](const rtps::Locator_t& l) { return announcements_->is_due(l, *number, now); };
+      const auto is_due = [&](const rtps::Locator_t& l) {
+        return announcements_->is_due(udp, l, *number, now);
+      };
       return send_to(is_due, udp, message, size, begin, end, timeout);
     }
     return udp->send(message, size, begin, end, timeout);

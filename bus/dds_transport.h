@@ -19,10 +19,12 @@
 #include <optional>
 #include <span>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fastdds/rtps/common/Guid.h>
 #include <fastdds/rtps/common/Locator.h>
+#include <fastdds/rtps/network/SenderResource.h>
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
@@ -70,14 +72,16 @@ RobotName robot_of(std::span<const std::uint8_t> user_data);
 /// If an RTPS message only announces that its participant is alive: the number of what it says of itself.
 std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);
 
-/// When each destination was last told that this participant is alive.
+/// When each destination was last told that this participant is alive. A group lies on several networks (also
+/// on the one within the host), each with a sender of its own.
 class Announcements {
  public:
   using Time = std::chrono::steady_clock::time_point;
   /// From now on: before, while it is set up, each of its endpoints would be told to all anew.
   void begin() { begun_ = true; }
   /// Whether it must be told now; then it counts as told.
-  bool is_due(const eprosima::fastrtps::rtps::Locator_t& destination, std::uint64_t number, Time now);
+  bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
+              const eprosima::fastrtps::rtps::Locator_t& destination, std::uint64_t number, Time now);
 
  private:
   struct Told {
@@ -86,7 +90,9 @@ class Announcements {
   };
   std::atomic<bool> begun_ = false;
   std::mutex mutex_;
-  std::map<eprosima::fastrtps::rtps::Locator_t, Told> told_;
+  std::map<std::pair<const eprosima::fastrtps::rtps::SenderResource*, eprosima::fastrtps::rtps::Locator_t>,
+           Told>
+      told_;
 };
 
 /// Of UDPv4 transports that do so. Both must outlive the participant. `announcements`: null where it

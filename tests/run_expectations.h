@@ -27,7 +27,7 @@ inline double length(const proto::Report::Robot& robot) {
 
 /// Every robot has a path from its start to its goal that keeps its radius clear.
 inline void expect_good_paths(const proto::Report& report, const std::vector<Expected>& robots, double radius,
-                       const PlainMap& map) {
+                              const PlainMap& map) {
   ASSERT_EQ(static_cast<std::size_t>(report.robots_size()), robots.size());
   double sum = 0;
   for (std::size_t i = 0; i < robots.size(); ++i) {
@@ -50,8 +50,8 @@ inline void expect_good_paths(const proto::Report& report, const std::vector<Exp
 }
 
 /// What the report says of motion follows from the trajectory, and nobody touched anything.
-inline void expect_good_motion(const proto::Report& report, const std::filesystem::path& trajectory, double radius,
-                        const PlainMap& map) {
+inline void expect_good_motion(const proto::Report& report, const std::filesystem::path& trajectory,
+                               double radius, const PlainMap& map) {
   const auto tracks = read_trajectory_rows(trajectory);
   ASSERT_EQ(tracks.size(), static_cast<std::size_t>(report.robots_size()));
   double separation = std::numeric_limits<double>::infinity();

@@ -2,6 +2,7 @@
 
 #include "bus/dds_transport.h"
 
+#include <array>
 #include <chrono>
 #include <vector>
 
@@ -68,17 +69,34 @@ TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
   const auto other = address("10.0.0.1", 7412);
   Announcements announcements;
   Announcements::Time now{100s};
-  EXPECT_FALSE(announcements.is_due(all, 1, now));
+  const auto due = [&](const rtps::Locator_t& to, std::uint64_t number, Announcements::Time at) {
+    return announcements.is_due(nullptr, to, number, at);
+  };
+  EXPECT_FALSE(due(all, 1, now));
   announcements.begin();
-  EXPECT_TRUE(announcements.is_due(all, 1, now));
-  EXPECT_TRUE(announcements.is_due(one, 1, now));
-  EXPECT_FALSE(announcements.is_due(all, 1, now + 1s));
-  EXPECT_FALSE(announcements.is_due(one, 1, now + 1s));
-  EXPECT_TRUE(announcements.is_due(other, 1, now + 1s));
-  EXPECT_TRUE(announcements.is_due(all, 2, now + 1s)) << "news";
-  EXPECT_FALSE(announcements.is_due(one, 2, now + 1s)) << "which it hears in the group";
-  EXPECT_TRUE(announcements.is_due(all, 2, now + 5s)) << "for those who have come";
-  EXPECT_TRUE(announcements.is_due(one, 2, now + 12s));
+  EXPECT_TRUE(due(all, 1, now));
+  EXPECT_TRUE(due(one, 1, now));
+  EXPECT_FALSE(due(all, 1, now + 1s));
+  EXPECT_FALSE(due(one, 1, now + 1s));
+  EXPECT_TRUE(due(other, 1, now + 1s));
+  EXPECT_TRUE(due(all, 2, now + 1s)) << "news";
+  EXPECT_FALSE(due(one, 2, now + 1s)) << "which it hears in the group";
+  EXPECT_TRUE(due(all, 2, now + 5s)) << "for those who have come";
+  EXPECT_TRUE(due(one, 2, now + 12s));
+}
+
+TEST(Transport, AnnouncesToAGroupOnEachOfItsNetworks) {
+  const auto all = address("239.255.0.1", 7400);
+  const auto senders = std::array<char, 2>();
+  const auto* const first = reinterpret_cast<const rtps::SenderResource*>(&senders[0]);
+  const auto* const second = reinterpret_cast<const rtps::SenderResource*>(&senders[1]);
+  Announcements announcements;
+  Announcements::Time now{100s};
+  announcements.begin();
+  EXPECT_TRUE(announcements.is_due(first, all, 1, now));
+  EXPECT_TRUE(announcements.is_due(second, all, 1, now));
+  EXPECT_FALSE(announcements.is_due(first, all, 1, now + 1s));
+  EXPECT_FALSE(announcements.is_due(second, all, 1, now + 1s));
 }
 
 rtps::ParticipantDiscoveryInfo info(rtps::ParticipantProxyData& data, const RobotName& robot, std::uint8_t id,

@@ -41,9 +41,9 @@ class FleetOnHosts {
     for (std::size_t k = 0; k < scenario_.robots.size(); ++k)
       start(hosts, k % hosts.size(), {"robot_agent", "--name", scenario_.robots[k].name});
     start(hosts, 0,
-          {"planner_service", file(options.scenario + ".json").string(), "--time-scale", std::to_string(options.time_scale),
-           "--timeout", std::to_string(options.timeout), "--report", file("report.json").string(), "--trajectory",
-           file("trajectory.csv").string()});
+          {"planner_service", file(options.scenario + ".json").string(), "--time-scale",
+           std::to_string(options.time_scale), "--timeout", std::to_string(options.timeout), "--report",
+           file("report.json").string(), "--trajectory", file("trajectory.csv").string()});
   }
 
   std::string says() const { return contents(logs_.back()); }
@@ -79,8 +79,9 @@ class FleetOnHosts {
     }
     const std::filesystem::path check = std::filesystem::path(COPPICE_SHARED_DIR) / "check_run.py";
     if (std::filesystem::exists(check)) {
-      const Outcome outcome = shell("python3 " + check.string() + " " + file(options_.scenario + ".json").string() +
-                                    " " + file("trajectory.csv").string() + " " + file("report.json").string());
+      const Outcome outcome =
+          shell("python3 " + check.string() + " " + file(options_.scenario + ".json").string() + " " +
+                file("trajectory.csv").string() + " " + file("report.json").string());
       EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
       std::cout << outcome.output;
     }
@@ -93,8 +94,7 @@ class FleetOnHosts {
   void start(const Hosts& hosts, std::size_t host, std::vector<std::string> command) {
     command[0] = program(command[0]);
     command.insert(command.begin() + 1, {"--domain", std::to_string(options_.domain)});
-    if (!options_.discovery.empty())
-      command.insert(command.begin() + 1, {"--discovery", options_.discovery});
+    if (!options_.discovery.empty()) command.insert(command.begin() + 1, {"--discovery", options_.discovery});
     logs_.push_back(file("log" + std::to_string(logs_.size())));
     processes_.push_back(hosts.start(host, command, logs_.back()));
   }

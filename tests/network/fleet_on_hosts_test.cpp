@@ -24,8 +24,8 @@ class FleetOnHostsTest : public testing::Test {
   /// On the host, in the list of servers at this place.
   std::unique_ptr<Background> discovery_server(const Hosts& hosts, std::size_t host, int place) const {
     auto server = hosts.start(host,
-                              {program("coppice"), "discovery", "--address", Hosts::address(host), "--port", "11811",
-                               "--place", std::to_string(place)},
+                              {program("coppice"), "discovery", "--address", Hosts::address(host), "--port",
+                               "11811", "--place", std::to_string(place)},
                               folder.path() / ("server" + std::to_string(place)));
     EXPECT_TRUE(within(10s, [&] {
       return contents(folder.path() / ("server" + std::to_string(place))).find("discovery server") !=

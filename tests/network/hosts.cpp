@@ -36,7 +36,8 @@ int count(const std::string& text, const std::string& word) {
 
 std::string Hosts::why_not() {
   if (access("/dev/net/tun", R_OK | W_OK) != 0) return "/dev/net/tun cannot be opened";
-  for (const char* command : {"unshare --net --mount true", "ip -Version", "setpriv --version", "nsenter --version"}) {
+  for (const char* command :
+       {"unshare --net --mount true", "ip -Version", "setpriv --version", "nsenter --version"}) {
     const Outcome outcome = shell(command);
     if (outcome.exit_code != 0) return std::string(command) + ": " + outcome.output;
   }
@@ -44,9 +45,9 @@ std::string Hosts::why_not() {
 }
 
 Hosts::Hosts(std::size_t count, std::uint64_t seed) {
-  std::vector<std::string> command{"/usr/bin/setpriv", "--pdeathsig", "KILL",
-                                   std::string(COPPICE_TEST_BIN_DIR) + "/lossy_switch", "--seed",
-                                   std::to_string(seed)};
+  std::vector<std::string> command{
+      "/usr/bin/setpriv", "--pdeathsig",       "KILL", std::string(COPPICE_TEST_BIN_DIR) + "/lossy_switch",
+      "--seed",           std::to_string(seed)};
   for (std::size_t host = 0; host < count; ++host) {
     spaces_.push_back(make_space());
     command.push_back(path_of(spaces_.back().network));
@@ -61,12 +62,13 @@ Hosts::Hosts(std::size_t count, std::uint64_t seed) {
 }
 
 Hosts::Space Hosts::make_space() {
-  return std::async(std::launch::async, [] {
-           checked(unshare(CLONE_NEWNET | CLONE_NEWNS), "new namespaces");
-           checked(mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr), "private mounts");
-           checked(mount("tmpfs", "/dev/shm", "tmpfs", 0, nullptr), "/dev/shm");
-           return Space{opened("/proc/thread-self/ns/net"), opened("/proc/thread-self/ns/mnt")};
-         })
+  return std::async(std::launch::async,
+                    [] {
+                      checked(unshare(CLONE_NEWNET | CLONE_NEWNS), "new namespaces");
+                      checked(mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr), "private mounts");
+                      checked(mount("tmpfs", "/dev/shm", "tmpfs", 0, nullptr), "/dev/shm");
+                      return Space{opened("/proc/thread-self/ns/net"), opened("/proc/thread-self/ns/mnt")};
+                    })
       .get();
 }
 
@@ -83,14 +85,17 @@ void Hosts::configure(std::size_t host) const {
     must_succeed("ip link set lo up");
     must_succeed("ip address add " + address(host) + "/24 dev eth0");
     must_succeed("ip link set eth0 up");
+    // As every host that is on a larger network: Fast DDS sends to groups where a route says.
+    must_succeed("ip route add default dev eth0");
   });
 }
 
 std::unique_ptr<Background> Hosts::start(std::size_t host, std::vector<std::string> command,
                                          const std::filesystem::path& log) const {
   const Space& space = spaces_.at(host);
-  command.insert(command.begin(), {"/usr/bin/setpriv", "--pdeathsig", "KILL", "/usr/bin/nsenter",
-                                   "--net=" + path_of(space.network), "--mount=" + path_of(space.mounts), "--"});
+  command.insert(command.begin(),
+                 {"/usr/bin/setpriv", "--pdeathsig", "KILL", "/usr/bin/nsenter",
+                  "--net=" + path_of(space.network), "--mount=" + path_of(space.mounts), "--"});
   return std::make_unique<Background>(command, log);
 }
 
@@ -103,9 +108,8 @@ void Hosts::tell(const std::string& rule) {
 
 void Hosts::wait_for_switch(const std::string& word, int times) {
   const auto log = [&] { return contents(folder_.path() / "switch.log"); };
-  const bool done = within(std::chrono::seconds(10), [&] {
-    return count(log(), word) >= times || has_ended(switch_->pid());
-  });
+  const bool done = within(std::chrono::seconds(10),
+                           [&] { return count(log(), word) >= times || has_ended(switch_->pid()); });
   if (!done || count(log(), word) < times) throw std::runtime_error("the switch: " + log());
 }
 

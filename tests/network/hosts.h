@@ -1,9 +1,9 @@
-// Hosts for tests, on one machine: network namespaces, each with an address and a /dev/shm of its own, joined by an
-// Ethernet switch whose links are as bad as the test says (lossy_switch.cpp).
+// Hosts for tests, on one machine: network namespaces, each with an address and a /dev/shm of its own, joined
+// by an Ethernet switch whose links are as bad as the test says (lossy_switch.cpp).
 //
-// The namespaces have no names: this process and the processes on the hosts hold them, and all of these end with it. So
-// the kernel removes everything, however the test ends. To look at one while a test stands in a debugger:
-// nsenter --net=/proc/PID/fd/N.
+// The namespaces have no names: this process and the processes on the hosts hold them, and all of these end
+// with it. So the kernel removes everything, however the test ends. To look at one while a test stands in a
+// debugger: nsenter --net=/proc/PID/fd/N.
 #pragma once
 
 #include <cstddef>
@@ -49,7 +49,8 @@ class Hosts {
   std::size_t size() const { return spaces_.size(); }
   static std::string address(std::size_t host) { return "10.77.0." + std::to_string(host + 1); }
 
-  /// What every link does from now on, in each direction; see link.h. Throws std::runtime_error for an unknown rule.
+  /// What every link does from now on, in each direction; see link.h. Throws std::runtime_error for an
+  /// unknown rule.
   void links(const std::string& rule) { tell("* * " + rule); }
   /// The same of one direction between two hosts.
   void link(std::size_t from, std::size_t to, const std::string& rule) {
@@ -63,10 +64,11 @@ class Hosts {
   /// Calls f() in a thread on the host: sockets that it opens stay there.
   template <class F>
   auto on(std::size_t host, F f) const {
-    return std::async(std::launch::async, [&] {
-             enter(host);
-             return f();
-           })
+    return std::async(std::launch::async,
+                      [&] {
+                        enter(host);
+                        return f();
+                      })
         .get();
   }
 

@@ -120,7 +120,8 @@ TEST_F(HostsTest, LossAndDelayAreWhatWasAskedForInEachDirection) {
   Hosts hosts(2, 5);
   const FileNumber a = socket_on(hosts, 0);
   const FileNumber b = socket_on(hosts, 1);
-  send_and_hear(a, b, Hosts::address(1), 1, 1ms);  // so that addresses are known: who asks in vain waits a second
+  send_and_hear(a, b, Hosts::address(1), 1,
+                1ms);  // so that addresses are known: who asks in vain waits a second
   hosts.link(0, 1, "loss 20% delay 100ms 50ms");
   hosts.link(1, 0, "duplicate 50%");
   constexpr int count = 2000;
@@ -186,7 +187,8 @@ std::set<ino_t> network_namespaces() {
   std::set<ino_t> all;
   for (const ProcessInfo& process : processes()) {
     struct stat info {};
-    if (stat(("/proc/" + std::to_string(process.pid) + "/ns/net").c_str(), &info) == 0) all.insert(info.st_ino);
+    if (stat(("/proc/" + std::to_string(process.pid) + "/ns/net").c_str(), &info) == 0)
+      all.insert(info.st_ino);
   }
   return all;
 }
@@ -211,7 +213,8 @@ TEST_F(HostsTest, NothingOutlivesATestThatIsKilled) {
   for (const ProcessInfo& child : children) {
     EXPECT_TRUE(within(3s, [&] { return has_ended(child.pid); })) << child.name;
   }
-  for (const ino_t space : network_namespaces()) EXPECT_TRUE(before.contains(space) || !during.contains(space));
+  for (const ino_t space : network_namespaces())
+    EXPECT_TRUE(before.contains(space) || !during.contains(space));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// One direction of a link between two hosts, that loses, delays and doubles frames: the rules of tc-netem(8), for
-// kernels that have none, and decided here by a seed.
+// One direction of a link between two hosts, that loses, delays and doubles frames: the rules of tc-netem(8),
+// for kernels that have none, and decided here by a seed.
 //
 // Times are seconds of any clock that does not run back.
 #pragma once
@@ -22,8 +22,8 @@ struct LinkRule {
   bool down = false;
 };
 
-/// "loss 20% delay 100ms 50ms duplicate 1% rate 10mbit limit 500 multicast off down", any of these; none: a clean
-/// link. Throws std::invalid_argument that names what it does not understand.
+/// "loss 20% delay 100ms 50ms duplicate 1% rate 10mbit limit 500 multicast off down", any of these; none: a
+/// clean link. Throws std::invalid_argument that names what it does not understand.
 LinkRule parse_link_rule(std::string_view text);
 
 /// What is of interest in an Ethernet frame: whether it is for a group, other than to find addresses.

@@ -1,11 +1,13 @@
-// lossy_switch NETNS...: an Ethernet switch between hosts that are network namespaces, whose links lose, delay and
-// double frames (link.h).
+// lossy_switch NETNS...: an Ethernet switch between hosts that are network namespaces, whose links lose,
+// delay and double frames (link.h).
 //
-// Each namespace is named by a file: /run/netns/NAME, or /proc/PID/ns/net. In each it makes the TAP device eth0, which
-// goes when the switch does. It says "ready", and then takes rules, one a line, from standard input until that ends:
+// Each namespace is named by a file: /run/netns/NAME, or /proc/PID/ns/net. In each it makes the TAP device
+// eth0, which goes when the switch does. It says "ready", and then takes rules, one a line, from standard
+// input until that ends:
 //     FROM TO RULE
-// with places of namespaces in the list, from 0 on, or * for all: "* * loss 20% delay 100ms 50ms", "0 2 down". A rule
-// replaces all that was said of the link before. In the end it tells what became of the frames of each link.
+// with places of namespaces in the list, from 0 on, or * for all: "* * loss 20% delay 100ms 50ms", "0 2
+// down". A rule replaces all that was said of the link before. In the end it tells what became of the frames
+// of each link.
 
 #include <algorithm>
 #include <array>
@@ -121,8 +123,9 @@ class Switch {
       for (std::size_t to = 0; to < ports_.size(); ++to) {
         const Link::Counts& n = links_[from * ports_.size() + to].counts();
         if (n.came == 0) continue;
-        out << fmt::format("{} -> {}: {} frames, {} lost, {} doubled, {} over the limit, {} multicast kept off\n",
-                           from, to, n.came, n.lost, n.doubled, n.over_limit, n.multicast);
+        out << fmt::format(
+            "{} -> {}: {} frames, {} lost, {} doubled, {} over the limit, {} multicast kept off\n", from, to,
+            n.came, n.lost, n.doubled, n.over_limit, n.multicast);
       }
     }
   }
@@ -223,7 +226,8 @@ class Switch {
     std::vector<std::size_t> all(ports_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     if (word == "*") return all;
-    const bool is_number = !word.empty() && std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
+    const bool is_number =
+        !word.empty() && std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; });
     if (!is_number || word.size() > 6 || std::stoul(word) >= ports_.size())
       throw std::invalid_argument("\"" + word + "\" is no place in the list of namespaces");
     return {std::stoul(word)};

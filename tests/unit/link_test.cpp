@@ -55,8 +55,8 @@ TEST(Link, RulesAreReadInTheWordsOfNetem) {
   EXPECT_TRUE(rule.down);
   EXPECT_DOUBLE_EQ(parse_link_rule("delay 2s loss 1%").jitter, 0);
   EXPECT_DOUBLE_EQ(parse_link_rule("").loss, 0);
-  for (const char* wrong : {"loss", "loss 20", "loss 101%", "loss -1%", "loss nan%", "delay 5", "rate 1", "jitter 5ms",
-                            "multicast", "multicast no", "delay 1ms 2"})
+  for (const char* wrong : {"loss", "loss 20", "loss 101%", "loss -1%", "loss nan%", "delay 5", "rate 1",
+                            "jitter 5ms", "multicast", "multicast no", "delay 1ms 2"})
     EXPECT_THROW(parse_link_rule(wrong), std::invalid_argument) << wrong;
 }
 
