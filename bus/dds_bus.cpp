@@ -41,6 +41,10 @@ namespace {
 // all are asked for all, whenever one has come.
 constexpr std::uint32_t heartbeat_nanoseconds = 100'000'000;
 constexpr std::uint32_t heartbeat_among_agents_nanoseconds = 500'000'000;
+// What came in disorder or was lost is asked for once for all that came in this time: over links with 100 ms
+// +- 50 ms delay, asking at every heartbeat doubled the traffic until all had their trees, and the
+// processors' load.
+constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
 // How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
 // Of one host: each tries one port after the other until one is free, by default a hundred.
@@ -139,7 +143,7 @@ dds::DataWriterQos writer_qos() {
 dds::DataReaderQos reader_qos(const TopicInfo& info) {
   dds::DataReaderQos qos;
   apply(info, qos);
-  qos.reliable_reader_qos().times.heartbeatResponseDelay = Duration_t(0, 0);
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = Duration_t(0, heartbeat_response_nanoseconds);
   qos.reliable_reader_qos().times.initialAcknackDelay = Duration_t(0, first_contact_nanoseconds);
   return qos;
 }

@@ -24,11 +24,16 @@ namespace {
 // group.
 constexpr std::chrono::milliseconds repeat_to_one{10'000};
 constexpr std::chrono::milliseconds repeat_to_group{3'000};
+// The first ones may be lost, or too early for those who start at the same time: the gaps double from here
+// on.
+constexpr std::chrono::milliseconds first_repeat_to_group{500};
+constexpr int most_doublings = 3;
 // Two hundred processes announce themselves at once: the usual 200 KB of a socket overflow. The system may
 // grant less.
 constexpr std::uint32_t receive_buffer = 4u << 20;
-// Fits an Ethernet frame, also within the tunnels of containers and VPNs. What is larger IP would cut into fragments,
-// and whoever loses one of these loses all: of a map of 32 KB in one datagram, where a fifth is lost, 99 of 100.
+// Fits an Ethernet frame, also within the tunnels of containers and VPNs. What is larger IP would cut into
+// fragments, and whoever loses one of these loses all: of a map of 32 KB in one datagram, where a fifth is
+// lost, 99 of 100.
 constexpr std::uint32_t largest_datagram = 1344;  // bytes
 
 constexpr std::string_view robot_key = "robot=";
@@ -117,11 +122,14 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
   if (!begun_) return false;
   const bool is_group = rtps::IPLocator::isMulticast(destination);
   const std::scoped_lock lock(mutex_);
-  const auto [told, fresh] = told_.try_emplace({sender, destination});
-  const bool is_news = told->second.number != number && is_group;
-  if (!fresh && !is_news && now - told->second.at < (is_group ? repeat_to_group : repeat_to_one))
-    return false;
-  told->second = {number, now};
+  const auto [entry, fresh] = told_.try_emplace({sender, destination});
+  Told& told = entry->second;
+  const bool is_news = told.number != number && is_group;
+  const auto gap =
+      is_group ? std::min(repeat_to_group, first_repeat_to_group * (1 << told.repeats)) : repeat_to_one;
+  if (!fresh && !is_news && now - told.at < gap) return false;
+  const int repeats = fresh || is_news ? 0 : std::min(told.repeats + 1, most_doublings);
+  told = {number, now, repeats};
   return true;
 }
 

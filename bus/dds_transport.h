@@ -87,6 +87,7 @@ class Announcements {
   struct Told {
     std::uint64_t number = 0;
     Time at{};
+    int repeats = 0;  ///< since it was news
   };
   std::atomic<bool> begun_ = false;
   std::mutex mutex_;
