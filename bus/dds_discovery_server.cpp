@@ -1,6 +1,8 @@
 #include "bus/dds_discovery_server.h"
 
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
@@ -8,6 +10,8 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
+
+#include "bus/dds_transport.h"
 
 namespace coppice {
 
@@ -23,8 +27,9 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
   dds::DomainParticipantQos qos;
   qos.name("discovery_server");
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(
-      std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->maxMessageSize = largest_datagram;
+  qos.transport().user_transports.push_back(std::move(udp));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
   rtps::Locator_t locator;

@@ -31,10 +31,6 @@ constexpr int most_doublings = 3;
 // Two hundred processes announce themselves at once: the usual 200 KB of a socket overflow. The system may
 // grant less.
 constexpr std::uint32_t receive_buffer = 4u << 20;
-// Fits an Ethernet frame, also within the tunnels of containers and VPNs. What is larger IP would cut into
-// fragments, and whoever loses one of these loses all: of a map of 32 KB in one datagram, where a fifth is
-// lost, 99 of 100.
-constexpr std::uint32_t largest_datagram = 1344;  // bytes
 
 constexpr std::string_view robot_key = "robot=";
 

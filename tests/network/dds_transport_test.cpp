@@ -76,7 +76,7 @@ TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
   announcements.begin();
   EXPECT_TRUE(due(all, 1, now));
   EXPECT_TRUE(due(one, 1, now));
-  EXPECT_FALSE(due(all, 1, now + 1s));
+  EXPECT_FALSE(due(all, 1, now + 400ms));
   EXPECT_FALSE(due(one, 1, now + 1s));
   EXPECT_TRUE(due(other, 1, now + 1s));
   EXPECT_TRUE(due(all, 2, now + 1s)) << "news";
@@ -95,8 +95,22 @@ TEST(Transport, AnnouncesToAGroupOnEachOfItsNetworks) {
   announcements.begin();
   EXPECT_TRUE(announcements.is_due(first, all, 1, now));
   EXPECT_TRUE(announcements.is_due(second, all, 1, now));
-  EXPECT_FALSE(announcements.is_due(first, all, 1, now + 1s));
-  EXPECT_FALSE(announcements.is_due(second, all, 1, now + 1s));
+  EXPECT_FALSE(announcements.is_due(first, all, 1, now + 400ms));
+  EXPECT_FALSE(announcements.is_due(second, all, 1, now + 400ms));
+}
+
+TEST(Transport, RepeatsTheFirstAnnouncementsSoonAndThenSeldom) {
+  const auto all = address("239.255.0.1", 7400);
+  Announcements announcements;
+  announcements.begin();
+  std::vector<double> told;
+  for (int tenth = 0; tenth < 200; ++tenth) {
+    const Announcements::Time now = Announcements::Time{100s} + tenth * 100ms;
+    if (announcements.is_due(nullptr, all, 1, now)) told.push_back(0.1 * tenth);
+  }
+  ASSERT_EQ(told.size(), 9u);
+  const std::vector<double> expected{0, 0.5, 1.5, 3.5, 6.5, 9.5, 12.5, 15.5, 18.5};
+  for (std::size_t k = 0; k < told.size(); ++k) EXPECT_NEAR(told[k], expected[k], 1e-9) << k;
 }
 
 rtps::ParticipantDiscoveryInfo info(rtps::ParticipantProxyData& data, const RobotName& robot, std::uint8_t id,

@@ -2,7 +2,10 @@
 
 #include "tests/network/fleet_on_hosts.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -96,20 +99,62 @@ TEST_F(FleetOnHostsTest, ANetworkInTwoPiecesHealsAndEverybodyArrives) {
   fleet.expect_good_end();
 }
 
-TEST_F(FleetOnHostsTest, OverBadLinksAFewArrive) {
-  Hosts hosts(3);
-  hosts.links("loss 20% delay 100ms 50ms");
+constexpr const char* bad_links = "loss 20% delay 100ms 50ms";
+
+/// Another one for each --gtest_random_seed.
+std::uint64_t seed() {
+  return static_cast<std::uint64_t>(testing::UnitTest::GetInstance()->random_seed());
+}
+
+TEST_F(FleetOnHostsTest, AFewArriveOverBadLinks) {
+  Hosts hosts(3, seed());
+  hosts.links(bad_links);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 165});
   fleet.expect_good_end();
 }
 
+/// Four on each host: of the pairs of robots, 160 of 190 meet over bad links.
 TEST_F(FleetOnHostsTest, AcceptanceTwentyArriveOverBadLinks) {
-  Hosts hosts(5);
-  hosts.links("loss 20% delay 100ms 50ms");
+  Hosts hosts(5, seed());
+  hosts.links(bad_links);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 20, .domain = 166});
   fleet.expect_good_end();
-  std::cout << hosts.end();
 }
+
+class MeetingTest : public FleetOnHostsTest, public testing::WithParamInterface<const char*> {};
+
+/// Not how fast: that all of them do, with the map in fragments and with hundreds of trees, in a time that
+/// tells repetition from luck.
+TEST_P(MeetingTest, ProcessesMeetOverBadLinks) {
+  constexpr std::size_t agents = 6;
+  Hosts hosts(3, seed());
+  const auto server = discovery_server(hosts, 0, 0);
+  hosts.links(bad_links);
+  const std::string discovery = GetParam() == std::string("server") ? server_on(0) : GetParam();
+  std::vector<std::filesystem::path> logs;
+  std::vector<std::unique_ptr<Background>> processes;
+  const auto start = [&](std::size_t host, const std::string& role, const std::string& name) {
+    logs.push_back(folder.path() / name);
+    processes.push_back(
+        hosts.start(host,
+                    {std::string(COPPICE_TEST_BIN_DIR) + "/meeting_probe", role, name, "--domain", "167",
+                     "--discovery", discovery, "--agents", std::to_string(agents)},
+                    logs.back()));
+  };
+  start(2, "broker", "broker");
+  for (std::size_t k = 0; k < agents; ++k) start(k % 3, "agent", "r" + std::to_string(k));
+  start(0, "service", "service");
+  const auto all_say = [&](const std::string& word, std::size_t first, std::size_t count) {
+    return std::all_of(logs.begin() + static_cast<std::ptrdiff_t>(first),
+                       logs.begin() + static_cast<std::ptrdiff_t>(first + count),
+                       [&](const auto& log) { return contents(log).find(word) != std::string::npos; });
+  };
+  EXPECT_TRUE(within(40s, [&] { return all_say("matched", 0, agents + 2); }));
+  EXPECT_TRUE(within(20s, [&] { return all_say("map", 1, agents) && all_say("trees", 1, agents); }));
+  for (const auto& log : logs) std::cout << log.filename() << ": " << contents(log);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, MeetingTest, testing::Values("multicast", "static", "server"));
 
 }  // namespace
 }  // namespace coppice::test
