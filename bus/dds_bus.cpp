@@ -96,7 +96,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   const bool by_servers =
       !discovery.empty() && discovery != static_discovery && discovery != multicast_discovery;
   qos.transport().user_transports.push_back(
-      sparing_udp_transport(audience, by_servers ? nullptr : &announcements));
+      sparing_udp_transport(audience, by_servers ? nullptr : &announcements, settings.largest_datagram));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.

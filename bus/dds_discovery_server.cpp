@@ -11,7 +11,7 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
 
-#include "bus/dds_transport.h"
+#include "bus/dds_bus.h"
 
 namespace coppice {
 
@@ -28,7 +28,7 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
   qos.name("discovery_server");
   qos.transport().use_builtin_transports = false;
   auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->maxMessageSize = largest_datagram;
+  udp->maxMessageSize = datagram_for_networks;
   qos.transport().user_transports.push_back(std::move(udp));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;

@@ -201,10 +201,11 @@ struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor
 }  // namespace
 
 std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(Audience& audience,
-                                                                               Announcements* announcements) {
+                                                                               Announcements* announcements,
+                                                                               int largest_datagram) {
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = receive_buffer;
-  udp->maxMessageSize = largest_datagram;
+  udp->maxMessageSize = static_cast<std::uint32_t>(largest_datagram);
   return std::make_shared<SparingTransportDescriptor>(udp, audience, announcements);
 }
 

@@ -96,15 +96,9 @@ class Announcements {
       told_;
 };
 
-/// Fits an Ethernet frame, also within the tunnels of containers and VPNs. What is larger IP would cut into
-/// fragments, and whoever loses one of these loses all: of maps of 32 KB in one datagram, where a fifth of
-/// the frames is lost, 99 of 100. What is larger than this DDS cuts, and sends each part again that is
-/// missing.
-inline constexpr std::uint32_t largest_datagram = 1344;  // bytes
-
 /// Of UDPv4 transports that do so. Both must outlive the participant. `announcements`: null where it
-/// announces itself to discovery servers only, which acknowledge what they hear.
+/// announces itself to discovery servers only, which acknowledge what they hear. `largest_datagram`: bytes.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> sparing_udp_transport(
-    Audience& audience, Announcements* announcements);
+    Audience& audience, Announcements* announcements, int largest_datagram);
 
 }  // namespace coppice

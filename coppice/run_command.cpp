@@ -122,7 +122,8 @@ int run_command(const RunOptions& options, const FleetOptions& fleet_options, co
   install_stop_signals();
   const std::filesystem::path folder = std::filesystem::canonical(program).parent_path();
   const int domain = options.domain.value_or(own_domain());
-  std::vector<std::string> network{"--domain", std::to_string(domain)};
+  std::vector<std::string> network{"--domain", std::to_string(domain), "--datagram",
+                                   std::to_string(datagram_for_one_host)};
   const std::string discovery = discovery_of(options, scenario.robots.size());
   if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
   const RunFolder run_folder;

@@ -42,7 +42,7 @@ void wait_for_agents(DdsBus& bus, std::size_t robots) {
 }
 
 /// Exit code: 0 if every robot arrived.
-int run(const RunOptions& options) {
+int run(const RunOptions& options, int datagram) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   auto journal = journal_in(options.state, "planner_service");
   if (journal && !journal->complete())
@@ -50,8 +50,9 @@ int run(const RunOptions& options) {
         journal->file().string() +
         ": the disk was full when it was written, so that the run cannot go on from it: remove it");
   const std::vector<Message> kept = journal ? journal->take_recalled() : std::vector<Message>();
-  DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
-             "planner_service");
+  DdsBus bus(
+      {.domain = options.domain.value_or(0), .discovery = options.discovery, .largest_datagram = datagram},
+      Role::service, "planner_service");
   if (kept.empty()) wait_for_agents(bus, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,
@@ -84,10 +85,13 @@ int run(const RunOptions& options) {
 
 int main(int argc, char** argv) {
   RunOptions options;
+  int datagram = datagram_for_networks;
   CLI::App app{"Coppice planner service: missions in, progress and a report out"};
   app.set_version_flag("--version", COPPICE_VERSION);
   add_run_options(app, options);
   add_state_option(app, options);
+  app.add_option("--datagram", datagram, "largest UDP datagram, bytes: the default fits every network")
+      ->check(CLI::Range(datagram_for_networks, datagram_for_one_host));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {
@@ -96,7 +100,7 @@ int main(int argc, char** argv) {
   set_up_logging("planner_service", "info");
   install_stop_signals();
   try {
-    return run(options);
+    return run(options, datagram);
   } catch (const std::exception& problem) {
     std::cerr << problem.what() << '\n';
     return 2;

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   std::string name;
   std::string discovery;
   std::string state;
+  int datagram = datagram_for_networks;
   std::string level = "info";
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
@@ -26,6 +27,8 @@ int main(int argc, char** argv) {
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
   app.add_option("--state", state,
                  "folder in which it keeps where its robot is, for when it is started anew");
+  app.add_option("--datagram", datagram, "largest UDP datagram, bytes: the default fits every network")
+      ->check(CLI::Range(datagram_for_networks, datagram_for_one_host));
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
@@ -52,7 +55,8 @@ int main(int argc, char** argv) {
     Remembrance remembrance(name);
     remembrance.recall(kept);
     Keeper keeper(std::move(remembrance), journal ? &*journal : nullptr);
-    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery}, Role::agent, "robot_agent " + name);
+    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery, .largest_datagram = datagram},
+               Role::agent, "robot_agent " + name);
     RobotAgent agent(name);
     agent.recall(kept);
     spdlog::info("on domain {}", domain);

@@ -18,12 +18,15 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   std::string discovery;
   std::string state;
+  int datagram = datagram_for_networks;
   std::string level = "info";
   CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
+  app.add_option("--datagram", datagram, "largest UDP datagram, bytes: the default fits every network")
+      ->check(CLI::Range(datagram_for_networks, datagram_for_one_host));
   app.add_option("--seed", seed, "of every random choice");
   app.add_option("--state", state, "folder in which it keeps the forest, for when it is started anew");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
@@ -46,7 +49,8 @@ int main(int argc, char** argv) {
     ForestRecord record;
     record.recall(kept);
     Keeper keeper(std::move(record), journal ? &*journal : nullptr);
-    DdsBus bus({.domain = domain, .discovery = discovery}, Role::broker, "tree_broker");
+    DdsBus bus({.domain = domain, .discovery = discovery, .largest_datagram = datagram}, Role::broker,
+               "tree_broker");
     TreeBroker broker(id, seed);
     broker.recall(kept, wall_now());
     spdlog::info("broker {:016x} on domain {}", id, domain);
