@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <regex>
 
 #include <fmt/format.h>
 
@@ -32,6 +33,20 @@ std::string as_markdown(const Table& table) {
   text += "\n";
   for (const auto& row : table.rows) text += line(row);
   return text;
+}
+
+std::string as_json(const Table& table) {
+  static const std::regex number("-?[0-9]+([.][0-9]+)?");
+  std::string text = "[";
+  for (const auto& row : table.rows) {
+    text += text.size() == 1 ? "\n {" : ",\n {";
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string quote = std::regex_match(row[c], number) ? "" : "\"";
+      text += fmt::format("{}\"{}\": {}{}{}", c == 0 ? "" : ", ", table.header[c], quote, row[c], quote);
+    }
+    text += "}";
+  }
+  return text + "\n]\n";
 }
 
 void write_file(const std::filesystem::path& path, const std::string& content) {

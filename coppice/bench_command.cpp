@@ -3,6 +3,7 @@
 #include "bench/experiments.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/scale_bench.h"
 #include "coppice/sharing_bench.h"
 #include "files/map_file.h"
 #include "planning/map_generator.h"
@@ -31,6 +32,10 @@ int bench_command(const BenchOptions& options, const std::string& program) {
     experiment.robots = {2, 5, 10, 20};
     experiment.seeds = 5;
   }
+  if (options.experiment == "scale") {
+    experiment.maps = {"room"};
+    experiment.robots = {10, 20, 50, 100, 200};
+  }
   if (options.quick) {
     experiment.seeds = 3;
     experiment.maze_seeds = 1;
@@ -38,6 +43,7 @@ int bench_command(const BenchOptions& options, const std::string& program) {
     if (options.experiment == "paper") experiment.robots = {2, 10};
     if (options.experiment == "peers") experiment.robots = {10};
     if (options.experiment == "sharing") experiment.robots = {5};
+    if (options.experiment == "scale") experiment.robots = {4};
   }
   if (!options.maps.empty()) experiment.maps = options.maps;
   for (const std::string& map : experiment.maps) {
@@ -55,6 +61,9 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   if (options.experiment == "lifelong") bench_lifelong(experiment);
   if (options.experiment == "avoidance") bench_avoidance(experiment);
   if (options.experiment == "sharing") bench_sharing(experiment, program);
+  ScaleSettings scale{.time_scale = options.time_scale, .report = options.report};
+  if (options.quick) scale.fleet_seconds = 5;
+  if (options.experiment == "scale") bench_scale(experiment, scale, program);
   return 0;
 }
 

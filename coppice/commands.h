@@ -61,7 +61,7 @@ struct FuzzOptions {
 int fuzz_command(const FuzzOptions& options);
 
 struct BenchOptions {
-  std::string experiment;         ///< paper, peers, lifelong or sharing
+  std::string experiment;         ///< paper, peers, lifelong, avoidance, sharing or scale
   bool quick = false;             ///< few seeds and robots: does it still run?
   std::vector<std::string> maps;  ///< kinds or files
   std::vector<int> robots;
@@ -69,6 +69,8 @@ struct BenchOptions {
   std::optional<int> seeds;
   std::uint64_t first_seed = 1;
   std::string output = ".";
+  std::optional<double> time_scale{};  ///< of scale, fleet seconds a wall second; none: by the robots
+  std::string report{};                ///< of scale, JSON; empty: none
 };
 
 /// An experiment: writes its table as CSV and Markdown, and its plots. `program` is this executable.

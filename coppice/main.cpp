@@ -11,6 +11,7 @@
 #include "coppice/fault_options.h"
 #include "files/run_options.h"
 #include "files/scenario_generator.h"
+#include "planning/quantities.h"
 
 int main(int argc, char** argv) {
   using namespace coppice;
@@ -73,9 +74,10 @@ int main(int argc, char** argv) {
 
   BenchOptions bench;
   auto* experiments = app.add_subcommand("bench", "measure against other planners, or mission after mission");
-  experiments->add_option("experiment", bench.experiment, "paper, peers, lifelong, avoidance or sharing")
+  experiments
+      ->add_option("experiment", bench.experiment, "paper, peers, lifelong, avoidance, sharing or scale")
       ->required()
-      ->check(CLI::IsMember({"paper", "peers", "lifelong", "avoidance", "sharing"}));
+      ->check(CLI::IsMember({"paper", "peers", "lifelong", "avoidance", "sharing", "scale"}));
   experiments->add_flag("--quick", bench.quick, "few seeds and robots");
   experiments->add_option("--maps", bench.maps, "blank, dense, maze, room, or maps' files")->delimiter(',');
   experiments->add_option("--robots", bench.robots, "numbers of robots")
@@ -85,6 +87,11 @@ int main(int argc, char** argv) {
   experiments->add_option("--seeds", bench.seeds, "trials of each")->check(CLI::Range(1, 1000000));
   experiments->add_option("--seed", bench.first_seed, "the first one");
   experiments->add_option("--output", bench.output, "folder for the results")->check(CLI::ExistingDirectory);
+  experiments
+      ->add_option("--time-scale", bench.time_scale,
+                   "of scale: fleet seconds a wall second, instead of 1 for up to 50 robots")
+      ->check(CLI::Range(least_quantity, largest_time_scale));
+  experiments->add_option("--report", bench.report, "of scale: write the results (JSON)");
   experiments->callback([&] { exit_code = bench_command(bench, "/proc/self/exe"); });
 
   set_up_logging("coppice", "info");

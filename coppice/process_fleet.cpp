@@ -52,8 +52,8 @@ ProcessFleet::~ProcessFleet() {
   terminate_all(last_grace);
 }
 
-void ProcessFleet::start(const std::string& name, const std::vector<std::string>& command, Output output,
-                         int niceness) {
+pid_t ProcessFleet::start(const std::string& name, const std::vector<std::string>& command, Output output,
+                          int niceness) {
   if (access(command.front().c_str(), X_OK) != 0) {
     throw std::runtime_error(
         fmt::format("{}: {} cannot be started: {}", name, command.front(), std::strerror(errno)));
@@ -65,6 +65,7 @@ void ProcessFleet::start(const std::string& name, const std::vector<std::string>
   if (pid == 0) become(command, log, niceness, parent);
   running_.push_back({name, pid});
   starts_.insert_or_assign(name, Start{command, output, niceness});
+  return pid;
 }
 
 void ProcessFleet::start_again(const std::string& name) {

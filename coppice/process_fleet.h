@@ -24,9 +24,9 @@ class ProcessFleet {
   enum class Output { terminal, log };
 
   /// Starts `command` (program and arguments); the kernel ends it when this process is gone. `niceness`:
-  /// added to this process's. Throws std::runtime_error if it cannot be started.
-  void start(const std::string& name, const std::vector<std::string>& command, Output output,
-             int niceness = 0);
+  /// added to this process's. Returns its process id. Throws std::runtime_error if it cannot be started.
+  pid_t start(const std::string& name, const std::vector<std::string>& command, Output output,
+              int niceness = 0);
 
   /// The same again, of a child that has ended.
   void start_again(const std::string& name);

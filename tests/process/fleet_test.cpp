@@ -243,5 +243,24 @@ TEST(Fleet, TwoRunsAtOnceDoNotMeet) {
   EXPECT_EQ(second.report().robots_size(), 3);
 }
 
+TEST(CoppiceBench, MeasuresHowAFleetOfProcessesGrows) {
+  const test::TemporaryFolder folder;
+  const std::string json = (folder.path() / "scale.json").string();
+  const test::Outcome outcome =
+      test::shell(test::program("coppice") + " bench scale --quick --robots 3 --output " +
+                  folder.path().string() + " --report " + json);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string report = test::contents(json);
+  EXPECT_NE(report.find("\"robots\": 3,"), std::string::npos) << report;
+  EXPECT_NE(report.find("\"paths\": 3,"), std::string::npos) << report;
+  EXPECT_NE(report.find("\"collisions\": 0}"), std::string::npos) << report;
+  for (const char* measured : {"matched s", "states/agent/fleet s", "samples/agent/fleet s", "kB/s agent",
+                               "CPU % agent", "MB agent", "MB broker", "MB service", "age p50 ms"}) {
+    const auto at = report.find("\"" + std::string(measured) + "\": ");
+    ASSERT_NE(at, std::string::npos) << measured;
+    EXPECT_GT(std::atof(report.c_str() + at + std::string(measured).size() + 4), 0) << measured << report;
+  }
+}
+
 }  // namespace
 }  // namespace coppice

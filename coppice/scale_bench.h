@@ -1,0 +1,21 @@
+// How a fleet of processes grows: `coppice run` with more and more robots at the same density.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "bench/experiments.h"
+
+namespace coppice {
+
+struct ScaleSettings {
+  std::optional<double>
+      time_scale{};           ///< fleet seconds a wall second; none: as many robots as there are allow
+  double fleet_seconds = 30;  ///< of each run, in which every robot that arrives gets a new goal
+  std::string report{};       ///< JSON; empty: none
+};
+
+/// Writes scale.csv, scale.md and scale.svg. `program` is the coppice executable.
+void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings, const std::string& program);
+
+}  // namespace coppice
