@@ -1,0 +1,340 @@
+// What comes off the network: samples of each topic, from their bytes to what the roles make of them; what
+// participants announce; and addresses of discovery servers.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include <fastdds/rtps/attributes/ServerAttributes.h>
+
+#include "bus/dds_checked_type.h"
+#include "bus/dds_conversion.h"
+#include "bus/dds_transport.h"
+#include "bus/topics.h"
+#include "bus/validation.h"
+#include "planner_service/planner_service.h"
+#include "robot_agent/robot_agent.h"
+#include "tests/fuzz/targets.h"
+#include "tree_broker/tree_broker.h"
+
+namespace coppice::fuzz {
+
+namespace {
+
+constexpr std::size_t most_messages = 16;  // of a sequence: what is found is to be understood
+
+// --- a small fleet under way ---
+
+OccupancyMap room_with_a_door() {
+  OccupancyMap map{.width = 24, .height = 16, .blocked = std::vector<std::uint8_t>(384, 0)};
+  for (int j = 0; j < 16; ++j) map.blocked[static_cast<std::size_t>(j * 24 + 12)] = j < 6 || j > 9;
+  return map;
+}
+
+Scenario two_robots() {
+  Scenario scenario;
+  scenario.map_name = "room";
+  scenario.map = room_with_a_door();
+  scenario.robots = {{"a", {4, 8}, {20, 8}, 1, 4, 8, 0.5}, {"b", {20, 4}, {4, 4}, 1, 4, 8, 0.5}};
+  return scenario;
+}
+
+RobotState state_of_b(double stamp) {
+  return {.robot = "b",
+          .sequence = static_cast<std::uint32_t>(std::lround(20 * stamp)),
+          .stamp = stamp,
+          .position = {20, 4},
+          .radius = 1,
+          .max_speed = 4,
+          .max_acceleration = 8,
+          .phase = Phase::driving,
+          .promise = {stamp + 0.05, Point2::Zero(), stamp + 0.1},
+          .knot = {},
+          .echoes = {{"a", stamp - 0.05, stamp}}};
+}
+
+/// Agent a, a broker and a service; b is only heard of.
+class SmallFleet {
+ public:
+  SmallFleet() : service_(two_robots(), {.plan_budget = 0.01}, 0) {
+    for (const Message& m : service_.step(0)) give(m, 0);
+    for (const char* robot : {"a", "b"}) give(AgentStatus{.robot = robot, .reason = {}}, 0);
+    for (const Message& m : service_.step(3.5)) give(m, 3.5);  // the missions: fleet time is 0
+    for (int k = 0; k < 8; ++k) {
+      give(state_of_b(now() - 3.5), now());
+      step();
+    }
+  }
+
+  void give(const Message& message, WallTime at) {
+    const Arrival arrival = arrival_of(message, at);
+    std::visit(
+        [&]<class M>(const M&) {
+          if constexpr (Topic<M>::read_by(Role::agent)) agent_.on(arrival);
+          if constexpr (Topic<M>::read_by(Role::broker)) broker_.on(arrival);
+          if constexpr (Topic<M>::read_by(Role::service)) service_.on(arrival);
+        },
+        message);
+  }
+
+  /// A control period for all. What the agent says must be what others take.
+  void step() {
+    for (const Outgoing& said : agent_.step(now())) {
+      if (problem_with(said.message)) std::abort();
+    }
+    if (steps_ % 4 == 0) {
+      for (const Message& said : broker_.step(now())) {
+        if (problem_with(said)) std::abort();
+      }
+      service_.step(now());
+    }
+    ++steps_;
+  }
+  WallTime now() const { return 3.5 + 0.05 * steps_; }
+  void report() const {
+    if (service_.report().robots_size() != 2) std::abort();
+    (void)service_.picture();
+  }
+
+ private:
+  PlannerService service_;
+  TreeBroker broker_{1, 1};
+  RobotAgent agent_{"a"};
+  int steps_ = 0;
+};
+
+// --- samples ---
+
+/// As it comes off the bus, if it passes.
+template <class M>
+std::optional<Message> decoded(Bytes data) {
+  CheckedType<typename DdsType<M>::Support> type;
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(static_cast<std::uint32_t>(data.size()));
+  std::ranges::copy(data, payload.data);
+  payload.length = static_cast<std::uint32_t>(data.size());
+  typename DdsType<M>::Type sample;
+  if (!type.deserialize(&payload, &sample)) return std::nullopt;
+  eprosima::fastrtps::rtps::InstanceHandle_t key;
+  type.getKey(&sample, &key, false);
+  M message = from_dds(sample);
+  if (problem_with(message)) return std::nullopt;
+  if (from_dds(to_dds(message)) != message) std::abort();  // NaN is none of what passes
+  return message;
+}
+
+template <class M>
+Input encoded(const M& message) {
+  auto sample = to_dds(message);
+  typename DdsType<M>::Support type;
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(&sample)());
+  type.serialize(&sample, &payload);
+  return {payload.data, payload.data + payload.length};
+}
+
+template <class M>
+void topic(Bytes data) {
+  const auto message = decoded<M>(data);
+  if (!message) return;
+  SmallFleet fleet;
+  fleet.give(*message, fleet.now());
+  for (int k = 0; k < 24; ++k) fleet.step();
+  fleet.report();
+}
+
+std::string map_id() {
+  PlannerService service(two_robots(), {}, 0);
+  return std::get<MapMessage>(service.step(0).at(0)).map_id;
+}
+
+template <class M>
+std::vector<Input> topic_seeds();
+template <>
+std::vector<Input> topic_seeds<MapMessage>() {
+  return {encoded(MapMessage{"m", room_with_a_door(), {1, 0.5}})};
+}
+template <>
+std::vector<Input> topic_seeds<Mission>() {
+  const Mission mission{.robot = "a",
+                        .number = 2,
+                        .fleet_size = 2,
+                        .map_id = map_id(),
+                        .start = {4, 8},
+                        .goal = {4, 4},
+                        .radius = 1,
+                        .max_speed = 4,
+                        .max_acceleration = 8,
+                        .goal_tolerance = 0.5,
+                        .seed = 3,
+                        .plan_budget = 0.1,
+                        .clock = {3.5, 1}};
+  Mission cancelled = mission;
+  cancelled.cancelled = true;
+  Mission alone = mission;
+  alone.planner = PlannerKind::rrdt_star;
+  Mission other = mission;
+  other.planner = PlannerKind::rrt_star;
+  other.robot = "c";
+  return {encoded(mission), encoded(cancelled), encoded(alone), encoded(other)};
+}
+template <>
+std::vector<Input> topic_seeds<RootNodes>() {
+  return {encoded(RootNodes{
+      "a", 1, 0, {{Side::start, {4, 8}, -1}, {Side::start, {6, 8}, 0}, {Side::goal, {20, 8}, -1}}})};
+}
+template <>
+std::vector<Input> topic_seeds<InactiveTreeMessage>() {
+  return {encoded(InactiveTreeMessage{.tree = {1, 9},
+                                      .map_id = map_id(),
+                                      .radius = 1,
+                                      .nodes = {{{6, 8}, -1, 2}, {{10, 8}, 0, 1}, {{15, 8}, 1, 1}}})};
+}
+template <>
+std::vector<Input> topic_seeds<RobotState>() {
+  RobotState calls = state_of_b(0.45);
+  calls.stage = Stage::holding;
+  calls.knot = {1, "b", {12, 6}, 20};
+  RobotState passed_on = state_of_b(0.45);
+  passed_on.passed_on = true;
+  passed_on.velocity = {1, 1};
+  passed_on.promise.velocity = {2, 1};
+  passed_on.waits_for = "a";
+  RobotState stranger = state_of_b(0.45);
+  stranger.robot = "c";
+  return {encoded(state_of_b(0.45)), encoded(calls), encoded(passed_on), encoded(stranger)};
+}
+template <>
+std::vector<Input> topic_seeds<JointPlanMessage>() {
+  return {encoded(
+      JointPlanMessage{{1, "b", {12, 6}, 20},
+                       {{"b", 1, false}, {"a", 1, true}},
+                       {{1, {{4, 8}, {6, 8}}}, {0, {{20, 4}, {15, 8}, {10, 8}}}, {1, {{6, 8}, {4, 8}}}}})};
+}
+template <>
+std::vector<Input> topic_seeds<PathMessage>() {
+  return {encoded(PathMessage{"a", 1, {{4, 8}, {12, 8}, {20, 8}}})};
+}
+template <>
+std::vector<Input> topic_seeds<TrackMessage>() {
+  return {encoded(
+      TrackMessage{"b", 1, 0, {{0, {20, 4}, {0, 0}}, {0.05, {20, 4}, {1, 0}}, {0.1, {20.05, 4}, {0, 0}}}})};
+}
+template <>
+std::vector<Input> topic_seeds<AgentStatus>() {
+  return {encoded(AgentStatus{"a", 1, Phase::arrived, "why not", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, {}})};
+}
+template <>
+std::vector<Input> topic_seeds<BrokerStatus>() {
+  return {encoded(BrokerStatus{7, 1, 2, 3, 4, map_id(), 5})};
+}
+
+// --- one after the other ---
+
+template <std::size_t... K>
+std::optional<Message> decoded_of(std::size_t topic, Bytes data, std::index_sequence<K...>) {
+  std::optional<Message> message;
+  (void)((topic == K && (message = decoded<std::variant_alternative_t<K, Message>>(data), true)) || ...);
+  return message;
+}
+
+/// Each begins with the number of its topic, how many periods later it comes, and its length in two bytes.
+void sequence(Bytes data) {
+  constexpr auto topics = std::make_index_sequence<std::variant_size_v<Message>>();
+  SmallFleet fleet;
+  for (std::size_t count = 0; count < most_messages && data.size() >= 4; ++count) {
+    const std::size_t length = std::min<std::size_t>(data[2] | data[3] << 8, data.size() - 4);
+    for (int k = data[1] % 8; k > 0; --k) fleet.step();
+    if (const auto message = decoded_of(data[0] % topics.size(), data.subspan(4, length), topics))
+      fleet.give(*message, fleet.now());
+    data = data.subspan(4 + length);
+  }
+  for (int k = 0; k < 8; ++k) fleet.step();
+  fleet.report();
+}
+
+template <std::size_t... K>
+std::vector<Input> sequence_seeds(std::index_sequence<K...>) {
+  Input all;
+  const auto add = [&](std::size_t topic, const Input& sample) {
+    all.insert(all.end(),
+               {static_cast<std::uint8_t>(topic), 2, static_cast<std::uint8_t>(sample.size() & 0xff),
+                static_cast<std::uint8_t>(sample.size() >> 8)});
+    all.insert(all.end(), sample.begin(), sample.end());
+  };
+  // Of states, the one that calls to a knot, which the plan after it belongs to.
+  (add(K, topic_seeds<std::variant_alternative_t<K, Message>>()[K == 4 ? 1 : 0]), ...);
+  return {all};
+}
+std::vector<Input> sequence_seeds() {
+  return sequence_seeds(std::make_index_sequence<std::variant_size_v<Message>>());
+}
+
+// --- discovery ---
+
+Input text(std::string_view characters) {
+  return {characters.begin(), characters.end()};
+}
+
+void user_data(Bytes data) {
+  const RobotName robot = robot_of(data);
+  if (!robot.empty() && robot_of(user_data_of(robot)) != robot) std::abort();
+}
+std::vector<Input> user_data_seeds() {
+  return {user_data_of("r1"), text("robot="), text("enclave=/;")};
+}
+
+void announcement(Bytes data) {
+  (void)announcement_in(data);
+}
+std::vector<Input> announcement_seeds() {
+  Input message(20, 0);
+  const Input timestamp{0x09, 0x01, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+  const Input data{0x15, 0x05, 24, 0, 0, 0, 16, 0, 0, 1, 0, 0xc7, 0, 1,
+                   0,    0xc2, 0,  0, 0, 0, 3,  0, 0, 0, 1, 2,    3, 4};
+  message.insert(message.end(), timestamp.begin(), timestamp.end());
+  message.insert(message.end(), data.begin(), data.end());
+  return {message};
+}
+
+/// Names of hosts are left out: these would be asked for on the network.
+void discovery_servers(Bytes data) {
+  std::string servers(data.begin(), data.end());
+  if (servers.find_first_not_of("0123456789.:;[]- ") != std::string::npos) return;
+  eprosima::fastdds::rtps::RemoteServerList_t list;
+  (void)eprosima::fastdds::rtps::load_environment_server_info(servers, list);
+}
+std::vector<Input> discovery_servers_seeds() {
+  return {text("127.0.0.1:11811"), text(";10.0.0.1:65535;1.2.3.4"), text("[::1]:11811")};
+}
+
+template <class M>
+constexpr Target of_topic() {
+  return {Topic<M>::info.name, topic<M>, topic_seeds<M>};
+}
+
+constexpr std::array all{of_topic<MapMessage>(),
+                         of_topic<Mission>(),
+                         of_topic<RootNodes>(),
+                         of_topic<InactiveTreeMessage>(),
+                         of_topic<RobotState>(),
+                         of_topic<JointPlanMessage>(),
+                         of_topic<PathMessage>(),
+                         of_topic<TrackMessage>(),
+                         of_topic<AgentStatus>(),
+                         of_topic<BrokerStatus>(),
+                         Target{"sequence", sequence, sequence_seeds},
+                         Target{"user_data", user_data, user_data_seeds},
+                         Target{"announcement", announcement, announcement_seeds},
+                         Target{"discovery_servers", discovery_servers, discovery_servers_seeds}};
+
+}  // namespace
+
+std::span<const Target> bus_targets() {
+  return all;
+}
+
+}  // namespace coppice::fuzz

@@ -1,0 +1,151 @@
+// Maps, pictures and scenarios.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "files/input_error.h"
+#include "files/map_file.h"
+#include "files/scenario_file.h"
+#include "tests/fuzz/targets.h"
+
+namespace coppice::fuzz {
+
+namespace {
+
+/// Files of this process, under fixed names; removed at its end.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "coppice-fuzz-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  std::filesystem::path write(const char* name, Bytes content) const {
+    std::ofstream(path_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Bytes bytes(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+Input input(std::string_view text) {
+  return {bytes(text).begin(), bytes(text).end()};
+}
+
+const Folder& folder() {
+  static const Folder only;
+  return only;
+}
+
+/// Bad input is told by an InputError of one line, and by nothing else.
+template <class Fn>
+void expect_input_error_at_most(Fn&& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    if (std::string_view(error.what()).empty()) std::abort();
+  }
+}
+
+void check(const OccupancyMap& map) {
+  const auto cells = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
+  if (map.width < 1 || map.height < 1 || map.blocked.size() != cells || !(map.resolution > 0)) std::abort();
+}
+
+constexpr std::string_view small_map =
+    "type octile\nheight 4\nwidth 6\nmap\n......\n.@@...\n.T.S..\n......\n";
+
+void moving_ai_map(Bytes data) {
+  expect_input_error_at_most([&] { check(read_map(folder().write("a.map", data))); });
+}
+std::vector<Input> moving_ai_map_seeds() {
+  return {input(small_map), input("type octile\r\nheight 1\r\nwidth 1\r\nmap\r\n.\r\n")};
+}
+
+/// The YAML, a byte 0, and the picture: it may be named a.pgm or a.png.
+void ros_map(Bytes data) {
+  const auto cut = std::ranges::find(data, 0);
+  const auto yaml = static_cast<std::size_t>(cut - data.begin());
+  const auto picture = data.subspan(std::min(data.size(), yaml + 1));
+  folder().write("a.pgm", picture);
+  folder().write("a.png", picture);
+  expect_input_error_at_most([&] { check(read_map(folder().write("a.yaml", data.first(yaml)))); });
+}
+std::vector<Input> ros_map_seeds() {
+  const std::string fields = "resolution: 0.05\norigin: [-1.5, 2, 0.0]\n";
+  const std::string thresholds = "negate: 1\noccupied_thresh: 0.65\nfree_thresh: 0.196\nmode: scale\n";
+  // One grey pixel, as libpng writes it.
+  const std::string png(
+      "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0\0:~\x9bU\0\0\0\nIDATx\x9c"
+      "c\xf8\x0f\0\x01\x01\x01\0\x1b\xb6\xeeV\0\0\0\0IEND\xae"
+      "B`\x82",
+      67);
+  return {input("image: a.pgm\n" + fields + '\0' + "P5\n# by hand\n3 2\n255\n\x01\xfe\xff\x10\x20\x30"),
+          input("image: a.pgm\n" + fields + thresholds + '\0' + "P2 2 2 9\n0 9\n1 2\n"),
+          input("image: a.pgm\n" + fields + '\0' + "P5 1 1 65535\n\x01\xfe"),
+          input("image: a.png\n" + fields + "mode: raw\n" + '\0' + png)};
+}
+
+void scenario(const char* name, Bytes data) {
+  folder().write("m.map", bytes(small_map));
+  expect_input_error_at_most([&] {
+    const Scenario read = read_scenario(folder().write(name, data));
+    check(read.map);
+    if (read.robots.empty()) std::abort();
+  });
+}
+void scenario_json(Bytes data) {
+  scenario("s.json", data);
+}
+std::vector<Input> scenario_json_seeds() {
+  return {
+      input(R"({"map": "m.map", "radius": 0.4, "max_speed": 2, "max_acceleration": 3, "goal_tolerance": 0.5,
+ "seed": 7, "robots": [{"name": "r1", "start": {"x": 0.5, "y": 0.5}, "goal": {"x": 5.5, "y": 3.5}},
+ {"name": "r2", "radius": 0.3, "max_speed": 1, "start": {"x": 5.5, "y": 0.5}, "goal": {"x": 0.5, "y": 3.5}}]})"),
+      input(R"({"map": "m.map", "robots": []})")};
+}
+void scenario_scen(Bytes data) {
+  scenario("s.scen", data);
+}
+std::vector<Input> scenario_scen_seeds() {
+  return {input("version 1\n0\tm.map\t6\t4\t0\t0\t5\t3\t6.8\n1\tm.map\t6\t4\t5\t0\t0\t3\t6.8\n")};
+}
+
+constexpr std::array all{Target{"moving_ai_map", moving_ai_map, moving_ai_map_seeds},
+                         Target{"ros_map", ros_map, ros_map_seeds},
+                         Target{"scenario_json", scenario_json, scenario_json_seeds},
+                         Target{"scenario_scen", scenario_scen, scenario_scen_seeds}};
+
+}  // namespace
+
+std::span<const Target> file_targets() {
+  return all;
+}
+
+const Target* find_target(std::string_view name) {
+  for (const auto& targets : {file_targets(), bus_targets()}) {
+    for (const Target& target : targets) {
+      if (target.name == name) return &target;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace coppice::fuzz
