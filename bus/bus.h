@@ -2,6 +2,8 @@
 #pragma once
 
 #include <concepts>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -33,6 +35,14 @@ struct Outgoing {
 
   Message message;
   std::optional<std::vector<RobotName>> agents{};  ///< none: all of them
+};
+
+/// What a bus has counted since it was opened.
+struct BusCounts {
+  std::size_t rejected = 0;  ///< samples that failed validation
+  std::size_t agents = 0;    ///< readers of robot states that are matched, of others
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_received = 0;
 };
 
 template <class B>

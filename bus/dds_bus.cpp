@@ -1,11 +1,13 @@
 #include "bus/dds_bus.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include <fastdds/dds/core/condition/StatusCondition.hpp>
 #include <fastdds/dds/core/condition/WaitSet.hpp>
@@ -22,7 +24,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
+#include "bus/dds_senders.h"
 #include "bus/dds_static_endpoints.h"
 #include "bus/dds_transport.h"
 #include "bus/dds_type_objects.h"
@@ -53,6 +57,7 @@ constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after
 constexpr int static_announcement_period = 10;      // seconds
 constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
 constexpr int most_taken = 1000;                    // samples of a topic at a time
+constexpr double longest_held = 1;                  // seconds until its sender must be known
 constexpr std::size_t rejections_logged = 10;       // then every thousandth
 
 template <class T>
@@ -85,7 +90,8 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
 }
 
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender,
-                                          Audience& audience, Announcements& announcements) {
+                                          Audience& audience, Announcements& announcements,
+                                          Traffic& traffic) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
   qos.user_data().data_vec(user_data_of(settings.robot));
@@ -95,8 +101,8 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
       settings.discovery.empty() && usual_servers != nullptr ? usual_servers : settings.discovery;
   const bool by_servers =
       !discovery.empty() && discovery != static_discovery && discovery != multicast_discovery;
-  qos.transport().user_transports.push_back(
-      sparing_udp_transport(audience, by_servers ? nullptr : &announcements, settings.largest_datagram));
+  qos.transport().user_transports.push_back(sparing_udp_transport(
+      audience, by_servers ? nullptr : &announcements, traffic, settings.largest_datagram));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
@@ -154,17 +160,19 @@ void number(std::uint16_t id, Qos& qos) {
   qos.endpoint().entity_id = static_cast<std::int16_t>(id);
 }
 
-/// Tells the audience who is where.
+/// Tells the audience who is where, and the senders who is who.
 class Discoveries final : public dds::DomainParticipantListener {
  public:
-  explicit Discoveries(Audience& audience) : audience_(audience) {}
+  Discoveries(Audience& audience, Senders& senders) : audience_(audience), senders_(senders) {}
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     audience_.discover(info);
+    senders_.discover(info);
   }
 
  private:
   Audience& audience_;
+  Senders& senders_;
 };
 
 /// The ends of one topic in this process; either may be missing.
@@ -188,7 +196,9 @@ struct DdsBus::Implementation {
   Role role;
   Audience audience;
   Announcements announcements;
-  Discoveries discoveries{audience};
+  Traffic traffic;
+  Senders senders;
+  Discoveries discoveries{audience, senders};
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
@@ -197,7 +207,13 @@ struct DdsBus::Implementation {
              Ends<BrokerStatus>>
       topics;
   dds::WaitSet wait_set;
-  bool more = false;  ///< the last take left samples behind
+  struct Received {
+    Arrival arrival;
+    eprosima::fastrtps::rtps::GuidPrefix_t from;
+    std::string_view topic;
+  };
+  std::vector<Received> held;  ///< of senders that are not known yet
+  bool more = false;           ///< the last take left samples behind
   std::size_t rejected = 0;
   std::size_t lost = 0;
 
@@ -211,6 +227,7 @@ struct DdsBus::Implementation {
     if (participant->enable() != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
       throw std::runtime_error(
           "DDS could not enable the participant (are all of the domain's ports in use?)");
+    senders.note_own(participant->guid().guidPrefix, settings.robot);
     announcements.begin();
   }
 
@@ -228,9 +245,10 @@ struct DdsBus::Implementation {
     dds::DomainParticipantFactoryQos later = usual;
     later.entity_factory().autoenable_created_entities = false;
     factory->set_qos(later);
-    auto* const created = factory->create_participant(
-        static_cast<std::uint32_t>(settings.domain),
-        participant_qos(settings, sender, audience, announcements), &discoveries, dds::StatusMask::none());
+    auto* const created =
+        factory->create_participant(static_cast<std::uint32_t>(settings.domain),
+                                    participant_qos(settings, sender, audience, announcements, traffic),
+                                    &discoveries, dds::StatusMask::none());
     factory->set_qos(usual);
     return required(created, "a participant (is the domain between 0 and 232?)");
   }
@@ -239,7 +257,7 @@ struct DdsBus::Implementation {
   void open(Ends<M>& ends) {
     using T = Topic<M>;
     if (!T::written_by(role) && !T::read_by(role)) return;
-    dds::TypeSupport type(new typename DdsType<M>::Support());
+    dds::TypeSupport type(new CheckedType<typename DdsType<M>::Support>());
     // Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and it cannot parse Fast
     // DDS's; and type objects alone keep Fast DDS 2.9's own endpoints from matching. Names and QoS decide who
     // matches.
@@ -283,11 +301,40 @@ struct DdsBus::Implementation {
       if (const auto problem = problem_with(message)) {
         reject(Topic<M>::info.name, *problem);
       } else {
-        out.push_back(arrival_of(std::move(message), seconds(info.reception_timestamp)));
+        const auto writer = eprosima::fastrtps::rtps::iHandle2GUID(info.publication_handle);
+        hand_over({arrival_of(std::move(message), seconds(info.reception_timestamp)), writer.guidPrefix,
+                   Topic<M>::info.name},
+                  out);
       }
       if (taken < most_taken) continue;
       more = true;
       return;
+    }
+  }
+
+  /// If it comes from whom it says. What comes from one who is not known yet is held back: where endpoints
+  /// are matched by a table, they are just before their participant is told of.
+  void hand_over(Received received, std::vector<Arrival>& out) {
+    const RobotName* const robot = sender_of(*received.arrival.message);
+    const auto sender = robot != nullptr ? senders.robot_of(received.from) : std::nullopt;
+    const bool waits = std::ranges::find(held, received.from, &Received::from) != held.end();
+    if (robot == nullptr || (sender == *robot && !waits)) {
+      out.push_back(std::move(received.arrival));
+    } else if (!sender || waits) {
+      held.push_back(std::move(received));
+    } else {
+      reject(received.topic, "it is not from the agent of the robot that it names");
+    }
+  }
+
+  /// What was held back, if its senders are known by now.
+  void hand_over_held(WallTime now, std::vector<Arrival>& out) {
+    for (Received& received : std::exchange(held, {})) {
+      if (!senders.robot_of(received.from) && now - received.arrival.at > longest_held) {
+        reject(received.topic, "it is from nobody that is known");
+      } else {
+        hand_over(std::move(received), out);
+      }
     }
   }
 
@@ -324,6 +371,8 @@ void DdsBus::publish(const Outgoing& outgoing) {
 std::vector<Arrival> DdsBus::take() {
   std::vector<Arrival> out;
   implementation_->more = false;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  implementation_->hand_over_held(std::chrono::duration<double>(now).count(), out);
   std::apply([&](auto&... ends) { (implementation_->drain(ends, out), ...); }, implementation_->topics);
   return out;
 }
@@ -357,5 +406,13 @@ template std::size_t DdsBus::matched_readers<MapMessage>() const;
 template std::size_t DdsBus::matched_readers<Mission>() const;
 template std::size_t DdsBus::matched_readers<RobotState>() const;
 template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
+
+/// An agent is matched with itself, too.
+BusCounts DdsBus::counts() const {
+  return {.rejected = rejected(),
+          .agents = std::max<std::size_t>(1, matched_readers<RobotState>()) - 1,
+          .bytes_sent = implementation_->traffic.bytes_sent,
+          .bytes_received = implementation_->traffic.bytes_received};
+}
 
 }  // namespace coppice

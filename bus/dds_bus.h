@@ -34,7 +34,7 @@ inline constexpr int datagram_for_one_host = 65'500;
 
 struct DdsSettings {
   int domain = 0;     ///< 0..232; fleets on different domains do not see each other
-  RobotName robot{};  ///< of an agent: what is not for it is not sent to it
+  RobotName robot{};  ///< of an agent: it speaks for this one alone, and is not sent what is not for it
   /// One of the above, or discovery servers as "HOST:PORT", several after each other with ";" between them.
   /// Empty: the servers of ROS_DISCOVERY_SERVER, or by multicast if that is not set either.
   std::string discovery{};
@@ -60,7 +60,8 @@ class DdsBus {
   /// Until something arrives or `seconds` are over; true if something arrived.
   bool wait(double seconds);
 
-  /// Samples that were dropped because they failed validation.
+  BusCounts counts() const;
+  /// Samples that were dropped because they failed validation, or came from another than they say.
   std::size_t rejected() const;
   /// Samples that could not be written.
   std::size_t lost() const;

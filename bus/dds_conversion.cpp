@@ -308,6 +308,17 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
   d.trees_grafted(m.trees_grafted);
   d.track_points(m.track_points);
   d.rejected(m.rejected);
+  d.samples_received(m.load.samples_received);
+  d.states_received(m.load.states_received);
+  d.periods(m.load.periods);
+  d.periods_missed(m.load.periods_missed);
+  d.agents_matched(m.load.agents_matched);
+  d.matched_at(m.load.matched_at);
+  d.bytes_sent(m.load.bytes_sent);
+  d.bytes_received(m.load.bytes_received);
+  d.state_age_p50(m.load.state_age_p50);
+  d.state_age_p99(m.load.state_age_p99);
+  d.state_age_max(m.load.state_age_max);
   return d;
 }
 
@@ -327,7 +338,18 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
           .trees_received = d.trees_received(),
           .trees_grafted = d.trees_grafted(),
           .track_points = d.track_points(),
-          .rejected = d.rejected()};
+          .rejected = d.rejected(),
+          .load = {.samples_received = d.samples_received(),
+                   .states_received = d.states_received(),
+                   .periods = d.periods(),
+                   .periods_missed = d.periods_missed(),
+                   .agents_matched = d.agents_matched(),
+                   .matched_at = d.matched_at(),
+                   .bytes_sent = d.bytes_sent(),
+                   .bytes_received = d.bytes_received(),
+                   .state_age_p50 = d.state_age_p50(),
+                   .state_age_p99 = d.state_age_p99(),
+                   .state_age_max = d.state_age_max()}};
 }
 
 idl::BrokerStatus to_dds(const BrokerStatus& m) {

@@ -135,11 +135,12 @@ class SparingTransport final : public transport::ChainingTransport {
  public:
   SparingTransport(const transport::ChainingTransportDescriptor& descriptor,
                    std::unique_ptr<transport::TransportDescriptorInterface> configuration, Audience& audience,
-                   Announcements* announcements)
+                   Announcements* announcements, Traffic& traffic)
       : ChainingTransport(descriptor),
         configuration_(std::move(configuration)),
         audience_(audience),
-        announcements_(announcements) {}
+        announcements_(announcements),
+        traffic_(traffic) {}
 
   transport::TransportDescriptorInterface* get_configuration() override { return configuration_.get(); }
 
@@ -157,24 +158,27 @@ class SparingTransport final : public transport::ChainingTransport {
       };
       return send_to(is_due, udp, message, size, begin, end, timeout);
     }
-    return udp->send(message, size, begin, end, timeout);
+    const auto all = [](const rtps::Locator_t&) { return true; };
+    return send_to(all, udp, message, size, begin, end, timeout);
   }
 
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    traffic_.bytes_received += size;
     next->OnDataReceived(message, size, local, remote);
   }
 
  private:
   template <class Wanted>
-  static bool send_to(Wanted&& wanted, rtps::SenderResource* udp, const rtps::octet* message,
-                      std::uint32_t size, rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
-                      const std::chrono::steady_clock::time_point& timeout) {
+  bool send_to(Wanted&& wanted, rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
+               rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
+               const std::chrono::steady_clock::time_point& timeout) {
     transport::LocatorList chosen;
     for (; *begin != *end; ++*begin) {
       if (wanted(**begin)) chosen.push_back(**begin);
     }
     if (chosen.empty()) return true;
+    traffic_.bytes_sent += std::uint64_t{size} * chosen.size();
     rtps::Locators first(chosen.begin());
     rtps::Locators last(chosen.end());
     return udp->send(message, size, &first, &last, timeout);
@@ -183,30 +187,33 @@ class SparingTransport final : public transport::ChainingTransport {
   std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
   Audience& audience_;
   Announcements* announcements_;
+  Traffic& traffic_;
 };
 
 struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor {
   SparingTransportDescriptor(const std::shared_ptr<transport::TransportDescriptorInterface>& udp, Audience& a,
-                             Announcements* n)
-      : ChainingTransportDescriptor(udp), audience(a), announcements(n) {}
+                             Announcements* n, Traffic& t)
+      : ChainingTransportDescriptor(udp), audience(a), announcements(n), traffic(t) {}
   transport::TransportInterface* create_transport() const override {
     auto configuration = std::make_unique<SparingTransportDescriptor>(*this);
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the interface's way
-    return new SparingTransport(*this, std::move(configuration), audience, announcements);
+    return new SparingTransport(*this, std::move(configuration), audience, announcements, traffic);
   }
   Audience& audience;
   Announcements* announcements;
+  Traffic& traffic;
 };
 
 }  // namespace
 
 std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(Audience& audience,
                                                                                Announcements* announcements,
+                                                                               Traffic& traffic,
                                                                                int largest_datagram) {
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = receive_buffer;
   udp->maxMessageSize = static_cast<std::uint32_t>(largest_datagram);
-  return std::make_shared<SparingTransportDescriptor>(udp, audience, announcements);
+  return std::make_shared<SparingTransportDescriptor>(udp, audience, announcements, traffic);
 }
 
 }  // namespace coppice

@@ -65,6 +65,12 @@ class Audience {
   std::map<eprosima::fastrtps::rtps::Locator_t, Agent> agent_at_;
 };
 
+/// What this process's sockets carry.
+struct Traffic {
+  std::atomic<std::uint64_t> bytes_sent = 0;  ///< of all datagrams, without their headers
+  std::atomic<std::uint64_t> bytes_received = 0;
+};
+
 /// What a participant's user data says of the robot whose agent it is; empty: it is none.
 std::vector<std::uint8_t> user_data_of(const RobotName& robot);
 RobotName robot_of(std::span<const std::uint8_t> user_data);
@@ -96,9 +102,9 @@ class Announcements {
       told_;
 };
 
-/// Of UDPv4 transports that do so. Both must outlive the participant. `announcements`: null where it
+/// Of UDPv4 transports that do so. All must outlive the participant. `announcements`: null where it
 /// announces itself to discovery servers only, which acknowledge what they hear. `largest_datagram`: bytes.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> sparing_udp_transport(
-    Audience& audience, Announcements* announcements, int largest_datagram);
+    Audience& audience, Announcements* announcements, Traffic& traffic, int largest_datagram);
 
 }  // namespace coppice

@@ -106,6 +106,16 @@ struct Promise {
   bool operator==(const Promise&) const = default;
 };
 
+/// Of two epochs of knots, whether the first is the later one. They count round (RFC 1982, serial numbers),
+/// so that there is a later one to each, also to one that nobody honestly came to; 0 is before all.
+constexpr bool is_later_epoch(std::uint32_t epoch, std::uint32_t other) {
+  if (epoch == 0 || other == 0) return epoch > other;
+  return epoch != other && epoch - other <= ~std::uint32_t{0} / 2;
+}
+constexpr std::uint32_t epoch_after(std::uint32_t epoch) {
+  return epoch + 1 == 0 ? 1 : epoch + 1;
+}
+
 /// Names a knot, a joint plan in the making or under way of the robots within reach of a place: a later epoch
 /// overrides an earlier one, and in one epoch the leader of the lower name.
 struct KnotId {
@@ -116,7 +126,7 @@ struct KnotId {
 
   bool includes(const Point2& p) const { return (p - place).norm() <= reach; }
   bool overrides(const KnotId& other) const {
-    return epoch != other.epoch ? epoch > other.epoch : leader < other.leader;
+    return epoch != other.epoch ? is_later_epoch(epoch, other.epoch) : leader < other.leader;
   }
   bool operator==(const KnotId&) const = default;
 };
@@ -206,6 +216,22 @@ struct TrackMessage {
   bool operator==(const TrackMessage&) const = default;
 };
 
+/// What an agent's process has to do, since it began.
+struct AgentLoad {
+  std::uint32_t samples_received = 0;  ///< of all topics
+  std::uint32_t states_received = 0;   ///< of these: states of other robots, copies included
+  std::uint32_t periods = 0;           ///< of control
+  std::uint32_t periods_missed = 0;    ///< of these: over before the process came to decide for them
+  std::uint32_t agents_matched = 0;    ///< others that are told of its states
+  WallTime matched_at = 0;             ///< when the last of these was matched
+  std::uint64_t bytes_sent = 0;        ///< in UDP datagrams, without their headers
+  std::uint64_t bytes_received = 0;
+  double state_age_p50 = 0;  ///< of a neighbour's state when the robot decides by it, seconds of fleet time;
+  double state_age_p99 = 0;  ///< to within a tenth
+  double state_age_max = 0;
+  bool operator==(const AgentLoad&) const = default;
+};
+
 /// agent_status: agent -> service, monitor. On every change and at a slow beat.
 struct AgentStatus {
   RobotName robot;
@@ -224,6 +250,7 @@ struct AgentStatus {
   std::uint32_t trees_grafted = 0;
   std::uint32_t track_points = 0;  ///< how many the agent has sent in all
   std::uint32_t rejected = 0;      ///< messages dropped as invalid
+  AgentLoad load{};
   bool operator==(const AgentStatus&) const = default;
 };
 

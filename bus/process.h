@@ -38,6 +38,7 @@ void run_role_once(DdsBus& bus, R& role, K& keeper) {
   }
   const WallTime now = wall_now();
   if (role.next_wake() > now) return;
+  if constexpr (requires { role.note(bus.counts(), now); }) role.note(bus.counts(), now);
   for (auto& said : role.step(now)) {
     const Outgoing outgoing(std::move(said));
     keeper.said(outgoing.message);

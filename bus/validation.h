@@ -5,6 +5,8 @@
 #include <string>
 
 #include "bus/messages.h"
+#include "planning/clearance_field.h"
+#include "planning/quantities.h"
 
 namespace coppice {
 
@@ -14,11 +16,23 @@ inline constexpr std::size_t longest_name = 64;
 inline constexpr std::size_t most_echoes = 32;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
-/// Coordinates, radii, speeds and times beyond this (metres, seconds and their quotients) are nonsense on any
-/// site.
-inline constexpr double largest_quantity = 1e9;
+/// Robots of a fleet: as many as a joint plan may have members.
+inline constexpr std::size_t most_robots = 4096;
+/// Nobody binds itself for longer, seconds: who is silent would not count as dead before.
+inline constexpr double longest_promise = 600;
+/// The ways of a joint plan altogether, and the side of the square that they lie in, both in radii of its
+/// smallest robot: what takes it up cuts them into pieces of that size.
+inline constexpr double longest_joint_plan = 4e6;
+inline constexpr double widest_joint_plan = largest_map_side;
 
 /// What is wrong with the message, or nothing.
 std::optional<std::string> problem_with(const Message& message);
+
+/// Whether the tree keeps the clearance that it claims: what others say of the map is looked at before a path
+/// may lead along it.
+bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field);
+
+/// The robot whose agent alone may send this; null for what others send, or pass on.
+const RobotName* sender_of(const Message& message);
 
 }  // namespace coppice

@@ -69,7 +69,9 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
   if (const auto line = lines.next("\"map\""); line != "map") {
     lines.fail(fmt::format("expected \"map\", found \"{}\"", line.substr(0, 40)));
   }
-  map.blocked.reserve(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
+  // A header may claim what does not follow.
+  map.blocked.reserve(
+      std::min(text.size(), static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height)));
   for (int j = 0; j < map.height; ++j) {
     const std::string_view row = lines.next(fmt::format("row {} of {}", j + 1, map.height).c_str());
     if (row.size() != static_cast<std::size_t>(map.width)) {

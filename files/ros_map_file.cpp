@@ -12,6 +12,7 @@
 #include "files/input_error.h"
 #include "files/map_file.h"
 #include "files/text_file.h"
+#include "planning/quantities.h"
 
 namespace coppice {
 
@@ -78,6 +79,9 @@ Picture read_pgm(const std::filesystem::path& path) {
     fail(path, fmt::format("truncated: {} x {} pixels need {} bytes, found {}", width, height, pixels * bytes,
                            data.size() - std::min(data.size(), at + 1)));
   }
+  // Else a header of a few bytes would take the memory of a large map.
+  if (magic == "P2" && (data.size() - at) / 2 < pixels)
+    fail(path, fmt::format("truncated: {} x {} pixels need more than {} bytes", width, height, data.size()));
   ++at;  // the one white space that ends the header
   picture.shades.reserve(pixels);
   for (std::size_t k = 0; k < pixels; ++k) {
@@ -183,7 +187,8 @@ OccupancyMap read_ros_map(const std::filesystem::path& path) {
   }
   try {
     map.origin = {origin[0].as<double>(), origin[1].as<double>()};
-    if (!map.origin.allFinite()) fail(path, "origin: expected finite numbers");
+    if (!is_sane(map.origin.x()) || !is_sane(map.origin.y()))
+      fail(path, fmt::format("origin: expected finite numbers, at most {}", largest_quantity));
     if (origin.size() == 3 && origin[2].as<double>() != 0)
       fail(path, "origin: a turned map (yaw other than 0) is not supported");
   } catch (const YAML::Exception&) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "files/report_file.h"
+#include "planning/quantities.h"
 
 namespace coppice {
 
@@ -44,7 +45,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--radius", options.overrides.radius, "of every robot, metres")->check(above_zero);
   command.add_option("--max-speed", options.overrides.max_speed, "of every robot, m/s")->check(above_zero);
   command.add_option("--seed", options.overrides.seed, "of every random choice");
-  command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")->check(above_zero);
+  command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")
+      ->check(CLI::Range(least_quantity, largest_time_scale));
   command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")->check(above_zero);
   command
       .add_option("--lifelong", options.lifelong,

@@ -1,7 +1,6 @@
 #include "files/scenario_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <sstream>
 #include <string>
@@ -13,6 +12,7 @@
 #include "files/map_file.h"
 #include "files/text_file.h"
 #include "planning/clearance_field.h"
+#include "planning/quantities.h"
 #include "scenario.pb.h"
 
 namespace coppice {
@@ -31,11 +31,13 @@ constexpr std::size_t longest_robot_name = 64;
   throw InputError(fmt::format("{}: {}: {}", path.string(), field, problem));
 }
 
-double checked_positive(std::optional<double> value, double otherwise, const std::filesystem::path& path,
-                        const std::string& field) {
+double checked_size(std::optional<double> value, double otherwise, const std::filesystem::path& path,
+                    const std::string& field) {
   const double chosen = value.value_or(otherwise);
-  if (!std::isfinite(chosen) || chosen <= 0) {
-    fail(path, field, fmt::format("{} is not allowed, expected a number above 0", chosen));
+  if (!is_sane_size(chosen)) {
+    fail(path, field,
+         fmt::format("{} is not allowed, expected a number above 0, from {} to {}", chosen, least_quantity,
+                     largest_quantity));
   }
   return chosen;
 }
@@ -172,13 +174,13 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   const ClearanceField field(map);
   const double cell = map.resolution;
   const double radius =
-      checked_positive(options.radius ? options.radius : optional_field(file.has_radius(), file.radius()),
-                       default_radius_cells * cell, path, "radius");
-  const double speed = checked_positive(
+      checked_size(options.radius ? options.radius : optional_field(file.has_radius(), file.radius()),
+                   default_radius_cells * cell, path, "radius");
+  const double speed = checked_size(
       options.max_speed ? options.max_speed : optional_field(file.has_max_speed(), file.max_speed()),
       default_speed_cells * cell, path, "max_speed");
-  const double tolerance = checked_positive(optional_field(file.has_goal_tolerance(), file.goal_tolerance()),
-                                            default_tolerance_cells * cell, path, "goal_tolerance");
+  const double tolerance = checked_size(optional_field(file.has_goal_tolerance(), file.goal_tolerance()),
+                                        default_tolerance_cells * cell, path, "goal_tolerance");
   std::set<std::string> names;
   for (int i = 0; i < count; ++i) {
     const proto::Scenario::Robot& robot = file.robots(i);
@@ -187,13 +189,20 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     RobotTask task;
     task.name = robot.name();
     // What the command line says holds for every robot.
-    task.radius = options.radius.value_or(
-        checked_positive(optional_field(robot.has_radius(), robot.radius()), radius, path, at + ".radius"));
-    task.max_speed = options.max_speed.value_or(checked_positive(
-        optional_field(robot.has_max_speed(), robot.max_speed()), speed, path, at + ".max_speed"));
-    task.max_acceleration =
-        checked_positive(optional_field(file.has_max_acceleration(), file.max_acceleration()),
-                         speeds_a_second * task.max_speed, path, "max_acceleration");
+    task.radius =
+        checked_size(options.radius ? options.radius : optional_field(robot.has_radius(), robot.radius()),
+                     radius, path, at + ".radius");
+    task.max_speed = checked_size(
+        options.max_speed ? options.max_speed : optional_field(robot.has_max_speed(), robot.max_speed()),
+        speed, path, at + ".max_speed");
+    task.max_acceleration = checked_size(optional_field(file.has_max_acceleration(), file.max_acceleration()),
+                                         speeds_a_second * task.max_speed, path, "max_acceleration");
+    if (!can_brake(task.max_speed, task.max_acceleration)) {
+      fail(path, "max_acceleration",
+           fmt::format("{} takes {} longer than {} s to brake from {}, expected at least {}",
+                       task.max_acceleration, task.name, longest_braking, task.max_speed,
+                       task.max_speed / longest_braking));
+    }
     task.goal_tolerance = tolerance;
     task.start =
         checked_place(robot.has_start(), robot.start(), field, task.radius, map, path, at + ".start");

@@ -1,8 +1,8 @@
 #include "files/text_file.h"
 
+#include <array>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -11,12 +11,25 @@
 
 namespace coppice {
 
+namespace {
+
+// The largest map as a plain picture; and a name in a file may be that of a device without an end.
+constexpr std::size_t largest_file = std::size_t{2} << 30;
+
+}  // namespace
+
 std::string read_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in || std::filesystem::is_directory(path)) {
     throw InputError(fmt::format("{}: cannot be read: no such file, or no right to read it", path.string()));
   }
-  std::string content{std::istreambuf_iterator<char>(in), {}};
+  std::string content;
+  std::array<char, 65536> block{};
+  while (in.read(block.data(), block.size()) || in.gcount() > 0) {
+    content.append(block.data(), static_cast<std::size_t>(in.gcount()));
+    if (content.size() > largest_file)
+      throw InputError(fmt::format("{}: expected at most {} bytes", path.string(), largest_file));
+  }
   if (in.bad()) throw InputError(fmt::format("{}: reading failed", path.string()));
   return content;
 }

@@ -14,6 +14,20 @@ namespace coppice {
 
 namespace {
 
+void describe(const AgentLoad& load, proto::Report::Load& to) {
+  to.set_samples_received(load.samples_received);
+  to.set_states_received(load.states_received);
+  to.set_periods(load.periods);
+  to.set_periods_missed(load.periods_missed);
+  to.set_agents_matched(load.agents_matched);
+  to.set_matched_at(load.matched_at);
+  to.set_bytes_sent(load.bytes_sent);
+  to.set_bytes_received(load.bytes_received);
+  to.set_state_age_p50(load.state_age_p50);
+  to.set_state_age_p99(load.state_age_p99);
+  to.set_state_age_max(load.state_age_max);
+}
+
 constexpr WallTime beat = 0.1;             // seconds between looks at what has changed
 constexpr WallTime agent_lease = 5;        // seconds without a status: the agent counts as lost
 constexpr WallTime first_sign_lease = 30;  // seconds until an agent must have appeared at all
@@ -21,6 +35,10 @@ constexpr WallTime longest_wait_for_tracks = 3;
 constexpr WallTime longest_wait_for_forest = 3;
 constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
 constexpr int most_goal_draws = 1000;
+constexpr double largest_clock_error = 3600;           // fleet seconds
+constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
+constexpr std::size_t most_root_nodes = 1'000'000;     // of a robot, for the picture
+constexpr std::size_t most_brokers = 1000;             // that a run has seen: each start is another one
 // A picture with more edges than that shows nothing but ink.
 constexpr std::size_t most_picture_edges = 100'000;
 
@@ -89,6 +107,7 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
 }
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
+  if (brokers_.size() >= most_brokers && !brokers_.contains(status.broker)) return;
   brokers_[status.broker] = status;
   if (!forest_size_ && status.covered_map == map_id_) forest_size_ = status.trees_published;
   if (!missions_published_) next_wake_ = begun_;
@@ -104,10 +123,16 @@ void PlannerService::receive(const PathMessage& path, WallTime) {
   if (from_the_start) last = path.waypoints;
 }
 
-void PlannerService::receive(const TrackMessage& batch, WallTime) {
+void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   const auto known = robots_.find(batch.robot);
   if (known == robots_.end()) return;
   auto& points = known->second.track.points;
+  // The report looks at each second between the first and the last: agents whose clocks are that far off are
+  // nothing that it could tell of.
+  const double fleet_now = clock_.fleet_time(now);
+  const bool fits = batch.points.empty() || (batch.points.front().time >= -largest_clock_error &&
+                                             batch.points.back().time <= fleet_now + largest_clock_error);
+  if (!fits || points.size() + batch.points.size() > most_track_points) return;
   for (std::size_t i = 0; i < batch.points.size(); ++i) {
     // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in
     // the count.
@@ -120,7 +145,8 @@ void PlannerService::receive(const RootNodes& batch, WallTime) {
   const auto known = robots_.find(batch.robot);
   if (known == robots_.end() || batch.mission != known->second.mission) return;
   auto& nodes = known->second.root_nodes;
-  if (batch.first_index == nodes.size()) nodes.insert(nodes.end(), batch.nodes.begin(), batch.nodes.end());
+  if (batch.first_index == nodes.size() && nodes.size() < most_root_nodes)
+    nodes.insert(nodes.end(), batch.nodes.begin(), batch.nodes.end());
 }
 
 void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
@@ -337,13 +363,19 @@ std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
 /// wall's clock.
 double PlannerService::plan_time() const {
   double last_mission = 0;
-  double last_path = 0;
   for (const auto& [name, robot] : robots_) {
-    if (!robot.first_status) continue;
-    last_mission = std::max(last_mission, robot.first_status->mission_time);
-    last_path = std::max(last_path, robot.first_status->path_time);
+    if (robot.first_status) last_mission = std::max(last_mission, robot.first_status->mission_time);
   }
-  return std::max(0.0, last_path - last_mission) / settings_.time_scale;
+  return std::max(0.0, last_path() - last_mission) / settings_.time_scale;
+}
+
+/// Of the first missions, fleet time.
+double PlannerService::last_path() const {
+  double last = 0;
+  for (const auto& [name, robot] : robots_) {
+    if (robot.first_status) last = std::max(last, robot.first_status->path_time);
+  }
+  return last;
 }
 
 /// Of the first missions: from the last first path until the last robot had the path that it drives, seconds
@@ -402,6 +434,7 @@ proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) cons
     row->set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
     row->set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
     row->set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
+    if (robot.status) describe(status.load, *row->mutable_load());
     report.set_run_time(std::max(report.run_time(), row->run_time()));
     report.set_nodes_valid(report.nodes_valid() + row->nodes_valid());
     report.set_nodes_invalid(report.nodes_invalid() + row->nodes_invalid());
@@ -418,6 +451,7 @@ proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) cons
                                     : "incomplete");
   report.set_plan_time(plan_time());
   report.set_improve_time(improve_time());
+  report.set_last_path_at(clock_.wall_time(last_path()));
   report.set_path_length(planned > 0 ? path_sum / planned : 0);
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);

@@ -114,6 +114,7 @@ class PlannerService {
   bool tracks_complete() const;
   std::string reason_of(const Robot& robot, bool at_goal) const;
   double plan_time() const;
+  double last_path() const;
   double improve_time() const;
 
   Scenario scenario_;

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "bus/validation.h"
 #include "robot_agent/limits.h"
 
 namespace coppice {
@@ -13,6 +14,7 @@ namespace {
 constexpr double good_clock = 0.003;  // seconds: six centimetres' drive
 constexpr std::size_t usual_neighbours = 32;
 constexpr double prompt_sample = 0.01;  // seconds
+constexpr double set_clock = 60;        // seconds: clocks are not set by more while a fleet drives
 constexpr double recent_echo = 0.8;     // seconds: less than it takes a robot to think that nobody hears it
 
 Commitment standing_for_ever_at(const Point2& position) {
@@ -47,6 +49,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     own_mission_ = mission;
     return;
   }
+  if (!has_room_for(mission.robot)) return;
   Peer& p = peer(mission.robot);
   if (!p.mission && !p.state) p.heard_at = arrived;
   if (!p.state) {
@@ -58,8 +61,9 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
 }
 
 bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
-  if (state->robot == self_) return false;
+  if (state->robot == self_ || !has_room_for(state->robot)) return false;
   Peer& p = peer(state->robot);
+  if (state->passed_on && is_doubtful(*state, p, arrived)) return false;
   if (has_clock_) {
     const double now = clock_.fleet_time(arrived);
     p.clock.hear(state->stamp, now);
@@ -95,13 +99,34 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   return true;
 }
 
+/// New names cost memory and time for ever: past what a fleet may be, they are nobody's.
+bool Fleet::has_room_for(const RobotName& robot) const {
+  return peers_.size() < most_robots || index_.find(robot).has_value();
+}
+
+/// Others may pass on what they like of a robot: nothing from its future, and not that it has said something
+/// newer where it is heard itself. It is passed on again.
+bool Fleet::is_doubtful(const RobotState& passed_on, const Peer& p, WallTime arrived) const {
+  if (!has_clock_) return false;
+  const double now = clock_.fleet_time(arrived);
+  const bool heard_itself =
+      p.state && !p.state->passed_on && !p.dead && since(p.heard_at, now) < relay_from * second();
+  return is_from_the_future(passed_on.stamp, p, now) || (heard_itself && passed_on.stamp > p.state->stamp);
+}
+
+/// By far: later than it can be by the other's clock, even if that was set a little.
+bool Fleet::is_from_the_future(double stamp, const Peer& p, double now) const {
+  return p.clock.known() &&
+         stamp > now - p.clock.estimate() + p.clock.error(now) + set_clock * std::max(1.0, clock_.scale);
+}
+
 bool Fleet::echoed(double now) const {
   return now - own_echo_ < recent_echo * second();
 }
 
 void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double now) {
   for (const Echo& echo : state.echoes) {
-    if (echo.robot != self_) continue;
+    if (echo.robot != self_ || echo.stamp > now) continue;  // nobody has heard what is still to be said
     clock.hear_echo(echo.stamp, echo.received, now);
     own_echo_ = std::max(own_echo_, echo.stamp);
   }
@@ -118,7 +143,8 @@ void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& ne
   }
 }
 
-std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, double horizon, double now) {
+std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, double horizon, double now,
+                                         AgeCount& ages) {
   std::vector<Neighbour> near;
   near.reserve(usual_neighbours);
   for (Peer& p : peers_) {
@@ -133,6 +159,7 @@ std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, d
         p.away_until = now + (distance - far) / closing_speed(p);
         continue;
       }
+      if (p.clock.known()) ages.add(now - s.stamp - p.clock.estimate());
     }
     add_neighbours(p, now, near);
   }

@@ -18,6 +18,7 @@
 #include "motion/promise.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
+#include "robot_agent/age_count.h"
 #include "robot_agent/interest.h"
 #include "robot_agent/loss.h"
 
@@ -25,6 +26,10 @@ namespace coppice {
 
 /// Seconds of fleet time between two decisions: 20 Hz. The same for the whole fleet.
 inline constexpr double control_period = 0.05;
+
+/// Who falls silent may have sent states that only some have heard: from so many seconds on they are passed
+/// on.
+inline constexpr double relay_from = 0.5;
 
 /// What a robot knows of one robot of the fleet, itself or another.
 struct FleetMember {
@@ -68,8 +73,9 @@ class Fleet {
   int copies() const { return copies_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
-  /// `position` and stays within `reach` of it.
-  std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now);
+  /// `position` and stays within `reach` of it. Counts how old what is known of them is.
+  std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now,
+                                    AgeCount& ages);
 
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
@@ -154,6 +160,9 @@ class Fleet {
   };
 
   Peer& peer(const RobotName& robot);
+  bool has_room_for(const RobotName& robot) const;
+  bool is_doubtful(const RobotState& passed_on, const Peer& peer, WallTime arrived) const;
+  bool is_from_the_future(double stamp, const Peer& peer, double now) const;
   /// What counts as a second of silence, in fleet time: one of the wall's clock, and never less than states
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }

@@ -17,16 +17,26 @@ constexpr double patience = 5;        // seconds without progress though nobody 
 constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
 constexpr double same_place = 0.01;   // metres between where a plan begins and where the robot stands
 
+/// Whether a disc there reaches into the map.
+bool is_on(const ClearanceField& field, const Point2& p, double radius) {
+  const Box<2> box = field.bounds();
+  return (p.array() >= box.lower.array() - radius).all() && (p.array() <= box.upper.array() + radius).all();
+}
+
 }  // namespace
 
 void Knot::join(const KnotId& id) {
   let_go();
   id_ = id;
-  latest_epoch_ = std::max(latest_epoch_, id.epoch);
+  note_epoch(id.epoch);
   stage_ = Stage::holding;
   holding_since_.reset();
   plan_.reset();
   stranded_ = false;
+}
+
+void Knot::note_epoch(std::uint32_t epoch) {
+  if (is_later_epoch(epoch, latest_epoch_)) latest_epoch_ = epoch;
 }
 
 void Knot::let_go() {
@@ -37,7 +47,7 @@ void Knot::let_go() {
 }
 
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
-  latest_epoch_ = std::max(latest_epoch_, state.knot.epoch);
+  note_epoch(state.knot.epoch);
   const bool called_on = calls_this(state.knot);
   const bool through = stage_ == Stage::ordered && state.stage == Stage::free && state.knot == id_;
   if (!called_on && !through) return;  // nearly all
@@ -73,7 +83,7 @@ void Knot::begin(const FleetMember& self, double reach, double now) {
   const bool moved = (self.position - called_from_).norm() > self.radius / 2;
   calls_in_vain_ = moved ? 0 : calls_in_vain_ + 1;
   if (moved) called_from_ = self.position;
-  join({latest_epoch_ + 1, robot_, self.position, reach});
+  join({epoch_after(latest_epoch_), robot_, self.position, reach});
   holding_since_ = now;
   called_at_ = now;
 }
@@ -102,7 +112,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
 }
 
 /// Plans as soon as everybody alive within reach holds in this knot and stands. Who stands elsewhere and
-/// wants to go nowhere is an obstacle.
+/// wants to go nowhere is an obstacle. Who says to be off the map is neither.
 void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now) {
   if (planner_) {
     if (planner_->step()) publish(self, now);
@@ -112,14 +122,20 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   led_ = {self};
   std::vector<JointTask> obstacles;
   for (const FleetMember& m : fleet.others()) {
+    if (!is_on(places.field(), m.position, 0)) continue;
     const bool holds = !m.dead && m.knot == id_ && m.stage == Stage::holding;
     if (holds) led_.push_back(m);
     if (!holds && m.parked) obstacles.push_back({m.position, m.position, m.radius, false});
   }
-  for (const Disc& dead : fleet.places_of_the_dead(self.position, now))
-    obstacles.push_back({dead.centre, dead.centre, dead.radius, false});
+  for (const Disc& dead : fleet.places_of_the_dead(self.position, now)) {
+    if (is_on(places.field(), dead.centre, dead.radius))
+      obstacles.push_back({dead.centre, dead.centre, dead.radius, false});
+  }
   std::vector<JointTask> tasks;
-  for (const FleetMember& m : led_) tasks.push_back({m.position, m.goal, m.radius, true});
+  for (const FleetMember& m : led_) {
+    const bool has_goal = is_on(places.field(), m.goal, 0);
+    tasks.push_back({m.position, has_goal ? m.goal : m.position, m.radius, true});
+  }
   tasks.insert(tasks.end(), obstacles.begin(), obstacles.end());
   planner_ = std::make_unique<JointPlanner>(places, std::move(tasks), Random(id_.epoch));
 }

@@ -81,6 +81,7 @@ class Knot {
 
   bool calls_this(const KnotId& knot) const { return knot.epoch > forgotten_ && knot.overrides(id_); }
   void join(const KnotId& id);
+  void note_epoch(std::uint32_t epoch);
   void begin(const FleetMember& self, double reach, double now);
   void let_go();
   void lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);

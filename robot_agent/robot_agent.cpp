@@ -4,6 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "motion/free_way.h"
+#include "planning/quantities.h"
+#include "bus/validation.h"
 #include "planning/suggestions.h"
 #include "robot_agent/limits.h"
 
@@ -39,7 +42,11 @@ constexpr double lease_for_delay = 4;
 constexpr double fair_pace = 0.5;  // of the preferred speed
 constexpr double beside = 1.3;     // sums of radii between two that hinder each other
 constexpr double level = 0.1;      // the same, of the lead of one that is not ahead
-constexpr double crawl = 0.05;     // of the largest speed: what is slower is held up
+// A process that slept longer than that, fleet seconds, or whose clock was set, does not live through each
+// period.
+constexpr double longest_sleep = 600;
+constexpr std::size_t most_tree_nodes = 4'000'000;  // as many as a broker grows
+constexpr double crawl = 0.05;                      // of the largest speed: what is slower is held up
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
 // meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
@@ -58,7 +65,9 @@ Point2 leaning_right(const Point2& v, double stalled) {
 
 /// States wait for the next control step; everything else is looked at when it comes.
 void RobotAgent::on(const Arrival& arrival) {
+  ++load_.samples_received;
   if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
+    ++load_.states_received;
     const auto position = body_ ? std::optional(body_->position()) : std::nullopt;
     if (fleet_.hear({arrival.message, state}, arrival.at)) knot_.hear(*state, position);
     return;
@@ -71,18 +80,37 @@ void RobotAgent::on(const Arrival& arrival) {
   next_wake_ = std::min(next_wake_, arrival.at);
 }
 
+void RobotAgent::note(const BusCounts& counts, WallTime now) {
+  rejected_by_bus_ = static_cast<std::uint32_t>(counts.rejected);
+  if (counts.agents > load_.agents_matched) load_.matched_at = now;
+  load_.agents_matched = static_cast<std::uint32_t>(counts.agents);
+  load_.bytes_sent = counts.bytes_sent;
+  load_.bytes_received = counts.bytes_received;
+}
+
 void RobotAgent::receive(const MapMessage& message, WallTime) {
   if (map_ && map_->map_id == message.map_id) return;
   map_ = message;
-  std::erase_if(trees_, [&](const InactiveTreeMessage& tree) {
-    const bool of_another = tree.map_id != message.map_id;
-    if (of_another) tree_ids_.erase(tree.tree);
-    return of_another;
-  });
+  forget_trees([&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
+}
+
+void RobotAgent::forget_trees(const std::function<bool(const InactiveTreeMessage&)>& which) {
+  std::erase_if(trees_, which);
+  tree_nodes_ = 0;
+  tree_ids_.clear();
+  for (const InactiveTreeMessage& tree : trees_) {
+    tree_nodes_ += tree.nodes.size();
+    tree_ids_.insert(tree.tree);
+  }
   status_.trees_received = static_cast<std::uint32_t>(trees_.size());
 }
 
+/// Fleet time so far from now that its fractions are lost is not one to live by.
 void RobotAgent::receive(const Mission& mission, WallTime arrived) {
+  if (!is_sane(mission.clock.fleet_time(arrived))) {
+    ++impossible_;
+    return;
+  }
   const bool of_another_run = fleet_.run() && *fleet_.run() != mission.clock;
   if (of_another_run && mission.clock.epoch < fleet_.run()->epoch) return;
   if (of_another_run) begin_run();
@@ -95,6 +123,8 @@ void RobotAgent::begin_run() {
   fresh.map_ = std::move(map_);
   fresh.trees_ = std::move(trees_);
   fresh.tree_ids_ = std::move(tree_ids_);
+  fresh.tree_nodes_ = tree_nodes_;
+  fresh.impossible_ = impossible_;
   fresh.status_.trees_received = status_.trees_received;
   *this = std::move(fresh);
 }
@@ -102,7 +132,14 @@ void RobotAgent::begin_run() {
 /// A tree may come again, from a broker that has taken over.
 void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
   if (map_ && tree.map_id != map_->map_id) return;
-  if (!tree_ids_.insert(tree.tree).second) return;
+  if (tree_ids_.contains(tree.tree)) return;
+  const bool is_known_map = ground_ && ground_->map_id == tree.map_id;
+  if (tree_nodes_ + tree.nodes.size() > most_tree_nodes || (is_known_map && !is_free(tree, ground_->field))) {
+    ++impossible_;
+    return;
+  }
+  tree_ids_.insert(tree.tree);
+  tree_nodes_ += tree.nodes.size();
   trees_.push_back(tree);
   ++status_.trees_received;
   if (status_.phase == Phase::waiting) status_changed_ = true;  // the service waits for that
@@ -129,6 +166,9 @@ void RobotAgent::begin_mission(WallTime now) {
     knot_ = Knot(name_);
     improver_.reset();
     ground_ = grounds_->of(*map_);
+    const std::size_t before = trees_.size();
+    forget_trees([&](const InactiveTreeMessage& tree) { return !is_free(tree, ground_->field); });
+    impossible_ += static_cast<std::uint32_t>(before - trees_.size());
   }
   const double fleet_now = mission.clock.fleet_time(now);
   status_ = AgentStatus{.robot = name_,
@@ -143,9 +183,26 @@ void RobotAgent::begin_mission(WallTime now) {
   if (!body_) place_body(mission, fleet_now);
   found_.reset();
   times_stranded_ = 0;
-  look_for_a_path();
   lets_others_finish_ = true;
+  if (const char* const problem = problem_with_task()) {
+    follower_.reset();
+    finder_.reset();
+    status_.path_time = fleet_now;
+    status_.reason = problem;
+    return enter(Phase::no_path);
+  }
+  look_for_a_path();
   enter(Phase::planning);
+}
+
+/// Of the mission, on this map; null if there is none.
+const char* RobotAgent::problem_with_task() const {
+  const ClearanceField& field = ground_->field;
+  if (!field.is_free(body_->position(), body_->radius() - driving_rounding))
+    return "no path: the start is inside of an obstacle, or not on the map";
+  if (!field.is_free(mission_->goal, mission_->radius))
+    return "no path: the goal is inside of an obstacle, or not on the map";
+  return nullptr;
 }
 
 void RobotAgent::place_body(const Mission& mission, double fleet_now) {
@@ -301,7 +358,13 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   if (fleet_now - body_->time() > grace) heard_again_at_ = fleet_now + grace;
   // Where it wakes late it leaves out no number, if it drives, and no beat: gaps are what others have lost.
   const std::uint32_t next_beat = sequence_ - sequence_ % standing_stride + standing_stride;
+  int periods = 0;
   while (body_->time() + period <= fleet_now) {
+    if (body_->stands() && fleet_now - body_->time() > longest_sleep) {
+      pass_over(fleet_now);
+      continue;
+    }
+    ++periods;
     track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
@@ -311,6 +374,8 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   }
   if (!due) return;
 
+  load_.periods += static_cast<std::uint32_t>(periods);
+  load_.periods_missed += static_cast<std::uint32_t>(std::max(0, periods - periods_expected_));
   decide(fleet_now);
   // Counted by periods and not by steps: one that sleeps, or wakes late, misses none.
   const std::uint32_t beats = sequence_ / standing_stride;
@@ -318,6 +383,13 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   speak(fleet_now, beat, out);
   if (beat) pass_on_last_words(fleet_now, out);
   if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
+  periods_expected_ = periods_to_next_control();
+}
+
+/// It stood all that time, and goes on standing now.
+void RobotAgent::pass_over(double fleet_now) {
+  body_.emplace(body_->position(), std::floor(fleet_now / period) * period, body_->radius(), body_->limits(),
+                period);
 }
 
 void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out) {
@@ -484,7 +556,7 @@ std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) {
   const Limits& limits = body_->limits();
   const double horizon = std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * period;
   const double reach = body_->radius() + horizon * limits.max_speed;
-  return fleet_.neighbours(body_->position(), reach, horizon, fleet_now);
+  return fleet_.neighbours(body_->position(), reach, horizon, fleet_now, ages_);
 }
 
 FleetMember RobotAgent::self() const {
@@ -566,6 +638,11 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   const bool beat = status_changed_ || now >= next_status_;
   if (!track_.empty() && (beat || track_.size() >= track_batch)) say_track(out);
   if (!beat) return;
+  status_.rejected = rejected_by_bus_ + impossible_;
+  load_.state_age_p50 = ages_.at_share(0.5);
+  load_.state_age_p99 = ages_.at_share(0.99);
+  load_.state_age_max = ages_.most();
+  status_.load = load_;
   out.emplace_back(status_);
   status_changed_ = false;
   next_status_ = now + status_beat;

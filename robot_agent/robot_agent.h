@@ -4,6 +4,7 @@
 // (driver.h) exists from the first mission on, whatever the robot is doing.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -17,6 +18,7 @@
 #include "motion/path_follower.h"
 #include "motion/trail.h"
 #include "planning/path_improvement.h"
+#include "robot_agent/age_count.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/ground.h"
 #include "robot_agent/knot.h"
@@ -39,6 +41,8 @@ class RobotAgent {
   void on(const Arrival& arrival);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
   std::vector<Outgoing> step(WallTime now);
+  /// What the process's bus has counted, for the status.
+  void note(const BusCounts& counts, WallTime now);
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
 
@@ -55,6 +59,8 @@ class RobotAgent {
   void begin_mission(WallTime now);
   void place_body(const Mission& mission, double fleet_now);
   void go_on_from(const Memory& memory, double fleet_now);
+  void forget_trees(const std::function<bool(const InactiveTreeMessage&)>& which);
+  const char* problem_with_task() const;
   void look_for_a_path(Path known = {});
   Path way_back_to_the_path() const;
   PathImprover<ClearanceField>& improver();
@@ -64,6 +70,7 @@ class RobotAgent {
   void improve(WallTime now, std::vector<Outgoing>& out);
   void control(double fleet_now, std::vector<Outgoing>& out);
   void pass_on_last_words(double fleet_now, std::vector<Outgoing>& out);
+  void pass_over(double fleet_now);
   void decide(double fleet_now);
   bool stands_as_newcomer(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
@@ -100,6 +107,12 @@ class RobotAgent {
   double improver_radius_ = 0;
   std::vector<InactiveTreeMessage> trees_;  ///< of this map
   std::set<TreeId> tree_ids_;               ///< of all these
+  std::size_t tree_nodes_ = 0;              ///< of all of these
+  std::uint32_t impossible_ = 0;            ///< messages that this map, or this time, contradicts
+  std::uint32_t rejected_by_bus_ = 0;
+  AgeCount ages_;
+  int periods_expected_ = 1;  ///< until the next decision
+  AgentLoad load_;
   Fleet fleet_;
 
   std::optional<Memory> memory_;    ///< until its mission comes

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "planning/quantities.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/limits.h"
 
@@ -28,12 +29,11 @@ constexpr double longest_muster = 10;
 constexpr double lost_in_a_row = 10;
 constexpr double slow_beat = standing_stride * control_period;  // of one that stands close by
 constexpr double looks_at_silence = 0.5;                        // seconds between two
-// Who falls silent may have sent states that only some have heard: in this time they are passed on.
-constexpr double relay_from = 0.5;
-constexpr double relay_until = 4;
+constexpr double relay_until = 4;          // seconds in which the last states of the silent are passed on
 constexpr std::size_t sure_witnesses = 3;  // the others may pause just then
 constexpr double rests_clear = 0.9;        // of its radius: it may have turned a little
 constexpr double rests_radii = 0.25;       // between the places where a dead robot may stand
+constexpr double most_rests = 1e6;         // of one robot, whatever it says of its size and speed
 
 /// Until a robot stands that decides nothing more after this state.
 double time_to_rest(const RobotState& s) {
@@ -58,7 +58,7 @@ void Fleet::hear_of_the_missing(const RobotState& state, double now) {
     if (!known) continue;
     Peer& p = peers_[*known];
     const double newest = p.state ? std::max(p.echoed, p.state->stamp) : p.echoed;
-    if (echo.stamp <= newest) continue;
+    if (echo.stamp <= newest || is_from_the_future(echo.stamp, p, now)) continue;
     p.echoed = echo.stamp;
     p.echoed_at = now;
   }
@@ -227,7 +227,9 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
     return;
   }
   const RobotState& s = *p.state;
-  p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, rests_radii * s.radius);
+  const double furthest = s.max_speed * (unheard * control_period + longest_braking);
+  const double step = std::max(rests_radii * s.radius, furthest / most_rests);
+  p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, step);
   const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
     return !field.is_free(q, rests_clear * s.radius) || room_at(q, position_, now) < s.radius + standing_gap;
   });

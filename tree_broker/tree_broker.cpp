@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/validation.h"
 #include "planning/suggestions.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr int iterations_a_step = 500;         // about half a millisecond: roots that come near are seen soon
-constexpr WallTime status_period = 0.5;        // seconds
+constexpr int iterations_a_step = 500;   // about half a millisecond: roots that come near are seen soon
+constexpr WallTime status_period = 0.5;  // seconds
+constexpr std::size_t most_waiting_trees = 10'000;
 constexpr WallTime lease = 1.5;                // seconds without a status: who leads counts as gone
 constexpr WallTime first_listening = 1;        // seconds: who leads says so twice
 constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
@@ -54,15 +56,22 @@ void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
 
 /// One that another broker grew, or this one before it was started anew.
 void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
-  if (!forest_ || map_->map_id != tree.map_id) return waiting_trees_.push_back(tree);
-  const auto [known, fresh] = forest_->inactive.try_emplace(tree.tree);
-  if (!fresh) return;
+  if (!forest_ || map_->map_id != tree.map_id) {
+    if (waiting_trees_.size() < most_waiting_trees) waiting_trees_.push_back(tree);
+    return;
+  }
+  if (forest_->inactive.contains(tree.tree)) return;
+  if (forest_->planner.trees().node_count() + tree.nodes.size() > most_nodes ||
+      !is_free(tree, forest_->field)) {
+    ++impossible_;
+    return;
+  }
   FrozenTree<2> frozen{.radius = tree.radius, .nodes = {}, .parents = {}};
   for (const InactiveTreeMessage::Node& node : tree.nodes) {
     frozen.nodes.push_back(node.position);
     frozen.parents.push_back(node.parent);
   }
-  known->second = forest_->planner.add_inactive_tree(frozen);
+  forest_->inactive.emplace(tree.tree, forest_->planner.add_inactive_tree(frozen));
   forest_->unsaid.push_back(tree.tree);
 }
 
@@ -92,7 +101,11 @@ bool TreeBroker::another_leads(WallTime now) const {
 /// Every mission that is not over is a group; a newer one of the same robot ends the older.
 void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   if (!map_ || map_->map_id != mission.map_id) {
-    waiting_missions_[mission.robot] = mission;
+    if (waiting_missions_.size() < most_robots || waiting_missions_.contains(mission.robot)) {
+      waiting_missions_[mission.robot] = mission;
+    } else {
+      ++impossible_;
+    }
     return;
   }
   const auto known = groups_.find(mission.robot);
@@ -113,6 +126,10 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
 void TreeBroker::receive(const RootNodes& batch, WallTime) {
   const auto known = groups_.find(batch.robot);
   if (known == groups_.end() || known->second.mission != batch.mission) return;
+  if (forest_->planner.trees().node_count() + batch.nodes.size() > most_nodes) {
+    ++impossible_;
+    return;
+  }
   for (std::size_t i = 0; i < batch.nodes.size(); ++i) {
     // A batch that is delivered again brings nothing new.
     if (batch.first_index + i < known->second.nodes_received) continue;
@@ -185,7 +202,10 @@ InactiveTreeMessage TreeBroker::describe(const TreeId& id) const {
 }
 
 BrokerStatus TreeBroker::status() const {
-  BrokerStatus status{.broker = id_, .leads = leads(), .leading_since = leads_since_.value_or(0)};
+  BrokerStatus status{.broker = id_,
+                      .leads = leads(),
+                      .leading_since = leads_since_.value_or(0),
+                      .rejected = static_cast<std::uint32_t>(rejected_by_bus_) + impossible_};
   if (forest_) {
     status.trees_published = static_cast<std::uint32_t>(forest_->inactive.size());
     status.nodes_valid = forest_->planner.disjointed_counts().valid;

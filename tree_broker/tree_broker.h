@@ -35,6 +35,8 @@ class TreeBroker {
   void recall(std::span<const Message> known, WallTime now);
 
   void on(const Arrival& arrival);
+  /// What the process's bus has counted, for the status.
+  void note(const BusCounts& counts, WallTime) { rejected_by_bus_ = counts.rejected; }
   /// Grows for about a millisecond if there is something to grow; returns what is to be published.
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
@@ -92,6 +94,8 @@ class TreeBroker {
   std::uint32_t frozen_ = 0;  ///< by this broker
   std::optional<WallTime> leads_since_;
   WallTime listens_until_ = 0;
+  std::size_t rejected_by_bus_ = 0;
+  std::uint32_t impossible_ = 0;  ///< messages that were too many
   WallTime next_wake_ = 0;
   WallTime next_status_ = 0;
 };

@@ -9,15 +9,26 @@
 #include <set>
 #include <thread>
 
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
 
+#include "bus/dds_conversion.h"
 #include "bus/dds_discovery_server.h"
+#include "bus/dds_transport.h"
+#include "bus/topics.h"
 #include "tests/support.h"
 
 namespace coppice {
 namespace {
 
+namespace dds = eprosima::fastdds::dds;
 using Clock = std::chrono::steady_clock;
 
 /// Domains of this test alone: tests of one run may overlap with a fleet on the same machine.
@@ -102,7 +113,7 @@ bool holds(const std::vector<Message>& all, const Message& wanted) {
 
 TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   DdsBus service({.domain = domain}, Role::service, "service");
-  DdsBus agent({.domain = domain}, Role::agent, "agent");
+  DdsBus agent({.domain = domain, .robot = "r1"}, Role::agent, "agent");
   DdsBus broker({.domain = domain}, Role::broker, "broker");
   DdsBus other({.domain = domain}, Role::agent, "other");
 
@@ -114,7 +125,23 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   const Message plan = JointPlanMessage{
       {4, "r1"}, {{"r1", 5, false}, {"r2", 4.5, true}}, {{1, {{0, 0}, {1, 2}}}, {0, {{3, 4}}}}};
   const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}};
-  const Message status = AgentStatus{"r1", 3, Phase::no_path, "why not", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  const Message status = AgentStatus{"r1",
+                                     3,
+                                     Phase::no_path,
+                                     "why not",
+                                     1,
+                                     2,
+                                     3,
+                                     4,
+                                     5,
+                                     6,
+                                     7,
+                                     8,
+                                     9,
+                                     10,
+                                     11,
+                                     12,
+                                     {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}};
   const Message broker_status = BrokerStatus{1ull << 50, true, 1.5, 2, 3, 4, 5, "some-map", 6};
   service.publish(map);
   service.publish(mission);
@@ -171,6 +198,91 @@ TEST(DdsBus, ImpossibleSamplesAreDroppedAndCounted) {
   EXPECT_EQ(all.size(), 1u);
   EXPECT_TRUE(holds(all, good));
   EXPECT_EQ(agent.rejected(), 1u);
+}
+
+/// Sends bytes of one's own as samples of a topic.
+template <class M>
+class RawWriter {
+ public:
+  RawWriter(int on, const RobotName& robot) {
+    auto* const factory = dds::DomainParticipantFactory::get_instance();
+    dds::DomainParticipantQos qos;
+    qos.user_data().data_vec(user_data_of(robot));
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(
+        std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
+    participant_ = factory->create_participant(static_cast<std::uint32_t>(on), qos);
+    auto* const type = new Type();  // DDS's own from here on
+    type->bytes = &bytes_;
+    type->auto_fill_type_information(false);
+    type->auto_fill_type_object(false);
+    eprosima::fastdds::dds::TypeSupport(type).register_type(participant_);
+    dds::Topic* const topic =
+        participant_->create_topic(std::string(Topic<M>::info.name), type->getName(), dds::TOPIC_QOS_DEFAULT);
+    dds::DataWriterQos writer;
+    writer.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
+    writer.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+    writer_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT)->create_datawriter(topic, writer);
+  }
+  ~RawWriter() {
+    participant_->delete_contained_entities();
+    dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+  }
+  RawWriter(const RawWriter&) = delete;
+  RawWriter& operator=(const RawWriter&) = delete;
+
+  void write(std::vector<std::uint8_t> bytes) {
+    bytes_ = std::move(bytes);
+    typename DdsType<M>::Type sample;
+    sample.robot("raw");
+    ASSERT_TRUE(writer_->write(&sample));
+  }
+
+ private:
+  struct Type : DdsType<M>::Support {
+    const std::vector<std::uint8_t>* bytes = nullptr;
+    bool serialize(void*, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+      payload->length = static_cast<std::uint32_t>(bytes->size());
+      std::ranges::copy(*bytes, payload->data);
+      return true;
+    }
+    std::function<std::uint32_t()> getSerializedSizeProvider(void*) override {
+      return [this] { return static_cast<std::uint32_t>(bytes->size()); };
+    }
+  };
+  std::vector<std::uint8_t> bytes_;
+  dds::DomainParticipant* participant_ = nullptr;
+  dds::DataWriter* writer_ = nullptr;
+};
+
+template <class M>
+std::vector<std::uint8_t> bytes_of(const M& message) {
+  auto sample = to_dds(message);
+  typename DdsType<M>::Support type;
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(type.getSerializedSizeProvider(&sample)());
+  type.serialize(&sample, &payload);
+  return {payload.data, payload.data + payload.length};
+}
+
+TEST(DdsBus, BytesThatAreNoSampleAreDroppedAndCounted) {
+  DdsBus agent({.domain = domain + 15, .robot = "r2"}, Role::agent, "agent");
+  RawWriter<Mission> writer(domain + 15, "");
+  const Mission good = some_mission();
+  std::vector<std::uint8_t> neither_true_nor_false = bytes_of(good);
+  const auto cancelled = neither_true_nor_false.size() - 17;  // before the clock's two numbers, and padding
+  for (std::size_t k = cancelled - 8; k <= cancelled; ++k) neither_true_nor_false[k] = 7;
+  writer.write(neither_true_nor_false);
+  writer.write({0, 9, 0, 0, 1, 2, 3});  // no such encapsulation
+  writer.write({0, 1});
+  writer.write(std::vector<std::uint8_t>(5000, 1));
+  std::vector<std::uint8_t> cut = bytes_of(good);
+  cut.resize(cut.size() / 2);
+  writer.write(cut);
+  writer.write(bytes_of(good));
+  const auto all = receive(agent, [&](const auto& got) { return holds(got, good); });
+  EXPECT_TRUE(holds(all, good));
+  EXPECT_EQ(all.size(), 1u);
+  EXPECT_EQ(agent.rejected(), 5u);
 }
 
 TEST(DdsBus, UsesNoSharedMemory) {
@@ -270,6 +382,97 @@ TEST_P(Discovery, ALateAgentReceivesTheMapItsMissionAndEveryInactiveTree) {
   EXPECT_TRUE(holds(all, some_mission()));
   for (std::uint32_t k = 0; k < trees; ++k) EXPECT_TRUE(holds(all, some_tree(k, k % 3 == 0 ? 1 : 40))) << k;
   EXPECT_EQ(agent.rejected(), 0u);
+}
+
+/// Of whoever speaks for another robot, or is nobody, only what it passes on is taken.
+void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on) {
+  DdsBus honest({.domain = on, .robot = "r1", .discovery = discovery}, Role::agent, "r1");
+  DdsBus forger({.domain = on, .robot = "r2", .discovery = discovery}, Role::agent, "r2");
+  DdsBus nobody({.domain = on, .discovery = discovery}, Role::agent, "nobody");
+  DdsBus service({.domain = on, .discovery = discovery}, Role::service, "service");
+  DdsBus listener({.domain = on, .robot = "r3", .discovery = discovery}, Role::agent, "r3");
+  const auto track = [](std::uint32_t first) {
+    return TrackMessage{"r1", 1, first, {{0.05, {1, 1}, {2, 0}}}};
+  };
+  const auto plan = [](std::uint32_t epoch) {
+    return JointPlanMessage{{epoch, "r1"}, {{"r1", 5, false}}, {{0, {{0, 0}, {1, 2}}}}};
+  };
+  // Reliable and kept: in whatever order they find each other, the honest ones come and no other.
+  forger.publish(track(8));
+  nobody.publish(track(9));
+  forger.publish(plan(8));
+  nobody.publish(plan(9));
+  forger.publish(AgentStatus{.robot = "r1", .mission = 8});
+  honest.publish(track(1));
+  honest.publish(plan(1));
+  honest.publish(AgentStatus{.robot = "r1", .mission = 1});
+  const auto at_service =
+      receive(service, [&](const auto& all) { return all.size() >= 2 && service.rejected() >= 3; });
+  EXPECT_EQ(at_service.size(), 2u);
+  EXPECT_TRUE(holds(at_service, track(1)));
+  EXPECT_EQ(service.rejected(), 3u);
+
+  std::set<bool> passed_on;
+  std::set<std::uint32_t> sequences;
+  std::size_t plans = 0;
+  const auto end = Clock::now() + std::chrono::seconds(20);
+  for (std::uint32_t k = 1;
+       (sequences.size() < 10 || passed_on.size() < 2 || plans < 1) && Clock::now() < end; ++k) {
+    RobotState state = some_state(10 * k);
+    honest.publish(Message(state));
+    state.passed_on = false;
+    honest.publish(Message(state));
+    state.sequence = 10 * k + 1;
+    forger.publish(Message(state));
+    nobody.publish(Message(state));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    for (const Arrival& arrival : listener.take()) {
+      plans += std::holds_alternative<JointPlanMessage>(*arrival.message);
+      if (const auto* s = std::get_if<RobotState>(arrival.message.get())) {
+        EXPECT_EQ(s->sequence % 10, 0u);
+        sequences.insert(s->sequence);
+        passed_on.insert(s->passed_on);
+      }
+    }
+  }
+  EXPECT_GE(sequences.size(), 10u);
+  EXPECT_EQ(passed_on.size(), 2u);
+  EXPECT_EQ(plans, 1u);
+  EXPECT_GE(listener.rejected(), 4u);
+}
+
+TEST_P(Discovery, OnlyItsOwnAgentSpeaksForARobot) {
+  only_its_own_agent_speaks_for_a_robot(GetParam(), domain + 11);
+}
+
+TEST(DdsBus, OnlyItsOwnAgentSpeaksForARobotWithADiscoveryServer) {
+  const DdsDiscoveryServer server("127.0.0.1", 23919, 0);
+  only_its_own_agent_speaks_for_a_robot("127.0.0.1:23919", domain + 12);
+}
+
+TEST(DdsBus, WhatWasSaidBeforeASenderWentIsStillItsOwn) {
+  DdsBus service({.domain = domain + 13}, Role::service, "service");
+  {
+    DdsBus agent({.domain = domain + 13, .robot = "r1"}, Role::agent, "r1");
+    const auto end = Clock::now() + std::chrono::seconds(10);
+    agent.publish(TrackMessage{"r1", 1, 0, {}});
+    while (!service.wait(0.1) && Clock::now() < end) {
+    }
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(service.take().size(), 1u);
+  EXPECT_EQ(service.rejected(), 0u);
+}
+
+TEST(DdsBus, CountsWhatItsSocketsCarry) {
+  DdsBus service({.domain = domain + 14}, Role::service, "service");
+  DdsBus agent({.domain = domain + 14, .robot = "r1"}, Role::agent, "r1");
+  DdsBus other({.domain = domain + 14, .robot = "r2"}, Role::agent, "r2");
+  const auto end = Clock::now() + std::chrono::seconds(10);
+  while (agent.counts().agents < 1 && Clock::now() < end) agent.wait(0.05);
+  EXPECT_EQ(agent.counts().agents, 1u);  // not itself
+  EXPECT_GT(agent.counts().bytes_sent, 1000u);
+  EXPECT_GT(agent.counts().bytes_received, 1000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(DdsBus, Discovery, testing::Values(multicast_discovery, static_discovery));

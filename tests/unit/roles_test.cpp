@@ -1,4 +1,6 @@
 // The three roles as state machines, message by message.
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include "planner_service/planner_service.h"
@@ -358,6 +360,160 @@ TEST(RobotAgent, AKnotBeyondItsReachIsNotItsOwn) {
   const RobotState last = last_of("a", run(agent, 1, 2));
   EXPECT_EQ(last.stage, Stage::free);
   EXPECT_EQ(last.knot.epoch, 0u);
+}
+
+AgentStatus last_status(RobotAgent& agent, double now) {
+  const auto statuses = of<AgentStatus>(messages(agent.step(now)));
+  return statuses.empty() ? AgentStatus{} : statuses.back();
+}
+
+TEST(RobotAgent, ATreeThroughAWallIsDroppedAndCounted) {
+  PlannerService service(two_robots(), {}, 0);
+  const auto tasks = map_and_missions(service);
+  const std::string map = of<MapMessage>(tasks)[0].map_id;
+  const InactiveTreeMessage sound{
+      .tree = {1, 0}, .map_id = map, .radius = 5, .nodes = {{{30, 30}, -1, 5}, {{40, 30}, 0, 5}}};
+  InactiveTreeMessage forged = sound;
+  forged.tree.number = 1;
+  forged.nodes[1].position = {90, 60};
+  InactiveTreeMessage outside = sound;
+  outside.tree.number = 2;
+  outside.nodes[1].position = {1e6, 60};
+  RobotAgent agent("a");
+  for (const Message& m : {Message(sound), Message(forged)}) agent.on(arrival_of(m, 0));  // before the map
+  for (const Message& m : tasks) agent.on(arrival_of(m, 0));
+  AgentStatus status = last_status(agent, 0);
+  EXPECT_EQ(status.trees_received, 1u);
+  EXPECT_EQ(status.rejected, 1u);
+  agent.on(arrival_of(forged, 0.1));
+  agent.on(arrival_of(outside, 0.1));
+  status = last_status(agent, 0.6);
+  EXPECT_EQ(status.trees_received, 1u);
+  EXPECT_EQ(status.rejected, 3u);
+}
+
+TEST(RobotAgent, AMissionThatDoesNotFitTheMapFailsWithAReason) {
+  PlannerService service(two_robots(), {}, 0);
+  for (const auto& [start, goal, word] : {std::tuple(Point2(20, 60), Point2(60, 60), "goal"),
+                                          std::tuple(Point2(20, 60), Point2(1e8, 0), "goal"),
+                                          std::tuple(Point2(60, 60), Point2(20, 60), "start"),
+                                          std::tuple(Point2(-3, 60), Point2(20, 60), "start")}) {
+    RobotAgent agent("a");
+    for (Message m : map_and_missions(service)) {
+      if (auto* mission = std::get_if<Mission>(&m); mission != nullptr && mission->robot == "a") {
+        mission->start = start;
+        mission->goal = goal;
+      }
+      agent.on(arrival_of(m, 0));
+    }
+    const AgentStatus status = last_status(agent, 0);
+    EXPECT_EQ(status.phase, Phase::no_path);
+    EXPECT_NE(status.reason.find(word), std::string::npos) << status.reason;
+    EXPECT_FALSE(
+        of<RobotState>(messages(agent.step(0.1))).empty());  // the others are to know where it stands
+    service = PlannerService(two_robots(), {}, 0);
+  }
+}
+
+TEST(RobotAgent, AMissionFarOutOfItsTimeIsNotForNow) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (Message m : map_and_missions(service)) {
+    if (auto* mission = std::get_if<Mission>(&m)) mission->clock = {0, 1000};
+    agent.on(arrival_of(m, 1.7e9));
+  }
+  const AgentStatus status = last_status(agent, 1.7e9);
+  EXPECT_EQ(status.phase, Phase::waiting);
+  EXPECT_EQ(status.rejected, 2u);
+}
+
+TEST(RobotAgent, OneWhoseClockWasSetStandsAllThatTimeAndGoesOn) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& m : map_and_missions(service)) {
+    if (const auto* mission = std::get_if<Mission>(&m); mission != nullptr && mission->robot != "a") continue;
+    agent.on(arrival_of(m, 0));
+  }
+  double now = 0;
+  for (; now < 15; now += 0.05) agent.step(now);
+  const Point2 before = agent.body()->position();
+  now += 1e8;
+  std::size_t points = 0;
+  for (const TrackMessage& track : of<TrackMessage>(messages(agent.step(now)))) points += track.points.size();
+  EXPECT_LT(points, 20'000u);
+  EXPECT_NEAR(agent.body()->time(), now, 0.1);
+  EXPECT_LT((agent.body()->position() - before).norm(), 6);  // it braked
+  const AgentStatus status = last_status(agent, now + 1);
+  EXPECT_GT(status.load.periods_missed, 0u);
+}
+
+TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, 0));
+  AgentStatus status;
+  std::uint32_t states = 0;
+  for (int k = 1; k < 200; ++k) {
+    const double now = 0.05 * k;
+    if (k % 4 == 0) {
+      ++states;
+      agent.on(arrival_of(RobotState{.robot = "b",
+                                     .sequence = states,
+                                     .stamp = now,
+                                     .position = {20, 20},
+                                     .radius = 5,
+                                     .max_speed = 20,
+                                     .max_acceleration = 40,
+                                     .promise = {now + 0.05, Point2::Zero(), now + 0.1},
+                                     .knot = {},
+                                     .echoes = {{"a", now - 0.05, now}}},
+                          now));
+    }
+    for (const Message& m : messages(agent.step(now + 0.001))) {
+      if (const auto* said = std::get_if<AgentStatus>(&m)) status = *said;
+    }
+  }
+  EXPECT_NEAR(status.load.states_received, states, 4);
+  EXPECT_GT(status.load.samples_received, status.load.states_received);
+  EXPECT_LE(status.load.state_age_p50, 0.12);
+  EXPECT_GE(status.load.state_age_p99, 0.12);
+  EXPECT_LE(status.load.state_age_max, 0.25);
+  EXPECT_GE(status.load.state_age_max, status.load.state_age_p99);
+  EXPECT_EQ(status.load.periods_missed, 0u);
+}
+
+TEST(PlannerService, TracksFromAnotherTimeAreNotTakenUp) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{1, {20, 60}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {1e9, {20, 20}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{-1e9, {20, 20}, {0, 0}}}}, 1));
+  EXPECT_TRUE(service.tracks()[1].track.points.empty());
+  EXPECT_FALSE(service.report().has_least_separation());  // and not a look at each of a billion seconds
+}
+
+TEST(TreeBroker, RootNodesForNobodyAndTwiceChangeNothing) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));  // before map and mission
+  for (const Message& m : map_and_missions(service)) broker.on(arrival_of(m, 0));
+  broker.on(arrival_of(RootNodes{"z", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));
+  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {-1e9, 1e9}, -1}, {Side::goal, {60, 60}, 0}}}, 0));
+  broker.on(
+      arrival_of(RootNodes{"a", 1, ~0u, {{Side::start, {1e9, 1e9}, -1}, {Side::goal, {60, 60}, 0}}}, 0));
+  for (int k = 0; k < 3; ++k) broker.step(0.1 * k);
+}
+
+TEST(KnotId, EpochsCountRoundSoThatThereIsALaterOneToEach) {
+  const auto id = [](std::uint32_t epoch, const char* leader) { return KnotId{epoch, leader}; };
+  EXPECT_TRUE(id(2, "b").overrides(id(1, "a")));
+  EXPECT_TRUE(id(1, "a").overrides(id(1, "b")));
+  EXPECT_FALSE(id(1, "a").overrides(id(1, "a")));
+  EXPECT_TRUE(id(~0u, "a").overrides(KnotId{}));
+  EXPECT_FALSE(KnotId{}.overrides(id(~0u, "a")));
+  EXPECT_EQ(epoch_after(~0u), 1u);
+  EXPECT_TRUE(id(epoch_after(~0u), "b").overrides(id(~0u, "a")));
+  EXPECT_FALSE(id(~0u, "a").overrides(id(1, "b")));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Where a robot may stand that has fallen silent, and how much of what it decided may have reached nobody.
 #include <gtest/gtest.h>
 
+#include "bus/validation.h"
 #include "motion/promise.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/loss.h"
@@ -133,6 +134,26 @@ class Listener {
                            .echoes = std::move(echoes)};
     fleet_.hear(std::make_shared<const RobotState>(state), stamp + 0.001);
   }
+  void hear(const RobotState& state) {
+    fleet_.hear(std::make_shared<const RobotState>(state), state.stamp + 0.001);
+  }
+  /// What somebody says to be the last state of `robot`; false if it was not taken up.
+  bool hear_passed_on(const RobotName& robot, double stamp, double now, const Point2& position) {
+    const RobotState state{.robot = robot,
+                           .stamp = stamp,
+                           .position = position,
+                           .radius = 5,
+                           .max_speed = 20,
+                           .max_acceleration = 40,
+                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
+                           .knot = {},
+                           .passed_on = true,
+                           .echoes = {}};
+    return fleet_.hear(std::make_shared<const RobotState>(state), now);
+  }
+  std::size_t others() const { return fleet_.others().size(); }
+  bool echoed(double now) const { return fleet_.echoed(now); }
+  Point2 place(const RobotName& robot) const { return fleet_.find(robot)->position; }
   void judge(double now) { fleet_.judge_silence(now, {80, 80}, {}, field_); }
   bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
   bool cut_off() const { return fleet_.cut_off(); }
@@ -232,6 +253,80 @@ TEST(Silence, WhereALivingRobotStandsNoDeadOneDoesAndAPlanMayLeadOutFromCloseToI
   a.hear("c", 5, {}, Point2::Zero(), last + Point2(0, 9.99));
   for (double now = 5; now < 6; now += period) a.judge(now);
   EXPECT_EQ(a.dead_seen_from({20, 20}, 6).size(), all.size() - 1);
+}
+
+TEST(Silence, NobodyHasHeardWhatIsStillToBeSaid) {
+  Listener a;
+  double now = 0;
+  for (; now < 8; now += period) {
+    a.hear("b", now, {{"a", 1e8, now}});
+    a.hear("c", now, {{"a", std::min(now, 1.0) - 0.01, now}});
+    a.judge(now);
+  }
+  EXPECT_FALSE(a.echoed(now));
+  EXPECT_TRUE(a.cut_off());
+}
+
+TEST(Silence, AnEchoFromTheFutureOfAnotherTellsNothing) {
+  Listener a;
+  double now = 0;
+  const auto go_on_until = [&](double end, double ahead) {
+    for (; now < end; now += period) {
+      a.hear("c", now, {{"a", now - 0.01, now}, {"b", now + ahead, now}});
+      a.judge(now);
+    }
+  };
+  a.hear("b", 0, {{"a", -0.01, 0}});
+  a.hear("b", 0.05, {{"a", 0.04, 0.05}});
+  go_on_until(0.2, -0.1);
+  go_on_until(0.3, 1e8);      // a lie
+  go_on_until(10, -0.1);      // from b itself there is nothing any more
+  EXPECT_FALSE(a.dead("b"));  // but others hear it still
+  EXPECT_TRUE(a.cut_off());
+}
+
+TEST(Silence, WhatIsPassedOnReplacesNeitherWhatIsHeardNorComesFromTheFuture) {
+  Listener a;
+  for (double now = 0; now < 1; now += period) {
+    a.hear("b", now, {{"a", now - 0.01, now}});
+    EXPECT_FALSE(a.hear_passed_on("b", now + 0.02, now + 0.02, {10, 10}));
+    a.judge(now);
+  }
+  EXPECT_EQ(a.place("b"), Point2(100, 100));
+  EXPECT_FALSE(a.hear_passed_on("b", 1e6, 1.8, {10, 10}));
+  EXPECT_TRUE(a.hear_passed_on("b", 1.0, 1.8, {90, 100}));  // it has said that before it fell silent
+  EXPECT_EQ(a.place("b"), Point2(90, 100));
+}
+
+TEST(Silence, WhereADeadRobotOfImpossibleSpeedMayStandIsSoonSaid) {
+  Listener a;
+  RobotState absurd{.robot = "b",
+                    .stamp = 0,
+                    .position = {100, 100},
+                    .velocity = {1e9, 0},
+                    .radius = least_quantity,
+                    .max_speed = 1e9,
+                    .max_acceleration = 1e7,
+                    .promise = {period, {1e9, 0}, 2 * period},
+                    .knot = {},
+                    .echoes = {}};
+  ASSERT_FALSE(problem_with(absurd));
+  a.hear(absurd);
+  double now = 0;
+  for (; now < 200; now += 20 * period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.dead("b"));
+  EXPECT_FALSE(a.dead_seen_from({80, 80}, now).empty());
+}
+
+TEST(Silence, AFleetHasNoMoreRobotsThanItMayHave) {
+  Listener a;
+  for (std::size_t k = 0; k < 2 * most_robots; ++k) a.hear("x" + std::to_string(k), 0);
+  EXPECT_EQ(a.others(), most_robots);
+  a.hear("b", 1, {}, Point2::Zero(), {50, 50});  // who is known stays
+  EXPECT_EQ(a.place("b"), Point2(50, 50));
 }
 
 }  // namespace

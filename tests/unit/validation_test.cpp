@@ -64,7 +64,9 @@ TEST(Validation, Missions) {
       [](M& m) { m.radius = 0; },         [](M& m) { m.radius = -1; },
       [](M& m) { m.max_speed = nan; },    [](M& m) { m.max_acceleration = 0; },
       [](M& m) { m.goal_tolerance = 0; }, [](M& m) { m.fleet_size = 0; },
-      [](M& m) { m.clock.scale = 0; },    [](M& m) { m.clock.epoch = nan; }};
+      [](M& m) { m.clock.scale = 0; },    [](M& m) { m.clock.epoch = nan; },
+      [](M& m) { m.clock.scale = 1e6; },  [](M& m) { m.radius = 1e-300; },
+      [](M& m) { m.max_speed = 1e6; },    [](M& m) { m.max_acceleration = 1e-3; }};
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(mission(), spoilers[k])) << k;
 }
 
@@ -83,7 +85,20 @@ TEST(Validation, States) {
                                                       [](M& m) { m.stage = static_cast<Stage>(3); },
                                                       [](M& m) { m.knot.epoch = 1; },
                                                       [](M& m) { m.progress = -1; },
-                                                      [](M& m) { m.radius = 2e9; }};
+                                                      [](M& m) { m.radius = 2e9; },
+                                                      [](M& m) { m.radius = 1e-300; },
+                                                      [](M& m) { m.max_acceleration = 1e-3; },
+                                                      [](M& m) { m.promise.expiry = 1e8; },
+                                                      [](M& m) { m.stamp = -2e9; },
+                                                      [](M& m) { m.copies = 0; },
+                                                      [](M& m) { m.robot = "r\x1b[2J"; },
+                                                      [](M& m) { m.waits_for = "\xff"; },
+                                                      [](M& m) {
+                                                        m.echoes = {{"r2", 1, infinity}};
+                                                      },
+                                                      [](M& m) {
+                                                        m.echoes.resize(33, {"r2", 1, 1});
+                                                      }};
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(state(), spoilers[k])) << k;
 }
 
@@ -103,9 +118,18 @@ TEST(Validation, Trees) {
 TEST(Validation, JointPlans) {
   using M = JointPlanMessage;
   const std::vector<std::function<void(M&)>> spoilers{
-      [](M& m) { m.knot.epoch = 0; },        [](M& m) { m.knot.leader.clear(); },
+      [](M& m) { m.knot.epoch = 0; }, [](M& m) { m.knot.leader.clear(); },
       [](M& m) { m.members[0].radius = 0; }, [](M& m) { m.moves[0].member = 1; },
-      [](M& m) { m.moves[0].path.clear(); }, [](M& m) { m.moves[0].path[1].y() = infinity; }};
+      [](M& m) { m.moves[0].path.clear(); }, [](M& m) { m.moves[0].path[1].y() = infinity; },
+      [](M& m) { m.members.clear(); }, [](M& m) { m.members.resize(4097, m.members[0]); },
+      [](M& m) { m.members[0].radius = 1e-300; },
+      // Pieces of the size of a robot would be without end: of a way there, or there and back.
+      [](M& m) {
+        m.moves[0].path[1] = {1e6, 0};
+      },
+      [](M& m) {
+        for (int k = 0; k < 1000; ++k) m.moves[0].path.insert(m.moves[0].path.end(), {{0, 0}, {9000, 0}});
+      }};
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(plan(), spoilers[k])) << k;
 }
 
@@ -117,6 +141,53 @@ TEST(Validation, RootNodesTracksAndMaps) {
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 2, .height = 2, .blocked = {0, 1}}}));
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 1, .height = 1, .blocked = {0}}, {5, -1}}));
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = -1, .height = 2, .blocked = {}}}));
+  // The product is 0 in 32 bits.
+  EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 65536, .height = 65536, .blocked = {}}}));
+  EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 1, .height = 1, .resolution = 1e-300, .blocked = {0}}}));
+}
+
+TEST(Validation, WhatIsMadeOfNothingIsNothing) {
+  EXPECT_TRUE(problem_with(MapMessage{}));
+  EXPECT_TRUE(problem_with(Mission{}));
+  EXPECT_TRUE(problem_with(RootNodes{}));
+  EXPECT_TRUE(problem_with(InactiveTreeMessage{}));
+  EXPECT_TRUE(problem_with(RobotState{}));
+  EXPECT_TRUE(problem_with(JointPlanMessage{}));
+  EXPECT_TRUE(problem_with(PathMessage{}));
+  EXPECT_TRUE(problem_with(TrackMessage{}));
+  EXPECT_TRUE(problem_with(AgentStatus{}));
+  EXPECT_TRUE(problem_with(BrokerStatus{}));
+}
+
+TEST(Validation, ReasonsAreTextThatAReportCanQuote) {
+  const auto with = [](std::string reason) {
+    return problem_with(AgentStatus{.robot = "r1", .reason = std::move(reason)});
+  };
+  for (const char* fine : {"", "no path", "kein Weg: zu breit für Lücken", "道がない", "\xf0\x9f\xa4\x96"})
+    EXPECT_FALSE(with(fine)) << fine;
+  for (const char* bad : {"\n", "\x7f", "\xff", "\xc3", "\xc0\xaf", "\xe4\xb8", "\xed\xa0\x80", "\xc2\x9b",
+                          "\xf4\x90\x80\x80", "\xe0\x80\x80"})
+    EXPECT_TRUE(with(bad)) << bad;
+  EXPECT_TRUE(with(std::string("\0", 1)));
+  EXPECT_TRUE(with(std::string(257, 'x')));
+  EXPECT_TRUE(problem_with(AgentStatus{.robot = "r1", .load = {.state_age_p99 = nan}}));
+  EXPECT_TRUE(problem_with(BrokerStatus{.broker = 1, .covered_map = "\x1b"}));
+  EXPECT_FALSE(problem_with(BrokerStatus{.broker = 1}));
+}
+
+TEST(Validation, AgentsSpeakForTheirOwnRobotUnlessTheyPassOn) {
+  const auto sender = [](const Message& m) { return sender_of(m) == nullptr ? "" : *sender_of(m); };
+  EXPECT_EQ(sender(state()), "r1");
+  RobotState passed_on = state();
+  passed_on.passed_on = true;
+  EXPECT_EQ(sender(passed_on), "");
+  EXPECT_EQ(sender(JointPlanMessage{.knot = {1, "r7"}, .members = {{"r1", 1, false}}, .moves = {}}), "r7");
+  EXPECT_EQ(sender(PathMessage{.robot = "r2", .waypoints = {}}), "r2");
+  EXPECT_EQ(sender(TrackMessage{.robot = "r3", .points = {}}), "r3");
+  EXPECT_EQ(sender(RootNodes{.robot = "r4", .nodes = {}}), "r4");
+  EXPECT_EQ(sender(AgentStatus{.robot = "r5"}), "r5");
+  EXPECT_EQ(sender(mission()), "");
+  EXPECT_EQ(sender(tree()), "");
 }
 
 }  // namespace

@@ -1,0 +1,43 @@
+#include "bus/dds_senders.h"
+
+#include "bus/dds_transport.h"
+
+namespace coppice {
+
+namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+// Samples of one that is gone are taken within a control period or so.
+constexpr std::chrono::seconds remembered{60};
+
+}  // namespace
+
+void Senders::note_own(const rtps::GuidPrefix_t& participant, const RobotName& robot) {
+  const std::scoped_lock lock(mutex_);
+  senders_[participant] = {robot, std::nullopt};
+}
+
+void Senders::discover(const rtps::ParticipantDiscoveryInfo& info) {
+  const Time now = std::chrono::steady_clock::now();
+  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
+                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(senders_, [&](const auto& entry) {
+    return entry.second.gone_at && now - *entry.second.gone_at > remembered;
+  });
+  Sender& sender = senders_[info.info.m_guid.guidPrefix];
+  if (gone) {
+    sender.gone_at = now;
+  } else {
+    sender = {coppice::robot_of(info.info.m_userData), std::nullopt};
+  }
+}
+
+std::optional<RobotName> Senders::robot_of(const rtps::GuidPrefix_t& participant) const {
+  const std::scoped_lock lock(mutex_);
+  const auto known = senders_.find(participant);
+  return known == senders_.end() ? std::nullopt : std::optional(known->second.robot);
+}
+
+}  // namespace coppice
