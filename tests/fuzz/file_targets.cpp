@@ -106,7 +106,7 @@ std::vector<Input> ros_map_seeds() {
 void scenario(const char* name, Bytes data) {
   folder().write("m.map", bytes(small_map));
   expect_input_error_at_most([&] {
-    const Scenario read = read_scenario(folder().write(name, data));
+    const Scenario read = read_scenario(folder().write(name, data), {});
     check(read.map);
     if (read.robots.empty()) std::abort();
   });

@@ -271,18 +271,19 @@ TEST(DdsBus, BytesThatAreNoSampleAreDroppedAndCounted) {
   std::vector<std::uint8_t> neither_true_nor_false = bytes_of(good);
   const auto cancelled = neither_true_nor_false.size() - 17;  // before the clock's two numbers, and padding
   for (std::size_t k = cancelled - 8; k <= cancelled; ++k) neither_true_nor_false[k] = 7;
-  writer.write(neither_true_nor_false);
-  writer.write({0, 9, 0, 0, 1, 2, 3});  // no such encapsulation
-  writer.write({0, 1});
-  writer.write(std::vector<std::uint8_t>(5000, 1));
   std::vector<std::uint8_t> cut = bytes_of(good);
   cut.resize(cut.size() / 2);
-  writer.write(cut);
+  std::size_t bad = 0;
+  for (const std::vector<std::uint8_t>& bytes :
+       {neither_true_nor_false, cut, std::vector<std::uint8_t>{0, 9, 0, 0, 1, 2, 3},  // no such encapsulation
+        std::vector<std::uint8_t>{0, 1}, std::vector<std::uint8_t>(5000, 1)}) {
+    writer.write(bytes);
+    ++bad;
+    EXPECT_TRUE(receive(agent, [&](const auto&) { return agent.rejected() == bad; }).empty());
+    EXPECT_EQ(agent.rejected(), bad);
+  }
   writer.write(bytes_of(good));
-  const auto all = receive(agent, [&](const auto& got) { return holds(got, good); });
-  EXPECT_TRUE(holds(all, good));
-  EXPECT_EQ(all.size(), 1u);
-  EXPECT_EQ(agent.rejected(), 5u);
+  EXPECT_EQ(receive(agent, [&](const auto& got) { return holds(got, good); }), std::vector<Message>{good});
 }
 
 TEST(DdsBus, UsesNoSharedMemory) {
@@ -394,32 +395,24 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
   const auto track = [](std::uint32_t first) {
     return TrackMessage{"r1", 1, first, {{0.05, {1, 1}, {2, 0}}}};
   };
-  const auto plan = [](std::uint32_t epoch) {
-    return JointPlanMessage{{epoch, "r1"}, {{"r1", 5, false}}, {{0, {{0, 0}, {1, 2}}}}};
-  };
-  // Reliable and kept: in whatever order they find each other, the honest ones come and no other.
+  // Reliable and kept: in whatever order they find each other, the honest one comes and no other.
   forger.publish(track(8));
   nobody.publish(track(9));
-  forger.publish(plan(8));
-  nobody.publish(plan(9));
-  forger.publish(AgentStatus{.robot = "r1", .mission = 8});
   honest.publish(track(1));
-  honest.publish(plan(1));
-  honest.publish(AgentStatus{.robot = "r1", .mission = 1});
   const auto at_service =
-      receive(service, [&](const auto& all) { return all.size() >= 2 && service.rejected() >= 3; });
-  EXPECT_EQ(at_service.size(), 2u);
-  EXPECT_TRUE(holds(at_service, track(1)));
-  EXPECT_EQ(service.rejected(), 3u);
+      receive(service, [&](const auto& all) { return !all.empty() && service.rejected() >= 2; });
+  EXPECT_EQ(at_service, std::vector<Message>{track(1)});
+  EXPECT_EQ(service.rejected(), 2u);
 
   std::set<bool> passed_on;
   std::set<std::uint32_t> sequences;
-  std::size_t plans = 0;
   const auto end = Clock::now() + std::chrono::seconds(20);
-  for (std::uint32_t k = 1;
-       (sequences.size() < 10 || passed_on.size() < 2 || plans < 1) && Clock::now() < end; ++k) {
+  const auto enough = [&] {
+    return sequences.size() >= 10 && passed_on.size() == 2 && listener.rejected() >= 4;
+  };
+  for (std::uint32_t k = 1; !enough() && Clock::now() < end; ++k) {
     RobotState state = some_state(10 * k);
-    honest.publish(Message(state));
+    forger.publish(Message(state));  // as passed on
     state.passed_on = false;
     honest.publish(Message(state));
     state.sequence = 10 * k + 1;
@@ -427,18 +420,14 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
     nobody.publish(Message(state));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     for (const Arrival& arrival : listener.take()) {
-      plans += std::holds_alternative<JointPlanMessage>(*arrival.message);
-      if (const auto* s = std::get_if<RobotState>(arrival.message.get())) {
-        EXPECT_EQ(s->sequence % 10, 0u);
-        sequences.insert(s->sequence);
-        passed_on.insert(s->passed_on);
-      }
+      const auto* s = std::get_if<RobotState>(arrival.message.get());
+      if (s == nullptr) continue;
+      EXPECT_EQ(s->sequence % 10, 0u);
+      sequences.insert(s->sequence);
+      passed_on.insert(s->passed_on);
     }
   }
-  EXPECT_GE(sequences.size(), 10u);
-  EXPECT_EQ(passed_on.size(), 2u);
-  EXPECT_EQ(plans, 1u);
-  EXPECT_GE(listener.rejected(), 4u);
+  EXPECT_TRUE(enough()) << sequences.size() << ' ' << passed_on.size() << ' ' << listener.rejected();
 }
 
 TEST_P(Discovery, OnlyItsOwnAgentSpeaksForARobot) {
