@@ -190,7 +190,7 @@ struct DdsBus::Implementation {
   dds::Subscriber* subscriber = nullptr;
   std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
              Ends<JointPlanMessage>, Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>,
-             Ends<BrokerStatus>>
+             Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>>
       topics;
   dds::WaitSet wait_set;
   bool more = false;  ///< the last take left samples behind
@@ -333,6 +333,13 @@ bool DdsBus::wait(double seconds) {
          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }
 
+void DdsBus::become(const RobotName& robot) {
+  dds::DomainParticipantQos qos = implementation_->participant->get_qos();
+  qos.user_data().data_vec(user_data_of(robot));
+  if (implementation_->participant->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+    throw std::runtime_error("DDS could not announce which robot this is");
+}
+
 std::size_t DdsBus::rejected() const {
   return implementation_->rejected;
 }
@@ -352,6 +359,7 @@ std::size_t DdsBus::matched_readers() const {
 template std::size_t DdsBus::matched_readers<MapMessage>() const;
 template std::size_t DdsBus::matched_readers<Mission>() const;
 template std::size_t DdsBus::matched_readers<RobotState>() const;
+template std::size_t DdsBus::matched_readers<Claim>() const;
 template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
 
 }  // namespace coppice

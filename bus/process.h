@@ -25,14 +25,20 @@ bool set_up_logging(const std::string& name, const std::string& level);
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;
 
-/// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
+/// Lets a role step if it has something to do.
 template <class R>
-void run_role_once(DdsBus& bus, R& role) {
-  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
-  for (const Arrival& arrival : bus.take()) role.on(arrival);
+void step_role(DdsBus& bus, R& role) {
   const WallTime now = wall_now();
   if (role.next_wake() > now) return;
   for (const auto& message : role.step(now)) bus.publish(message);
+}
+
+/// One turn: wait until something arrives or a role has something to do; let them take and step; publish.
+template <class... Roles>
+void run_role_once(DdsBus& bus, Roles&... roles) {
+  bus.wait(std::clamp(std::min({roles.next_wake()...}) - wall_now(), 0.0, longest_wait));
+  for (const Arrival& arrival : bus.take()) (roles.on(arrival), ...);
+  (step_role(bus, roles), ...);
 }
 
 }  // namespace coppice

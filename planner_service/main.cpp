@@ -15,6 +15,7 @@
 #include "files/report_file.h"
 #include "files/run_options.h"
 #include "files/scenario_file.h"
+#include "planner_service/claim_desk.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
 
@@ -26,15 +27,30 @@ constexpr double worth_telling = 3;  // seconds
 
 /// Until an agent for each robot, and a broker, can hear of its mission: those of a large fleet on few
 /// processors meet sooner while none of them drives. Who has not come by then gets its mission when it does.
-void wait_for_agents(DdsBus& bus, std::size_t robots) {
+/// Returns what was heard meanwhile.
+std::vector<Arrival> wait_for_agents(DdsBus& bus, ClaimDesk& desk, std::size_t robots) {
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
-  while (bus.matched_readers<Mission>() < robots + 1 && wall_now() < latest && !stop_requested())
+  std::vector<Arrival> heard;
+  while (bus.matched_readers<Mission>() < robots + 1 && wall_now() < latest && !stop_requested()) {
     bus.wait(longest_wait);
+    for (Arrival& arrival : bus.take()) {
+      desk.on(arrival);
+      heard.push_back(std::move(arrival));
+    }
+    step_role(bus, desk);
+  }
   const double waited = wall_now() - begin;
   if (waited > worth_telling)
     spdlog::info("{} of {} processes have come after {:.1f} s", bus.matched_readers<Mission>(), robots + 1,
                  waited);
+  return heard;
+}
+
+std::vector<RobotName> names_of(const Scenario& scenario) {
+  std::vector<RobotName> names;
+  for (const RobotTask& robot : scenario.robots) names.push_back(robot.name);
+  return names;
 }
 
 /// Exit code: 0 if every robot arrived.
@@ -42,7 +58,8 @@ int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
              "planner_service");
-  wait_for_agents(bus, scenario.robots.size());
+  ClaimDesk desk(names_of(scenario), wall_now());
+  const std::vector<Arrival> heard = wait_for_agents(bus, desk, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,
                           .timeout = options.timeout,
@@ -50,10 +67,11 @@ int run(const RunOptions& options) {
                           .plan_budget = options.plan_budget.value_or(default_plan_budget),
                           .lifelong = options.lifelong},
                          wall_now());
+  for (const Arrival& arrival : heard) service.on(arrival);
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
-    run_role_once(bus, service);
+    run_role_once(bus, service, desk);
     display.show(service.progress(wall_now()), wall_now());
   }
   display.finish(service.progress(wall_now()));

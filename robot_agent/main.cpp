@@ -1,4 +1,6 @@
-// robot_agent --name NAME --domain D: one robot, until it is told to stop.
+// robot_agent [--name NAME] --domain D: one robot, until it is told to stop.
+
+#include <random>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
@@ -6,42 +8,81 @@
 #include "bus/dds_bus.h"
 #include "bus/process.h"
 #include "bus/validation.h"
+#include "robot_agent/nameless_agent.h"
 #include "robot_agent/robot_agent.h"
 
+namespace {
+
+using namespace coppice;
+
+constexpr double note_period = 10;  // seconds between two lines about waiting in vain
+
+int run_as(const RobotName& name, const DdsSettings& settings) {
+  DdsBus bus(settings, Role::agent, "robot_agent " + name);
+  RobotAgent agent(name);
+  spdlog::info("on domain {}", settings.domain);
+  while (!stop_requested()) run_role_once(bus, agent);
+  return 0;
+}
+
+/// Until it knows who it is, and then as that robot. 1: another agent is that robot now.
+int run_as_whom_the_service_says(const DdsSettings& settings, const std::string& level) {
+  std::random_device device;
+  const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
+  DdsBus bus(settings, Role::claimant, fmt::format("robot_agent {:016x}", id));
+  NamelessAgent agent(id);
+  spdlog::info("claims a robot on domain {}", settings.domain);
+  WallTime next_note = wall_now() + note_period;
+  while (!agent.robot() && !stop_requested()) {
+    run_role_once(bus, agent);
+    if (wall_now() < next_note) continue;
+    next_note = wall_now() + note_period;
+    spdlog::info(bus.matched_readers<Claim>() > 0 ? "waits: no robot is free"
+                                                  : "waits: no planner service has been found");
+  }
+  if (!agent.robot()) return 0;
+  bus.become(*agent.robot());
+  set_up_logging("robot_agent " + *agent.robot(), level);
+  spdlog::info("is {}", *agent.robot());
+  while (!agent.lost() && !stop_requested()) run_role_once(bus, agent);
+  if (!agent.lost()) return 0;
+  spdlog::error("was silent for too long: another agent may be {} by now", *agent.robot());
+  return 1;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace coppice;
   int domain = 0;
   std::string name;
   std::string discovery;
   std::string level = "info";
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
-  app.add_option("--name", name, "of the robot, as the scenario names it")->required();
+  app.add_option("--name", name,
+                 "of the robot, as the scenario names it; without, the service says which one it is");
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
-    if (name.empty() || name.size() > longest_name) {
+    if (app.count("--name") > 0 && (name.empty() || name.size() > longest_name)) {
       throw CLI::ValidationError("--name", fmt::format("expected 1 to {} characters", longest_name));
     }
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  if (!set_up_logging("robot_agent " + name, level)) {
+  if (!set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, level)) {
     std::cerr << "--log-level: unknown level " << level << '\n';
     return 2;
   }
   install_stop_signals();
   try {
-    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery}, Role::agent, "robot_agent " + name);
-    RobotAgent agent(name);
-    spdlog::info("on domain {}", domain);
-    while (!stop_requested()) run_role_once(bus, agent);
+    const DdsSettings settings{.domain = domain, .robot = name, .discovery = discovery};
+    return name.empty() ? run_as_whom_the_service_says(settings, level) : run_as(name, settings);
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());
     return 2;
   }
-  return 0;
 }

@@ -119,5 +119,14 @@ TEST(Validation, RootNodesTracksAndMaps) {
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = -1, .height = 2, .blocked = {}}}));
 }
 
+TEST(Validation, ClaimsAndAssignments) {
+  EXPECT_FALSE(problem_with(Claim{1, 1}));
+  EXPECT_TRUE(problem_with(Claim{0, 1}));
+  EXPECT_TRUE(problem_with(Claim{1, 1, std::string(65, 'x')}));
+  EXPECT_FALSE(problem_with(Assignment{"r1", 1, 1}));
+  EXPECT_TRUE(problem_with(Assignment{"", 1, 1}));
+  EXPECT_TRUE(problem_with(Assignment{"r1", 0, 1}));
+}
+
 }  // namespace
 }  // namespace coppice
