@@ -1,5 +1,6 @@
 #include "bus/dds_bus.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <optional>
@@ -19,6 +20,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastrtps/config.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -49,7 +51,8 @@ constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after
 constexpr int static_announcement_period = 10;      // seconds
 constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
 constexpr int most_taken = 1000;                    // samples of a topic at a time
-constexpr std::size_t rejections_logged = 10;       // then every thousandth
+constexpr std::chrono::milliseconds longest_farewell{500};
+constexpr std::size_t rejections_logged = 10;  // then every thousandth
 
 template <class T>
 T* required(T* created, const char* what) {
@@ -211,6 +214,8 @@ struct DdsBus::Implementation {
   }
 
   ~Implementation() {
+    const auto latest = std::chrono::steady_clock::now() + longest_farewell;
+    std::apply([&](auto&... ends) { (wait_for_readers(ends, latest), ...); }, topics);
     std::apply([&](auto&... ends) { (detach(ends), ...); }, topics);
     participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
@@ -261,6 +266,13 @@ struct DdsBus::Implementation {
   }
 
   template <class M>
+  static void wait_for_readers(const Ends<M>& ends, std::chrono::steady_clock::time_point latest) {
+    if (ends.writer == nullptr || Topic<M>::info.reliability != Reliability::reliable) return;
+    const std::chrono::duration<double> left = latest - std::chrono::steady_clock::now();
+    ends.writer->wait_for_acknowledgments(Duration_t(std::max(left.count(), 0.0)));
+  }
+
+  template <class M>
   void detach(Ends<M>& ends) {
     if (ends.reader != nullptr && wakes<M>) wait_set.detach_condition(ends.reader->get_statuscondition());
   }
@@ -294,6 +306,10 @@ struct DdsBus::Implementation {
     }
   }
 };
+
+std::string dds_version() {
+  return FASTRTPS_VERSION_STR;
+}
 
 DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender)
     : implementation_(std::make_unique<Implementation>(settings, role, sender)) {}

@@ -32,11 +32,15 @@ struct DdsSettings {
   std::string discovery{};
 };
 
+/// Of Fast DDS, as "2.9.1".
+std::string dds_version();
+
 class DdsBus {
  public:
   /// `sender` names the participant to tools. Throws std::runtime_error if DDS refuses, or if the discovery
   /// servers are not addresses.
   DdsBus(const DdsSettings& settings, Role role, const std::string& sender);
+  /// Waits until what was published last has reached those who listen, half a second at most.
   ~DdsBus();
   DdsBus(const DdsBus&) = delete;
   DdsBus& operator=(const DdsBus&) = delete;

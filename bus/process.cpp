@@ -1,9 +1,20 @@
 #include "bus/process.h"
 
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
 
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 namespace coppice {
 
@@ -14,6 +25,31 @@ volatile std::sig_atomic_t stop_flag = 0;  // NOLINT(cppcoreguidelines-avoid-non
 
 extern "C" void on_stop_signal(int) {
   stop_flag = 1;
+}
+
+constexpr WallTime heartbeat_period = 1;  // seconds
+
+bool touch(const std::string& file) {
+  const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0) return false;
+  const bool touched = futimens(descriptor, nullptr) == 0;
+  close(descriptor);
+  return touched;
+}
+
+/// A datagram to the socket that it has named (sd_notify(3)); nothing, where it has not.
+void tell_systemd(const std::string& state) {
+  const char* const name = std::getenv("NOTIFY_SOCKET");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (name == nullptr || std::strlen(name) >= sizeof address.sun_path) return;
+  std::strcpy(address.sun_path, name);
+  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';  // an abstract one
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket < 0) return;
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(name));
+  sendto(socket, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), size);
+  close(socket);
 }
 
 }  // namespace
@@ -27,6 +63,19 @@ void install_stop_signals() {
 
 bool stop_requested() {
   return stop_flag != 0;
+}
+
+Heartbeat::Heartbeat(std::string file) : file_(std::move(file)) {
+  if (!file_.empty() && !touch(file_))
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+  tell_systemd("READY=1");
+}
+
+void Heartbeat::beat(WallTime now) {
+  if (now < next_ && next_ < now + 2 * heartbeat_period) return;  // later than that: the clock was set back
+  next_ = now + heartbeat_period;
+  if (!file_.empty()) touch(file_);
+  tell_systemd("WATCHDOG=1");
 }
 
 bool set_up_logging(const std::string& name, const std::string& level) {

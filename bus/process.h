@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
 #include "bus/dds_bus.h"
 #include "bus/fleet_clock.h"
@@ -18,6 +19,19 @@ inline WallTime wall_now() {
 /// threads.
 void install_stop_signals();
 bool stop_requested();
+
+/// Shows whoever watches this process that its loop turns: once a second it touches a file (health checks of
+/// containers) and tells systemd, if that has started it with NOTIFY_SOCKET (Type=notify, WatchdogSec=).
+class Heartbeat {
+ public:
+  /// `file`: empty for none. Throws std::runtime_error if it cannot be written.
+  explicit Heartbeat(std::string file);
+  void beat(WallTime now);
+
+ private:
+  std::string file_;
+  WallTime next_ = 0;
+};
 
 /// Logs to standard error at the level that is named (trace ... off); false for an unknown name.
 bool set_up_logging(const std::string& name, const std::string& level);

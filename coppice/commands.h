@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "coppice/diagnosis.h"
 #include "files/run_options.h"
 #include "simulation/faults.h"
 
@@ -18,11 +19,15 @@ int run_command(const RunOptions& options, const std::string& program);
 struct DiscoveryOptions {
   std::string address = "127.0.0.1";  ///< of this host
   std::uint16_t port = 11811;
-  int place = 0;  ///< in the list of servers that the fleet is given
+  int place = 0;      ///< in the list of servers that the fleet is given
+  std::string alive;  ///< file that is touched every second; empty: none
 };
 
 /// A discovery server, until it is told to stop.
 int discovery_command(const DiscoveryOptions& options);
+
+/// Says whether this machine has what a fleet needs, and what to change. 1 if something is missing.
+int doctor_command(const FleetPlan& plan);
 
 /// All roles in this process, on a virtual clock, with faults. 1 also if anything touched.
 int simulate_command(const RunOptions& options, const Faults& faults);

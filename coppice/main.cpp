@@ -31,7 +31,17 @@ int main(int argc, char** argv) {
   discovery
       ->add_option("--place", server.place, "in the list of servers that the fleet is given, 0 for the first")
       ->check(CLI::Range(0, 255));
+  discovery->add_option("--alive", server.alive,
+                        "file that is touched every second while all is well: for health checks");
   discovery->callback([&] { exit_code = discovery_command(server); });
+  FleetPlan fleet;
+  auto* doctor = app.add_subcommand("doctor", "does this machine have what a fleet needs? what to change");
+  doctor->add_option("--robots", fleet.robots, "that are to run on this machine")
+      ->check(CLI::Range(1, 100000));
+  doctor->add_option("--domain", fleet.domain, "DDS domain")->check(CLI::Range(0, 232));
+  doctor->add_option("--discovery", fleet.discovery,
+                     "as the fleet will be told; through servers needs no multicast");
+  doctor->callback([&] { exit_code = doctor_command(fleet); });
   auto* simulate = app.add_subcommand("simulate", "the same roles in one process on a virtual clock");
   add_run_options(*simulate, options);
   Faults faults;

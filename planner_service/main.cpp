@@ -28,7 +28,7 @@ constexpr double worth_telling = 3;  // seconds
 /// Until an agent for each robot, and a broker, can hear of its mission: those of a large fleet on few
 /// processors meet sooner while none of them drives. Who has not come by then gets its mission when it does.
 /// Returns what was heard meanwhile.
-std::vector<Arrival> wait_for_agents(DdsBus& bus, ClaimDesk& desk, std::size_t robots) {
+std::vector<Arrival> wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size_t robots) {
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
   std::vector<Arrival> heard;
@@ -39,6 +39,7 @@ std::vector<Arrival> wait_for_agents(DdsBus& bus, ClaimDesk& desk, std::size_t r
       heard.push_back(std::move(arrival));
     }
     step_role(bus, desk);
+    heart.beat(wall_now());
   }
   const double waited = wall_now() - begin;
   if (waited > worth_telling)
@@ -54,12 +55,13 @@ std::vector<RobotName> names_of(const Scenario& scenario) {
 }
 
 /// Exit code: 0 if every robot arrived.
-int run(const RunOptions& options) {
+int run(const RunOptions& options, const std::string& alive) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
              "planner_service");
+  Heartbeat heart(alive);
   ClaimDesk desk(names_of(scenario), wall_now());
-  const std::vector<Arrival> heard = wait_for_agents(bus, desk, scenario.robots.size());
+  const std::vector<Arrival> heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,
                           .timeout = options.timeout,
@@ -72,6 +74,7 @@ int run(const RunOptions& options) {
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
     run_role_once(bus, service, desk);
+    heart.beat(wall_now());
     display.show(service.progress(wall_now()), wall_now());
   }
   display.finish(service.progress(wall_now()));
@@ -88,6 +91,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Coppice planner service: missions in, progress and a report out"};
   app.set_version_flag("--version", COPPICE_VERSION);
   add_run_options(app, options);
+  std::string alive;
+  app.add_option("--alive", alive, "file that is touched every second while all is well: for health checks");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {
@@ -96,7 +101,7 @@ int main(int argc, char** argv) {
   set_up_logging("planner_service", "info");
   install_stop_signals();
   try {
-    return run(options);
+    return run(options, alive);
   } catch (const std::exception& problem) {
     std::cerr << problem.what() << '\n';
     return 2;

@@ -15,18 +15,35 @@ namespace {
 
 using namespace coppice;
 
-constexpr double note_period = 10;  // seconds between two lines about waiting in vain
+constexpr double note_period = 5;      // seconds between two lines about waiting in vain
+constexpr double longest_braking = 5;  // seconds
 
-int run_as(const RobotName& name, const DdsSettings& settings) {
+/// Until the robot stands and all has been said, or time is up: whoever told it to stop will not wait for
+/// ever.
+template <class Agent>
+void end(DdsBus& bus, Agent& agent) {
+  const WallTime latest = wall_now() + longest_braking;
+  agent.retire();
+  do {
+    run_role_once(bus, agent);
+  } while (!agent.stands() && wall_now() < latest);
+  for (const Outgoing& last : agent.last_words(wall_now())) bus.publish(last);
+}
+
+int run_as(const RobotName& name, const DdsSettings& settings, Heartbeat& heart) {
   DdsBus bus(settings, Role::agent, "robot_agent " + name);
   RobotAgent agent(name);
   spdlog::info("on domain {}", settings.domain);
-  while (!stop_requested()) run_role_once(bus, agent);
+  while (!stop_requested()) {
+    run_role_once(bus, agent);
+    heart.beat(wall_now());
+  }
+  end(bus, agent);
   return 0;
 }
 
 /// Until it knows who it is, and then as that robot. 1: another agent is that robot now.
-int run_as_whom_the_service_says(const DdsSettings& settings, const std::string& level) {
+int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, const std::string& level) {
   std::random_device device;
   const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
   DdsBus bus(settings, Role::claimant, fmt::format("robot_agent {:016x}", id));
@@ -35,6 +52,7 @@ int run_as_whom_the_service_says(const DdsSettings& settings, const std::string&
   WallTime next_note = wall_now() + note_period;
   while (!agent.robot() && !stop_requested()) {
     run_role_once(bus, agent);
+    heart.beat(wall_now());
     if (wall_now() < next_note) continue;
     next_note = wall_now() + note_period;
     spdlog::info(bus.matched_readers<Claim>() > 0 ? "waits: no robot is free"
@@ -44,8 +62,14 @@ int run_as_whom_the_service_says(const DdsSettings& settings, const std::string&
   bus.become(*agent.robot());
   set_up_logging("robot_agent " + *agent.robot(), level);
   spdlog::info("is {}", *agent.robot());
-  while (!agent.lost() && !stop_requested()) run_role_once(bus, agent);
-  if (!agent.lost()) return 0;
+  while (!agent.lost() && !stop_requested()) {
+    run_role_once(bus, agent);
+    heart.beat(wall_now());
+  }
+  if (!agent.lost()) {
+    end(bus, agent);
+    return 0;
+  }
   spdlog::error("was silent for too long: another agent may be {} by now", *agent.robot());
   return 1;
 }
@@ -57,6 +81,7 @@ int main(int argc, char** argv) {
   std::string name;
   std::string discovery;
   std::string level = "info";
+  std::string alive;
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.add_option("--name", name,
@@ -64,6 +89,7 @@ int main(int argc, char** argv) {
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
+  app.add_option("--alive", alive, "file that is touched every second while all is well: for health checks");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
@@ -80,7 +106,9 @@ int main(int argc, char** argv) {
   install_stop_signals();
   try {
     const DdsSettings settings{.domain = domain, .robot = name, .discovery = discovery};
-    return name.empty() ? run_as_whom_the_service_says(settings, level) : run_as(name, settings);
+    Heartbeat heart(alive);
+    return name.empty() ? run_as_whom_the_service_says(settings, heart, level)
+                        : run_as(name, settings, heart);
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());
     return 2;

@@ -52,6 +52,15 @@ std::vector<Outgoing> NamelessAgent::step(WallTime now) {
   return out;
 }
 
+void NamelessAgent::retire() {
+  if (agent_) agent_->retire();
+}
+
+std::vector<Outgoing> NamelessAgent::last_words(WallTime now) {
+  if (!agent_ || lost()) return {};
+  return agent_->last_words(now);
+}
+
 WallTime NamelessAgent::next_wake() const {
   return agent_ ? std::min(agent_->next_wake(), claimant_.next_wake()) : claimant_.next_wake();
 }

@@ -18,6 +18,11 @@ class NamelessAgent {
   std::vector<Outgoing> step(WallTime now);
   WallTime next_wake() const;
 
+  /// The same as a RobotAgent's. Who is no robot yet, or no more, stands and has nothing to say.
+  void retire();
+  bool stands() const { return !agent_ || lost() || agent_->stands(); }
+  std::vector<Outgoing> last_words(WallTime now);
+
   /// Which it is; none: not yet.
   const std::optional<RobotName>& robot() const { return claimant_.robot(); }
   /// It is that robot no more, and says nothing from now on.

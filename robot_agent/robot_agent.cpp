@@ -90,17 +90,11 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
 
 /// Takes up the mission once its map is there; a cancelled one ends what was going on.
 void RobotAgent::begin_mission(WallTime now) {
+  if (retired_) return;
   const auto& own = fleet_.own_mission();
   if (!own || !map_ || own->map_id != map_->map_id) return;
   const Mission& mission = *own;
-  if (mission.cancelled) {
-    if (mission_ && status_.phase != Phase::stopped) {
-      follower_.reset();
-      finder_.reset();
-      enter(Phase::stopped);
-    }
-    return;
-  }
+  if (mission.cancelled) return stop();
   if (mission_ && mission_->number == mission.number) return;
 
   if (!ground_ || ground_->map_id != map_->map_id) {
@@ -127,6 +121,14 @@ void RobotAgent::begin_mission(WallTime now) {
                         .trees_received = static_cast<std::uint32_t>(trees_.size()),
                         .track_points = status_.track_points};
   enter(Phase::planning);
+}
+
+/// Brakes; nothing, where it has no mission.
+void RobotAgent::stop() {
+  if (!mission_ || status_.phase == Phase::stopped) return;
+  follower_.reset();
+  finder_.reset();
+  enter(Phase::stopped);
 }
 
 PathImprover<ClearanceField>& RobotAgent::improver() {
@@ -493,6 +495,19 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   out.emplace_back(status_);
   status_changed_ = false;
   next_status_ = now + status_beat;
+}
+
+void RobotAgent::retire() {
+  retired_ = true;
+  if (status_.reason.empty()) status_.reason = "the agent was told to stop";
+  stop();
+}
+
+std::vector<Outgoing> RobotAgent::last_words(WallTime now) {
+  std::vector<Outgoing> out;
+  status_changed_ = true;
+  report(now, out);
+  return out;
 }
 
 }  // namespace coppice

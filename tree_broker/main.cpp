@@ -15,11 +15,13 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   std::string discovery;
   std::string level = "info";
+  std::string alive;
   CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
+  app.add_option("--alive", alive, "file that is touched every second while all is well: for health checks");
   app.add_option("--seed", seed, "of every random choice");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
@@ -39,7 +41,11 @@ int main(int argc, char** argv) {
     DdsBus bus({.domain = domain, .discovery = discovery}, Role::broker, "tree_broker");
     TreeBroker broker(id, seed);
     spdlog::info("broker {:016x} on domain {}", id, domain);
-    while (!stop_requested()) run_role_once(bus, broker);
+    Heartbeat heart(alive);
+    while (!stop_requested()) {
+      run_role_once(bus, broker);
+      heart.beat(wall_now());
+    }
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());
     return 2;
