@@ -33,8 +33,9 @@ class Heartbeat {
   WallTime next_ = 0;
 };
 
-/// Logs to standard error at the level that is named (trace ... off); false for an unknown name.
-bool set_up_logging(const std::string& name, const std::string& level);
+/// Logs to standard error at the level that is named (trace ... off); false for an unknown name. As lines of
+/// text, or of JSON: {"time":"...","level":"...","name":"...","message":"..."}.
+bool set_up_logging(const std::string& name, const std::string& level, bool as_json = false);
 
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;

@@ -92,13 +92,15 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", COPPICE_VERSION);
   add_run_options(app, options);
   std::string alive;
+  bool log_json = false;
+  app.add_flag("--log-json", log_json, "log lines of JSON");
   app.add_option("--alive", alive, "file that is touched every second while all is well: for health checks");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  set_up_logging("planner_service", "info");
+  set_up_logging("planner_service", "info", log_json);
   install_stop_signals();
   try {
     return run(options, alive);

@@ -18,6 +18,11 @@ using namespace coppice;
 constexpr double note_period = 5;      // seconds between two lines about waiting in vain
 constexpr double longest_braking = 5;  // seconds
 
+struct Log {
+  std::string level;
+  bool as_json = false;
+};
+
 /// Until the robot stands and all has been said, or time is up: whoever told it to stop will not wait for
 /// ever.
 template <class Agent>
@@ -43,7 +48,7 @@ int run_as(const RobotName& name, const DdsSettings& settings, Heartbeat& heart)
 }
 
 /// Until it knows who it is, and then as that robot. 1: another agent is that robot now.
-int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, const std::string& level) {
+int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, const Log& log) {
   std::random_device device;
   const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
   DdsBus bus(settings, Role::claimant, fmt::format("robot_agent {:016x}", id));
@@ -60,7 +65,7 @@ int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, 
   }
   if (!agent.robot()) return 0;
   bus.become(*agent.robot());
-  set_up_logging("robot_agent " + *agent.robot(), level);
+  set_up_logging("robot_agent " + *agent.robot(), log.level, log.as_json);
   spdlog::info("is {}", *agent.robot());
   while (!agent.lost() && !stop_requested()) {
     run_role_once(bus, agent);
@@ -81,6 +86,7 @@ int main(int argc, char** argv) {
   std::string name;
   std::string discovery;
   std::string level = "info";
+  bool log_json = false;
   std::string alive;
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
@@ -91,6 +97,7 @@ int main(int argc, char** argv) {
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
   app.add_option("--alive", alive, "file that is touched every second while all is well: for health checks");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
+  app.add_flag("--log-json", log_json, "log lines of JSON");
   try {
     app.parse(argc, argv);
     if (app.count("--name") > 0 && (name.empty() || name.size() > longest_name)) {
@@ -99,7 +106,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  if (!set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, level)) {
+  if (!set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, level, log_json)) {
     std::cerr << "--log-level: unknown level " << level << '\n';
     return 2;
   }
@@ -107,7 +114,7 @@ int main(int argc, char** argv) {
   try {
     const DdsSettings settings{.domain = domain, .robot = name, .discovery = discovery};
     Heartbeat heart(alive);
-    return name.empty() ? run_as_whom_the_service_says(settings, heart, level)
+    return name.empty() ? run_as_whom_the_service_says(settings, heart, {level, log_json})
                         : run_as(name, settings, heart);
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());

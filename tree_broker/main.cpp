@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   std::uint64_t seed = 1;
   std::string discovery;
   std::string level = "info";
+  bool log_json = false;
   std::string alive;
   CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};
   app.set_version_flag("--version", COPPICE_VERSION);
@@ -24,12 +25,13 @@ int main(int argc, char** argv) {
   app.add_option("--alive", alive, "file that is touched every second while all is well: for health checks");
   app.add_option("--seed", seed, "of every random choice");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
+  app.add_flag("--log-json", log_json, "log lines of JSON");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  if (!set_up_logging("tree_broker", level)) {
+  if (!set_up_logging("tree_broker", level, log_json)) {
     std::cerr << "--log-level: unknown level " << level << '\n';
     return 2;
   }

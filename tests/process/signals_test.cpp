@@ -1,12 +1,25 @@
-// TERM ends each program with exit code 0, and safely: a robot brakes first, and what it drove is on record.
+// How programs end when they are told to, and how they show that they work. A robot brakes first, and what it
+// drove is on record.
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
-#include <memory>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include "files/report_file.h"
 #include "tests/processes.h"
@@ -73,6 +86,89 @@ TEST(Signals, TermEndsEveryOtherProgramToo) {
   EXPECT_EQ(agent.ends_by(SIGINT), 0);
   EXPECT_EQ(service.ends_by(SIGTERM), 1);  // not every robot has arrived
   EXPECT_NE(test::contents(service.log).find("interrupted"), std::string::npos);
+}
+
+/// What programs that systemd starts send to it.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const std::filesystem::path& file)
+      : descriptor_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    file.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    if (bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("no socket at " + file.string());
+    setenv("NOTIFY_SOCKET", file.c_str(), 1);
+  }
+  ~NotifySocket() {
+    unsetenv("NOTIFY_SOCKET");
+    close(descriptor_);
+  }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+  /// The next message; empty: none came in time.
+  std::string next() const {
+    pollfd ready{.fd = descriptor_, .events = POLLIN, .revents = 0};
+    if (poll(&ready, 1, 10'000) != 1) return {};
+    std::array<char, 256> text{};
+    const ssize_t size = recv(descriptor_, text.data(), text.size(), 0);
+    return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
+  }
+
+ private:
+  int descriptor_;
+};
+
+TEST(Heartbeat, EachProgramTouchesItsFileAndTellsSystemd) {
+  const test::TemporaryFolder folder;
+  const std::string scenario = (test::scenarios() / "blank-10.json").string();
+  const std::vector<std::vector<std::string>> commands{{"tree_broker", "--domain", "137"},
+                                                       {"robot_agent", "--domain", "137"},
+                                                       {"robot_agent", "--name", "r1", "--domain", "137"},
+                                                       {"planner_service", scenario, "--domain", "137"},
+                                                       {"coppice", "discovery", "--port", "23937"}};
+  for (std::vector<std::string> command : commands) {
+    SCOPED_TRACE(command[0]);
+    const NotifySocket systemd(folder.path() / "notify");
+    const std::filesystem::path alive = folder.path() / "alive";
+    command.insert(command.end(), {"--alive", alive.string()});
+    const Program program(folder, command);
+    EXPECT_EQ(systemd.next(), "READY=1") << test::contents(program.log);
+    ASSERT_TRUE(std::filesystem::exists(alive));
+    std::filesystem::last_write_time(alive, std::filesystem::file_time_type());
+    EXPECT_EQ(systemd.next(), "WATCHDOG=1");
+    EXPECT_EQ(systemd.next(), "WATCHDOG=1");
+    EXPECT_GT(std::filesystem::last_write_time(alive), std::filesystem::file_time_type());
+    std::filesystem::remove(alive);
+    std::filesystem::remove(folder.path() / "notify");
+  }
+}
+
+TEST(Logs, AreLinesOfJsonIfWanted) {
+  const test::TemporaryFolder folder;
+  const std::string name = "a \"quoted\" \\ name\t";
+  Program agent(folder, {"robot_agent", "--name", name, "--domain", "138", "--log-json"});
+  ASSERT_TRUE(agent.says("on domain 138"));
+  EXPECT_EQ(agent.ends_by(SIGTERM), 0);
+  std::istringstream lines(test::contents(agent.log));
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    google::protobuf::Struct fields;
+    ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(line, &fields).ok()) << line;
+    EXPECT_EQ(fields.fields().at("name").string_value(), "robot_agent " + name);
+    EXPECT_EQ(fields.fields().at("level").string_value(), "info");
+    EXPECT_EQ(fields.fields().at("message").string_value(), "on domain 138");
+    EXPECT_EQ(fields.fields().at("time").string_value().size(),
+              std::string("2026-01-01T00:00:00.000+00:00").size());
+  }
+  EXPECT_EQ(count, 1);
+}
+
+TEST(Heartbeat, AFileThatCannotBeWrittenIsAnError) {
+  const test::Outcome outcome =
+      test::shell("'" + test::program("robot_agent") + "' --name r1 --domain 137 --alive /nowhere/alive");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.output.find("/nowhere/alive"), std::string::npos) << outcome.output;
 }
 
 }  // namespace
