@@ -1,6 +1,7 @@
 // robot_agent [--name NAME] --domain D: one robot, until it is told to stop.
 
 #include <random>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
@@ -15,7 +16,7 @@ namespace {
 
 using namespace coppice;
 
-constexpr double note_period = 5;      // seconds between two lines about waiting in vain
+constexpr double patience = 5;         // seconds of waiting that are worth no line
 constexpr double longest_braking = 5;  // seconds
 
 struct Log {
@@ -54,14 +55,17 @@ int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, 
   DdsBus bus(settings, Role::claimant, fmt::format("robot_agent {:016x}", id));
   NamelessAgent agent(id);
   spdlog::info("claims a robot on domain {}", settings.domain);
-  WallTime next_note = wall_now() + note_period;
+  const WallTime patience_ends = wall_now() + patience;
+  std::string_view noted;
   while (!agent.robot() && !stop_requested()) {
     run_role_once(bus, agent);
     heart.beat(wall_now());
-    if (wall_now() < next_note) continue;
-    next_note = wall_now() + note_period;
-    spdlog::info(bus.matched_readers<Claim>() > 0 ? "waits: no robot is free"
-                                                  : "waits: no planner service has been found");
+    const std::string_view note = bus.matched_readers<Claim>() > 0
+                                      ? "waits: no robot is free"
+                                      : "waits: no planner service has been found";
+    if (wall_now() < patience_ends || note == noted) continue;
+    noted = note;
+    spdlog::info(note);
   }
   if (!agent.robot()) return 0;
   bus.become(*agent.robot());
