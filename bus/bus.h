@@ -14,7 +14,8 @@
 namespace coppice {
 
 /// Who takes part in the bus: decides which topics are written and read (topics.h).
-enum class Role : unsigned char { broker, agent, service, observer };
+/// A claimant is an agent that does not know yet which robot it is.
+enum class Role : unsigned char { broker, agent, service, observer, claimant };
 
 /// A message off the bus. The others that read it may share it.
 struct Arrival {

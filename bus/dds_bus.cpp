@@ -21,6 +21,7 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastrtps/config.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -58,7 +59,8 @@ constexpr int static_announcement_period = 10;      // seconds
 constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
 constexpr int most_taken = 1000;                    // samples of a topic at a time
 constexpr double longest_held = 1;                  // seconds until its sender must be known
-constexpr std::size_t rejections_logged = 10;       // then every thousandth
+constexpr std::chrono::milliseconds longest_farewell{500};
+constexpr std::size_t rejections_logged = 10;  // then every thousandth
 
 template <class T>
 T* required(T* created, const char* what) {
@@ -204,7 +206,7 @@ struct DdsBus::Implementation {
   dds::Subscriber* subscriber = nullptr;
   std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
              Ends<JointPlanMessage>, Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>,
-             Ends<BrokerStatus>>
+             Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>>
       topics;
   dds::WaitSet wait_set;
   struct Received {
@@ -232,6 +234,8 @@ struct DdsBus::Implementation {
   }
 
   ~Implementation() {
+    const auto latest = std::chrono::steady_clock::now() + longest_farewell;
+    std::apply([&](auto&... ends) { (wait_for_readers(ends, latest), ...); }, topics);
     std::apply([&](auto&... ends) { (detach(ends), ...); }, topics);
     participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
@@ -280,6 +284,13 @@ struct DdsBus::Implementation {
       ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
       wait_set.attach_condition(ends.reader->get_statuscondition());
     }
+  }
+
+  template <class M>
+  static void wait_for_readers(const Ends<M>& ends, std::chrono::steady_clock::time_point latest) {
+    if (ends.writer == nullptr || Topic<M>::info.reliability != Reliability::reliable) return;
+    const std::chrono::duration<double> left = latest - std::chrono::steady_clock::now();
+    ends.writer->wait_for_acknowledgments(Duration_t(std::max(left.count(), 0.0)));
   }
 
   template <class M>
@@ -346,6 +357,10 @@ struct DdsBus::Implementation {
   }
 };
 
+std::string dds_version() {
+  return FASTRTPS_VERSION_STR;
+}
+
 DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender)
     : implementation_(std::make_unique<Implementation>(settings, role, sender)) {}
 
@@ -386,6 +401,13 @@ bool DdsBus::wait(double seconds) {
          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }
 
+void DdsBus::become(const RobotName& robot) {
+  dds::DomainParticipantQos qos = implementation_->participant->get_qos();
+  qos.user_data().data_vec(user_data_of(robot));
+  if (implementation_->participant->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
+    throw std::runtime_error("DDS could not announce which robot this is");
+}
+
 std::size_t DdsBus::rejected() const {
   return implementation_->rejected;
 }
@@ -405,6 +427,7 @@ std::size_t DdsBus::matched_readers() const {
 template std::size_t DdsBus::matched_readers<MapMessage>() const;
 template std::size_t DdsBus::matched_readers<Mission>() const;
 template std::size_t DdsBus::matched_readers<RobotState>() const;
+template std::size_t DdsBus::matched_readers<Claim>() const;
 template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
 
 /// An agent is matched with itself, too.

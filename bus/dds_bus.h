@@ -41,11 +41,15 @@ struct DdsSettings {
   int largest_datagram = datagram_for_networks;  ///< bytes, the two above and what lies between
 };
 
+/// Of Fast DDS, as "2.9.1".
+std::string dds_version();
+
 class DdsBus {
  public:
   /// `sender` names the participant to tools. Throws std::runtime_error if DDS refuses, or if the discovery
   /// servers are not addresses.
   DdsBus(const DdsSettings& settings, Role role, const std::string& sender);
+  /// Waits until what was published last has reached those who listen, half a second at most.
   ~DdsBus();
   DdsBus(const DdsBus&) = delete;
   DdsBus& operator=(const DdsBus&) = delete;
@@ -59,6 +63,9 @@ class DdsBus {
 
   /// Until something arrives or `seconds` are over; true if something arrived.
   bool wait(double seconds);
+
+  /// This process is the agent of that robot from now on: what is not for it is not sent to it any more.
+  void become(const RobotName& robot);
 
   BusCounts counts() const;
   /// Samples that were dropped because they failed validation, or came from another than they say.

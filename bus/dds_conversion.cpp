@@ -378,4 +378,28 @@ BrokerStatus from_dds(const idl::BrokerStatus& d) {
           .rejected = d.rejected()};
 }
 
+idl::Claim to_dds(const Claim& m) {
+  idl::Claim d;
+  d.claimant(m.claimant);
+  d.number(m.number);
+  d.robot(m.robot);
+  return d;
+}
+
+Claim from_dds(const idl::Claim& d) {
+  return {.claimant = d.claimant(), .number = d.number(), .robot = text(d.robot())};
+}
+
+idl::Assignment to_dds(const Assignment& m) {
+  idl::Assignment d;
+  d.robot(m.robot);
+  d.claimant(m.claimant);
+  d.number(m.number);
+  return d;
+}
+
+Assignment from_dds(const idl::Assignment& d) {
+  return {.robot = text(d.robot()), .claimant = d.claimant(), .number = d.number()};
+}
+
 }  // namespace coppice

@@ -30,6 +30,8 @@ COPPICE_DDS_TYPE(PathMessage, Path);
 COPPICE_DDS_TYPE(TrackMessage, Track);
 COPPICE_DDS_TYPE(AgentStatus, AgentStatus);
 COPPICE_DDS_TYPE(BrokerStatus, BrokerStatus);
+COPPICE_DDS_TYPE(Claim, Claim);
+COPPICE_DDS_TYPE(Assignment, Assignment);
 
 #undef COPPICE_DDS_TYPE
 

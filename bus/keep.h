@@ -23,6 +23,12 @@ struct KeptInMemory {
   std::vector<Message> messages{};
 };
 
+/// Of a role that nobody will take the place of.
+struct KeepsNothing {
+  void heard(const Message&) {}
+  void said(const Message&) {}
+};
+
 /// Puts what a role's chooser (robot_agent/memory.h and the like) finds worth keeping into a store.
 template <class Chooser, class Store>
 class Keeper {

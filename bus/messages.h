@@ -275,7 +275,29 @@ struct BrokerStatus {
   bool operator==(const BrokerStatus&) const = default;
 };
 
-using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState,
-                             JointPlanMessage, PathMessage, TrackMessage, AgentStatus, BrokerStatus>;
+/// claim: agent without a name -> service. Said again and again until it has a robot, and once more with
+/// that.
+struct Claim {
+  std::uint64_t claimant = 0;  ///< drawn at random, above 0: another one after each start
+  std::uint32_t number = 0;    ///< grows with each claim of this claimant
+  RobotName robot{};           ///< which one it is by now; empty: none yet
+  bool operator==(const Claim&) const = default;
+};
+
+/// assignment: service -> agents without a name, and those that had none. The newest of a robot counts.
+struct Assignment {
+  RobotName robot;
+  std::uint64_t claimant = 0;
+  std::uint32_t number = 0;  ///< of the claim that it answers
+  bool operator==(const Assignment&) const = default;
+};
+
+/// Seconds. Whoever the service has heard nothing of for so long has lost its robot, and knows that by
+/// itself.
+inline constexpr WallTime claim_lease = 10;
+
+using Message =
+    std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState, JointPlanMessage,
+                 PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim, Assignment>;
 
 }  // namespace coppice

@@ -21,21 +21,29 @@ inline WallTime wall_now() {
 void install_stop_signals();
 bool stop_requested();
 
-/// Logs to standard error at the level that is named (trace ... off); false for an unknown name.
-bool set_up_logging(const std::string& name, const std::string& level);
+/// Shows whoever watches this process that its loop turns: once a second it touches a file (health checks of
+/// containers) and tells systemd, if that has started it with NOTIFY_SOCKET (Type=notify, WatchdogSec=).
+class Heartbeat {
+ public:
+  /// `file`: empty for none. Throws std::runtime_error if it cannot be written.
+  explicit Heartbeat(std::string file);
+  void beat(WallTime now);
+
+ private:
+  std::string file_;
+  WallTime next_ = 0;
+};
+
+/// Logs to standard error at the level that is named (trace ... off); false for an unknown name. As lines of
+/// text, or of JSON: {"time":"...","level":"...","name":"...","message":"..."}.
+bool set_up_logging(const std::string& name, const std::string& level, bool as_json = false);
 
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;
 
-/// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
-/// `keeper` (journal.h) has what is said before anybody else.
+/// Lets a role step if it has something to do.
 template <class R, class K>
-void run_role_once(DdsBus& bus, R& role, K& keeper) {
-  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
-  for (const Arrival& arrival : bus.take()) {
-    keeper.heard(*arrival.message);
-    role.on(arrival);
-  }
+void step_role(DdsBus& bus, R& role, K& keeper) {
   const WallTime now = wall_now();
   if (role.next_wake() > now) return;
   if constexpr (requires { role.note(bus.counts(), now); }) role.note(bus.counts(), now);
@@ -44,6 +52,18 @@ void run_role_once(DdsBus& bus, R& role, K& keeper) {
     keeper.said(outgoing.message);
     bus.publish(outgoing);
   }
+}
+
+/// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
+/// `keeper` (keep.h) has what is said before anybody else.
+template <class R, class K>
+void run_role_once(DdsBus& bus, R& role, K& keeper) {
+  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
+  for (const Arrival& arrival : bus.take()) {
+    keeper.heard(*arrival.message);
+    role.on(arrival);
+  }
+  step_role(bus, role, keeper);
 }
 
 }  // namespace coppice

@@ -19,6 +19,9 @@ std::string key_of(const InactiveTreeMessage& m) {
 std::string key_of(const BrokerStatus& m) {
   return std::to_string(m.broker);
 }
+std::string key_of(const Claim& m) {
+  return std::to_string(m.claimant);
+}
 std::string key_of(const JointPlanMessage& m) {
   return m.knot.leader;
 }
@@ -75,7 +78,7 @@ void SimulatedBus::publish(const Port& sender, Outgoing outgoing) {
     kept.push_back({sender.index_, shared});
     return topic.info;
   });
-  for (const Role role : {Role::service, Role::broker, Role::agent, Role::observer}) {
+  for (const Role role : {Role::service, Role::broker, Role::agent, Role::observer, Role::claimant}) {
     const bool chosen = role == Role::agent && outgoing.agents;
     if (chosen || !read_by(message, role)) continue;
     for (Port* port : by_role_[static_cast<std::size_t>(role)]) send(sender, *port, shared, info.reliability);

@@ -34,7 +34,8 @@ struct Topic;
 
 namespace topic_roles {
 inline constexpr unsigned broker = 1u << static_cast<unsigned>(Role::broker);
-inline constexpr unsigned agent = 1u << static_cast<unsigned>(Role::agent);
+inline constexpr unsigned claimant = 1u << static_cast<unsigned>(Role::claimant);
+inline constexpr unsigned agent = (1u << static_cast<unsigned>(Role::agent)) | claimant;  // it becomes one
 inline constexpr unsigned service = 1u << static_cast<unsigned>(Role::service);
 inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer);
 }  // namespace topic_roles
@@ -51,6 +52,8 @@ COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local
 COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::broker | topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(Claim,               "claim",         reliable,    transient_local, 1,     topic_roles::claimant, topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(Assignment,          "assignment",    reliable,    transient_local, 1,     topic_roles::service, topic_roles::claimant | topic_roles::observer);
 // clang-format on
 
 #undef COPPICE_TOPIC

@@ -231,6 +231,15 @@ Problem check(const BrokerStatus& m) {
        {std::isfinite(m.leading_since) && m.leading_since >= 0, "time since it leads is not a time"}});
 }
 
+Problem check(const Claim& m) {
+  return first_of(
+      {{m.claimant != 0, "claimant is 0"}, {m.robot.size() <= longest_name, "robot name is too long"}});
+}
+
+Problem check(const Assignment& m) {
+  return first_of({{named(m.robot), "robot name is empty or too long"}, {m.claimant != 0, "claimant is 0"}});
+}
+
 }  // namespace
 
 std::optional<std::string> problem_with(const Message& message) {

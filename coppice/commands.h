@@ -7,14 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "coppice/diagnosis.h"
 #include "files/run_options.h"
 #include "simulation/faults.h"
 
 namespace coppice {
 
 struct FleetOptions {
-  bool standby = false;  ///< a second broker, that takes over if the first is gone
-  bool restart = false;  ///< who ends early is started again
+  std::optional<int> domain;  ///< none: one of its own
+  std::string discovery;      ///< as in bus/dds_bus.h
+  std::string state;          ///< folder for what processes keep for their successors; empty: one of its own
+  bool standby = false;       ///< a second broker, that takes over if the first is gone
+  bool restart = false;       ///< who ends early is started again
 };
 
 /// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
@@ -23,11 +27,15 @@ int run_command(const RunOptions& options, const FleetOptions& fleet, const std:
 struct DiscoveryOptions {
   std::string address = "127.0.0.1";  ///< of this host
   std::uint16_t port = 11811;
-  int place = 0;  ///< in the list of servers that the fleet is given
+  int place = 0;      ///< in the list of servers that the fleet is given
+  std::string alive;  ///< file that is touched every second; empty: none
 };
 
 /// A discovery server, until it is told to stop.
 int discovery_command(const DiscoveryOptions& options);
+
+/// Says whether this machine has what a fleet needs, and what to change. 1 if something is missing.
+int doctor_command(const FleetPlan& plan);
 
 /// All roles in this process, on a virtual clock, with faults. 1 also if anything touched.
 int simulate_command(const RunOptions& options, const Faults& faults);

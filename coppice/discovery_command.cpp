@@ -19,7 +19,11 @@ int discovery_command(const DiscoveryOptions& options) {
   install_stop_signals();
   const DdsDiscoveryServer server(options.address, options.port, options.place);
   spdlog::info("discovery server {} at {}:{}", options.place, options.address, options.port);
-  while (!stop_requested()) std::this_thread::sleep_for(poll_period);
+  Heartbeat heart(options.alive);
+  while (!stop_requested()) {
+    std::this_thread::sleep_for(poll_period);
+    heart.beat(wall_now());
+  }
   return 0;
 }
 

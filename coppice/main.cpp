@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bus/process.h"
+#include "bus/process_options.h"
 #include "coppice/commands.h"
 #include "coppice/fault_options.h"
 #include "files/run_options.h"
@@ -25,7 +26,14 @@ int main(int argc, char** argv) {
   auto* run = app.add_subcommand("run", "a fleet of processes over DDS on this machine");
   add_run_options(*run, options);
   FleetOptions fleet;
-  add_state_option(*run, options);
+  run->add_option("--domain", fleet.domain, "DDS domain; without: one that nobody uses")
+      ->check(CLI::Range(0, 232));
+  run->add_option("--discovery", fleet.discovery,
+                  "how processes find each other: multicast; static (by multicast, and a table of their "
+                  "endpoints: for large fleets); or discovery servers, several with ; between them")
+      ->check(a_discovery());
+  run->add_option("--state", fleet.state,
+                  "folder in which processes keep what they need to go on if they are started anew");
   run->add_flag("--standby", fleet.standby, "a second broker that takes over if the first is gone");
   run->add_flag("--restart", fleet.restart, "processes that end early are started again, and go on");
   run->callback([&] { exit_code = run_command(options, fleet, "/proc/self/exe"); });
@@ -36,7 +44,17 @@ int main(int argc, char** argv) {
   discovery
       ->add_option("--place", server.place, "in the list of servers that the fleet is given, 0 for the first")
       ->check(CLI::Range(0, 255));
+  discovery->add_option("--alive", server.alive,
+                        "file that is touched every second while all is well: for health checks");
   discovery->callback([&] { exit_code = discovery_command(server); });
+  FleetPlan plan_of_fleet;
+  auto* doctor = app.add_subcommand("doctor", "does this machine have what a fleet needs? what to change");
+  doctor->add_option("--robots", plan_of_fleet.robots, "that are to run on this machine")
+      ->check(CLI::Range(1, 100000));
+  doctor->add_option("--domain", plan_of_fleet.domain, "DDS domain")->check(CLI::Range(0, 232));
+  doctor->add_option("--discovery", plan_of_fleet.discovery,
+                     "as the fleet will be told; through servers needs no multicast");
+  doctor->callback([&] { exit_code = doctor_command(plan_of_fleet); });
   auto* simulate = app.add_subcommand("simulate", "the same roles in one process on a virtual clock");
   add_run_options(*simulate, options);
   Faults faults;

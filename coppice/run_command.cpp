@@ -104,7 +104,7 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
 }
 
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
-std::string discovery_of(const RunOptions& options, std::size_t robots) {
+std::string discovery_of(const FleetOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || std::getenv("ROS_DISCOVERY_SERVER") != nullptr;
   return chosen || robots < large_fleet ? options.discovery : static_discovery;
 }
@@ -121,14 +121,14 @@ int run_command(const RunOptions& options, const FleetOptions& fleet_options, co
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
   install_stop_signals();
   const std::filesystem::path folder = std::filesystem::canonical(program).parent_path();
-  const int domain = options.domain.value_or(own_domain());
+  const int domain = fleet_options.domain.value_or(own_domain());
   std::vector<std::string> network{"--domain", std::to_string(domain), "--datagram",
                                    std::to_string(datagram_for_one_host)};
-  const std::string discovery = discovery_of(options, scenario.robots.size());
+  const std::string discovery = discovery_of(fleet_options, scenario.robots.size());
   if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
   const RunFolder run_folder;
   const std::filesystem::path state =
-      options.state.empty() ? run_folder.path() / "state" : std::filesystem::path(options.state);
+      fleet_options.state.empty() ? run_folder.path() / "state" : std::filesystem::path(fleet_options.state);
   ProcessFleet fleet(run_folder.path());
 
   const auto start = [&](const std::string& name, std::vector<std::string> command,

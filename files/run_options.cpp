@@ -1,7 +1,6 @@
 #include "files/run_options.h"
 
 #include <cmath>
-#include <regex>
 
 #include <fmt/format.h>
 
@@ -28,13 +27,6 @@ const CLI::Validator above_zero(
     },
     "NUMBER>0");
 
-std::string problem_with_discovery(std::string& text) {
-  static const std::regex known("multicast|static|[^:;]+:[0-9]{1,5}(;[^:;]+:[0-9]{1,5})*");
-  if (std::regex_match(text, known)) return {};
-  return fmt::format("{} is no way to find others, expected multicast, static or HOST:PORT;...", text);
-}
-const CLI::Validator a_discovery(problem_with_discovery, "multicast|static|HOST:PORT");
-
 }  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
@@ -59,12 +51,6 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--report", options.report, "write the report (JSON)");
   command.add_option("--trajectory", options.trajectory, "write every control step (CSV)");
   command.add_option("--picture", options.picture, "write a picture (SVG)");
-  command.add_option("--domain", options.domain, "DDS domain")->check(CLI::Range(0, 232));
-  command
-      .add_option("--discovery", options.discovery,
-                  "how processes find each other: multicast; static (by multicast, and a table of their "
-                  "endpoints: for large fleets); or discovery servers, several with ; between them")
-      ->check(a_discovery);
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")
@@ -72,11 +58,6 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_flag_callback(
       "--no-sharing", [&options] { options.planner = planner_names[1]; }, "the same as --planner rrdt");
   command.add_flag("--quiet", options.quiet, "do not print the report");
-}
-
-void add_state_option(CLI::App& command, RunOptions& options) {
-  command.add_option("--state", options.state,
-                     "folder in which processes keep what they need to go on if they are started anew");
 }
 
 PlannerKind chosen_planner(const RunOptions& options) {

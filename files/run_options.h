@@ -27,17 +27,11 @@ struct RunOptions {
   std::string report;                 ///< empty: not written
   std::string trajectory;
   std::string picture;
-  std::optional<int> domain;
-  std::string discovery;  ///< as in bus/dds_bus.h
-  std::string state;      ///< folder for what a process keeps for its successor; empty: nothing is kept
-  bool quiet = false;     ///< the report is not printed
+  bool quiet = false;  ///< the report is not printed
 };
 
 /// Adds the options to a command; values out of range are usage errors.
 void add_run_options(CLI::App& command, RunOptions& options);
-
-/// Of the commands whose processes can be started anew in mid-run.
-void add_state_option(CLI::App& command, RunOptions& options);
 
 /// Of `run`, `simulate` and the service, wall seconds; `plan` goes on until nothing shorter turns up.
 inline constexpr double default_plan_budget = 1;

@@ -1,69 +1,159 @@
-// robot_agent --name NAME --domain D: one robot, until it is told to stop.
+// robot_agent [--name NAME] --domain D: one robot, until it is told to stop.
+
+#include <random>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_bus.h"
 #include "bus/journal.h"
 #include "bus/keep.h"
 #include "bus/process.h"
+#include "bus/process_options.h"
 #include "bus/validation.h"
 #include "robot_agent/memory.h"
+#include "robot_agent/nameless_agent.h"
 #include "robot_agent/robot_agent.h"
 
+namespace {
+
+using namespace coppice;
+
+constexpr double patience = 5;         // seconds of waiting that are worth no line
+constexpr double longest_braking = 5;  // seconds
+
+/// What is known of the robot from before, and where that goes on.
+struct Recalled {
+  std::optional<Journal> journal;
+  std::vector<Message> kept;
+
+  Keeper<Remembrance, Journal> keeper(const RobotName& robot) {
+    Remembrance remembrance(robot);
+    remembrance.recall(kept);
+    return {std::move(remembrance), journal ? &*journal : nullptr};
+  }
+};
+
+Recalled recalled(const std::string& folder, const RobotName& robot) {
+  Recalled all{journal_in(folder, robot), {}};
+  if (!all.journal) return all;
+  if (!all.journal->complete()) {
+    throw std::runtime_error(
+        fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
+                    "remove it once "
+                    "the robot stands at the start of its mission",
+                    all.journal->file().string()));
+  }
+  all.kept = all.journal->take_recalled();
+  return all;
+}
+
+/// Until the robot stands and all has been said, or time is up: whoever told it to stop will not wait for
+/// ever.
+template <class Agent, class K>
+void end(DdsBus& bus, Agent& agent, K& keeper) {
+  const WallTime latest = wall_now() + longest_braking;
+  agent.retire();
+  do {
+    run_role_once(bus, agent, keeper);
+  } while (!agent.stands() && wall_now() < latest);
+  for (const Outgoing& last : agent.last_words(wall_now())) {
+    keeper.said(last.message);
+    bus.publish(last);
+  }
+}
+
+int run_as(const RobotName& name, const ProcessOptions& options, Heartbeat& heart) {
+  Recalled before = recalled(options.state, name);
+  auto keeper = before.keeper(name);
+  DdsSettings network = options.network;
+  network.robot = name;
+  DdsBus bus(network, Role::agent, "robot_agent " + name);
+  RobotAgent agent(name);
+  agent.recall(before.kept);
+  spdlog::info("on domain {}", network.domain);
+  while (!stop_requested()) {
+    run_role_once(bus, agent, keeper);
+    heart.beat(wall_now());
+  }
+  end(bus, agent, keeper);
+  return 0;
+}
+
+/// False: told to stop before that.
+bool wait_for_a_robot(DdsBus& bus, NamelessAgent& agent, Heartbeat& heart) {
+  KeepsNothing keeper;
+  const WallTime patience_ends = wall_now() + patience;
+  std::string_view noted;
+  while (!agent.robot() && !stop_requested()) {
+    run_role_once(bus, agent, keeper);
+    heart.beat(wall_now());
+    const std::string_view note = bus.matched_readers<Claim>() > 0
+                                      ? "waits: no robot is free"
+                                      : "waits: no planner service has been found";
+    if (wall_now() < patience_ends || note == noted) continue;
+    noted = note;
+    spdlog::info(note);
+  }
+  return agent.robot().has_value();
+}
+
+/// Until it knows who it is, and then as that robot. 1: another agent is that robot now.
+int run_as_whom_the_service_says(const ProcessOptions& options, Heartbeat& heart) {
+  std::random_device device;
+  const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
+  DdsBus bus(options.network, Role::claimant, fmt::format("robot_agent {:016x}", id));
+  NamelessAgent agent(id);
+  spdlog::info("claims a robot on domain {}", options.network.domain);
+  if (!wait_for_a_robot(bus, agent, heart)) return 0;
+  const RobotName robot = *agent.robot();
+  bus.become(robot);
+  set_up_logging("robot_agent " + robot, options.log_level, options.log_json);
+  spdlog::info("is {}", robot);
+  Recalled before = recalled(options.state, robot);
+  auto keeper = before.keeper(robot);
+  agent.begin(before.kept);
+  while (!agent.lost() && !stop_requested()) {
+    run_role_once(bus, agent, keeper);
+    heart.beat(wall_now());
+  }
+  if (!agent.lost()) {
+    end(bus, agent, keeper);
+    return 0;
+  }
+  spdlog::error("was silent for too long: another agent may be {} by now", robot);
+  return 1;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  using namespace coppice;
-  int domain = 0;
+  ProcessOptions options;
   std::string name;
-  std::string discovery;
-  std::string state;
-  int datagram = datagram_for_networks;
-  std::string level = "info";
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
-  app.add_option("--name", name, "of the robot, as the scenario names it")->required();
-  app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
-  app.add_option("--discovery", discovery,
-                 "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
-  app.add_option("--state", state,
-                 "folder in which it keeps where its robot is, for when it is started anew");
-  app.add_option("--datagram", datagram, "largest UDP datagram, bytes: the default fits every network")
-      ->check(CLI::Range(datagram_for_networks, datagram_for_one_host));
-  app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
+  app.add_option("--name", name,
+                 "of the robot, as the scenario names it; without, the service says which one it is");
+  add_process_options(app, options);
   try {
     app.parse(argc, argv);
-    if (name.empty() || name.size() > longest_name) {
+    if (app.count("--name") > 0 && (name.empty() || name.size() > longest_name)) {
       throw CLI::ValidationError("--name", fmt::format("expected 1 to {} characters", longest_name));
     }
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  if (!set_up_logging("robot_agent " + name, level)) {
-    std::cerr << "--log-level: unknown level " << level << '\n';
-    return 2;
-  }
+  set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, options.log_level, options.log_json);
   install_stop_signals();
   try {
-    auto journal = journal_in(state, name);
-    if (journal && !journal->complete()) {
-      throw std::runtime_error(
-          journal->file().string() +
-          ": the disk was full when it was written, so that it does not say where the robot is: remove "
-          "it once the robot stands at the start of its mission");
-    }
-    const std::vector<Message> kept = journal ? journal->take_recalled() : std::vector<Message>();
-    Remembrance remembrance(name);
-    remembrance.recall(kept);
-    Keeper keeper(std::move(remembrance), journal ? &*journal : nullptr);
-    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery, .largest_datagram = datagram},
-               Role::agent, "robot_agent " + name);
-    RobotAgent agent(name);
-    agent.recall(kept);
-    spdlog::info("on domain {}", domain);
-    while (!stop_requested()) run_role_once(bus, agent, keeper);
+    Heartbeat heart(options.alive);
+    return name.empty() ? run_as_whom_the_service_says(options, heart) : run_as(name, options, heart);
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());
     return 2;
   }
-  return 0;
 }

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "bus/validation.h"
 #include "motion/free_way.h"
 #include "planning/quantities.h"
-#include "bus/validation.h"
 #include "planning/suggestions.h"
 #include "robot_agent/limits.h"
 
@@ -148,17 +148,11 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
 
 /// Takes up the mission once its map is there; a cancelled one ends what was going on.
 void RobotAgent::begin_mission(WallTime now) {
+  if (retired_) return;
   const auto& own = fleet_.own_mission();
   if (!own || !map_ || own->map_id != map_->map_id) return;
   const Mission& mission = *own;
-  if (mission.cancelled) {
-    if (mission_ && status_.phase != Phase::stopped) {
-      follower_.reset();
-      finder_.reset();
-      enter(Phase::stopped);
-    }
-    return;
-  }
+  if (mission.cancelled) return stop();
   if (mission_ && mission_->number == mission.number) return;
 
   if (!ground_ || ground_->map_id != map_->map_id) {
@@ -233,6 +227,14 @@ void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
     if (before.phase == Phase::arrived) status_.arrival_time = before.arrival_time;
     status_.driven_length = memory.driven_length;
   }
+}
+
+/// Brakes; nothing, where it has no mission.
+void RobotAgent::stop() {
+  if (!mission_ || status_.phase == Phase::stopped) return;
+  follower_.reset();
+  finder_.reset();
+  enter(Phase::stopped);
 }
 
 PathImprover<ClearanceField>& RobotAgent::improver() {
@@ -646,6 +648,19 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   out.emplace_back(status_);
   status_changed_ = false;
   next_status_ = now + status_beat;
+}
+
+void RobotAgent::retire() {
+  retired_ = true;
+  if (status_.reason.empty()) status_.reason = "the agent was told to stop";
+  stop();
+}
+
+std::vector<Outgoing> RobotAgent::last_words(WallTime now) {
+  std::vector<Outgoing> out;
+  status_changed_ = true;
+  report(now, out);
+  return out;
 }
 
 }  // namespace coppice

@@ -46,6 +46,12 @@ class RobotAgent {
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
 
+  /// Its process is to end: it brakes and stands, and takes no mission any more.
+  void retire();
+  bool stands() const { return !body_ || body_->stands(); }
+  /// What is left to say: the rest of the track, and the status.
+  std::vector<Outgoing> last_words(WallTime now);
+
   /// Where it drives; none before its first mission.
   const std::optional<Driver>& body() const { return body_; }
 
@@ -61,6 +67,7 @@ class RobotAgent {
   void go_on_from(const Memory& memory, double fleet_now);
   void forget_trees(const std::function<bool(const InactiveTreeMessage&)>& which);
   const char* problem_with_task() const;
+  void stop();
   void look_for_a_path(Path known = {});
   Path way_back_to_the_path() const;
   PathImprover<ClearanceField>& improver();
@@ -131,6 +138,7 @@ class RobotAgent {
   std::vector<TrackMessage::Point> track_;  ///< not yet sent
   AgentStatus status_;
   bool status_changed_ = true;
+  bool retired_ = false;
   std::uint32_t sequence_ = 0;    ///< of the next state, by control periods
   std::uint32_t last_beat_ = 0;   ///< in standing strides
   std::uint32_t since_news_ = 0;  ///< control steps

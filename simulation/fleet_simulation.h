@@ -73,10 +73,6 @@ class FleetSimulation {
     double next_event() const;
   };
 
-  struct KeepsNothing {
-    void heard(const Message&) {}
-    void said(const Message&) {}
-  };
   template <class R, class K>
   void turn(Participant<R>& participant, K&& keeper, double clock_offset = 0);
   void turn(Agent& agent);

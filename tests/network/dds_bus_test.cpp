@@ -116,6 +116,7 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   DdsBus agent({.domain = domain, .robot = "r1"}, Role::agent, "agent");
   DdsBus broker({.domain = domain}, Role::broker, "broker");
   DdsBus other({.domain = domain}, Role::agent, "other");
+  DdsBus claimant({.domain = domain}, Role::claimant, "claimant");
 
   const Message map = some_map(100);
   const Message mission = some_mission();
@@ -143,8 +144,12 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
                                      12,
                                      {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}};
   const Message broker_status = BrokerStatus{1ull << 50, true, 1.5, 2, 3, 4, 5, "some-map", 6};
+  const Message claim = Claim{1ull << 60, 3, "r4"};
+  const Message assignment = Assignment{"r4", 1ull << 60, 2};
   service.publish(map);
   service.publish(mission);
+  service.publish(assignment);
+  claimant.publish(claim);
   for (const Message& m : {nodes, plan, path, track, status}) agent.publish(m);
   broker.publish(tree);
   broker.publish(broker_status);
@@ -156,8 +161,11 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
               holds(at_agent, plan));
   const auto at_service = receive(service, [&](const auto& all) {
     return holds(all, path) && holds(all, track) && holds(all, status) && holds(all, broker_status) &&
-           holds(all, nodes);
+           holds(all, nodes) && holds(all, claim);
   });
+  EXPECT_TRUE(holds(at_service, claim));
+  const auto at_claimant = receive(claimant, [&](const auto& all) { return holds(all, assignment); });
+  EXPECT_TRUE(holds(at_claimant, assignment));
   EXPECT_TRUE(holds(at_service, path) && holds(at_service, track) && holds(at_service, status) &&
               holds(at_service, broker_status) && holds(at_service, nodes));
   const auto at_broker =
@@ -338,7 +346,11 @@ TEST_P(Discovery, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
   XMLProfileManager::library_settings(separate);
   DdsBus sender({.domain = domain + 7, .robot = "a", .discovery = discovery}, Role::agent, "a");
   DdsBus near({.domain = domain + 7, .robot = "b", .discovery = discovery}, Role::agent, "b");
-  DdsBus far({.domain = domain + 7, .robot = "c", .discovery = discovery}, Role::agent, "c");
+  // One that has learnt only in the meantime who it is.
+  DdsBus far({.domain = domain + 7, .discovery = discovery}, Role::claimant, "c");
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  far.become("c");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));  // until that is known
   DdsBus watcher({.domain = domain + 7, .discovery = discovery}, Role::observer, "watcher");
   std::set<std::uint32_t> at_near;
   std::set<std::uint32_t> at_far;

@@ -118,7 +118,7 @@ TEST(CommandLine, EveryProgramTellsItsVersion) {
 }
 
 TEST(CommandLine, TheRolesRefuseBadUsage) {
-  EXPECT_EQ(test::shell("'" + test::program("robot_agent") + "' --domain 7").exit_code, 2);  // without a name
+  EXPECT_EQ(test::shell("'" + test::program("robot_agent") + "' --domain 7 --name ''").exit_code, 2);
   EXPECT_EQ(test::shell("'" + test::program("tree_broker") + "' --domain x").exit_code, 2);
   EXPECT_EQ(test::shell("'" + test::program("tree_broker") + "' --log-level loud").exit_code, 2);
   EXPECT_EQ(test::shell("'" + test::program("planner_service") + "' --domain 7 none.json").exit_code, 2);

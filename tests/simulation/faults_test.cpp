@@ -103,8 +103,8 @@ TEST(Faults, AgentsThatAreKilledAndStartedAnewCostTimeOnly) {
   }
 }
 
-// Found by trying seeds: an agent that was started anew took the others to stand where their missions begin, and moved
-// out of their way into those who stood there by now.
+// Found by trying seeds: an agent that was started anew took the others to stand where their missions begin,
+// and moved out of their way into those who stood there by now.
 TEST(Faults, AnAgentThatIsStartedAnewStandsUntilItKnowsWhereTheOthersAre) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const Faults faults{.kill_rate = 60, .restart_after = 0.3};

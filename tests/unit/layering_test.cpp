@@ -67,7 +67,8 @@ const std::vector<Reserved> reserved = {
     {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
      "bus/(dds_|process).*" + commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
-    {"<random>", "planning/random\\.h|tree_broker/main\\.cpp" + tests_and_benches, "chance is passed in"},
+    {"<random>", "planning/random\\.h|(tree_broker|robot_agent)/main\\.cpp" + tests_and_benches,
+     "chance is passed in"},
     {"<(iostream|fstream|filesystem)>", "files/.*" + mains + commands + tests_and_benches,
      "what reads or writes is at the edges"},
 };

@@ -285,6 +285,34 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
   EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
 }
 
+TEST(RobotAgent, OneThatIsToEndBrakesAndSaysAllThatItHasToSay) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  std::uint32_t points = 0;
+  for (const auto& batch : of<TrackMessage>(run(agent, 0, 2)))
+    points += static_cast<std::uint32_t>(batch.points.size());
+  ASSERT_FALSE(agent.stands());
+  agent.retire();
+  const auto said = run(agent, 2, 3);
+  EXPECT_TRUE(agent.stands());
+  const auto last = messages(agent.last_words(3));
+  for (const auto& messages : {said, last}) {
+    for (const auto& batch : of<TrackMessage>(messages)) {
+      EXPECT_EQ(batch.first_index, points);
+      points += static_cast<std::uint32_t>(batch.points.size());
+    }
+  }
+  ASSERT_EQ(of<AgentStatus>(last).size(), 1u);
+  const AgentStatus status = of<AgentStatus>(last)[0];
+  EXPECT_EQ(status.phase, Phase::stopped);
+  EXPECT_EQ(status.reason, "the agent was told to stop");
+  EXPECT_EQ(status.track_points, points);
+  EXPECT_NEAR(points, 3 / 0.05, 2);
+}
+
 TEST(RobotAgent, OneThatStandsAndWakesLateIsStillHeardOf) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);

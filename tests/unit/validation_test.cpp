@@ -190,5 +190,14 @@ TEST(Validation, AgentsSpeakForTheirOwnRobotUnlessTheyPassOn) {
   EXPECT_EQ(sender(tree()), "");
 }
 
+TEST(Validation, ClaimsAndAssignments) {
+  EXPECT_FALSE(problem_with(Claim{1, 1}));
+  EXPECT_TRUE(problem_with(Claim{0, 1}));
+  EXPECT_TRUE(problem_with(Claim{1, 1, std::string(65, 'x')}));
+  EXPECT_FALSE(problem_with(Assignment{"r1", 1, 1}));
+  EXPECT_TRUE(problem_with(Assignment{"", 1, 1}));
+  EXPECT_TRUE(problem_with(Assignment{"r1", 0, 1}));
+}
+
 }  // namespace
 }  // namespace coppice

@@ -1,0 +1,11 @@
+// Looks at this machine for `coppice doctor`: reads limits, binds sockets, sends datagrams to itself.
+#pragma once
+
+#include "coppice/diagnosis.h"
+
+namespace coppice {
+
+/// Takes about half a second. What cannot be found out counts as missing, or as no limit where it is one.
+Machine examine(const FleetPlan& plan);
+
+}  // namespace coppice

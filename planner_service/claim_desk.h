@@ -1,0 +1,60 @@
+// Tells agents that come without a name which robot they are: the first of the scenario that nobody is.
+//
+// A robot is somebody's for as long as anything is heard of it, and for claim_lease longer: an agent that was
+// given it and says so, one that was started with its name, or one from before this service began. Agents
+// know that lease too, and count it from when they last spoke, which is earlier. So no two are the same
+// robot, and none is two. What the desk cannot see is an agent that lives where nothing of it is heard for
+// the whole lease: docs/deploy.md.
+//
+// A state machine, beside the planner service: messages and the time go in, messages come out.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "bus/bus.h"
+#include "bus/messages.h"
+
+namespace coppice {
+
+class ClaimDesk {
+ public:
+  /// `robots`: in the order in which they are given away; each once.
+  ClaimDesk(const std::vector<RobotName>& robots, WallTime now);
+
+  void on(const Arrival& arrival);
+  std::vector<Message> step(WallTime now);
+  WallTime next_wake() const { return next_wake_; }
+
+ private:
+  struct Seat {
+    RobotName robot;
+    std::uint64_t claimant = 0;  ///< to whom it was given last; 0: to nobody
+    std::uint32_t number = 0;    ///< of that one's last claim
+    bool taken_up = false;       ///< that one has said so
+    bool spoken_for = false;     ///< somebody speaks as this robot, since it was given
+    bool answer_due = false;
+    WallTime heard = 0;  ///< of it, or of that one
+  };
+  struct Waiting {
+    std::uint64_t claimant = 0;
+    std::uint32_t number = 0;
+    WallTime heard = 0;
+  };
+
+  void receive(const Claim& claim, WallTime now);
+  void receive(const AgentStatus& status, WallTime now);
+  void take_up(const Claim& claim, WallTime now);
+  void wait(const Claim& claim, WallTime now);
+  Seat* seat_given_to(std::uint64_t claimant);
+  Seat* free_seat(WallTime now);
+
+  std::vector<Seat> seats_;
+  std::map<RobotName, std::size_t> seat_of_;
+  std::vector<Waiting> waiting_;  ///< in the order in which they came
+  WallTime next_wake_;
+};
+
+}  // namespace coppice

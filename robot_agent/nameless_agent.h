@@ -1,0 +1,44 @@
+// An agent that is not told which robot it is: it asks the service, and then is that one.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "robot_agent/claimant.h"
+#include "robot_agent/robot_agent.h"
+
+namespace coppice {
+
+class NamelessAgent {
+ public:
+  explicit NamelessAgent(std::uint64_t id) : claimant_(id) {}
+
+  void on(const Arrival& arrival);
+  std::vector<Outgoing> step(WallTime now);
+  WallTime next_wake() const;
+
+  /// The same as a RobotAgent's. Who is no robot yet, or no more, stands and has nothing to say.
+  void retire();
+  bool stands() const { return !agent_ || lost() || agent_->stands(); }
+  std::vector<Outgoing> last_words(WallTime now);
+
+  /// Once it knows which robot it is: begins to be that one, and goes on from what was kept of it before
+  /// (memory.h).
+  void begin(std::span<const Message> kept);
+
+  /// Which it is; none: not yet.
+  const std::optional<RobotName>& robot() const { return claimant_.robot(); }
+  /// It is that robot no more, and says nothing from now on.
+  bool lost() const { return claimant_.lost(); }
+
+ private:
+  void keep(const Arrival& arrival);
+
+  Claimant claimant_;
+  std::optional<RobotAgent> agent_;
+  std::vector<Arrival> kept_;  ///< what every agent needs to know, for when it is one
+};
+
+}  // namespace coppice

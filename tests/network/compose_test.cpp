@@ -1,0 +1,77 @@
+// What deploy/ holds for operations: the compose file is valid, and its fleet runs with each container a host
+// of its own on a network without multicast; the systemd units are valid.
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "files/report_file.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+const std::filesystem::path deploy = std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy";
+
+bool is_installed(const std::string& command) {
+  return test::shell("command -v " + command).exit_code == 0;
+}
+
+TEST(Deploy, TheComposeFileIsValid) {
+  if (!is_installed("docker-compose")) GTEST_SKIP() << "docker-compose is not installed";
+  const test::Outcome outcome =
+      test::shell("docker-compose -f '" + (deploy / "docker-compose.yml").string() + "' config --quiet");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
+/// With the programs of this build, on this machine's own root file system; COPPICE_IMAGE_ROOT names an
+/// image's.
+TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
+  if (!is_installed("docker-compose")) GTEST_SKIP() << "docker-compose is not installed";
+  if (test::shell("/usr/bin/python3 -c 'import yaml'").exit_code != 0)
+    GTEST_SKIP() << "python3-yaml is not installed";
+  const test::TemporaryFolder folder;
+  const char* const image = std::getenv("COPPICE_IMAGE_ROOT");
+  const std::string source = image != nullptr ? "--root '" + std::string(image) + "'"
+                                              : "--programs '" + std::string(COPPICE_BIN_DIR) + "'";
+  const test::Outcome outcome =
+      test::shell("TIME_SCALE=10 '" + (deploy / "replay").string() + "' " + source + " --out '" +
+                  folder.path().string() + "' --scale agent=8 --timeout 120");
+  if (outcome.exit_code == 77) GTEST_SKIP() << outcome.output;
+  const std::filesystem::path logs = folder.path() / "logs";
+  std::string said = outcome.output;
+  for (const char* container : {"service", "broker", "discovery", "agent-1"})
+    said += std::string("--- ") + container + "\n" + test::contents(logs / (std::string(container) + ".log"));
+  ASSERT_EQ(outcome.exit_code, 0) << said;
+  for (const char* service : {"discovery", "broker", "agent", "service"})
+    EXPECT_NE(outcome.output.find(std::string(service) + " is healthy"), std::string::npos) << said;
+  const proto::Report report = read_report(folder.path() / "report.json");
+  EXPECT_EQ(report.outcome(), "arrived");
+  EXPECT_EQ(report.robots_size(), 8);
+  EXPECT_EQ(report.collisions(), 0u);
+  EXPECT_GT(report.trees_published(), 0u) << "the broker took part";
+  EXPECT_EQ(test::shell("ip netns list").output.find("replay"), std::string::npos) << "namespaces are left";
+}
+
+TEST(Deploy, TheSystemdUnitsAreValid) {
+  if (!is_installed("systemd-analyze")) GTEST_SKIP() << "systemd-analyze is not installed";
+  const test::TemporaryFolder folder;
+  int units = 0;
+  for (const auto& unit : std::filesystem::directory_iterator(deploy / "systemd")) {
+    std::string text = test::contents(unit.path());
+    const std::string installed = "/usr/local/bin/";
+    for (std::size_t at = text.find(installed); at != std::string::npos; at = text.find(installed, at + 1))
+      text.replace(at, installed.size(), std::string(COPPICE_BIN_DIR) + "/");
+    const std::filesystem::path copy = folder.write(unit.path().filename().string(), text);
+    const test::Outcome outcome = test::shell("systemd-analyze verify '" + copy.string() + "'");
+    EXPECT_EQ(outcome.exit_code, 0) << unit.path() << ": " << outcome.output;
+    EXPECT_EQ(outcome.output, "") << unit.path();
+    ++units;
+  }
+  EXPECT_GE(units, 4);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,175 @@
+// How programs end when they are told to, and how they show that they work. A robot brakes first, and what it
+// drove is on record.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "files/report_file.h"
+#include "tests/processes.h"
+#include "tests/run_check.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Program {
+  Program(const test::TemporaryFolder& folder, std::vector<std::string> command)
+      : log(folder.path() / (command[0] + ".log")), process(started(std::move(command)), log) {}
+  static std::vector<std::string> started(std::vector<std::string> command) {
+    command[0] = test::program(command[0]);
+    return command;
+  }
+  bool says(const std::string& text) const {
+    return test::within(20s, [&] { return test::contents(log).find(text) != std::string::npos; });
+  }
+  int ends_by(int signal) {
+    process.send(signal);
+    EXPECT_TRUE(test::within(6s, [&] { return test::has_ended(process.pid()); })) << test::contents(log);
+    return process.wait();
+  }
+  std::filesystem::path log;
+  test::Background process;
+};
+
+TEST(Signals, ARobotThatIsToldToStopWhileItDrivesBrakesAndItsTrackIsComplete) {
+  const test::TemporaryFolder folder;
+  const std::string report = (folder.path() / "report.json").string();
+  const std::string trajectory = (folder.path() / "t.csv").string();
+  Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "133"});
+  Program service(folder, {"planner_service", (test::scenarios() / "blank-10.json").string(), "--robots", "1",
+                           "--domain", "133", "--report", report, "--trajectory", trajectory});
+  ASSERT_TRUE(service.says("paths found 1/1")) << test::contents(service.log);
+  std::this_thread::sleep_for(2s);
+  EXPECT_EQ(agent.ends_by(SIGTERM), 0) << test::contents(agent.log);
+  EXPECT_EQ(service.process.wait(), 1) << test::contents(service.log);
+  const proto::Report result = read_report(report);
+  EXPECT_EQ(result.robots(0).reason(), "the agent was told to stop");
+  const auto track = test::read_trajectory_rows(trajectory).at("r1");
+  ASSERT_GT(track.size(), 40u);
+  EXPECT_GT(test::distance(track.front().place, track.back().place), 5);
+  EXPECT_TRUE(test::contents(trajectory).ends_with(",0.000000,0.000000\n")) << "it stands at the end";
+}
+
+TEST(Signals, TermEndsEveryOtherProgramToo) {
+  const test::TemporaryFolder folder;
+  Program broker(folder, {"tree_broker", "--domain", "134"});
+  Program discovery(folder, {"coppice", "discovery", "--port", "23934"});
+  Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "134"});
+  Program service(folder,
+                  {"planner_service", (test::scenarios() / "blank-10.json").string(), "--domain", "135"});
+  ASSERT_TRUE(broker.says("on domain 134"));
+  ASSERT_TRUE(discovery.says("discovery server 0"));
+  ASSERT_TRUE(agent.says("on domain 134"));
+  ASSERT_TRUE(service.says("paths found"));
+  EXPECT_EQ(broker.ends_by(SIGTERM), 0);
+  EXPECT_EQ(discovery.ends_by(SIGTERM), 0);
+  EXPECT_EQ(agent.ends_by(SIGINT), 0);
+  EXPECT_EQ(service.ends_by(SIGTERM), 1);  // not every robot has arrived
+  EXPECT_NE(test::contents(service.log).find("interrupted"), std::string::npos);
+}
+
+/// What programs that systemd starts send to it.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const std::filesystem::path& file)
+      : descriptor_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    file.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    if (bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("no socket at " + file.string());
+    setenv("NOTIFY_SOCKET", file.c_str(), 1);
+  }
+  ~NotifySocket() {
+    unsetenv("NOTIFY_SOCKET");
+    close(descriptor_);
+  }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+  /// The next message; empty: none came in time.
+  std::string next() const {
+    pollfd ready{.fd = descriptor_, .events = POLLIN, .revents = 0};
+    if (poll(&ready, 1, 10'000) != 1) return {};
+    std::array<char, 256> text{};
+    const ssize_t size = recv(descriptor_, text.data(), text.size(), 0);
+    return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
+  }
+
+ private:
+  int descriptor_;
+};
+
+TEST(Heartbeat, EachProgramTouchesItsFileAndTellsSystemd) {
+  const test::TemporaryFolder folder;
+  const std::string scenario = (test::scenarios() / "blank-10.json").string();
+  const std::vector<std::vector<std::string>> commands{{"tree_broker", "--domain", "137"},
+                                                       {"robot_agent", "--domain", "137"},
+                                                       {"robot_agent", "--name", "r1", "--domain", "137"},
+                                                       {"planner_service", scenario, "--domain", "137"},
+                                                       {"coppice", "discovery", "--port", "23937"}};
+  for (std::vector<std::string> command : commands) {
+    SCOPED_TRACE(command[0]);
+    const NotifySocket systemd(folder.path() / "notify");
+    const std::filesystem::path alive = folder.path() / "alive";
+    command.insert(command.end(), {"--alive", alive.string()});
+    const Program program(folder, command);
+    EXPECT_EQ(systemd.next(), "READY=1") << test::contents(program.log);
+    ASSERT_TRUE(std::filesystem::exists(alive));
+    const auto long_ago = std::filesystem::last_write_time(alive) - 1h;
+    std::filesystem::last_write_time(alive, long_ago);
+    EXPECT_EQ(systemd.next(), "WATCHDOG=1");
+    EXPECT_EQ(systemd.next(), "WATCHDOG=1");
+    EXPECT_GT(std::filesystem::last_write_time(alive), long_ago);
+    std::filesystem::remove(alive);
+    std::filesystem::remove(folder.path() / "notify");
+  }
+}
+
+TEST(Logs, AreLinesOfJsonIfWanted) {
+  const test::TemporaryFolder folder;
+  const std::string name = "a \"quoted\" \\ name\t";
+  Program agent(folder, {"robot_agent", "--name", name, "--domain", "138", "--log-json"});
+  ASSERT_TRUE(agent.says("on domain 138"));
+  EXPECT_EQ(agent.ends_by(SIGTERM), 0);
+  std::istringstream lines(test::contents(agent.log));
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    google::protobuf::Struct fields;
+    ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(line, &fields).ok()) << line;
+    EXPECT_EQ(fields.fields().at("name").string_value(), "robot_agent " + name);
+    EXPECT_EQ(fields.fields().at("level").string_value(), "info");
+    EXPECT_EQ(fields.fields().at("message").string_value(), "on domain 138");
+    EXPECT_EQ(fields.fields().at("time").string_value().size(),
+              std::string("2026-01-01T00:00:00.000+00:00").size());
+  }
+  EXPECT_EQ(count, 1);
+}
+
+TEST(Heartbeat, AFileThatCannotBeWrittenIsAnError) {
+  const test::Outcome outcome =
+      test::shell("'" + test::program("robot_agent") + "' --name r1 --domain 137 --alive /nowhere/alive");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.output.find("/nowhere/alive"), std::string::npos) << outcome.output;
+}
+
+}  // namespace
+}  // namespace coppice

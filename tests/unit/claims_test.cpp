@@ -1,0 +1,286 @@
+// Agents without a name and the desk that gives them one: message by message, and against a bus that loses.
+#include <algorithm>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/simulated_bus.h"
+#include "planner_service/claim_desk.h"
+#include "robot_agent/claimant.h"
+#include "robot_agent/nameless_agent.h"
+
+namespace coppice {
+namespace {
+
+std::vector<Assignment> assignments(const std::vector<Message>& messages) {
+  std::vector<Assignment> all;
+  for (const Message& m : messages) all.push_back(std::get<Assignment>(m));
+  return all;
+}
+
+/// A desk that has been there for long enough.
+struct Desk {
+  explicit Desk(const std::vector<RobotName>& robots) : desk(robots, -100) {}
+  std::vector<Assignment> hears(const Message& message, double now) {
+    desk.on(arrival_of(message, now));
+    return assignments(desk.step(now));
+  }
+  ClaimDesk desk;
+};
+
+TEST(ClaimDesk, GivesEachClaimantTheFirstRobotThatNobodyIs) {
+  Desk desk({"a", "b", "c"});
+  EXPECT_TRUE(desk.hears(AgentStatus{.robot = "b"}, 0).empty());
+  EXPECT_EQ(desk.hears(Claim{7, 1}, 0), (std::vector<Assignment>{{"a", 7, 1}}));
+  EXPECT_EQ(desk.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"c", 8, 1}}));
+  EXPECT_TRUE(desk.hears(Claim{9, 1}, 0).empty());
+}
+
+TEST(ClaimDesk, GivesNothingAwayBeforeItHasListened) {
+  ClaimDesk desk({"a"}, 0);
+  desk.on(arrival_of(Claim{7, 1}, 0));
+  EXPECT_TRUE(desk.step(1.9).empty());
+  EXPECT_LE(desk.next_wake(), 2.1);
+  EXPECT_EQ(assignments(desk.step(2.1)), (std::vector<Assignment>{{"a", 7, 1}}));
+}
+
+TEST(ClaimDesk, AnswersEachNewClaimOfItsOwnerAndNoRepetition) {
+  Desk desk({"a", "b"});
+  desk.hears(Claim{7, 1}, 0);
+  EXPECT_TRUE(desk.hears(Claim{7, 1}, 0.1).empty());
+  EXPECT_EQ(desk.hears(Claim{7, 2}, 0.5), (std::vector<Assignment>{{"a", 7, 2}}));
+  EXPECT_TRUE(desk.hears(Claim{7, 1}, 0.6).empty());
+  EXPECT_TRUE(desk.hears(Claim{7, 3, "a"}, 0.7).empty());
+  EXPECT_TRUE(desk.hears(Claim{7, 2}, 0.8).empty());
+}
+
+TEST(ClaimDesk, TakesARobotBackWhenNothingIsHeardOfIt) {
+  Desk desk({"a"});
+  desk.hears(Claim{7, 1}, 0);
+  desk.hears(Claim{7, 2, "a"}, 0.1);
+  desk.hears(AgentStatus{.robot = "a"}, 5);
+  for (std::uint32_t n = 1; n < 20; ++n) EXPECT_TRUE(desk.hears(Claim{8, n}, 5 + n * 0.5).empty()) << n;
+  EXPECT_EQ(desk.hears(Claim{8, 20}, 5.1 + claim_lease), (std::vector<Assignment>{{"a", 8, 20}}));
+  EXPECT_TRUE(desk.hears(Claim{7, 2, "a"}, 16).empty());  // the one before: it is told so already
+  EXPECT_EQ(desk.hears(Claim{8, 21}, 16), (std::vector<Assignment>{{"a", 8, 21}}));
+}
+
+TEST(ClaimDesk, WhoHasStoppedAskingIsGivenNothing) {
+  Desk desk({"a"});
+  desk.hears(AgentStatus{.robot = "a"}, 0);
+  desk.hears(Claim{7, 1}, 0);
+  EXPECT_TRUE(assignments(desk.desk.step(claim_lease + 1)).empty());
+  EXPECT_EQ(desk.hears(Claim{8, 1}, claim_lease + 1), (std::vector<Assignment>{{"a", 8, 1}}));
+}
+
+TEST(ClaimDesk, LearnsWhoIsWhoFromThoseWhoKnow) {
+  Desk desk({"a", "b"});
+  EXPECT_TRUE(desk.hears(Claim{7, 9, "a"}, 0).empty());
+  EXPECT_EQ(desk.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"b", 8, 1}}));
+  EXPECT_TRUE(desk.hears(Claim{9, 1, "elsewhere"}, 0).empty());
+}
+
+TEST(ClaimDesk, WhoAsksOnWhileAnotherSpeaksAsThatRobotIsGivenAnother) {
+  Desk desk({"a", "b"});
+  desk.hears(Claim{7, 1}, 0);
+  desk.hears(AgentStatus{.robot = "a"}, 0.2);
+  EXPECT_EQ(desk.hears(Claim{7, 2}, 0.5), (std::vector<Assignment>{{"b", 7, 2}}));
+}
+
+std::vector<Claim> claims(std::vector<Outgoing> said) {
+  std::vector<Claim> all;
+  for (const Outgoing& one : said) all.push_back(std::get<Claim>(one.message));
+  return all;
+}
+
+TEST(Claimant, AsksUntilItIsAnswered) {
+  Claimant claimant(7);
+  EXPECT_EQ(claims(claimant.step(0)), (std::vector<Claim>{{7, 1}}));
+  EXPECT_TRUE(claimant.step(0.1).empty());
+  EXPECT_EQ(claims(claimant.step(claimant.next_wake())), (std::vector<Claim>{{7, 2}}));
+  claimant.on(arrival_of(Assignment{"b", 8, 1}, 0.6));
+  claimant.step(0.6);
+  EXPECT_FALSE(claimant.robot());
+  claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.7));
+  EXPECT_LE(claimant.next_wake(), 0.7);
+  EXPECT_EQ(claims(claimant.step(0.7)), (std::vector<Claim>{{7, 3, "a"}}));
+  EXPECT_EQ(claimant.robot(), "a");
+  EXPECT_FALSE(claimant.lost());
+}
+
+TEST(Claimant, AnAnswerThatTookTooLongDoesNotCount) {
+  Claimant claimant(7);
+  claimant.step(0);
+  for (double now = 0.5; now < 6; now += 0.5) claimant.step(now);
+  claimant.on(arrival_of(Assignment{"a", 7, 1}, 6));
+  claimant.step(6);
+  EXPECT_FALSE(claimant.robot());
+  claimant.on(arrival_of(Assignment{"a", 7, 12}, 6.1));
+  claimant.step(6.1);
+  EXPECT_EQ(claimant.robot(), "a");
+}
+
+TEST(Claimant, WaitsWhileSomebodySpeaksAsTheRobotAndGivesUpWhatIsGivenToAnother) {
+  Claimant claimant(7);
+  claimant.step(0);
+  claimant.on(arrival_of(RobotState{.robot = "a"}, 0.1));
+  claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.2));
+  claimant.step(0.2);
+  EXPECT_FALSE(claimant.robot());
+  claimant.step(0.7);
+  claimant.on(arrival_of(RobotState{.robot = "a", .passed_on = true}, 1));  // no more than hearsay
+  claimant.on(arrival_of(Assignment{"a", 9, 1}, 1.05));
+  claimant.step(1.2);
+  EXPECT_FALSE(claimant.robot());
+  claimant.on(arrival_of(Assignment{"a", 7, 2}, 1.3));
+  claimant.step(1.3);
+  EXPECT_EQ(claimant.robot(), "a");
+}
+
+TEST(Claimant, LosesItsRobotToAnotherAndBySilence) {
+  const auto named = [] {
+    Claimant claimant(7);
+    claimant.step(0);
+    claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.1));
+    claimant.step(0.1);
+    return claimant;
+  };
+  Claimant replaced = named();
+  replaced.on(arrival_of(Assignment{"b", 8, 1}, 1));
+  replaced.on(arrival_of(Assignment{"a", 7, 1}, 1));
+  EXPECT_FALSE(replaced.lost());
+  replaced.on(arrival_of(Assignment{"a", 8, 1}, 2));
+  EXPECT_TRUE(replaced.lost());
+
+  Claimant silent = named();
+  silent.step(5);
+  EXPECT_FALSE(silent.lost());
+  silent.step(5.1 + 0.8 * claim_lease);
+  EXPECT_TRUE(silent.lost());
+}
+
+/// Agents and a desk on a bus that loses and delays, that are killed, stopped for a while, and started again.
+class ManyClaims {
+ public:
+  explicit ManyClaims(std::uint64_t seed)
+      : random_(seed), bus_(0.001, {.loss = 0.3, .delay = 0.05, .jitter = 0.05}, Random(seed + 1)) {
+    start_service();
+    for (int k = 0; k < 6; ++k) start_agent();
+  }
+
+  void run(double until, bool faults) {
+    for (; now_ < until; now_ += 0.02) {
+      bus_.set_time(now_);
+      if (faults && random_.uniform() < 0.01) disturb();
+      turn(service_->port, service_->desk, nullptr);
+      for (std::size_t k = 0; k < agents_.size(); ++k) {
+        Agent& agent = agents_[k];
+        if (!agent.alive || now_ < agent.stopped_until) continue;
+        turn(*agent.port, agent.role, &agent);
+        if (agent.role.lost()) replace(agent);  // as whatever started it does
+      }
+    }
+  }
+  std::set<RobotName> robots_of_the_living() const {
+    std::set<RobotName> robots;
+    for (const Agent& agent : agents_) {
+      if (agent.alive && agent.role.robot()) robots.insert(*agent.role.robot());
+    }
+    return robots;
+  }
+
+ private:
+  struct Agent {
+    std::size_t id;
+    NamelessAgent role;
+    SimulatedBus::Port* port;
+    bool alive = true;
+    double stopped_until = -1;
+  };
+  struct Service {
+    ClaimDesk desk;
+    SimulatedBus::Port& port;
+  };
+
+  void start_service() {
+    if (service_) service_->port.close();
+    service_.emplace(Service{ClaimDesk({"a", "b", "c", "d"}, now_), bus_.attach(Role::service)});
+  }
+  void start_agent() {
+    const std::size_t id = agents_.size() + 1;
+    agents_.push_back({id, NamelessAgent(id), &bus_.attach(Role::claimant)});
+  }
+  void replace(Agent& agent) {
+    agent.alive = false;
+    agent.port->close();
+    start_agent();
+  }
+  void disturb() {
+    Agent& agent = agents_[random_.index(agents_.size())];
+    const double kind = random_.uniform();
+    if (kind < 0.1) {
+      start_service();
+    } else if (kind < 0.5) {
+      agent.stopped_until = now_ + random_.uniform(0, 20);
+    } else if (agent.alive) {
+      replace(agent);
+    }
+  }
+  static bool has_no_robot(const NamelessAgent& agent) { return !agent.robot(); }
+  static bool has_no_robot(const ClaimDesk&) { return true; }
+  static void begin(NamelessAgent& agent) { agent.begin({}); }
+  static void begin(ClaimDesk&) {}
+  template <class R>
+  void turn(SimulatedBus::Port& port, R& role, const Agent* agent) {
+    // What came while it was stopped has to be read in first.
+    const bool deaf = agent != nullptr && now_ < agent->stopped_until + 0.2;
+    if (!deaf) {
+      for (const Arrival& arrival : port.take()) role.on(arrival);
+    }
+    if (role.next_wake() > now_) return;
+    const bool had_none = has_no_robot(role);
+    auto messages = role.step(now_);
+    if (had_none && !has_no_robot(role)) begin(role);
+    for (auto& message : messages) {
+      Outgoing said(std::move(message));
+      if (const auto* status = std::get_if<AgentStatus>(&said.message)) expect_sole(status->robot, *agent);
+      port.publish(std::move(said));
+    }
+  }
+  /// Whoever speaks as a robot has never been followed by another, nor been another robot.
+  void expect_sole(const RobotName& robot, const Agent& agent) {
+    std::vector<std::size_t>& line = speakers_[robot];
+    if (line.empty() || line.back() != agent.id) {
+      EXPECT_EQ(std::ranges::count(line, agent.id), 0) << agent.id << " is " << robot << " again";
+      line.push_back(agent.id);
+    }
+    const RobotName& first = robot_of_.try_emplace(agent.id, robot).first->second;
+    EXPECT_EQ(first, robot) << agent.id << " is two robots";
+  }
+
+  Random random_;
+  SimulatedBus bus_;
+  double now_ = 0;
+  std::optional<Service> service_;
+  std::deque<Agent> agents_;  ///< where they are, they stay
+  std::map<RobotName, std::vector<std::size_t>> speakers_;
+  std::map<std::size_t, RobotName> robot_of_;
+};
+
+TEST(Claims, NoTwoAgentsAreOneRobotAndNoneIsTwoWhateverGoesWrong) {
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    SCOPED_TRACE(seed);
+    ManyClaims claims(seed);
+    claims.run(60, true);
+    claims.run(110, false);
+    EXPECT_EQ(claims.robots_of_the_living().size(), 4u);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace coppice
