@@ -230,6 +230,7 @@ class RawWriter {
     dds::DataWriterQos writer;
     writer.durability().kind = dds::TRANSIENT_LOCAL_DURABILITY_QOS;
     writer.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+    writer.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
     writer_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT)->create_datawriter(topic, writer);
   }
   ~RawWriter() {
