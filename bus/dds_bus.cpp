@@ -23,6 +23,7 @@
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_conversion.h"
+#include "bus/dds_security.h"
 #include "bus/dds_static_endpoints.h"
 #include "bus/dds_transport.h"
 #include "bus/dds_type_objects.h"
@@ -92,7 +93,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   const bool by_servers =
       !discovery.empty() && discovery != static_discovery && discovery != multicast_discovery;
   qos.transport().user_transports.push_back(
-      sparing_udp_transport(audience, by_servers ? nullptr : &announcements));
+      sparing_udp_transport(audience, by_servers ? nullptr : &announcements, !settings.security.empty()));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
@@ -100,6 +101,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
   if (discovery == static_discovery) find_others_by_table(qos);
   if (by_servers) find_others_through(discovery, qos);
+  if (!settings.security.empty()) secure(settings.security, qos);
   return qos;
 }
 
@@ -158,6 +160,10 @@ class Discoveries final : public dds::DomainParticipantListener {
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     audience_.discover(info);
   }
+  void onParticipantAuthentication(dds::DomainParticipant*,
+                                   eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
+    if (info.status == info.AUTHORIZED_PARTICIPANT) audience_.authenticate(info.guid);
+  }
 
  private:
   Audience& audience_;
@@ -182,7 +188,7 @@ WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
 
 struct DdsBus::Implementation {
   Role role;
-  Audience audience;
+  Audience audience;  // of whoever is there; with security, of whoever has proved who it is
   Announcements announcements;
   Discoveries discoveries{audience};
   dds::DomainParticipant* participant = nullptr;
@@ -198,7 +204,8 @@ struct DdsBus::Implementation {
   std::size_t lost = 0;
 
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
-      : role(role_of_process) {
+      : role(role_of_process), audience(!settings.security.empty()) {
+    if (!settings.security.empty()) check_credentials(settings.security);
     register_type_objects();
     participant = disabled_participant(settings, sender);
     publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");

@@ -30,6 +30,7 @@ struct DdsSettings {
   /// One of the above, or discovery servers as "HOST:PORT", several after each other with ";" between them.
   /// Empty: the servers of ROS_DISCOVERY_SERVER, or by multicast if that is not set either.
   std::string discovery{};
+  std::string security{};  ///< folder with credentials (dds_security.h); empty: all in clear, with anybody
 };
 
 class DdsBus {

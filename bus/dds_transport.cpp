@@ -44,18 +44,36 @@ Audience::Limit::~Limit() {
 
 void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
   const RobotName robot = robot_of(info.info.m_userData);
-  if (robot.empty()) return;
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+  const Guid& participant = info.info.m_guid;
+  const auto& addresses = info.info.default_locators.unicast;
   const std::scoped_lock lock(mutex_);
-  for (const rtps::Locator_t& address : info.info.default_locators.unicast) {
-    const auto known = agent_at_.find(address);
-    if (!gone) {
-      agent_at_[address] = {robot, info.info.m_guid};
-    } else if (known != agent_at_.end() && known->second.participant == info.info.m_guid) {
-      agent_at_.erase(known);  // and not its successor, after a restart
-    }
+  if (gone) {
+    // By participant, and not by address: there may be its successor, after a restart.
+    std::erase_if(agent_at_, [&](const auto& entry) { return entry.second.participant == participant; });
+    unproven_.erase(participant);
+    authenticated_.erase(participant);
+  } else if (robot.empty()) {
+    return;
+  } else if (is_secure_ && !authenticated_.contains(participant)) {
+    unproven_[participant] = {robot, {addresses.begin(), addresses.end()}};
+  } else if (!is_secure_) {
+    place(participant, {robot, {addresses.begin(), addresses.end()}});
   }
+}
+
+void Audience::authenticate(const Guid& participant) {
+  const std::scoped_lock lock(mutex_);
+  authenticated_.insert(participant);
+  const auto announced = unproven_.find(participant);
+  if (announced == unproven_.end()) return;
+  place(participant, announced->second);
+  unproven_.erase(announced);
+}
+
+void Audience::place(const Guid& participant, const Announced& agent) {
+  for (const Address& address : agent.addresses) agent_at_[address] = {agent.robot, participant};
 }
 
 bool Audience::includes(const rtps::Locator_t& address) const {
@@ -76,37 +94,79 @@ RobotName robot_of(std::span<const std::uint8_t> user_data) {
   return text.starts_with(robot_key) ? text.substr(robot_key.size()) : RobotName();
 }
 
-/// DDS-RTPS 2.2, 8.3.3 (messages), 9.4.5 (submessages), 8.5.3 (participant discovery).
-std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message) {
+namespace {
+
+// DDS-RTPS 2.2, 8.3.3 (messages) and 9.4.5 (submessages).
+constexpr std::uint8_t info_timestamp = 0x09;
+constexpr std::uint8_t info_destination = 0x0e;
+constexpr std::uint8_t data = 0x15;
+constexpr std::uint8_t first_of_vendors = 0x80;
+constexpr std::uint8_t is_little_endian = 0x01;
+constexpr std::uint8_t holds_data = 0x04;
+constexpr std::size_t submessage_header = 4;
+constexpr std::size_t prefix_length = 12;  // of a participant's GUID
+constexpr std::size_t writer_at = 12;      // of a data submessage; its sequence number follows
+
+using Bytes = std::span<const std::uint8_t>;
+using EntityId = std::array<std::uint8_t, 4>;
+
+/// Hands over each submessage, with its header and all that follows it, as long as `wants_more` says so.
+template <class WantsMore>
+void for_each_submessage(Bytes message, WantsMore&& wants_more) {
   constexpr std::size_t header = 20;
-  constexpr std::size_t submessage_header = 4;
-  constexpr std::uint8_t info_timestamp = 0x09;
-  constexpr std::uint8_t data = 0x15;
-  constexpr std::uint8_t first_of_vendors = 0x80;
-  constexpr std::uint8_t is_little_endian = 0x01;
-  constexpr std::uint8_t holds_data = 0x04;
-  constexpr std::size_t writer_at = 12;  // of a data submessage; its sequence number follows
-  constexpr std::array<std::uint8_t, 4> participant_writer{0x00, 0x01, 0x00, 0xc2};
-  std::optional<std::uint64_t> number;
   for (std::size_t at = header; at + submessage_header <= message.size();) {
-    const std::span rest = message.subspan(at);
-    const std::uint8_t kind = rest[0];
-    if (kind == data) {
-      const bool announces = rest.size() >= writer_at + 12 && (rest[1] & holds_data) != 0 &&
-                             std::ranges::equal(rest.subspan(writer_at, 4), participant_writer);
-      if (!announces || number) return std::nullopt;
-      std::uint64_t bytes = 0;
-      for (const std::uint8_t byte : rest.subspan(writer_at + 4, 8)) bytes = bytes << 8 | byte;
-      number = bytes;
-    } else if (kind != info_timestamp && kind < first_of_vendors) {
-      return std::nullopt;
-    }
+    const Bytes rest = message.subspan(at);
+    if (!wants_more(rest)) return;
     const bool little = (rest[1] & is_little_endian) != 0;
     const std::size_t length = little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
-    if (length == 0) break;  // to the end of the message
+    if (length == 0) return;  // to the end of the message
     at += submessage_header + length;
   }
-  return number;
+}
+
+bool holds_data_of(const EntityId& writer, Bytes submessage) {
+  return submessage.size() >= writer_at + 12 && (submessage[1] & holds_data) != 0 &&
+         std::ranges::equal(submessage.subspan(writer_at, 4), writer);
+}
+
+}  // namespace
+
+/// DDS-RTPS 2.2, 8.5.3 (participant discovery).
+std::optional<std::uint64_t> announcement_in(Bytes message) {
+  constexpr EntityId participant_writer{0x00, 0x01, 0x00, 0xc2};
+  std::optional<std::uint64_t> number;
+  bool says_more = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    const std::uint8_t kind = submessage[0];
+    if (kind == data && !number && holds_data_of(participant_writer, submessage)) {
+      std::uint64_t bytes = 0;
+      for (const std::uint8_t byte : submessage.subspan(writer_at + 4, 8)) bytes = bytes << 8 | byte;
+      number = bytes;
+    } else {
+      says_more = kind != info_timestamp && kind < first_of_vendors;
+    }
+    return !says_more;
+  });
+  return says_more ? std::nullopt : number;
+}
+
+/// DDS-Security 1.1, 7.4.3 (ParticipantStatelessMessage).
+bool is_handshake_of_others(Bytes message) {
+  constexpr EntityId handshake_writer{0x00, 0x02, 0x01, 0xc3};
+  constexpr std::size_t payload_at = 24;  // of a data submessage without inline QoS
+  // Behind the encapsulation, the message's own identity and that of the one that it answers.
+  constexpr std::size_t destination_at = payload_at + 4 + 24 + 24;
+  Bytes receiver;
+  bool of_others = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    if (submessage[0] == info_destination && submessage.size() >= submessage_header + prefix_length)
+      receiver = submessage.subspan(submessage_header, prefix_length);
+    of_others = submessage[0] == data && !receiver.empty() && holds_data_of(handshake_writer, submessage) &&
+                submessage.size() >= destination_at + prefix_length &&
+                !std::ranges::equal(submessage.subspan(destination_at, prefix_length), receiver);
+    return !of_others;
+  });
+  return of_others;
 }
 
 bool Announcements::is_due(const rtps::Locator_t& destination, std::uint64_t number, Time now) {
@@ -127,11 +187,12 @@ class SparingTransport final : public transport::ChainingTransport {
  public:
   SparingTransport(const transport::ChainingTransportDescriptor& descriptor,
                    std::unique_ptr<transport::TransportDescriptorInterface> configuration, Audience& audience,
-                   Announcements* announcements)
+                   Announcements* announcements, bool is_secure)
       : ChainingTransport(descriptor),
         configuration_(std::move(configuration)),
         audience_(audience),
-        announcements_(announcements) {}
+        announcements_(announcements),
+        is_secure_(is_secure) {}
 
   transport::TransportDescriptorInterface* get_configuration() override { return configuration_.get(); }
 
@@ -147,11 +208,14 @@ class SparingTransport final : public transport::ChainingTransport {
       const auto is_due = [&](const rtps::Locator_t& l) { return announcements_->is_due(l, *number, now); };
       return send_to(is_due, udp, message, size, begin, end, timeout);
     }
+    if (is_secure_ && is_handshake_of_others({message, size})) return true;
     return udp->send(message, size, begin, end, timeout);
   }
 
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    std::unique_lock one_at_a_time(receiving_, std::defer_lock);
+    if (is_secure_) one_at_a_time.lock();
     next->OnDataReceived(message, size, local, remote);
   }
 
@@ -173,28 +237,32 @@ class SparingTransport final : public transport::ChainingTransport {
   std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
   Audience& audience_;
   Announcements* announcements_;
+  bool is_secure_;
+  std::mutex receiving_;
 };
 
 struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor {
   SparingTransportDescriptor(const std::shared_ptr<transport::TransportDescriptorInterface>& udp, Audience& a,
-                             Announcements* n)
-      : ChainingTransportDescriptor(udp), audience(a), announcements(n) {}
+                             Announcements* n, bool secure)
+      : ChainingTransportDescriptor(udp), audience(a), announcements(n), is_secure(secure) {}
   transport::TransportInterface* create_transport() const override {
     auto configuration = std::make_unique<SparingTransportDescriptor>(*this);
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the interface's way
-    return new SparingTransport(*this, std::move(configuration), audience, announcements);
+    return new SparingTransport(*this, std::move(configuration), audience, announcements, is_secure);
   }
   Audience& audience;
   Announcements* announcements;
+  bool is_secure;
 };
 
 }  // namespace
 
 std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(Audience& audience,
-                                                                               Announcements* announcements) {
+                                                                               Announcements* announcements,
+                                                                               bool is_secure) {
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = receive_buffer;
-  return std::make_shared<SparingTransportDescriptor>(udp, audience, announcements);
+  return std::make_shared<SparingTransportDescriptor>(udp, audience, announcements, is_secure);
 }
 
 }  // namespace coppice

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/dds_security.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
@@ -107,6 +108,14 @@ std::string discovery_of(const RunOptions& options, std::size_t robots) {
   return chosen || robots < large_fleet ? options.discovery : static_discovery;
 }
 
+/// The options that give a child its role's credentials. Bad ones are told of before anything starts.
+std::vector<std::string> credentials(const RunOptions& options, const std::string& role) {
+  if (options.security.empty()) return {};
+  const std::string folder = options.security + "/" + role;
+  check_credentials(folder);
+  return {"--security", folder};
+}
+
 void tell_of_end(const ProcessFleet::Ended& ended) {
   std::cerr << fmt::format("{} ended early, exit code {}{}{}\n", ended.name, ended.exit_code,
                            ended.last_words.empty() ? "" : ": ", ended.last_words);
@@ -123,19 +132,27 @@ int run_command(const RunOptions& options, const std::string& program) {
   std::vector<std::string> network{"--domain", std::to_string(domain)};
   const std::string discovery = discovery_of(options, scenario.robots.size());
   if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
+  const std::vector<std::string> of_broker = credentials(options, "broker");
+  const std::vector<std::string> of_agent = credentials(options, "agent");
+  const std::vector<std::string> of_service = credentials(options, "service");
   const RunFolder run_folder;
   ProcessFleet fleet(run_folder.path());
 
-  const auto start = [&](const std::string& name, std::vector<std::string> command, int niceness) {
+  const auto start = [&](const std::string& name, std::vector<std::string> command,
+                         const std::vector<std::string>& security, int niceness) {
     command.insert(command.end(), network.begin(), network.end());
+    command.insert(command.end(), security.begin(), security.end());
     fleet.start(name, command, ProcessFleet::Output::log, niceness);
   };
-  start("tree_broker", {(folder / "tree_broker").string(), "--seed", std::to_string(scenario.seed)}, 0);
+  start("tree_broker", {(folder / "tree_broker").string(), "--seed", std::to_string(scenario.seed)},
+        of_broker, 0);
   for (const RobotTask& robot : scenario.robots)
-    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name}, niceness_of_agents);
+    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name}, of_agent,
+          niceness_of_agents);
   const std::string service = "planner_service";
-  fleet.start(service, service_command(options, (folder / service).string(), network),
-              ProcessFleet::Output::terminal);
+  std::vector<std::string> command = service_command(options, (folder / service).string(), network);
+  command.insert(command.end(), of_service.begin(), of_service.end());
+  fleet.start(service, command, ProcessFleet::Output::terminal);
 
   std::optional<std::chrono::steady_clock::time_point> asked;
   while (true) {

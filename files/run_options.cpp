@@ -63,6 +63,8 @@ void add_run_options(CLI::App& command, RunOptions& options) {
                   "how processes find each other: multicast; static (by multicast, and a table of their "
                   "endpoints: for large fleets); or discovery servers, several with ; between them")
       ->check(a_discovery);
+  command.add_option("--security", options.security,
+                     "turns DDS-Security on: folder with the credentials (run: with a folder for each role)");
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")

@@ -29,6 +29,7 @@ struct RunOptions {
   std::string picture;
   std::optional<int> domain;
   std::string discovery;  ///< as in bus/dds_bus.h
+  std::string security;   ///< folder with credentials
   bool quiet = false;     ///< the report is not printed
 };
 

@@ -40,8 +40,9 @@ void wait_for_agents(DdsBus& bus, std::size_t robots) {
 /// Exit code: 0 if every robot arrived.
 int run(const RunOptions& options) {
   Scenario scenario = read_scenario(options.scenario, options.overrides);
-  DdsBus bus({.domain = options.domain.value_or(0), .discovery = options.discovery}, Role::service,
-             "planner_service");
+  DdsBus bus(
+      {.domain = options.domain.value_or(0), .discovery = options.discovery, .security = options.security},
+      Role::service, "planner_service");
   wait_for_agents(bus, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale,

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   int domain = 0;
   std::string name;
   std::string discovery;
+  std::string security;
   std::string level = "info";
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
@@ -20,6 +21,7 @@ int main(int argc, char** argv) {
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
+  app.add_option("--security", security, "folder with this role's credentials");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
     app.parse(argc, argv);
@@ -35,7 +37,8 @@ int main(int argc, char** argv) {
   }
   install_stop_signals();
   try {
-    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery}, Role::agent, "robot_agent " + name);
+    DdsBus bus({.domain = domain, .robot = name, .discovery = discovery, .security = security}, Role::agent,
+               "robot_agent " + name);
     RobotAgent agent(name);
     spdlog::info("on domain {}", domain);
     while (!stop_requested()) run_role_once(bus, agent);

@@ -14,12 +14,14 @@ int main(int argc, char** argv) {
   int domain = 0;
   std::uint64_t seed = 1;
   std::string discovery;
+  std::string security;
   std::string level = "info";
   CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.add_option("--domain", domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them");
+  app.add_option("--security", security, "folder with this role's credentials");
   app.add_option("--seed", seed, "of every random choice");
   app.add_option("--log-level", level, "trace, debug, info, warning, error or off");
   try {
@@ -36,7 +38,7 @@ int main(int argc, char** argv) {
     // Every start of a broker is another broker: its trees are its own.
     std::random_device device;
     const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device();
-    DdsBus bus({.domain = domain, .discovery = discovery}, Role::broker, "tree_broker");
+    DdsBus bus({.domain = domain, .discovery = discovery, .security = security}, Role::broker, "tree_broker");
     TreeBroker broker(id, seed);
     spdlog::info("broker {:016x} on domain {}", id, domain);
     while (!stop_requested()) run_role_once(bus, broker);
