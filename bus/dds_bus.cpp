@@ -203,9 +203,12 @@ struct DdsBus::Implementation {
   std::size_t rejected = 0;
   std::size_t lost = 0;
 
+  Implementation(Role role_of_process, bool is_secure) : role(role_of_process), audience(is_secure) {}
+
+  /// Whatever it throws, the destructor runs: DDS's threads know the members above.
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
-      : role(role_of_process), audience(!settings.security.empty()) {
-    if (!settings.security.empty()) check_credentials(settings.security);
+      : Implementation(role_of_process, !settings.security.empty()) {
+    if (!settings.security.empty()) check_credentials(settings.security, role);
     register_type_objects();
     participant = disabled_participant(settings, sender);
     publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
@@ -214,10 +217,12 @@ struct DdsBus::Implementation {
     if (participant->enable() != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
       throw std::runtime_error(
           "DDS could not enable the participant (are all of the domain's ports in use?)");
+    std::apply([&](auto&... ends) { (expect_enabled(ends), ...); }, topics);
     announcements.begin();
   }
 
   ~Implementation() {
+    if (participant == nullptr) return;
     std::apply([&](auto&... ends) { (detach(ends), ...); }, topics);
     participant->delete_contained_entities();
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
@@ -265,6 +270,14 @@ struct DdsBus::Implementation {
       ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
       wait_set.attach_condition(ends.reader->get_statuscondition());
     }
+  }
+
+  /// A participant counts as enabled also where one of its endpoints was refused.
+  template <class M>
+  void expect_enabled(const Ends<M>& ends) {
+    if ((ends.writer != nullptr && !ends.writer->is_enabled()) ||
+        (ends.reader != nullptr && !ends.reader->is_enabled()))
+      throw std::runtime_error(fmt::format("DDS refused topic {}", Topic<M>::info.name));
   }
 
   template <class M>

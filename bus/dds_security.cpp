@@ -1,17 +1,23 @@
 #include "bus/dds_security.h"
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
 #include <regex>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fnmatch.h>
 #include <openssl/pem.h>
 #include <openssl/pkcs7.h>
 #include <openssl/x509.h>
+
+#include "bus/messages.h"
+#include "bus/topics.h"
 
 namespace coppice {
 
@@ -140,7 +146,7 @@ Time time_of(std::string text) {
 }
 
 /// One grant at least must be valid now; which of them is this participant's, Fast DDS decides.
-void check_permissions(const std::string& file, const std::string& content) {
+void check_validity(const std::string& file, const std::string& content) {
   static const std::regex validity(
       R"(<not_before>\s*([^<\s]*)\s*</not_before>\s*<not_after>\s*([^<\s]*)\s*</not_after>)");
   std::string problem = "grants nothing: no dates of validity";
@@ -154,9 +160,52 @@ void check_permissions(const std::string& file, const std::string& content) {
   refuse(file, problem);
 }
 
+/// The topics, or patterns of topics, within all elements of that name.
+std::vector<std::string> topics_in(const std::string& element, const std::string& content) {
+  const std::regex section("<" + element + ">([^]*?)</" + element + ">");
+  static const std::regex topic(R"(<topic>\s*([^<\s]*)\s*</topic>)");
+  const std::sregex_iterator end;
+  std::vector<std::string> all;
+  for (std::sregex_iterator s(content.begin(), content.end(), section); s != end; ++s) {
+    const std::string inside = (*s)[1];
+    for (std::sregex_iterator t(inside.begin(), inside.end(), topic); t != end; ++t) all.push_back((*t)[1]);
+  }
+  return all;
+}
+
+class Permissions {
+ public:
+  Permissions(std::string file, const std::string& content)
+      : file_(std::move(file)),
+        writes_(topics_in("publish", content)),
+        reads_(topics_in("subscribe", content)) {}
+
+  /// All topics that the table has for the role.
+  template <class... Ms>
+  void check(Role role, const std::variant<Ms...>*) const {
+    (check(Topic<Ms>::info.name, Topic<Ms>::written_by(role), writes_, "write"), ...);
+    (check(Topic<Ms>::info.name, Topic<Ms>::read_by(role), reads_, "read"), ...);
+  }
+
+ private:
+  void check(std::string_view topic, bool needed, const std::vector<std::string>& allowed,
+             const char* verb) const {
+    const auto covers = [name = std::string(topic)](const std::string& pattern) {
+      return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+    };
+    if (needed && std::ranges::none_of(allowed, covers))
+      refuse(file_,
+             fmt::format("does not allow to {} {}: are these another role's credentials?", verb, topic));
+  }
+
+  std::string file_;
+  std::vector<std::string> writes_;
+  std::vector<std::string> reads_;
+};
+
 }  // namespace
 
-void check_credentials(const std::string& folder) {
+void check_credentials(const std::string& folder, Role role) {
   const auto in_folder = [&](const char* name) { return folder + "/" + name; };
   for (const char* name : {"identity_ca.cert.pem", "cert.pem", "key.pem", "permissions_ca.cert.pem",
                            "governance.p7s", "permissions.p7s"})
@@ -169,8 +218,10 @@ void check_credentials(const std::string& folder) {
   const Certificate permissions_authority = read_certificate(in_folder("permissions_ca.cert.pem"));
   check_dates(in_folder("permissions_ca.cert.pem"), *permissions_authority);
   read_signed(in_folder("governance.p7s"), *permissions_authority);
-  check_permissions(in_folder("permissions.p7s"),
-                    read_signed(in_folder("permissions.p7s"), *permissions_authority));
+  const std::string permissions = in_folder("permissions.p7s");
+  const std::string content = read_signed(permissions, *permissions_authority);
+  check_validity(permissions, content);
+  Permissions(permissions, content).check(role, static_cast<const Message*>(nullptr));
 }
 
 void secure(const std::string& folder, eprosima::fastdds::dds::DomainParticipantQos& qos) {

@@ -14,11 +14,14 @@
 
 #include <fastdds/dds/domain/qos/DomainParticipantQos.hpp>
 
+#include "bus/bus.h"
+
 namespace coppice {
 
-/// Throws std::runtime_error with the file's name if one cannot be read, is not valid (yet, or any more), or
-/// does not belong to the others: Fast DDS would say less of it, and to its log only.
-void check_credentials(const std::string& folder);
+/// Throws std::runtime_error with the file's name if one cannot be read, is not valid (yet, or any more),
+/// does not belong to the others, or lacks a topic that the role writes or reads: Fast DDS would say less of
+/// it, and to its log only.
+void check_credentials(const std::string& folder, Role role);
 
 /// Sets up a participant with the folder's credentials.
 void secure(const std::string& folder, eprosima::fastdds::dds::DomainParticipantQos& qos);

@@ -25,6 +25,8 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t large_fleet = 40;  // robots
+constexpr std::size_t large_secured_fleet =
+    10;  // each announcement of an endpoint is encrypted for each process
 // All agents need what the broker and the service do; these come first where all share few processors.
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
@@ -105,14 +107,15 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
 std::string discovery_of(const RunOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || std::getenv("ROS_DISCOVERY_SERVER") != nullptr;
-  return chosen || robots < large_fleet ? options.discovery : static_discovery;
+  const std::size_t large = options.security.empty() ? large_fleet : large_secured_fleet;
+  return chosen || robots < large ? options.discovery : static_discovery;
 }
 
 /// The options that give a child its role's credentials. Bad ones are told of before anything starts.
-std::vector<std::string> credentials(const RunOptions& options, const std::string& role) {
+std::vector<std::string> credentials(const RunOptions& options, const std::string& name, Role role) {
   if (options.security.empty()) return {};
-  const std::string folder = options.security + "/" + role;
-  check_credentials(folder);
+  const std::string folder = options.security + "/" + name;
+  check_credentials(folder, role);
   return {"--security", folder};
 }
 
@@ -132,9 +135,9 @@ int run_command(const RunOptions& options, const std::string& program) {
   std::vector<std::string> network{"--domain", std::to_string(domain)};
   const std::string discovery = discovery_of(options, scenario.robots.size());
   if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
-  const std::vector<std::string> of_broker = credentials(options, "broker");
-  const std::vector<std::string> of_agent = credentials(options, "agent");
-  const std::vector<std::string> of_service = credentials(options, "service");
+  const std::vector<std::string> of_broker = credentials(options, "broker", Role::broker);
+  const std::vector<std::string> of_agent = credentials(options, "agent", Role::agent);
+  const std::vector<std::string> of_service = credentials(options, "service", Role::service);
   const RunFolder run_folder;
   ProcessFleet fleet(run_folder.path());
 
