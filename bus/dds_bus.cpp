@@ -100,6 +100,11 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   builtin.discovery_config.initial_announcements.count = first_announcements;
   builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
   if (discovery == static_discovery) find_others_by_table(qos);
+  if (by_servers && !settings.security.empty())
+    throw std::runtime_error(
+        fmt::format("with --security processes find each other by multicast or static discovery, and not "
+                    "through servers (\"{}\"): those of this Fast DDS authenticate nobody",
+                    discovery));
   if (by_servers) find_others_through(discovery, qos);
   if (!settings.security.empty()) secure(settings.security, qos);
   return qos;
