@@ -81,17 +81,22 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
                     servers));
 }
 
+/// What is asked for, or what suits.
+std::string discovery_of(const DdsSettings& settings) {
+  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
+  if (!settings.discovery.empty()) return settings.discovery;
+  if (usual_servers != nullptr && *usual_servers != 0) return usual_servers;
+  return settings.security.empty() ? multicast_discovery : static_discovery;
+}
+
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender,
                                           Audience& audience, Announcements& announcements) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
   qos.user_data().data_vec(user_data_of(settings.robot));
   qos.transport().use_builtin_transports = false;
-  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
-  const std::string discovery =
-      settings.discovery.empty() && usual_servers != nullptr ? usual_servers : settings.discovery;
-  const bool by_servers =
-      !discovery.empty() && discovery != static_discovery && discovery != multicast_discovery;
+  const std::string discovery = discovery_of(settings);
+  const bool by_servers = discovery != static_discovery && discovery != multicast_discovery;
   qos.transport().user_transports.push_back(
       sparing_udp_transport(audience, by_servers ? nullptr : &announcements, !settings.security.empty()));
   auto& builtin = qos.wire_protocol().builtin;

@@ -214,8 +214,8 @@ class SparingTransport final : public transport::ChainingTransport {
 
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
-    std::unique_lock one_at_a_time(receiving_, std::defer_lock);
-    if (is_secure_) one_at_a_time.lock();
+    std::unique_lock one_at_a_time(discovering_, std::defer_lock);
+    if (is_secure_ && announcement_in({message, size})) one_at_a_time.lock();
     next->OnDataReceived(message, size, local, remote);
   }
 
@@ -238,7 +238,7 @@ class SparingTransport final : public transport::ChainingTransport {
   Audience& audience_;
   Announcements* announcements_;
   bool is_secure_;
-  std::mutex receiving_;
+  std::mutex discovering_;
 };
 
 struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor {

@@ -9,9 +9,10 @@
 //     and then.
 //   - With DDS-Security, it sends each step of each pair's authentication to all participants, again N^3.
 //
-// And with DDS-Security it hands on what comes in one datagram after the other: Fast DDS 2.9 discovers
+// And with DDS-Security it hands on one announcement of a participant after the other: Fast DDS 2.9 discovers
 // secured participants in two threads at once, those of multicast and of unicast, and each spoils what the
-// other has just read (corrected in 2.12: its pull request 4188). One in ten authentications would never end.
+// other has just read (corrected later, in its pull request 4188). One in twenty authentications would never
+// end.
 #pragma once
 
 #include <atomic>

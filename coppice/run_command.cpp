@@ -25,8 +25,6 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t large_fleet = 40;  // robots
-constexpr std::size_t large_secured_fleet =
-    10;  // each announcement of an endpoint is encrypted for each process
 // All agents need what the broker and the service do; these come first where all share few processors.
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
@@ -107,8 +105,7 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
 std::string discovery_of(const RunOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || std::getenv("ROS_DISCOVERY_SERVER") != nullptr;
-  const std::size_t large = options.security.empty() ? large_fleet : large_secured_fleet;
-  return chosen || robots < large ? options.discovery : static_discovery;
+  return chosen || robots < large_fleet ? options.discovery : static_discovery;
 }
 
 /// The options that give a child its role's credentials. Bad ones are told of before anything starts.

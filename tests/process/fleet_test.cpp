@@ -185,14 +185,13 @@ TEST_P(FleetsThatMeet, InRoomsEndWell) {
 INSTANTIATE_TEST_SUITE_P(Fleet, FleetsThatMeet, testing::Values("multicast", "static"));
 
 /// With credentials that are made for it.
-void expect_arrives_with_security(const std::string& name, const std::string& discovery,
-                                  const std::string& time_scale) {
+void expect_arrives_with_security(const std::string& name, const std::string& time_scale) {
   const test::TemporaryFolder keys;
   const test::Outcome made =
       test::shell("'" COPPICE_SOURCE_DIR "/deploy/security/make-keys' '" + keys.path().string() + "'");
   ASSERT_EQ(made.exit_code, 0) << made.output;
   const std::filesystem::path file = test::scenarios() / (name + ".json");
-  FleetRun run(file, {"--security", keys.path().string(), "--discovery", discovery}, time_scale);
+  FleetRun run(file, {"--security", keys.path().string()}, time_scale);
   EXPECT_EQ(run.process.wait(), 0) << run.log();
   const proto::Report report = run.report();
   EXPECT_EQ(report.outcome(), "arrived");
@@ -201,10 +200,10 @@ void expect_arrives_with_security(const std::string& name, const std::string& di
 }
 
 TEST(Fleet, OfEightArrivesWithSecurity) {
-  expect_arrives_with_security("rooms-8", "multicast", "5");
+  expect_arrives_with_security("rooms-8", "5");
 }
 TEST(Fleet, OfTwentyArrivesWithSecurity) {
-  expect_arrives_with_security("rooms-20", "static", "2");
+  expect_arrives_with_security("rooms-20", "2");
 }
 
 /// The reference maps: paths, sharing, and arrival with nothing touched.
