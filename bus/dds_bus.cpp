@@ -27,6 +27,7 @@
 
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
+#include "bus/dds_security.h"
 #include "bus/dds_senders.h"
 #include "bus/dds_static_endpoints.h"
 #include "bus/dds_transport.h"
@@ -91,6 +92,14 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
                     servers));
 }
 
+/// What is asked for, or what suits.
+std::string discovery_of(const DdsSettings& settings) {
+  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
+  if (!settings.discovery.empty()) return settings.discovery;
+  if (usual_servers != nullptr && *usual_servers != 0) return usual_servers;
+  return settings.security.empty() ? multicast_discovery : static_discovery;
+}
+
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender,
                                           Audience& audience, Announcements& announcements,
                                           Traffic& traffic) {
@@ -98,20 +107,27 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   qos.name(sender);
   qos.user_data().data_vec(user_data_of(settings.robot));
   qos.transport().use_builtin_transports = false;
-  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
-  const std::string discovery =
-      settings.discovery.empty() && usual_servers != nullptr ? usual_servers : settings.discovery;
-  const bool by_servers =
-      !discovery.empty() && discovery != static_discovery && discovery != multicast_discovery;
-  qos.transport().user_transports.push_back(sparing_udp_transport(
-      audience, by_servers ? nullptr : &announcements, traffic, settings.largest_datagram));
+  const std::string discovery = discovery_of(settings);
+  const bool by_servers = discovery != static_discovery && discovery != multicast_discovery;
+  qos.transport().user_transports.push_back(
+      sparing_udp_transport({.audience = audience,
+                             .announcements = by_servers ? nullptr : &announcements,
+                             .traffic = traffic,
+                             .largest_datagram = settings.largest_datagram,
+                             .is_secure = !settings.security.empty()}));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
   builtin.discovery_config.initial_announcements.count = first_announcements;
   builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
   if (discovery == static_discovery) find_others_by_table(qos);
+  if (by_servers && !settings.security.empty())
+    throw std::runtime_error(
+        fmt::format("with --security processes find each other by multicast or static discovery, and not "
+                    "through servers (\"{}\"): those of this Fast DDS authenticate nobody",
+                    discovery));
   if (by_servers) find_others_through(discovery, qos);
+  if (!settings.security.empty()) secure(settings.security, qos);
   return qos;
 }
 
@@ -171,6 +187,10 @@ class Discoveries final : public dds::DomainParticipantListener {
     audience_.discover(info);
     senders_.discover(info);
   }
+  void onParticipantAuthentication(dds::DomainParticipant*,
+                                   eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
+    if (info.status == info.AUTHORIZED_PARTICIPANT) audience_.authenticate(info.guid);
+  }
 
  private:
   Audience& audience_;
@@ -196,7 +216,7 @@ WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
 
 struct DdsBus::Implementation {
   Role role;
-  Audience audience;
+  Audience audience;  // of whoever is there; with security, of whoever has proved who it is
   Announcements announcements;
   Traffic traffic;
   Senders senders;
@@ -219,8 +239,12 @@ struct DdsBus::Implementation {
   std::size_t rejected = 0;
   std::size_t lost = 0;
 
+  Implementation(Role role_of_process, bool is_secure) : role(role_of_process), audience(is_secure) {}
+
+  /// Whatever it throws, the destructor runs: DDS's threads know the members above.
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
-      : role(role_of_process) {
+      : Implementation(role_of_process, !settings.security.empty()) {
+    if (!settings.security.empty()) check_credentials(settings.security, role);
     register_type_objects();
     participant = disabled_participant(settings, sender);
     publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
@@ -230,10 +254,12 @@ struct DdsBus::Implementation {
       throw std::runtime_error(
           "DDS could not enable the participant (are all of the domain's ports in use?)");
     senders.note_own(participant->guid().guidPrefix, settings.robot);
+    std::apply([&](auto&... ends) { (expect_enabled(ends), ...); }, topics);
     announcements.begin();
   }
 
   ~Implementation() {
+    if (participant == nullptr) return;
     const auto latest = std::chrono::steady_clock::now() + longest_farewell;
     std::apply([&](auto&... ends) { (wait_for_readers(ends, latest), ...); }, topics);
     std::apply([&](auto&... ends) { (detach(ends), ...); }, topics);
@@ -284,6 +310,14 @@ struct DdsBus::Implementation {
       ends.reader->get_statuscondition().set_enabled_statuses(dds::StatusMask::data_available());
       wait_set.attach_condition(ends.reader->get_statuscondition());
     }
+  }
+
+  /// A participant counts as enabled also where one of its endpoints was refused.
+  template <class M>
+  void expect_enabled(const Ends<M>& ends) {
+    if ((ends.writer != nullptr && !ends.writer->is_enabled()) ||
+        (ends.reader != nullptr && !ends.reader->is_enabled()))
+      throw std::runtime_error(fmt::format("DDS refused topic {}", Topic<M>::info.name));
   }
 
   template <class M>

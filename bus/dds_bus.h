@@ -36,9 +36,11 @@ struct DdsSettings {
   int domain = 0;     ///< 0..232; fleets on different domains do not see each other
   RobotName robot{};  ///< of an agent: it speaks for this one alone, and is not sent what is not for it
   /// One of the above, or discovery servers as "HOST:PORT", several after each other with ";" between them.
-  /// Empty: the servers of ROS_DISCOVERY_SERVER, or by multicast if that is not set either.
+  /// Empty: the servers of ROS_DISCOVERY_SERVER; if that is not set either by multicast, and with security by
+  /// static discovery: endpoints that are announced in cipher take many times as long.
   std::string discovery{};
   int largest_datagram = datagram_for_networks;  ///< bytes, the two above and what lies between
+  std::string security{};  ///< folder with credentials (dds_security.h); empty: all in clear, with anybody
 };
 
 /// Of Fast DDS, as "2.9.1".

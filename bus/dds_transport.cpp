@@ -48,18 +48,36 @@ Audience::Limit::~Limit() {
 
 void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
   const RobotName robot = robot_of(info.info.m_userData);
-  if (robot.empty()) return;
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+  const Guid& participant = info.info.m_guid;
+  const auto& addresses = info.info.default_locators.unicast;
   const std::scoped_lock lock(mutex_);
-  for (const rtps::Locator_t& address : info.info.default_locators.unicast) {
-    const auto known = agent_at_.find(address);
-    if (!gone) {
-      agent_at_[address] = {robot, info.info.m_guid};
-    } else if (known != agent_at_.end() && known->second.participant == info.info.m_guid) {
-      agent_at_.erase(known);  // and not its successor, after a restart
-    }
+  if (gone) {
+    // By participant, and not by address: there may be its successor, after a restart.
+    std::erase_if(agent_at_, [&](const auto& entry) { return entry.second.participant == participant; });
+    unproven_.erase(participant);
+    authenticated_.erase(participant);
+  } else if (robot.empty()) {
+    return;
+  } else if (is_secure_ && !authenticated_.contains(participant)) {
+    unproven_[participant] = {robot, {addresses.begin(), addresses.end()}};
+  } else if (!is_secure_) {
+    place(participant, {robot, {addresses.begin(), addresses.end()}});
   }
+}
+
+void Audience::authenticate(const Guid& participant) {
+  const std::scoped_lock lock(mutex_);
+  authenticated_.insert(participant);
+  const auto announced = unproven_.find(participant);
+  if (announced == unproven_.end()) return;
+  place(participant, announced->second);
+  unproven_.erase(announced);
+}
+
+void Audience::place(const Guid& participant, const Announced& agent) {
+  for (const Address& address : agent.addresses) agent_at_[address] = {agent.robot, participant};
 }
 
 bool Audience::includes(const rtps::Locator_t& address) const {
@@ -80,37 +98,79 @@ RobotName robot_of(std::span<const std::uint8_t> user_data) {
   return text.starts_with(robot_key) ? text.substr(robot_key.size()) : RobotName();
 }
 
-/// DDS-RTPS 2.2, 8.3.3 (messages), 9.4.5 (submessages), 8.5.3 (participant discovery).
-std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message) {
+namespace {
+
+// DDS-RTPS 2.2, 8.3.3 (messages) and 9.4.5 (submessages).
+constexpr std::uint8_t info_timestamp = 0x09;
+constexpr std::uint8_t info_destination = 0x0e;
+constexpr std::uint8_t data = 0x15;
+constexpr std::uint8_t first_of_vendors = 0x80;
+constexpr std::uint8_t is_little_endian = 0x01;
+constexpr std::uint8_t holds_data = 0x04;
+constexpr std::size_t submessage_header = 4;
+constexpr std::size_t prefix_length = 12;  // of a participant's GUID
+constexpr std::size_t writer_at = 12;      // of a data submessage; its sequence number follows
+
+using Bytes = std::span<const std::uint8_t>;
+using EntityId = std::array<std::uint8_t, 4>;
+
+/// Hands over each submessage, with its header and all that follows it, as long as `wants_more` says so.
+template <class WantsMore>
+void for_each_submessage(Bytes message, WantsMore&& wants_more) {
   constexpr std::size_t header = 20;
-  constexpr std::size_t submessage_header = 4;
-  constexpr std::uint8_t info_timestamp = 0x09;
-  constexpr std::uint8_t data = 0x15;
-  constexpr std::uint8_t first_of_vendors = 0x80;
-  constexpr std::uint8_t is_little_endian = 0x01;
-  constexpr std::uint8_t holds_data = 0x04;
-  constexpr std::size_t writer_at = 12;  // of a data submessage; its sequence number follows
-  constexpr std::array<std::uint8_t, 4> participant_writer{0x00, 0x01, 0x00, 0xc2};
-  std::optional<std::uint64_t> number;
   for (std::size_t at = header; at + submessage_header <= message.size();) {
-    const std::span rest = message.subspan(at);
-    const std::uint8_t kind = rest[0];
-    if (kind == data) {
-      const bool announces = rest.size() >= writer_at + 12 && (rest[1] & holds_data) != 0 &&
-                             std::ranges::equal(rest.subspan(writer_at, 4), participant_writer);
-      if (!announces || number) return std::nullopt;
-      std::uint64_t bytes = 0;
-      for (const std::uint8_t byte : rest.subspan(writer_at + 4, 8)) bytes = bytes << 8 | byte;
-      number = bytes;
-    } else if (kind != info_timestamp && kind < first_of_vendors) {
-      return std::nullopt;
-    }
+    const Bytes rest = message.subspan(at);
+    if (!wants_more(rest)) return;
     const bool little = (rest[1] & is_little_endian) != 0;
     const std::size_t length = little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
-    if (length == 0) break;  // to the end of the message
+    if (length == 0) return;  // to the end of the message
     at += submessage_header + length;
   }
-  return number;
+}
+
+bool holds_data_of(const EntityId& writer, Bytes submessage) {
+  return submessage.size() >= writer_at + 12 && (submessage[1] & holds_data) != 0 &&
+         std::ranges::equal(submessage.subspan(writer_at, 4), writer);
+}
+
+}  // namespace
+
+/// DDS-RTPS 2.2, 8.5.3 (participant discovery).
+std::optional<std::uint64_t> announcement_in(Bytes message) {
+  constexpr EntityId participant_writer{0x00, 0x01, 0x00, 0xc2};
+  std::optional<std::uint64_t> number;
+  bool says_more = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    const std::uint8_t kind = submessage[0];
+    if (kind == data && !number && holds_data_of(participant_writer, submessage)) {
+      std::uint64_t bytes = 0;
+      for (const std::uint8_t byte : submessage.subspan(writer_at + 4, 8)) bytes = bytes << 8 | byte;
+      number = bytes;
+    } else {
+      says_more = kind != info_timestamp && kind < first_of_vendors;
+    }
+    return !says_more;
+  });
+  return says_more ? std::nullopt : number;
+}
+
+/// DDS-Security 1.1, 7.4.3 (ParticipantStatelessMessage).
+bool is_handshake_of_others(Bytes message) {
+  constexpr EntityId handshake_writer{0x00, 0x02, 0x01, 0xc3};
+  constexpr std::size_t payload_at = 24;  // of a data submessage without inline QoS
+  // Behind the encapsulation, the message's own identity and that of the one that it answers.
+  constexpr std::size_t destination_at = payload_at + 4 + 24 + 24;
+  Bytes receiver;
+  bool of_others = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    if (submessage[0] == info_destination && submessage.size() >= submessage_header + prefix_length)
+      receiver = submessage.subspan(submessage_header, prefix_length);
+    of_others = submessage[0] == data && !receiver.empty() && holds_data_of(handshake_writer, submessage) &&
+                submessage.size() >= destination_at + prefix_length &&
+                !std::ranges::equal(submessage.subspan(destination_at, prefix_length), receiver);
+    return !of_others;
+  });
+  return of_others;
 }
 
 bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
@@ -134,37 +194,37 @@ namespace {
 class SparingTransport final : public transport::ChainingTransport {
  public:
   SparingTransport(const transport::ChainingTransportDescriptor& descriptor,
-                   std::unique_ptr<transport::TransportDescriptorInterface> configuration, Audience& audience,
-                   Announcements* announcements, Traffic& traffic)
-      : ChainingTransport(descriptor),
-        configuration_(std::move(configuration)),
-        audience_(audience),
-        announcements_(announcements),
-        traffic_(traffic) {}
+                   std::unique_ptr<transport::TransportDescriptorInterface> configuration,
+                   const SparingTransportParts& parts)
+      : ChainingTransport(descriptor), configuration_(std::move(configuration)), parts_(parts) {}
 
   transport::TransportDescriptorInterface* get_configuration() override { return configuration_.get(); }
 
   bool send(rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
             rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& timeout) override {
-    if (audience_.is_limited()) {
-      const auto includes = [&](const rtps::Locator_t& l) { return audience_.includes(l); };
+    if (parts_.audience.is_limited()) {
+      const auto includes = [&](const rtps::Locator_t& l) { return parts_.audience.includes(l); };
       return send_to(includes, udp, message, size, begin, end, timeout);
     }
-    if (const auto number = announcements_ != nullptr ? announcement_in({message, size}) : std::nullopt) {
+    if (const auto number =
+            parts_.announcements != nullptr ? announcement_in({message, size}) : std::nullopt) {
       const auto now = std::chrono::steady_clock::now();
       const auto is_due = [&](const rtps::Locator_t& l) {
-        return announcements_->is_due(udp, l, *number, now);
+        return parts_.announcements->is_due(udp, l, *number, now);
       };
       return send_to(is_due, udp, message, size, begin, end, timeout);
     }
+    if (parts_.is_secure && is_handshake_of_others({message, size})) return true;
     const auto all = [](const rtps::Locator_t&) { return true; };
     return send_to(all, udp, message, size, begin, end, timeout);
   }
 
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
-    traffic_.bytes_received += size;
+    parts_.traffic.bytes_received += size;
+    std::unique_lock one_at_a_time(discovering_, std::defer_lock);
+    if (parts_.is_secure && announcement_in({message, size})) one_at_a_time.lock();
     next->OnDataReceived(message, size, local, remote);
   }
 
@@ -178,42 +238,37 @@ class SparingTransport final : public transport::ChainingTransport {
       if (wanted(**begin)) chosen.push_back(**begin);
     }
     if (chosen.empty()) return true;
-    traffic_.bytes_sent += std::uint64_t{size} * chosen.size();
+    parts_.traffic.bytes_sent += std::uint64_t{size} * chosen.size();
     rtps::Locators first(chosen.begin());
     rtps::Locators last(chosen.end());
     return udp->send(message, size, &first, &last, timeout);
   }
 
   std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
-  Audience& audience_;
-  Announcements* announcements_;
-  Traffic& traffic_;
+  SparingTransportParts parts_;
+  std::mutex discovering_;
 };
 
 struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor {
-  SparingTransportDescriptor(const std::shared_ptr<transport::TransportDescriptorInterface>& udp, Audience& a,
-                             Announcements* n, Traffic& t)
-      : ChainingTransportDescriptor(udp), audience(a), announcements(n), traffic(t) {}
+  SparingTransportDescriptor(const std::shared_ptr<transport::TransportDescriptorInterface>& udp,
+                             const SparingTransportParts& p)
+      : ChainingTransportDescriptor(udp), parts(p) {}
   transport::TransportInterface* create_transport() const override {
     auto configuration = std::make_unique<SparingTransportDescriptor>(*this);
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the interface's way
-    return new SparingTransport(*this, std::move(configuration), audience, announcements, traffic);
+    return new SparingTransport(*this, std::move(configuration), parts);
   }
-  Audience& audience;
-  Announcements* announcements;
-  Traffic& traffic;
+  SparingTransportParts parts;
 };
 
 }  // namespace
 
-std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(Audience& audience,
-                                                                               Announcements* announcements,
-                                                                               Traffic& traffic,
-                                                                               int largest_datagram) {
+std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(
+    const SparingTransportParts& parts) {
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = receive_buffer;
-  udp->maxMessageSize = static_cast<std::uint32_t>(largest_datagram);
-  return std::make_shared<SparingTransportDescriptor>(udp, audience, announcements, traffic);
+  udp->maxMessageSize = static_cast<std::uint32_t>(parts.largest_datagram);
+  return std::make_shared<SparingTransportDescriptor>(udp, parts);
 }
 
 }  // namespace coppice

@@ -1,12 +1,18 @@
 // UDP for fleets of hundreds of processes: sends only what somebody needs, by deciding for each datagram
 // which of its destinations get it.
 //
-// Two things need that, as neither a participant's settings nor a writer's QoS can say them:
+// Three things need that, as neither a participant's settings nor a writer's QoS can say them:
 //   - A state is for some of the agents only (Outgoing::agents). All of them match with its writer, so that
 //     nothing is announced anew as robots drive.
 //   - Fast DDS answers each participant that it discovers by announcing its own to all that it knows already,
 //     so that N processes send N^3 announcements. Each destination needs to hear an unchanged one just now
 //     and then.
+//   - With DDS-Security, it sends each step of each pair's authentication to all participants, again N^3.
+//
+// And with DDS-Security it hands on one announcement of a participant after the other: Fast DDS 2.9 discovers
+// secured participants in two threads at once, those of multicast and of unicast, and each spoils what the
+// other has just read (corrected later, in its pull request 4188). One in twenty authentications would never
+// end.
 #pragma once
 
 #include <atomic>
@@ -17,6 +23,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <thread>
 #include <utility>
@@ -47,22 +54,39 @@ class Audience {
     Audience& audience_;
   };
 
+  /// `is_secure`: who says that it is a robot's agent must have been authenticated, and keeps its address.
+  explicit Audience(bool is_secure = false) : is_secure_(is_secure) {}
+
   /// Another process is there, has changed or is gone.
   void discover(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info);
+
+  /// That process is the one that its credentials name.
+  void authenticate(const eprosima::fastrtps::rtps::GUID_t& participant);
 
   bool is_limited() const { return limited_in_ == std::this_thread::get_id(); }
   /// While it is limited: whether this is not the address of an agent outside.
   bool includes(const eprosima::fastrtps::rtps::Locator_t& address) const;
 
  private:
+  using Guid = eprosima::fastrtps::rtps::GUID_t;
+  using Address = eprosima::fastrtps::rtps::Locator_t;
+  struct Announced {
+    RobotName robot;
+    std::vector<Address> addresses;
+  };
+  void place(const Guid& participant, const Announced& agent);
+
   std::atomic<std::thread::id> limited_in_{};  ///< the thread; none: not
   std::vector<RobotName> agents_;              ///< sorted
   struct Agent {
     RobotName robot;
-    eprosima::fastrtps::rtps::GUID_t participant;
+    Guid participant;
   };
+  bool is_secure_;
   mutable std::mutex mutex_;  // DDS discovers in a thread of its own
-  std::map<eprosima::fastrtps::rtps::Locator_t, Agent> agent_at_;
+  std::map<Address, Agent> agent_at_;
+  std::map<Guid, Announced> unproven_;  ///< only where it is secure, as the next
+  std::set<Guid> authenticated_;
 };
 
 /// What this process's sockets carry.
@@ -102,9 +126,21 @@ class Announcements {
       told_;
 };
 
-/// Of UDPv4 transports that do so. All must outlive the participant. `announcements`: null where it
-/// announces itself to discovery servers only, which acknowledge what they hear. `largest_datagram`: bytes.
+/// Whether an RTPS message is a step of an authentication between others than the participant that it is
+/// sent to.
+bool is_handshake_of_others(std::span<const std::uint8_t> message);
+
+struct SparingTransportParts {
+  Audience& audience;
+  Announcements*
+      announcements;  ///< null where it announces itself to discovery servers only, which acknowledge
+  Traffic& traffic;
+  int largest_datagram;  ///< bytes
+  bool is_secure;        ///< with DDS-Security
+};
+
+/// Of UDPv4 transports that do so. All parts must outlive the participant.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> sparing_udp_transport(
-    Audience& audience, Announcements* announcements, Traffic& traffic, int largest_datagram);
+    const SparingTransportParts& parts);
 
 }  // namespace coppice

@@ -19,6 +19,8 @@ void add_process_options(CLI::App& app, ProcessOptions& options) {
   app.add_option("--discovery", options.network.discovery,
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them")
       ->check(a_discovery());
+  app.add_option("--security", options.network.security,
+                 "turns DDS-Security on: folder with this role's credentials");
   app.add_option("--datagram", options.network.largest_datagram,
                  "largest UDP datagram, bytes: the default fits every network")
       ->check(CLI::Range(datagram_for_networks, datagram_for_one_host));

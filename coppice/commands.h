@@ -16,6 +16,7 @@ namespace coppice {
 struct FleetOptions {
   std::optional<int> domain;  ///< none: one of its own
   std::string discovery;      ///< as in bus/dds_bus.h
+  std::string security;       ///< folder with a folder of credentials for each role; empty: none
   std::string state;          ///< folder for what processes keep for their successors; empty: one of its own
   bool standby = false;       ///< a second broker, that takes over if the first is gone
   bool restart = false;       ///< who ends early is started again

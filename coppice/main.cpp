@@ -32,6 +32,9 @@ int main(int argc, char** argv) {
                   "how processes find each other: multicast; static (by multicast, and a table of their "
                   "endpoints: for large fleets); or discovery servers, several with ; between them")
       ->check(a_discovery());
+  run->add_option(
+      "--security", fleet.security,
+      "turns DDS-Security on: folder with the credentials of all roles (deploy/security/make-keys)");
   run->add_option("--state", fleet.state,
                   "folder in which processes keep what they need to go on if they are started anew");
   run->add_flag("--standby", fleet.standby, "a second broker that takes over if the first is gone");

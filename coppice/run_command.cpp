@@ -5,7 +5,6 @@
 #include <iostream>
 #include <map>
 #include <optional>
-#include <span>
 #include <thread>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/dds_security.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
@@ -79,10 +79,10 @@ int own_domain() {
   throw std::runtime_error("every DDS domain from 1 to 100 is in use on this machine; name one by --domain");
 }
 
-std::vector<std::string> service_command(const RunOptions& options, const std::string& program,
-                                         std::span<const std::string> network) {
-  std::vector<std::string> command{program, options.scenario};
-  command.insert(command.end(), network.begin(), network.end());
+using Command = std::vector<std::string>;
+
+Command service_command(const RunOptions& options, const std::string& program) {
+  Command command{program, options.scenario};
   const auto add = [&](const std::string& name, const std::string& value) {
     command.push_back(name);
     command.push_back(value);
@@ -106,7 +106,59 @@ std::vector<std::string> service_command(const RunOptions& options, const std::s
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
 std::string discovery_of(const FleetOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || std::getenv("ROS_DISCOVERY_SERVER") != nullptr;
-  return chosen || robots < large_fleet ? options.discovery : static_discovery;
+  const bool suits = robots >= large_fleet || !options.security.empty();
+  return chosen || !suits ? options.discovery : static_discovery;
+}
+
+/// The options by which the processes of a run find each other. All are on one host.
+Command network_of(const FleetOptions& options, std::size_t robots) {
+  Command network{"--domain", std::to_string(options.domain.value_or(own_domain())), "--datagram",
+                  std::to_string(datagram_for_one_host)};
+  const std::string discovery = discovery_of(options, robots);
+  if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
+  return network;
+}
+
+constexpr const char* service_name = "planner_service";
+
+/// The processes of a run, in the order in which they start.
+struct Process {
+  std::string name;
+  Command command;
+  ProcessFleet::Output output = ProcessFleet::Output::log;
+  int niceness = 0;
+};
+
+/// `programs`: where the roles' lie. `state`: what they keep goes there. Throws if credentials are bad.
+std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& options,
+                                  const FleetOptions& fleet, const std::filesystem::path& programs,
+                                  const std::filesystem::path& state) {
+  const Command network = network_of(fleet, scenario.robots.size());
+  const auto with = [&](Command command, const std::string& role_name, Role role,
+                        const std::filesystem::path& keeps_in) {
+    command[0] = (programs / command[0]).string();
+    command.insert(command.end(), network.begin(), network.end());
+    command.insert(command.end(), {"--state", keeps_in.string()});
+    if (!fleet.security.empty()) {
+      const std::string credentials = fleet.security + "/" + role_name;
+      check_credentials(credentials, role);
+      command.insert(command.end(), {"--security", credentials});
+    }
+    return command;
+  };
+  const Command broker{"tree_broker", "--seed", std::to_string(scenario.seed)};
+  std::vector<Process> all{{"tree_broker", with(broker, "broker", Role::broker, state)}};
+  if (fleet.standby)
+    all.push_back({"standby broker", with(broker, "broker", Role::broker, state / "standby")});
+  for (const RobotTask& robot : scenario.robots) {
+    const Command agent{"robot_agent", "--name", robot.name};
+    all.push_back({.name = robot.name,
+                   .command = with(agent, "agent", Role::agent, state),
+                   .niceness = niceness_of_agents});
+  }
+  all.push_back({service_name, with(service_command(options, service_name), "service", Role::service, state),
+                 ProcessFleet::Output::terminal});
+  return all;
 }
 
 void tell_of_end(const ProcessFleet::Ended& ended) {
@@ -120,39 +172,20 @@ int run_command(const RunOptions& options, const FleetOptions& fleet_options, co
   const Scenario scenario =
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
   install_stop_signals();
-  const std::filesystem::path folder = std::filesystem::canonical(program).parent_path();
-  const int domain = fleet_options.domain.value_or(own_domain());
-  std::vector<std::string> network{"--domain", std::to_string(domain), "--datagram",
-                                   std::to_string(datagram_for_one_host)};
-  const std::string discovery = discovery_of(fleet_options, scenario.robots.size());
-  if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
+  const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
   const RunFolder run_folder;
   const std::filesystem::path state =
       fleet_options.state.empty() ? run_folder.path() / "state" : std::filesystem::path(fleet_options.state);
+  const std::vector<Process> processes = processes_of(scenario, options, fleet_options, programs, state);
   ProcessFleet fleet(run_folder.path());
-
-  const auto start = [&](const std::string& name, std::vector<std::string> command,
-                         const std::filesystem::path& keeps_in, int niceness) {
-    command.insert(command.end(), network.begin(), network.end());
-    command.insert(command.end(), {"--state", keeps_in.string()});
-    fleet.start(name, command, ProcessFleet::Output::log, niceness);
-  };
-  const std::string seed = std::to_string(scenario.seed);
-  start("tree_broker", {(folder / "tree_broker").string(), "--seed", seed}, state, 0);
-  if (fleet_options.standby)
-    start("standby broker", {(folder / "tree_broker").string(), "--seed", seed}, state / "standby", 0);
-  for (const RobotTask& robot : scenario.robots)
-    start(robot.name, {(folder / "robot_agent").string(), "--name", robot.name}, state, niceness_of_agents);
-  const std::string service = "planner_service";
-  std::vector<std::string> command = service_command(options, (folder / service).string(), network);
-  command.insert(command.end(), {"--state", state.string()});
-  fleet.start(service, command, ProcessFleet::Output::terminal);
+  for (const Process& process : processes)
+    fleet.start(process.name, process.command, process.output, process.niceness);
 
   std::multimap<std::chrono::steady_clock::time_point, std::string> to_start;
   std::optional<std::chrono::steady_clock::time_point> asked;
   while (true) {
     if (stop_requested() && !asked) {
-      fleet.terminate(service);
+      fleet.terminate(service_name);
       asked = std::chrono::steady_clock::now();
     }
     const auto ended = fleet.reap();
@@ -169,12 +202,12 @@ int run_command(const RunOptions& options, const FleetOptions& fleet_options, co
       std::this_thread::sleep_for(poll_period);
       continue;
     }
-    const bool done = ended->name == service && ended->exit_code <= 2;
+    const bool done = ended->name == service_name && ended->exit_code <= 2;
     if (!done) tell_of_end(*ended);
     // Bad usage does not get better.
     if (fleet_options.restart && !done && !asked && ended->exit_code != 2) {
       to_start.emplace(std::chrono::steady_clock::now() + pause_before_restart, ended->name);
-    } else if (ended->name == service) {
+    } else if (ended->name == service_name) {
       fleet.terminate_all(grace);
       return done ? ended->exit_code : 1;
     }

@@ -52,11 +52,33 @@ TEST(Transport, RecognisesWhatOnlyAnnouncesAParticipant) {
   EXPECT_FALSE(announcement_in(header + info_timestamp));
 }
 
+Bytes for_participant(std::uint8_t id) {
+  return Bytes{0x0e, 0x01, 12, 0} + Bytes(12, id);
+}
+// A step of an authentication, for the participant whose GUID is made of `id`.
+Bytes handshake(std::uint8_t id, std::uint8_t writer_kind = 0xc3) {
+  return Bytes{0x15, 0x05, 100, 0, 0, 0, 16, 0, 0, 2, 1, 0xc4, 0, 2, 1, writer_kind, 0, 0, 0, 0, 1, 0, 0, 0} +
+         Bytes(4 + 24 + 24, 7) + Bytes(12, id) + Bytes{0, 0, 1, 0xc1};
+}
+
+TEST(Transport, RecognisesAuthenticationsOfOthers) {
+  EXPECT_TRUE(is_handshake_of_others(header + for_participant(1) + info_timestamp + handshake(2)));
+  EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + info_timestamp + handshake(1)));
+  EXPECT_FALSE(is_handshake_of_others(header + handshake(2))) << "whoever gets it may need it";
+  EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + handshake(2, 0x03)))
+      << "of another writer";
+  EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + announcement));
+}
+
 TEST(Transport, LooksAtNoByteBeyondTheMessage) {
   const Bytes whole = header + info_timestamp + announcement + of_a_vendor;
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     (void)announcement_in(part);  // asan looks on
+  }
+  const Bytes step = header + for_participant(1) + handshake(2);
+  for (std::size_t size = 0; size < step.size(); ++size) {
+    (void)is_handshake_of_others(Bytes(step.begin(), step.begin() + static_cast<std::ptrdiff_t>(size)));
   }
   Bytes far = header + announcement;
   far[22] = far[23] = 0xff;  // its length
@@ -146,6 +168,29 @@ TEST(Transport, AnAudienceIsTheAgentsThatAreNamedAndAllWhoAreNone) {
     EXPECT_TRUE(audience.includes(a));
   }
   EXPECT_FALSE(audience.is_limited());
+}
+
+TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
+  const auto a = address("10.0.0.1", 7411);
+  Audience audience(true);
+  rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
+  audience.discover(info(data, "a", 1, a));
+  const rtps::GUID_t agent = data.m_guid;
+  const auto reaches = [&](const rtps::Locator_t& at) {
+    const Audience::Limit limit(audience, {"b"});
+    return audience.includes(at);
+  };
+  EXPECT_TRUE(reaches(a)) << "anybody, as far as is known";
+  audience.authenticate(agent);
+  EXPECT_FALSE(reaches(a));
+  // Neither a stranger at the same address nor a forged change makes it another.
+  audience.discover(info(data, "b", 2, a));
+  audience.discover(info(data, "b", 1, a));
+  EXPECT_FALSE(reaches(a));
+  auto gone = info(data, "a", 1, a);
+  gone.status = rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT;
+  audience.discover(gone);
+  EXPECT_TRUE(reaches(a));
 }
 
 }  // namespace

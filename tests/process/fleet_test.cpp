@@ -28,17 +28,19 @@ using test::tolerance;
 
 /// A run in a folder of its own.
 struct FleetRun {
-  explicit FleetRun(const std::filesystem::path& scenario, const std::vector<std::string>& options = {})
-      : before(test::shared_memory()), process(command(scenario, options), file("log")) {}
+  explicit FleetRun(const std::filesystem::path& scenario, const std::vector<std::string>& options = {},
+                    const std::string& time_scale = "10")
+      : before(test::shared_memory()), process(command(scenario, options, time_scale), file("log")) {}
 
   std::filesystem::path file(const std::string& name) const { return folder.path() / name; }
   std::vector<std::string> command(const std::filesystem::path& scenario,
-                                   const std::vector<std::string>& options) const {
+                                   const std::vector<std::string>& options,
+                                   const std::string& time_scale) const {
     std::vector<std::string> all{test::program("coppice"),
                                  "run",
                                  scenario.string(),
                                  "--time-scale",
-                                 "10",
+                                 time_scale,
                                  "--report",
                                  file("report.json").string(),
                                  "--trajectory",
@@ -117,6 +119,28 @@ TEST_P(FleetsThatMeet, InRoomsEndWell) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Fleet, FleetsThatMeet, testing::Values("multicast", "static"));
+
+/// With credentials that are made for it.
+void expect_arrives_with_security(const std::string& name, const std::string& time_scale) {
+  const test::TemporaryFolder keys;
+  const test::Outcome made =
+      test::shell("'" COPPICE_SOURCE_DIR "/deploy/security/make-keys' '" + keys.path().string() + "'");
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  const std::filesystem::path file = test::scenarios() / (name + ".json");
+  FleetRun run(file, {"--security", keys.path().string()}, time_scale);
+  EXPECT_EQ(run.process.wait(), 0) << run.log();
+  const proto::Report report = run.report();
+  EXPECT_EQ(report.outcome(), "arrived");
+  expect_good_motion(report, run.file("t.csv"), read_scenario(file, {}).robots[0].radius,
+                     test::PlainMap(test::scenarios() / (name + ".map")));
+}
+
+TEST(Fleet, OfEightArrivesWithSecurity) {
+  expect_arrives_with_security("rooms-8", "5");
+}
+TEST(Fleet, OfTwentyArrivesWithSecurity) {
+  expect_arrives_with_security("rooms-20", "2");
+}
 
 /// The reference maps: paths, sharing, and arrival with nothing touched.
 void expect_reference_map_planned(const std::string& name, const std::string& map_name) {
