@@ -30,7 +30,8 @@ TEST(Deploy, TheComposeFileIsValid) {
 /// image's.
 TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
   if (!is_installed("docker-compose")) GTEST_SKIP() << "docker-compose is not installed";
-  if (test::shell("/usr/bin/python3 -c 'import yaml'").exit_code != 0) GTEST_SKIP() << "python3-yaml is not installed";
+  if (test::shell("/usr/bin/python3 -c 'import yaml'").exit_code != 0)
+    GTEST_SKIP() << "python3-yaml is not installed";
   const test::TemporaryFolder folder;
   const char* const image = std::getenv("COPPICE_IMAGE_ROOT");
   const std::string source = image != nullptr ? "--root '" + std::string(image) + "'"
