@@ -1,5 +1,6 @@
 // robot_agent [--name NAME] --domain D: one robot, until it is told to stop.
 
+#include <memory>
 #include <random>
 #include <string_view>
 
@@ -17,6 +18,7 @@ namespace {
 using namespace coppice;
 
 constexpr double patience = 5;         // seconds of waiting that are worth no line
+constexpr double claim_period = 1;     // seconds
 constexpr double longest_braking = 5;  // seconds
 
 struct Log {
@@ -52,15 +54,15 @@ int run_as(const RobotName& name, const DdsSettings& settings, Heartbeat& heart)
 int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, const Log& log) {
   std::random_device device;
   const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
-  DdsBus bus(settings, Role::claimant, fmt::format("robot_agent {:016x}", id));
+  auto asking = std::make_unique<DdsBus>(settings, Role::claimant, fmt::format("robot_agent {:016x}", id));
   NamelessAgent agent(id);
   spdlog::info("claims a robot on domain {}", settings.domain);
   const WallTime patience_ends = wall_now() + patience;
   std::string_view noted;
   while (!agent.robot() && !stop_requested()) {
-    run_role_once(bus, agent);
+    run_role_once(*asking, agent);
     heart.beat(wall_now());
-    const std::string_view note = bus.matched_readers<Claim>() > 0
+    const std::string_view note = asking->matched_readers<Claim>() > 0
                                       ? "waits: no robot is free"
                                       : "waits: no planner service has been found";
     if (wall_now() < patience_ends || note == noted) continue;
@@ -68,12 +70,24 @@ int run_as_whom_the_service_says(const DdsSettings& settings, Heartbeat& heart, 
     spdlog::info(note);
   }
   if (!agent.robot()) return 0;
-  bus.become(*agent.robot());
   set_up_logging("robot_agent " + *agent.robot(), log.level, log.as_json);
   spdlog::info("is {}", *agent.robot());
+  // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
+  // service, the other one keeps the claim.
+  DdsBus bus({settings.domain, *agent.robot(), settings.discovery}, Role::claimant,
+             "robot_agent " + *agent.robot());
+  bus.publish(agent.claim(wall_now()));
+  WallTime next_claim = wall_now();
   while (!agent.lost() && !stop_requested()) {
     run_role_once(bus, agent);
     heart.beat(wall_now());
+    if (!asking) continue;
+    if (bus.matched_readers<Claim>() > 0) {
+      asking.reset();
+    } else if (wall_now() >= next_claim) {
+      asking->publish(agent.claim(wall_now()));
+      next_claim = wall_now() + claim_period;
+    }
   }
   if (!agent.lost()) {
     end(bus, agent);
