@@ -435,13 +435,6 @@ bool DdsBus::wait(double seconds) {
          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }
 
-void DdsBus::become(const RobotName& robot) {
-  dds::DomainParticipantQos qos = implementation_->participant->get_qos();
-  qos.user_data().data_vec(user_data_of(robot));
-  if (implementation_->participant->set_qos(qos) != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
-    throw std::runtime_error("DDS could not announce which robot this is");
-}
-
 std::size_t DdsBus::rejected() const {
   return implementation_->rejected;
 }

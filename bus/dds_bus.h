@@ -66,9 +66,6 @@ class DdsBus {
   /// Until something arrives or `seconds` are over; true if something arrived.
   bool wait(double seconds);
 
-  /// This process is the agent of that robot from now on: what is not for it is not sent to it any more.
-  void become(const RobotName& robot);
-
   BusCounts counts() const;
   /// Samples that were dropped because they failed validation, or came from another than they say.
   std::size_t rejected() const;

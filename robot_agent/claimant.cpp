@@ -47,7 +47,7 @@ bool Claimant::may_take(const Assignment& offer, WallTime now) const {
   return spoke == spoke_.end() || now - spoke->second > quiet;
 }
 
-Claim Claimant::next_claim(WallTime now) {
+Claim Claimant::claim(WallTime now) {
   asked_.push_back({++number_, now});
   while (now - asked_.front().at > answer_counts) asked_.pop_front();
   return {.claimant = id_, .number = number_, .robot = robot_.value_or(RobotName())};
@@ -60,11 +60,11 @@ std::vector<Outgoing> Claimant::step(WallTime now) {
   if (robot_) return out;
   if (offer_ && may_take(*offer_, now)) {
     robot_ = offer_->robot;
-    out.emplace_back(next_claim(now));
+    out.emplace_back(claim(now));
     spoke_.clear();
     next_wake_ = std::numeric_limits<WallTime>::infinity();
   } else if (asked_.empty() || now - asked_.back().at >= ask_period) {
-    out.emplace_back(next_claim(now));
+    out.emplace_back(claim(now));
     next_wake_ = now + ask_period;
   } else {
     next_wake_ = asked_.back().at + ask_period;

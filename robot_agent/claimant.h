@@ -28,6 +28,9 @@ class Claimant {
   std::vector<Outgoing> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
+  /// The next claim.
+  Claim claim(WallTime now);
+
   /// None: not yet.
   const std::optional<RobotName>& robot() const { return robot_; }
   /// The robot is another's by now, or may be: nothing must be said as that robot any more.
@@ -37,7 +40,6 @@ class Claimant {
   void receive(const Assignment& assignment, WallTime now);
   void receive(const RobotState& state, WallTime now);
   bool may_take(const Assignment& offer, WallTime now) const;
-  Claim next_claim(WallTime now);
 
   struct Asked {
     std::uint32_t number = 0;

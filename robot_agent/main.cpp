@@ -1,5 +1,6 @@
 // robot_agent [--name NAME] --domain D: one robot, until it is told to stop.
 
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <string_view>
@@ -24,6 +25,7 @@ namespace {
 using namespace coppice;
 
 constexpr double patience = 5;         // seconds of waiting that are worth no line
+constexpr double claim_period = 1;     // seconds
 constexpr double longest_braking = 5;  // seconds
 
 /// What is known of the robot from before, and where that goes on.
@@ -85,14 +87,14 @@ int run_as(const RobotName& name, const ProcessOptions& options, Heartbeat& hear
 }
 
 /// False: told to stop before that.
-bool wait_for_a_robot(DdsBus& bus, NamelessAgent& agent, Heartbeat& heart) {
+bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
   KeepsNothing keeper;
   const WallTime patience_ends = wall_now() + patience;
   std::string_view noted;
   while (!agent.robot() && !stop_requested()) {
-    run_role_once(bus, agent, keeper);
+    run_role_once(asking, agent, keeper);
     heart.beat(wall_now());
-    const std::string_view note = bus.matched_readers<Claim>() > 0
+    const std::string_view note = asking.matched_readers<Claim>() > 0
                                       ? "waits: no robot is free"
                                       : "waits: no planner service has been found";
     if (wall_now() < patience_ends || note == noted) continue;
@@ -106,20 +108,34 @@ bool wait_for_a_robot(DdsBus& bus, NamelessAgent& agent, Heartbeat& heart) {
 int run_as_whom_the_service_says(const ProcessOptions& options, Heartbeat& heart) {
   std::random_device device;
   const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
-  DdsBus bus(options.network, Role::claimant, fmt::format("robot_agent {:016x}", id));
+  auto asking =
+      std::make_unique<DdsBus>(options.network, Role::claimant, fmt::format("robot_agent {:016x}", id));
   NamelessAgent agent(id);
   spdlog::info("claims a robot on domain {}", options.network.domain);
-  if (!wait_for_a_robot(bus, agent, heart)) return 0;
+  if (!wait_for_a_robot(*asking, agent, heart)) return 0;
   const RobotName robot = *agent.robot();
-  bus.become(robot);
   set_up_logging("robot_agent " + robot, options.log_level, options.log_json);
   spdlog::info("is {}", robot);
   Recalled before = recalled(options.state, robot);
   auto keeper = before.keeper(robot);
   agent.begin(before.kept);
+  // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
+  // service, the other one keeps the claim.
+  DdsSettings network = options.network;
+  network.robot = robot;
+  DdsBus bus(network, Role::claimant, "robot_agent " + robot);
+  bus.publish(agent.claim(wall_now()));
+  WallTime next_claim = wall_now();
   while (!agent.lost() && !stop_requested()) {
     run_role_once(bus, agent, keeper);
     heart.beat(wall_now());
+    if (!asking) continue;
+    if (bus.matched_readers<Claim>() > 0) {
+      asking.reset();
+    } else if (wall_now() >= next_claim) {
+      asking->publish(agent.claim(wall_now()));
+      next_claim = wall_now() + claim_period;
+    }
   }
   if (!agent.lost()) {
     end(bus, agent, keeper);

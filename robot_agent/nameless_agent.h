@@ -1,4 +1,5 @@
-// An agent that is not told which robot it is: it asks the service, and then is that one.
+// An agent that is not told which robot it is: it asks the service, and then is that one. What it hears
+// before is of no use to it: a bus that is opened as that robot's tells it all that it needs.
 #pragma once
 
 #include <cstdint>
@@ -32,13 +33,12 @@ class NamelessAgent {
   const std::optional<RobotName>& robot() const { return claimant_.robot(); }
   /// It is that robot no more, and says nothing from now on.
   bool lost() const { return claimant_.lost(); }
+  /// Says again which robot it is.
+  Claim claim(WallTime now) { return claimant_.claim(now); }
 
  private:
-  void keep(const Arrival& arrival);
-
   Claimant claimant_;
   std::optional<RobotAgent> agent_;
-  std::vector<Arrival> kept_;  ///< what every agent needs to know, for when it is one
 };
 
 }  // namespace coppice

@@ -125,6 +125,10 @@ void RobotAgent::begin_run() {
   fresh.tree_ids_ = std::move(tree_ids_);
   fresh.tree_nodes_ = tree_nodes_;
   fresh.impossible_ = impossible_;
+  fresh.rejected_by_bus_ = rejected_by_bus_;
+  fresh.load_ = load_;
+  fresh.memory_ = std::move(memory_);
+  fresh.retired_ = retired_;
   fresh.status_.trees_received = status_.trees_received;
   *this = std::move(fresh);
 }

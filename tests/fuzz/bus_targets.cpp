@@ -15,6 +15,7 @@
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
 #include "bus/dds_transport.h"
+#include "bus/serialized.h"
 #include "bus/topics.h"
 #include "bus/validation.h"
 #include "planner_service/planner_service.h"
@@ -229,7 +230,24 @@ std::vector<Input> topic_seeds<AgentStatus>() {
 }
 template <>
 std::vector<Input> topic_seeds<BrokerStatus>() {
-  return {encoded(BrokerStatus{7, 1, 2, 3, 4, map_id(), 5})};
+  return {encoded(BrokerStatus{7, true, 1, 1, 2, 3, 4, map_id(), 5})};
+}
+
+template <>
+std::vector<Input> topic_seeds<Claim>() {
+  return {encoded(Claim{7, 2, "a"})};
+}
+template <>
+std::vector<Input> topic_seeds<Assignment>() {
+  return {encoded(Assignment{"a", 7, 2})};
+}
+
+/// A record of a journal.
+void journal_record(Bytes data) {
+  (void)deserialized(data);
+}
+std::vector<Input> journal_record_seeds() {
+  return {serialized(Claim{7, 2, "a"}), serialized(BrokerStatus{7, true, 1, 1, 2, 3, 4, map_id(), 5})};
 }
 
 // --- one after the other ---
@@ -326,6 +344,9 @@ constexpr std::array all{of_topic<MapMessage>(),
                          of_topic<TrackMessage>(),
                          of_topic<AgentStatus>(),
                          of_topic<BrokerStatus>(),
+                         of_topic<Claim>(),
+                         of_topic<Assignment>(),
+                         Target{"journal_record", journal_record, journal_record_seeds},
                          Target{"sequence", sequence, sequence_seeds},
                          Target{"user_data", user_data, user_data_seeds},
                          Target{"announcement", announcement, announcement_seeds},

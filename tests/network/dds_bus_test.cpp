@@ -347,11 +347,7 @@ TEST_P(Discovery, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
   XMLProfileManager::library_settings(separate);
   DdsBus sender({.domain = domain + 7, .robot = "a", .discovery = discovery}, Role::agent, "a");
   DdsBus near({.domain = domain + 7, .robot = "b", .discovery = discovery}, Role::agent, "b");
-  // One that has learnt only in the meantime who it is.
-  DdsBus far({.domain = domain + 7, .discovery = discovery}, Role::claimant, "c");
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  far.become("c");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));  // until that is known
+  DdsBus far({.domain = domain + 7, .robot = "c", .discovery = discovery}, Role::agent, "c");
   DdsBus watcher({.domain = domain + 7, .discovery = discovery}, Role::observer, "watcher");
   std::set<std::uint32_t> at_near;
   std::set<std::uint32_t> at_far;

@@ -30,10 +30,11 @@ bool is_matched(const DdsBus& bus, Role role, std::size_t agents) {
     case Role::agent:
       return bus.matched_readers<RobotState>() >= agents;
     case Role::broker:
-      return bus.matched_readers<InactiveTreeMessage>() >= agents + 1;
+      return bus.matched_readers<InactiveTreeMessage>() >= agents + 2;
     case Role::service:
       return bus.matched_readers<MapMessage>() >= agents + 1 && bus.matched_readers<Mission>() >= agents + 1;
     case Role::observer:
+    case Role::claimant:
       return true;
   }
   return true;
