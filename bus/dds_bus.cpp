@@ -58,6 +58,7 @@ constexpr std::uint32_t most_participants = 1000;
 constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
 constexpr int static_announcement_period = 10;      // seconds
 constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
+constexpr int datagram_for_credentials = 8192;      // bytes
 constexpr int most_taken = 1000;                    // samples of a topic at a time
 constexpr double longest_held = 1;                  // seconds until its sender must be known
 constexpr std::chrono::milliseconds longest_farewell{500};
@@ -100,6 +101,12 @@ std::string discovery_of(const DdsSettings& settings) {
   return settings.security.empty() ? multicast_discovery : static_discovery;
 }
 
+/// A step of an authentication must fit: it holds certificates, and DDS does not cut it.
+int largest_datagram_of(const DdsSettings& settings) {
+  return settings.security.empty() ? settings.largest_datagram
+                                   : std::max(settings.largest_datagram, datagram_for_credentials);
+}
+
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender,
                                           Audience& audience, Announcements& announcements,
                                           Traffic& traffic) {
@@ -113,7 +120,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
       sparing_udp_transport({.audience = audience,
                              .announcements = by_servers ? nullptr : &announcements,
                              .traffic = traffic,
-                             .largest_datagram = settings.largest_datagram,
+                             .largest_datagram = largest_datagram_of(settings),
                              .is_secure = !settings.security.empty()}));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "bus/bus.h"
+#include "bus/datagram.h"
 #include "bus/messages.h"
 
 namespace coppice {
@@ -23,14 +24,6 @@ inline constexpr const char* multicast_discovery = "multicast";
 /// By multicast, and each announces just which of the endpoints in the table of topics it has: for fleets of
 /// fifty robots and more. Who is set up otherwise, or knows no table, is not found.
 inline constexpr const char* static_discovery = "static";
-
-/// Fits an Ethernet frame, also within the tunnels of containers and VPNs. What is larger IP would cut into
-/// fragments, and whoever loses one of these loses all: of maps of 32 KB in one datagram, where a fifth of
-/// the frames is lost, 99 of 100. What is larger than this DDS cuts, and sends each part again that is
-/// missing. Bytes.
-inline constexpr int datagram_for_networks = 1344;
-/// Where all processes are on one host, nothing is cut, and large ones save half of all datagrams.
-inline constexpr int datagram_for_one_host = 65'500;
 
 struct DdsSettings {
   int domain = 0;     ///< 0..232; fleets on different domains do not see each other

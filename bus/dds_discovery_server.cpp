@@ -2,16 +2,15 @@
 
 #include <memory>
 #include <stdexcept>
-#include <utility>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
 
 #include "bus/dds_bus.h"
+#include "bus/dds_transport.h"
 
 namespace coppice {
 
@@ -19,6 +18,8 @@ namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
 
 struct DdsDiscoveryServer::Implementation {
+  Audience audience{false};  // sends to all
+  Traffic traffic;
   dds::DomainParticipant* participant = nullptr;
 };
 
@@ -27,9 +28,11 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
   dds::DomainParticipantQos qos;
   qos.name("discovery_server");
   qos.transport().use_builtin_transports = false;
-  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
-  udp->maxMessageSize = datagram_for_networks;
-  qos.transport().user_transports.push_back(std::move(udp));
+  qos.transport().user_transports.push_back(sparing_udp_transport({.audience = implementation_->audience,
+                                                                   .announcements = nullptr,
+                                                                   .traffic = implementation_->traffic,
+                                                                   .largest_datagram = datagram_for_networks,
+                                                                   .is_secure = false}));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
   rtps::Locator_t locator;

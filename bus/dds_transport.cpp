@@ -13,6 +13,8 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
+#include "bus/datagram.h"
+
 namespace coppice {
 
 namespace rtps = eprosima::fastrtps::rtps;
@@ -258,6 +260,10 @@ struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the interface's way
     return new SparingTransport(*this, std::move(configuration), parts);
   }
+  /// What DDS sends: others may send more, where all are on one host, and that must fit the buffers.
+  std::uint32_t max_message_size() const override {
+    return static_cast<std::uint32_t>(parts.largest_datagram);
+  }
   SparingTransportParts parts;
 };
 
@@ -267,7 +273,7 @@ std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(
     const SparingTransportParts& parts) {
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
   udp->receiveBufferSize = receive_buffer;
-  udp->maxMessageSize = static_cast<std::uint32_t>(parts.largest_datagram);
+  udp->maxMessageSize = datagram_for_one_host;
   return std::make_shared<SparingTransportDescriptor>(udp, parts);
 }
 

@@ -17,7 +17,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "bus/serialized.h"
+#include "bus/dds_serialized.h"
 
 namespace coppice {
 

@@ -662,6 +662,7 @@ void RobotAgent::retire() {
 
 std::vector<Outgoing> RobotAgent::last_words(WallTime now) {
   std::vector<Outgoing> out;
+  if (body_) track_.push_back({body_->time(), body_->position(), body_->velocity()});
   status_changed_ = true;
   report(now, out);
   return out;

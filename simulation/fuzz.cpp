@@ -123,7 +123,8 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
   Faults faults = draw_kinds_of_faults(scenario, random);
   if (restarts) {
     Random of_restarts(seed + 1);  // what the seed gives without them stays as it is
-    faults.kill_rate = of_restarts.uniform(5, 60);
+    // Once in five seconds to a minute one of them: more often than joint plans take, nobody would end.
+    faults.kill_rate = of_restarts.uniform(60, 720) / static_cast<double>(scenario.robots.size());
     faults.restart_after = of_restarts.uniform(0.1, 8);
     for (Faults::Kill& kill : faults.kills) kill.for_good = true;
   }

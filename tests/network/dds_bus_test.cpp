@@ -422,7 +422,7 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
   for (std::uint32_t k = 1; !enough() && Clock::now() < end; ++k) {
     RobotState state = some_state(10 * k);
     forger.publish(Message(state));  // as passed on
-    state.passed_on = false;
+    state.passed_on = state.counts_as_dead = false;
     honest.publish(Message(state));
     state.sequence = 10 * k + 1;
     forger.publish(Message(state));
@@ -485,6 +485,7 @@ TEST(DdsBus, CopiesOfAStateAndWhatAnotherPassesOnAllWaitForTheReader) {
   const auto complete = [&](const auto& entry) { return entry.second.size() == copies + 1u; };
   for (std::uint32_t k = 1; std::ranges::count_if(heard, complete) < 5 && Clock::now() < end; ++k) {
     RobotState state = some_state(k);
+    state.passed_on = state.counts_as_dead = false;
     state.copies = copies;
     for (state.copy = 0; state.copy < copies; ++state.copy) sender.publish(Message(state));
     state.copy = 0;

@@ -119,7 +119,7 @@ struct Exchange {
 Exchange exchange(const std::string& credentials_of_service, const std::string& credentials_of_agent,
                   int on_domain, double seconds) {
   DdsBus service({.domain = on_domain, .security = credentials_of_service}, Role::service, "service");
-  DdsBus agent({.domain = on_domain, .security = credentials_of_agent}, Role::agent, "agent");
+  DdsBus agent({.domain = on_domain, .robot = "r1", .security = credentials_of_agent}, Role::agent, "agent");
   service.publish(mission(1));
   agent.publish(status(1));
   const bool in = receives(agent, mission(1), seconds);
@@ -177,7 +177,7 @@ TEST_F(Security, ExpiredCredentialsGetNothingInOrOut) {
   const std::string short_lived = copy_of("agent", "short-lived");
   issue_for(valid_for, short_lived, of("ca"));
   const auto expired = Clock::now() + std::chrono::seconds(valid_for + 1);
-  DdsBus agent({.domain = domain + 1, .security = short_lived}, Role::agent, "agent");
+  DdsBus agent({.domain = domain + 1, .robot = "r1", .security = short_lived}, Role::agent, "agent");
   agent.publish(status(1));
   {
     DdsBus service({.domain = domain + 1, .security = of("service")}, Role::service, "service");

@@ -62,14 +62,15 @@ const std::string commands = "|coppice/.*";
 const std::vector<Reserved> reserved = {
     {"<(fastdds|fastrtps|fastcdr)/.*>|\"fleet[A-Za-z]*\\.h\"", "bus/dds_.*" + tests_and_benches,
      "DDS is known to the DDS bus alone"},
-    {"\"bus/(dds_.*|process\\.h)\"", "bus/(dds_|process).*" + mains + commands + tests_and_benches,
+    {"\"bus/(dds_.*|process.*|journal\\.h)\"",
+     "bus/(dds_|process|journal).*" + mains + commands + tests_and_benches,
      "only a main joins a role to the real bus"},
     {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
      "bus/(dds_|process).*" + commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
     {"<random>", "planning/random\\.h|(tree_broker|robot_agent)/main\\.cpp" + tests_and_benches,
      "chance is passed in"},
-    {"<(iostream|fstream|filesystem)>", "files/.*" + mains + commands + tests_and_benches,
+    {"<(iostream|fstream|filesystem)>", "files/.*|bus/journal.*" + mains + commands + tests_and_benches,
      "what reads or writes is at the edges"},
 };
 

@@ -1,4 +1,4 @@
-#include "bus/serialized.h"
+#include "bus/dds_serialized.h"
 
 #include <algorithm>
 #include <array>
