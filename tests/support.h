@@ -63,6 +63,12 @@ inline Outcome shell(const std::string& command) {
 inline std::string program(const std::string& name) {
   return std::string(COPPICE_BIN_DIR) + "/" + name;
 }
+/// Whether tests that take minutes, and show no more than shorter ones do but at full size, are to run.
+inline bool wants_long_tests() {
+  return std::getenv("COPPICE_LONG_TESTS") != nullptr;
+}
+inline constexpr const char* why_not_long = "takes long: set COPPICE_LONG_TESTS";
+
 inline std::filesystem::path scenarios() {
   return std::filesystem::path(COPPICE_SOURCE_DIR) / "scenarios";
 }

@@ -13,6 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support.h"
+
 namespace coppice::test {
 namespace {
 
@@ -115,6 +117,7 @@ TEST_F(FleetOnHostsTest, AFewArriveOverBadLinks) {
 
 /// Four on each host: of the pairs of robots, 160 of 190 meet over bad links.
 TEST_F(FleetOnHostsTest, AcceptanceTwentyArriveOverBadLinks) {
+  if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   Hosts hosts(5, seed());
   hosts.links(bad_links);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 20, .domain = 166});

@@ -1,7 +1,7 @@
 // A fleet whose processes are killed at random and started again: nothing touches, every mission ends, no
 // tree is lost.
 //
-// COPPICE_CHAOS_SECONDS: for so long, in place of half a minute.
+// COPPICE_CHAOS_SECONDS: for so long, in place of twenty seconds.
 
 #include <algorithm>
 #include <chrono>
@@ -34,7 +34,7 @@ constexpr int domain = 153;
 
 double chaos_seconds() {
   const char* const wanted = std::getenv("COPPICE_CHAOS_SECONDS");
-  return wanted != nullptr ? std::strtod(wanted, nullptr) : 30;
+  return wanted != nullptr ? std::strtod(wanted, nullptr) : 20;
 }
 
 struct ChaosRun {

@@ -139,6 +139,7 @@ TEST(Fleet, OfEightArrivesWithSecurity) {
   expect_arrives_with_security("rooms-8", "5");
 }
 TEST(Fleet, OfTwentyArrivesWithSecurity) {
+  if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   expect_arrives_with_security("rooms-20", "2");
 }
 
