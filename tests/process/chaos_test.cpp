@@ -134,9 +134,10 @@ TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
   std::map<std::string, Use> late;
   const auto begin = Clock::now();
   const auto share = [&] { return std::chrono::duration<double>(Clock::now() - begin).count() / seconds; };
-  while (share() < 0.9) {
-    const std::string role = std::vector<std::string>{"tree_broker", "planner_service", "robot_agent",
-                                                      "robot_agent"}[random.index(4)];
+  const std::vector<std::string> roles{"tree_broker", "planner_service", "robot_agent", "robot_agent"};
+  for (std::size_t k = 0; share() < 0.9 || k < roles.size(); ++k) {
+    // Each of them once at least.
+    const std::string role = k < roles.size() ? roles[k] : roles[random.index(roles.size())];
     if (const auto alive = run.children(role); !alive.empty()) {
       kill(alive[random.index(alive.size())].pid, SIGKILL);
       ++kills[role];
