@@ -87,7 +87,10 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
   if (state->is_new) p.introductions = 0;
   if (!p.state || p.dead) all_settled_until_ = 0;
-  if (std::exchange(p.dead, false)) p.rests.clear();
+  if (std::exchange(p.dead, false)) {
+    p.rests.clear();
+    ++returns_;
+  }
   p.state = std::move(state);
   p.place = p.state->position;
   p.radius = p.state->radius;

@@ -77,6 +77,9 @@ class Fleet {
   std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now,
                                     AgeCount& ages);
 
+  /// How often one was heard of that counted as dead.
+  std::uint32_t returns() const { return returns_; }
+
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
   /// Those within so many sums of radii of a robot at p.
@@ -218,6 +221,7 @@ class Fleet {
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   Absences absences_;
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
+  std::uint32_t returns_ = 0;
   bool somebody_missing_ = false;
   bool somebody_said_dead_ = false;
   double next_look_at_the_dead_ = 0;

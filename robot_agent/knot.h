@@ -51,6 +51,9 @@ class Knot {
   /// in earlier ones, it knows no more.
   void forget(std::uint32_t epoch) { latest_epoch_ = forgotten_ = epoch; }
 
+  /// What did not help before may do so now.
+  void hope_anew() { calls_in_vain_ = 0; }
+
   /// `position`: of this robot, none before it has a body.
   void hear(const RobotState& state, const std::optional<Point2>& position);
   void hear(const JointPlanMessage& plan);

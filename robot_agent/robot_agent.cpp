@@ -181,6 +181,7 @@ void RobotAgent::begin_mission(WallTime now) {
   if (!body_) place_body(mission, fleet_now);
   found_.reset();
   times_stranded_ = 0;
+  gave_up_ = false;
   lets_others_finish_ = true;
   if (const char* const problem = problem_with_task()) {
     follower_.reset();
@@ -525,10 +526,9 @@ void RobotAgent::watch_arrival(double fleet_now) {
     status_.arrival_time = 0;
     enter(Phase::driving);
   }
-  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain) {
-    status_.reason = "held up for good: no joint plan has moved it";
-    return enter(Phase::no_path);
-  }
+  if (fleet_.returns() != returns_) hope_anew();
+  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain)
+    return give_up("held up for good: no joint plan has moved it");
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
     if (status_.arrival_time == 0) status_.arrival_time = body_->time();
@@ -536,9 +536,24 @@ void RobotAgent::watch_arrival(double fleet_now) {
   } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere)) {
     // Where the others are now, another attempt may succeed.
     if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
-    status_.reason = "the robots cannot be sorted out: no order of moves brings this one to its goal";
-    enter(Phase::no_path);
+    give_up("the robots cannot be sorted out: no order of moves brings this one to its goal");
   }
+}
+
+void RobotAgent::give_up(const char* reason) {
+  status_.reason = reason;
+  gave_up_ = true;
+  enter(Phase::no_path);
+}
+
+/// One that counted as dead is back: what it closed may be open.
+void RobotAgent::hope_anew() {
+  returns_ = fleet_.returns();
+  times_stranded_ = 0;
+  knot_.hope_anew();
+  if (!std::exchange(gave_up_, false) || status_.phase != Phase::no_path) return;
+  status_.reason.clear();
+  enter(Phase::driving);
 }
 
 bool RobotAgent::all_free_around() const {

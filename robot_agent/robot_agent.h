@@ -85,6 +85,8 @@ class RobotAgent {
   void stand_for(double fleet_now, double seconds);
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
+  void give_up(const char* reason);
+  void hope_anew();
   bool may_set_off(double fleet_now) const;
   bool all_free_around() const;
   void enter(Phase phase);
@@ -150,6 +152,8 @@ class RobotAgent {
   bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more
   double mustering_since_ = 0;  ///< fleet time
   int times_stranded_ = 0;
+  bool gave_up_ = false;       ///< as the others stood
+  std::uint32_t returns_ = 0;  ///< of dead robots, that it has reckoned with
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;
   WallTime next_status_ = 0;
