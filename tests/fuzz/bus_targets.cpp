@@ -14,8 +14,8 @@
 
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
-#include "bus/dds_transport.h"
 #include "bus/dds_serialized.h"
+#include "bus/dds_transport.h"
 #include "bus/topics.h"
 #include "bus/validation.h"
 #include "planner_service/planner_service.h"
