@@ -8,6 +8,7 @@
 
 #include <fastdds/rtps/common/SerializedPayload.h>
 
+#include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
 #include "bus/validation.h"
 
@@ -19,7 +20,7 @@ using eprosima::fastrtps::rtps::SerializedPayload_t;
 
 template <class M>
 std::optional<Message> read(SerializedPayload_t& payload) {
-  typename DdsType<M>::Support support;
+  CheckedType<typename DdsType<M>::Support> support;
   typename DdsType<M>::Type sample;
   if (!support.deserialize(&payload, &sample)) return std::nullopt;
   return from_dds(sample);

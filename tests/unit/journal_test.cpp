@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bus/dds_serialized.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -76,6 +77,18 @@ TEST_F(AJournal, AChangedByteEndsIt) {
   bytes[bytes.size() - 3] ^= 1;
   std::ofstream(file, std::ios::binary) << bytes;
   EXPECT_EQ(held_by(file), std::vector<Message>{status});
+}
+
+TEST_F(AJournal, WhatNoTypeHoldsIsNoMessage) {
+  const std::vector<std::uint8_t> whole = serialized(BrokerStatus{.broker = 1});
+  ASSERT_TRUE(deserialized(whole).has_value());
+  std::vector<std::uint8_t> bytes = whole;
+  bytes[1 + 4 + 8] = 7;  // the boolean behind the kind, the encapsulation and the broker's id
+  EXPECT_FALSE(deserialized(bytes).has_value());
+  bytes = whole;
+  bytes[0] = 200;
+  EXPECT_FALSE(deserialized(bytes).has_value());
+  EXPECT_FALSE(deserialized({}).has_value());
 }
 
 std::string problem_with_opening(const std::filesystem::path& path) {
