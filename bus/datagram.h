@@ -11,4 +11,8 @@ inline constexpr int datagram_for_networks = 1344;
 /// Where all processes are on one host, nothing is cut, and large ones save half of all datagrams.
 inline constexpr int datagram_for_one_host = 65'500;
 
+/// What a socket asks for, bytes: two hundred processes announce themselves at once, and the usual 200 KB
+/// overflow. The system may grant less.
+inline constexpr int wanted_receive_buffer = 4 << 20;
+
 }  // namespace coppice

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <tuple>
@@ -53,8 +52,6 @@ constexpr std::uint32_t heartbeat_among_agents_nanoseconds = 500'000'000;
 constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
 // How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
-// Of one host: each tries one port after the other until one is free, by default a hundred.
-constexpr std::uint32_t most_participants = 1000;
 constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
 constexpr int static_announcement_period = 10;      // seconds
 constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
@@ -95,9 +92,8 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
 
 /// What is asked for, or what suits.
 std::string discovery_of(const DdsSettings& settings) {
-  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
   if (!settings.discovery.empty()) return settings.discovery;
-  if (usual_servers != nullptr && *usual_servers != 0) return usual_servers;
+  if (const std::string servers = usual_discovery_servers(); !servers.empty()) return servers;
   return settings.security.empty() ? multicast_discovery : static_discovery;
 }
 

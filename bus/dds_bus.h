@@ -15,24 +15,19 @@
 
 #include "bus/bus.h"
 #include "bus/datagram.h"
+#include "bus/discovery.h"
 #include "bus/messages.h"
 
 namespace coppice {
 
-/// Ways in which processes find each other.
-inline constexpr const char* multicast_discovery = "multicast";
-/// By multicast, and each announces just which of the endpoints in the table of topics it has: for fleets of
-/// fifty robots and more. Who is set up otherwise, or knows no table, is not found.
-inline constexpr const char* static_discovery = "static";
-
 struct DdsSettings {
   int domain = 0;     ///< 0..232; fleets on different domains do not see each other
   RobotName robot{};  ///< of an agent: it speaks for this one alone, and is not sent what is not for it
-  /// One of the above, or discovery servers as "HOST:PORT", several after each other with ";" between them.
-  /// Empty: the servers of ROS_DISCOVERY_SERVER; if that is not set either by multicast, and with security by
-  /// static discovery: endpoints that are announced in cipher take many times as long.
+  /// A way of discovery.h, or discovery servers as "HOST:PORT", several after each other with ";" between
+  /// them. Empty: the servers of ROS_DISCOVERY_SERVER; if that is not set either by multicast, and with
+  /// security by static discovery: endpoints that are announced in cipher take many times as long.
   std::string discovery{};
-  int largest_datagram = datagram_for_networks;  ///< bytes, the two above and what lies between
+  int largest_datagram = datagram_for_networks;  ///< bytes (datagram.h): the two there and what lies between
   std::string security{};  ///< folder with credentials (dds_security.h); empty: all in clear, with anybody
 };
 

@@ -30,9 +30,6 @@ constexpr std::chrono::milliseconds repeat_to_group{3'000};
 // on.
 constexpr std::chrono::milliseconds first_repeat_to_group{500};
 constexpr int most_doublings = 3;
-// Two hundred processes announce themselves at once: the usual 200 KB of a socket overflow. The system may
-// grant less.
-constexpr std::uint32_t receive_buffer = 4u << 20;
 
 constexpr std::string_view robot_key = "robot=";
 
@@ -272,7 +269,7 @@ struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor
 std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(
     const SparingTransportParts& parts) {
   auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
-  udp->receiveBufferSize = receive_buffer;
+  udp->receiveBufferSize = wanted_receive_buffer;
   udp->maxMessageSize = datagram_for_one_host;
   return std::make_shared<SparingTransportDescriptor>(udp, parts);
 }

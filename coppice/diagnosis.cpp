@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "bus/discovery.h"
+
 namespace coppice {
 
 namespace {
@@ -16,7 +18,6 @@ constexpr std::uint64_t files_a_process = 32;
 constexpr std::uint64_t threads_a_process = 10;
 constexpr int other_processes = 4;  // broker, service, discovery server, command
 // From so many robots on, what Linux grants by default is too little for all to be heard who speak at once.
-constexpr int large_fleet = 40;
 constexpr double robots_a_core = 25;     // at the wall clock's pace
 constexpr double worth_telling = 0.005;  // seconds by which a clock jumps
 

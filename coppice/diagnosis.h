@@ -7,13 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "bus/datagram.h"
+
 namespace coppice {
 
 /// What is asked of the machine.
 struct FleetPlan {
   int robots = 8;
   int domain = 0;
-  std::string discovery{};  ///< as in bus/dds_bus.h
+  std::string discovery{};  ///< as for DdsSettings
 };
 
 /// A limit of the system; none: there is none, or it cannot be read.
@@ -51,18 +53,6 @@ struct Finding {
   std::string found;
   std::string advice{};  ///< what to change; empty if it is ok
 };
-
-/// What the bus's sockets ask for (bus/dds_transport.cpp).
-inline constexpr int wanted_receive_buffer = 4 << 20;
-/// So many participants of a domain try for ports on one host (bus/dds_bus.cpp), less where the numbers end.
-inline constexpr int most_port_pairs = 1000;
-/// DDS-RTPS 2.2, 9.6.1.1: the domain's multicast port, and the first of a participant's pair.
-constexpr int domain_port(int domain) {
-  return 7400 + 250 * domain;
-}
-constexpr int participant_port(int domain, int participant) {
-  return domain_port(domain) + 10 + 2 * participant;
-}
 
 /// One finding a check, always the same checks in the same order.
 std::vector<Finding> diagnose(const Machine& machine, const FleetPlan& plan);

@@ -1,6 +1,6 @@
-#include <cstdlib>
 #include <iostream>
 
+#include "bus/discovery.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 
@@ -8,8 +8,7 @@ namespace coppice {
 
 int doctor_command(const FleetPlan& asked) {
   FleetPlan plan = asked;
-  const char* const usual_servers = std::getenv("ROS_DISCOVERY_SERVER");
-  if (plan.discovery.empty() && usual_servers != nullptr) plan.discovery = usual_servers;
+  if (plan.discovery.empty()) plan.discovery = usual_discovery_servers();
   const std::vector<Finding> findings = diagnose(examine(plan), plan);
   std::cout << table_of(findings);
   return exit_code(findings);

@@ -25,6 +25,7 @@
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/discovery.h"
 
 namespace coppice {
 
@@ -215,7 +216,7 @@ bool is_free(int port) {
 /// Stops when there are enough.
 int free_port_pairs(int domain, int enough) {
   int pairs = 0;
-  for (int k = 0; k < most_port_pairs && pairs < enough; ++k) {
+  for (int k = 0; k < most_participants && pairs < enough; ++k) {
     const int port = participant_port(domain, k);
     if (port + 1 > std::numeric_limits<std::uint16_t>::max()) break;
     pairs += is_free(port) && is_free(port + 1);

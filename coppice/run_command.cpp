@@ -1,6 +1,5 @@
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -14,6 +13,7 @@
 
 #include "bus/dds_bus.h"
 #include "bus/dds_security.h"
+#include "bus/discovery.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
@@ -24,7 +24,6 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t large_fleet = 40;  // robots
 // All agents need what the broker and the service do; these come first where all share few processors.
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
@@ -60,7 +59,7 @@ bool is_unused(int domain) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_ANY);
-  address.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * domain));
+  address.sin_port = htons(static_cast<std::uint16_t>(domain_port(domain)));
   const bool unused = bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   close(socket);
   return unused;
@@ -105,9 +104,8 @@ Command service_command(const RunOptions& options, const std::string& program) {
 
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
 std::string discovery_of(const FleetOptions& options, std::size_t robots) {
-  const bool chosen = !options.discovery.empty() || std::getenv("ROS_DISCOVERY_SERVER") != nullptr;
-  const bool suits = robots >= large_fleet || !options.security.empty();
-  return chosen || !suits ? options.discovery : static_discovery;
+  const bool chosen = !options.discovery.empty() || !usual_discovery_servers().empty();
+  return chosen || std::cmp_less(robots, large_fleet) ? options.discovery : static_discovery;
 }
 
 /// The options by which the processes of a run find each other. All are on one host.

@@ -78,6 +78,8 @@ class RobotAgent {
   void control(double fleet_now, std::vector<Outgoing>& out);
   void pass_on_last_words(double fleet_now, std::vector<Outgoing>& out);
   void pass_over(double fleet_now);
+  double grace() const;
+  void listen_anew(double fleet_now);
   void decide(double fleet_now);
   bool stands_as_newcomer(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);

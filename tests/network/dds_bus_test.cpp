@@ -23,6 +23,7 @@
 #include "bus/dds_discovery_server.h"
 #include "bus/dds_transport.h"
 #include "bus/topics.h"
+#include "tests/network/samples.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -33,83 +34,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Domains of this test alone: tests of one run may overlap with a fleet on the same machine.
 constexpr int domain = 121;
-
-/// Everything that arrives until `enough` says so or the time is over.
-template <class Enough>
-std::vector<Message> receive(DdsBus& bus, Enough&& enough, double seconds = 10) {
-  std::vector<Message> all;
-  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  while (!enough(all) && Clock::now() < end) {
-    bus.wait(0.1);
-    for (const Arrival& arrival : bus.take()) all.push_back(*arrival.message);
-  }
-  return all;
-}
-
-RobotState some_state(std::uint32_t sequence) {
-  return {.robot = "r1",
-          .sequence = sequence,
-          .stamp = 0.05 * sequence,
-          .position = {1.5, 2.5},
-          .velocity = {1, -1},
-          .radius = 5,
-          .max_speed = 20,
-          .max_acceleration = 40,
-          .phase = Phase::driving,
-          .promise = {0.05 * sequence + 0.05, {2, 2}, 0.05 * sequence + 0.1},
-          .knot = {3, "r7", {4, 5}, 60},
-          .stage = Stage::ordered,
-          .progress = 12.5,
-          .waits_for = "r2",
-          .copies = 3,
-          .copy = 2,
-          .passed_on = true,
-          .counts_as_dead = true,
-          .is_new = true,
-          .wants_echo = true,
-          .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
-}
-
-MapMessage some_map(int side) {
-  MapMessage m{"some-map", {}, {5, 2.5}};
-  m.map.width = side;
-  m.map.height = side - 3;
-  m.map.resolution = 0.5;
-  m.map.origin = {-3, 4};
-  m.map.y_axis = YAxis::up;
-  for (int k = 0; k < side * (side - 3); ++k)
-    m.map.blocked.push_back(static_cast<std::uint8_t>((k * 7 + k / 13) % 5 == 0));
-  return m;
-}
-
-InactiveTreeMessage some_tree(std::uint32_t number, int nodes) {
-  InactiveTreeMessage m{.tree = {77, number}, .map_id = "some-map", .radius = 5, .nodes = {}};
-  for (int i = 0; i < nodes; ++i)
-    m.nodes.push_back({{i * 1.5, number * 2.0}, i == 0 ? -1 : (i - 1) / 2, 5.5 + i});
-  return m;
-}
-
-Mission some_mission() {
-  return {.robot = "r1",
-          .number = 3,
-          .fleet_size = 4,
-          .map_id = "some-map",
-          .start = {1, 2},
-          .goal = {3, 4},
-          .radius = 5,
-          .max_speed = 20,
-          .max_acceleration = 40,
-          .goal_tolerance = 1,
-          .seed = 1ull << 40,
-          .planner = PlannerKind::rrdt_star,
-          .plan_budget = 0.25,
-          .cancelled = true,
-          .clock = {1.7e9 + 0.25, 10}};
-}
-
-bool holds(const std::vector<Message>& all, const Message& wanted) {
-  return std::ranges::count(all, wanted) > 0;
-}
 
 TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   DdsBus service({.domain = domain}, Role::service, "service");
@@ -392,74 +316,6 @@ TEST_P(Discovery, ALateAgentReceivesTheMapItsMissionAndEveryInactiveTree) {
   EXPECT_TRUE(holds(all, some_mission()));
   for (std::uint32_t k = 0; k < trees; ++k) EXPECT_TRUE(holds(all, some_tree(k, k % 3 == 0 ? 1 : 40))) << k;
   EXPECT_EQ(agent.rejected(), 0u);
-}
-
-/// Of whoever speaks for another robot, or is nobody, only what it passes on is taken.
-void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on) {
-  DdsBus honest({.domain = on, .robot = "r1", .discovery = discovery}, Role::agent, "r1");
-  DdsBus forger({.domain = on, .robot = "r2", .discovery = discovery}, Role::agent, "r2");
-  DdsBus nobody({.domain = on, .discovery = discovery}, Role::agent, "nobody");
-  DdsBus service({.domain = on, .discovery = discovery}, Role::service, "service");
-  DdsBus listener({.domain = on, .robot = "r3", .discovery = discovery}, Role::agent, "r3");
-  const auto track = [](std::uint32_t first) {
-    return TrackMessage{"r1", 1, first, {{0.05, {1, 1}, {2, 0}}}};
-  };
-  // Reliable and kept: in whatever order they find each other, the honest one comes and no other.
-  forger.publish(track(8));
-  nobody.publish(track(9));
-  honest.publish(track(1));
-  const auto at_service =
-      receive(service, [&](const auto& all) { return !all.empty() && service.rejected() >= 2; });
-  EXPECT_EQ(at_service, std::vector<Message>{track(1)});
-  EXPECT_EQ(service.rejected(), 2u);
-
-  std::set<bool> passed_on;
-  std::set<std::uint32_t> sequences;
-  const auto end = Clock::now() + std::chrono::seconds(20);
-  const auto enough = [&] {
-    return sequences.size() >= 10 && passed_on.size() == 2 && listener.rejected() >= 4;
-  };
-  for (std::uint32_t k = 1; !enough() && Clock::now() < end; ++k) {
-    RobotState state = some_state(10 * k);
-    forger.publish(Message(state));  // as passed on
-    state.passed_on = state.counts_as_dead = false;
-    honest.publish(Message(state));
-    state.sequence = 10 * k + 1;
-    forger.publish(Message(state));
-    nobody.publish(Message(state));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    for (const Arrival& arrival : listener.take()) {
-      const auto* s = std::get_if<RobotState>(arrival.message.get());
-      if (s == nullptr) continue;
-      EXPECT_EQ(s->sequence % 10, 0u);
-      sequences.insert(s->sequence);
-      passed_on.insert(s->passed_on);
-    }
-  }
-  EXPECT_TRUE(enough()) << sequences.size() << ' ' << passed_on.size() << ' ' << listener.rejected();
-}
-
-TEST_P(Discovery, OnlyItsOwnAgentSpeaksForARobot) {
-  only_its_own_agent_speaks_for_a_robot(GetParam(), domain + 11);
-}
-
-TEST(DdsBus, OnlyItsOwnAgentSpeaksForARobotWithADiscoveryServer) {
-  const DdsDiscoveryServer server("127.0.0.1", 23919, 0);
-  only_its_own_agent_speaks_for_a_robot("127.0.0.1:23919", domain + 12);
-}
-
-TEST(DdsBus, WhatWasSaidBeforeASenderWentIsStillItsOwn) {
-  DdsBus service({.domain = domain + 13}, Role::service, "service");
-  {
-    DdsBus agent({.domain = domain + 13, .robot = "r1"}, Role::agent, "r1");
-    const auto end = Clock::now() + std::chrono::seconds(10);
-    agent.publish(TrackMessage{"r1", 1, 0, {}});
-    while (!service.wait(0.1) && Clock::now() < end) {
-    }
-  }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_EQ(service.take().size(), 1u);
-  EXPECT_EQ(service.rejected(), 0u);
 }
 
 TEST(DdsBus, CountsWhatItsSocketsCarry) {

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "coppice/diagnosis.h"
+#include "bus/discovery.h"
 #include "tests/support.h"
 
 namespace coppice {

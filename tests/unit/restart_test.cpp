@@ -5,33 +5,17 @@
 #include "planner_service/run_record.h"
 #include "planning/map_generator.h"
 #include "robot_agent/robot_agent.h"
+#include "tests/unit/roles.h"
 #include "tree_broker/forest_record.h"
 #include "tree_broker/tree_broker.h"
 
 namespace coppice {
 namespace {
 
-OccupancyMap wall_with_door() {
-  OccupancyMap map{.width = 120, .height = 80, .blocked = std::vector<std::uint8_t>(9600, 0)};
-  for (int j = 0; j < 80; ++j) {
-    for (int i = 58; i < 62; ++i) map.blocked[static_cast<std::size_t>(j * 120 + i)] = j < 5 || j > 25;
-  }
-  return map;
-}
-
 Scenario one_robot() {
   Scenario scenario{.map_name = "wall", .map = wall_with_door(), .robots = {}};
   scenario.robots = {{"a", {20, 60}, {100, 60}, 5, 20, 40, 1}};
   return scenario;
-}
-
-template <class M>
-std::vector<M> of(const std::vector<Message>& messages) {
-  std::vector<M> result;
-  for (const Message& message : messages) {
-    if (const M* m = std::get_if<M>(&message)) result.push_back(*m);
-  }
-  return result;
 }
 
 /// What a process keeps, and would find again.

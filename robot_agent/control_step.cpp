@@ -1,0 +1,347 @@
+// What a robot agent does in each control period: it brings its body up to the present, listens, drives, and
+// tells the others.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "robot_agent/limits.h"
+#include "robot_agent/robot_agent.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double period = control_period;
+// A robot whose agent slept for so long, or that was cut off, stands as long again before it moves on: the
+// others may have come to think it dead, and hear of it first.
+constexpr WallTime own_silence = 1;
+constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
+constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
+constexpr std::uint32_t beats_between_news_of_the_dead = 4;
+constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
+constexpr int most_calls_in_vain = 30;  // knots from one place, likewise
+constexpr double stall = 3;             // seconds without progress that make a robot call a knot
+constexpr double around_radii = 16;     // within these, others' joint plans concern a robot
+constexpr double stall_radii = 0.5;     // metres that count as progress, in radii
+// A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
+// It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
+// off.
+constexpr double idle_lease = 1;
+constexpr double waiting_lease = 0.3;
+constexpr double longest_lease = 2;
+constexpr double lease_for_delay = 4;
+constexpr double fair_pace = 0.5;  // of the preferred speed
+constexpr double beside = 1.3;     // sums of radii between two that hinder each other
+constexpr double level = 0.1;      // the same, of the lead of one that is not ahead
+// A process that slept longer than that, fleet seconds, or whose clock was set, does not live through each
+// period.
+constexpr double longest_sleep = 600;
+constexpr double crawl = 0.05;  // of the largest speed: what is slower is held up
+// Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
+// meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
+constexpr double least_lean = 0.05;  // radians
+constexpr double most_lean = 1.5;
+constexpr double leans_after = 0.3;  // seconds without progress
+constexpr double lean_rate = 3;      // radians a second
+constexpr double open_radii = 8;     // to the next obstacle: between walls, leaning leads into them
+constexpr double end_radii = 2;      // of the way: there it stops exactly
+
+Point2 leaning_right(const Point2& v, double stalled) {
+  const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
+  return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
+}
+
+}  // namespace
+
+/// Brings the body up to the present, and decides once for the newest period.
+void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
+  if (fleet_now < body_->time()) return;
+  bool due = std::exchange(first_control_, false);
+  if (fleet_now - body_->time() > grace()) listen_anew(fleet_now);
+  // Where it wakes late it leaves out no number, if it drives, and no beat: gaps are what others have lost.
+  const std::uint32_t next_beat = sequence_ - sequence_ % standing_stride + standing_stride;
+  int periods = 0;
+  while (body_->time() + period <= fleet_now) {
+    if (body_->stands() && fleet_now - body_->time() > longest_sleep) {
+      pass_over(fleet_now);
+      continue;
+    }
+    ++periods;
+    track_.push_back({body_->time(), body_->position(), body_->velocity()});
+    status_.driven_length += period * body_->velocity().norm();
+    body_->advance();
+    trail_.go_on(body_->position(), ground_->field, body_->radius());
+    sequence_ += (body_->stands() || !due) && sequence_ < next_beat;
+    due = true;
+  }
+  if (!due) return;
+
+  load_.periods += static_cast<std::uint32_t>(periods);
+  load_.periods_missed += static_cast<std::uint32_t>(std::max(0, periods - periods_expected_));
+  decide(fleet_now);
+  // Counted by periods and not by steps: one that sleeps, or wakes late, misses none.
+  const std::uint32_t beats = sequence_ / standing_stride;
+  const bool beat = beats != std::exchange(last_beat_, beats);
+  speak(fleet_now, beat, out);
+  if (beat) pass_on_last_words(fleet_now, out);
+  if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
+  periods_expected_ = periods_to_next_control();
+}
+
+double RobotAgent::grace() const {
+  return own_silence * std::max(1.0, mission_->clock.scale);
+}
+
+void RobotAgent::listen_anew(double fleet_now) {
+  heard_again_at_ = fleet_now + grace();
+}
+
+/// It stood all that time, and goes on standing now.
+void RobotAgent::pass_over(double fleet_now) {
+  body_.emplace(body_->position(), std::floor(fleet_now / period) * period, body_->radius(), body_->limits(),
+                period);
+}
+
+void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out) {
+  for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
+  if (last_beat_ % beats_between_news_of_the_dead != 0) return;
+  const std::vector<RobotName> newcomers = fleet_.newcomers(fleet_now);
+  if (newcomers.empty()) return;
+  for (RobotState& dead : fleet_.states_of_the_dead()) out.emplace_back(Message(std::move(dead)), newcomers);
+}
+
+/// Others may be anywhere by now, and not where their missions begin.
+bool RobotAgent::stands_as_newcomer(double fleet_now) {
+  is_new_ = is_new_ && (fleet_now < heard_again_at_ || !may_set_off(fleet_now));
+  if (is_new_ && body_->stands()) stand_for(fleet_now, waiting_lease);
+  return is_new_;  // its body brakes
+}
+
+/// Chooses the velocity of the next period.
+void RobotAgent::decide(double fleet_now) {
+  const bool holds = knot_.stage() == Stage::holding;
+  fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
+  if (fleet_.cut_off()) listen_anew(fleet_now);
+  if (stands_as_newcomer(fleet_now)) return;
+  const std::vector<Neighbour> others =
+      body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
+  const bool listens = fleet_now < heard_again_at_;
+  if (!listens && status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
+    knot_.hold(self(), fleet_, ground_->places, fleet_now);
+  if (!listens && status_.phase != Phase::stopped && std::exchange(has_left_knot_, false) &&
+      knot_.stage() == Stage::free)
+    knot_.call(self(), fleet_, fleet_now);
+  const bool free = knot_.stage() == Stage::free;
+  lets_others_finish_ = lets_others_finish_ && !all_free_around();
+  if (listens) {
+    last_gain_time_ = fleet_now;
+    body_->choose(Point2::Zero(), others, ground_->field);
+  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
+             may_set_off(fleet_now)) {
+    // One that the joint plan cannot help stands out of the others' way until they are done.
+    drive_freely(fleet_now, others);
+  } else {
+    last_gain_time_ = fleet_now;
+    if (status_.phase != Phase::stopped && knot_.stage() == Stage::ordered) {
+      drive_as_ordered(fleet_now, others);
+    } else {
+      body_->choose(Point2::Zero(), others, ground_->field);
+      // A robot that plans, or waits for news of the others, will set off any moment.
+      const bool ready = status_.phase == Phase::driving && !may_set_off(fleet_now);
+      if (status_.phase != Phase::planning && !ready) stand_for(fleet_now, free ? idle_lease : waiting_lease);
+    }
+  }
+  if (status_.phase != Phase::stopped) watch_arrival(fleet_now);
+}
+
+void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neighbours) {
+  const Point2 next = body_->position() + period * body_->velocity();
+  const Point2 preferred = follower_->preferred_velocity(next, ground_->field, body_->limits(), period);
+  if (follower_->lost()) {  // it was pushed to where it does not see its path
+    look_for_a_path(way_back_to_the_path());
+    enter(Phase::planning);
+    return body_->choose(Point2::Zero(), neighbours, ground_->field);
+  }
+  trail_.begin(next);
+  const double r = body_->radius();
+  const bool open = ground_->field.lower_bound(next) >= open_radii * r;
+  const bool leans = follower_->remaining(next) > end_radii * r;
+  Point2 wanted = leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred;
+  if (body_->velocity().norm() >= fair_pace * preferred.norm()) last_pace_time_ = fleet_now;
+  if (fleet_now - last_pace_time_ > waiting_lease && lets_go_first(preferred)) {
+    wanted = Point2::Zero();
+    stand_for(fleet_now, waiting_lease);
+  }
+  body_->choose(wanted, neighbours, ground_->field);
+  if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
+  if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
+    last_gain_ = follower_->progress();
+    last_gain_time_ = fleet_now;
+  }
+  // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
+  if (fleet_now - last_gain_time_ > stall && all_free_around()) knot_.call(self(), fleet_, fleet_now);
+}
+
+/// Of two that drive side by side each fears that the other turns, and both slow down. The one that is
+/// behind, or has the later name, stands until the other has gone.
+bool RobotAgent::lets_go_first(const Point2& preferred) const {
+  const Point2 ahead = preferred / std::max(preferred.norm(), 1e-9);
+  const auto close = fleet_.beside(body_->position(), body_->radius(), beside);
+  return std::ranges::any_of(close, [&](const FleetMember& m) {
+    if (m.stands || m.stage != Stage::free) return false;
+    const Point2 gap = m.position - body_->position();
+    const double reach = body_->radius() + m.radius;
+    const bool same_way = m.velocity.dot(ahead) > m.velocity.norm() / 2;
+    const double lead = gap.dot(ahead);
+    const bool goes_first = std::abs(lead) < level * reach ? m.robot < name_ : lead > 0;
+    return same_way && goes_first;
+  });
+}
+
+void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
+  const Point2 next = body_->position() + period * body_->velocity();
+  const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
+  if (wanted.isZero(0)) {
+    body_->follow(wanted, neighbours, ground_->field);
+    stand_for(fleet_now, std::clamp(knot_.waits_until() - fleet_now, waiting_lease, longest_lease));
+  } else if (!body_->bound_to_stand()) {
+    knot_.led_past(body_->follow(wanted, neighbours, ground_->field));
+    // Of several that fear each other's next move, one must go.
+    if (body_->commitment().next_velocity.norm() > crawl * body_->limits().max_speed)
+      last_drive_time_ = fleet_now;
+    const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
+    if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) {
+      body_->follow(Point2::Zero(), neighbours, ground_->field);
+      stand_for(fleet_now, waiting_lease);
+    }
+  }
+}
+
+void RobotAgent::stand_for(double fleet_now, double seconds) {
+  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error(fleet_now));
+}
+
+/// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way
+/// is under way again.
+void RobotAgent::watch_arrival(double fleet_now) {
+  const bool at_goal = (body_->position() - mission_->goal).norm() <= mission_->goal_tolerance / 2;
+  if (status_.phase == Phase::arrived && !at_goal) {
+    status_.arrival_time = 0;
+    enter(Phase::driving);
+  }
+  if (fleet_.returns() != returns_) hope_anew();
+  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain)
+    return give_up("held up for good: no joint plan has moved it");
+  if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
+  if (at_goal) {
+    if (status_.arrival_time == 0) status_.arrival_time = body_->time();
+    enter(Phase::arrived);
+  } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere)) {
+    // Where the others are now, another attempt may succeed.
+    if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
+    give_up("the robots cannot be sorted out: no order of moves brings this one to its goal");
+  }
+}
+
+void RobotAgent::give_up(const char* reason) {
+  status_.reason = reason;
+  gave_up_ = true;
+  enter(Phase::no_path);
+}
+
+/// One that counted as dead is back: what it closed may be open.
+void RobotAgent::hope_anew() {
+  returns_ = fleet_.returns();
+  times_stranded_ = 0;
+  knot_.hope_anew();
+  if (!std::exchange(gave_up_, false) || status_.phase != Phase::no_path) return;
+  status_.reason.clear();
+  enter(Phase::driving);
+}
+
+bool RobotAgent::all_free_around() const {
+  return fleet_.all_free(body_->position(), around_radii * body_->radius());
+}
+
+void RobotAgent::enter(Phase phase) {
+  status_.phase = phase;
+  status_changed_ = true;
+}
+
+/// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
+/// there are.
+bool RobotAgent::may_set_off(double fleet_now) const {
+  const bool mustered = fleet_now - mustering_since_ > longest_muster * std::max(1.0, mission_->clock.scale);
+  return fleet_.complete(mustered ? 0 : mission_->fleet_size);
+}
+
+/// All who may come near while this robot looks ahead, or brakes.
+std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) {
+  const Limits& limits = body_->limits();
+  const double horizon = std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * period;
+  const double reach = body_->radius() + horizon * limits.max_speed;
+  return fleet_.neighbours(body_->position(), reach, horizon, fleet_now, ages_);
+}
+
+FleetMember RobotAgent::self() const {
+  const bool wants_goal = status_.phase == Phase::planning || status_.phase == Phase::driving;
+  return {.robot = name_,
+          .position = body_->position(),
+          .goal = wants_goal ? mission_->goal : body_->position(),
+          .radius = body_->radius(),
+          .stands = body_->stands(),
+          .knot = knot_.id(),
+          .stage = knot_.stage(),
+          .progress = knot_.progress()};
+}
+
+/// One that is bound to stand need not look again before it has something to say.
+int RobotAgent::periods_to_next_control() const {
+  if (first_control_) return 0;
+  const bool rests = since_news_ > repeat_news && !knot_.plans() && body_->bound_to_stand(standing_stride);
+  return rests ? standing_stride - static_cast<int>(sequence_ % standing_stride) : 1;
+}
+
+/// Tells the others. Who goes on standing as it has said does so less often.
+void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) {
+  const Steady steady{body_->stands(), status_.phase, knot_.id(), knot_.stage(), knot_.waits_for()};
+  const bool same_part = steady.knot == last_said_.knot && steady.stage == last_said_.stage;
+  since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
+  since_knot_ = same_part ? since_knot_ + 1 : 0;
+  last_said_ = steady;
+  const bool rests = since_news_ > repeat_news;
+  if (rests && !beat) return;
+  const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
+  const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
+  auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
+  RobotState said = state(fleet_now, std::move(echoes));
+  if (is_new_) return out.push_back(Outgoing(std::move(said)));  // to all
+  for (; said.copy + 1 < said.copies; ++said.copy) out.emplace_back(said, agents);
+  out.emplace_back(std::move(said), std::move(agents));
+}
+
+RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
+  const Commitment c = body_->commitment();
+  // One that has stood since its mission began has decided nothing that its death could hide.
+  const bool has_set_off = status_.driven_length > 0 || !body_->stands();
+  return {.robot = name_,
+          .sequence = sequence_,
+          .stamp = c.stamp,
+          .position = c.position,
+          .velocity = c.velocity,
+          .radius = body_->radius(),
+          .max_speed = body_->limits().max_speed,
+          .max_acceleration = body_->limits().max_acceleration,
+          .phase = status_.phase,
+          .promise = {c.turn, c.next_velocity, c.expiry},
+          .knot = knot_.id(),
+          .stage = knot_.stage(),
+          .progress = knot_.progress(),
+          .waits_for = knot_.waits_for(),
+          .copies = static_cast<std::uint8_t>(has_set_off && !is_new_ ? fleet_.copies() : 1),
+          .is_new = is_new_,
+          .wants_echo = !fleet_.echoed(fleet_now),
+          .echoes = std::move(echoes)};
+}
+
+}  // namespace coppice

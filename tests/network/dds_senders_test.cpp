@@ -1,0 +1,95 @@
+// Who may speak for whom.
+#include "bus/dds_senders.h"
+
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "bus/dds_bus.h"
+#include "bus/dds_discovery_server.h"
+#include "tests/network/samples.h"
+
+namespace coppice {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Domains of this test alone.
+constexpr int domain = 132;
+
+/// Of whoever speaks for another robot, or is nobody, only what it passes on is taken.
+void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on) {
+  DdsBus honest({.domain = on, .robot = "r1", .discovery = discovery}, Role::agent, "r1");
+  DdsBus forger({.domain = on, .robot = "r2", .discovery = discovery}, Role::agent, "r2");
+  DdsBus nobody({.domain = on, .discovery = discovery}, Role::agent, "nobody");
+  DdsBus service({.domain = on, .discovery = discovery}, Role::service, "service");
+  DdsBus listener({.domain = on, .robot = "r3", .discovery = discovery}, Role::agent, "r3");
+  const auto track = [](std::uint32_t first) {
+    return TrackMessage{"r1", 1, first, {{0.05, {1, 1}, {2, 0}}}};
+  };
+  // Reliable and kept: in whatever order they find each other, the honest one comes and no other.
+  forger.publish(track(8));
+  nobody.publish(track(9));
+  honest.publish(track(1));
+  const auto at_service =
+      receive(service, [&](const auto& all) { return !all.empty() && service.rejected() >= 2; });
+  EXPECT_EQ(at_service, std::vector<Message>{track(1)});
+  EXPECT_EQ(service.rejected(), 2u);
+
+  std::set<bool> passed_on;
+  std::set<std::uint32_t> sequences;
+  const auto end = Clock::now() + std::chrono::seconds(20);
+  const auto enough = [&] {
+    return sequences.size() >= 10 && passed_on.size() == 2 && listener.rejected() >= 4;
+  };
+  for (std::uint32_t k = 1; !enough() && Clock::now() < end; ++k) {
+    RobotState state = some_state(10 * k);
+    forger.publish(Message(state));  // as passed on
+    state.passed_on = state.counts_as_dead = false;
+    honest.publish(Message(state));
+    state.sequence = 10 * k + 1;
+    forger.publish(Message(state));
+    nobody.publish(Message(state));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    for (const Arrival& arrival : listener.take()) {
+      const auto* s = std::get_if<RobotState>(arrival.message.get());
+      if (s == nullptr) continue;
+      EXPECT_EQ(s->sequence % 10, 0u);
+      sequences.insert(s->sequence);
+      passed_on.insert(s->passed_on);
+    }
+  }
+  EXPECT_TRUE(enough()) << sequences.size() << ' ' << passed_on.size() << ' ' << listener.rejected();
+}
+
+class FoundBy : public testing::TestWithParam<const char*> {};
+
+TEST_P(FoundBy, OnlyItsOwnAgentSpeaksForARobot) {
+  only_its_own_agent_speaks_for_a_robot(GetParam(), domain);
+}
+
+INSTANTIATE_TEST_SUITE_P(Senders, FoundBy, testing::Values(multicast_discovery, static_discovery));
+
+TEST(Senders, OnlyItsOwnAgentSpeaksForARobotWithADiscoveryServer) {
+  const DdsDiscoveryServer server("127.0.0.1", 23919, 0);
+  only_its_own_agent_speaks_for_a_robot("127.0.0.1:23919", domain + 1);
+}
+
+TEST(Senders, WhatWasSaidBeforeASenderWentIsStillItsOwn) {
+  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  {
+    DdsBus agent({.domain = domain + 2, .robot = "r1"}, Role::agent, "r1");
+    const auto end = Clock::now() + std::chrono::seconds(10);
+    agent.publish(TrackMessage{"r1", 1, 0, {}});
+    while (!service.wait(0.1) && Clock::now() < end) {
+    }
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(service.take().size(), 1u);
+  EXPECT_EQ(service.rejected(), 0u);
+}
+
+}  // namespace
+}  // namespace coppice

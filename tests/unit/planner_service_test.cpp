@@ -1,0 +1,133 @@
+// The planner service as a state machine, message by message.
+#include "planner_service/planner_service.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/roles.h"
+
+namespace coppice {
+namespace {
+
+TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
+  PlannerService service(two_robots(), {}, 0);
+  const auto first = service.step(0);
+  ASSERT_EQ(of<MapMessage>(first).size(), 1u);
+  EXPECT_EQ(of<MapMessage>(first)[0].radii, std::vector<double>{5});
+  EXPECT_TRUE(of<Mission>(first).empty());
+  service.on(arrival_of(BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = "another map"}, 0.1));
+  service.on(arrival_of(AgentStatus{.robot = "a", .trees_received = 3}, 0.1));
+  EXPECT_TRUE(service.step(0.1).empty());
+  service.on(arrival_of(
+      BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = of<MapMessage>(first)[0].map_id}, 0.1));
+  EXPECT_TRUE(service.step(0.1).empty());  // of b nothing was heard
+  service.on(arrival_of(AgentStatus{.robot = "b", .trees_received = 2}, 0.1));
+  EXPECT_TRUE(service.step(0.1).empty());  // it has not all trees
+
+  service.on(arrival_of(AgentStatus{.robot = "b", .trees_received = 3}, 0.2));
+  EXPECT_LE(service.next_wake(), 0.2);
+  const auto missions = of<Mission>(service.step(0.2));
+  ASSERT_EQ(missions.size(), 2u);
+  EXPECT_EQ(missions[1].robot, "b");
+  EXPECT_EQ(missions[0].fleet_size, 2u);
+  EXPECT_NE(missions[0].seed, missions[1].seed);
+  EXPECT_EQ(missions[0].clock.fleet_time(0.2), 0);
+  EXPECT_TRUE(service.step(0.3).empty());
+}
+
+TEST(PlannerService, DoesNotWaitLongForABrokerAndNotAtAllWithoutSharing) {
+  PlannerService service(two_robots(), {}, 0);
+  service.step(0);
+  EXPECT_TRUE(of<Mission>(service.step(2.9)).empty());
+  EXPECT_EQ(of<Mission>(service.step(3.1)).size(), 2u);
+
+  PlannerService alone(two_robots(), {.planner = PlannerKind::rrdt_star}, 0);
+  const auto first = alone.step(0);
+  EXPECT_EQ(of<Mission>(first).size(), 2u);
+  EXPECT_TRUE(of<MapMessage>(first)[0].radii.empty());
+}
+
+TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
+  PlannerService service(two_robots(), {}, 0);
+  service.step(0);
+  const auto says = [&](const char* robot, Phase phase, std::uint32_t points) {
+    AgentStatus status;
+    status.robot = robot;
+    status.mission = 1;
+    status.phase = phase;
+    status.arrival_time = 9;
+    status.track_points = points;
+    service.on(arrival_of(status, 1));
+  };
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}}}, 1));
+  says("a", Phase::arrived, 2);
+  says("b", Phase::arrived, 1);  // it has not left its start
+  const auto last = of<Mission>(service.step(1));
+  ASSERT_EQ(last.size(), 2u);
+  EXPECT_TRUE(last[0].cancelled);
+  says("a", Phase::stopped, 2);
+  says("b", Phase::stopped, 1);
+  service.step(1.1);
+  ASSERT_TRUE(service.finished());
+  const proto::Report report = service.report();
+  EXPECT_TRUE(report.robots(0).arrived());
+  EXPECT_FALSE(report.robots(1).arrived());
+  EXPECT_EQ(report.outcome(), "incomplete");
+}
+
+TEST(PlannerService, ReportsThePathFromTheStart) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  const auto path = [&](const Path& waypoints) {
+    service.on(arrival_of(PathMessage{"a", 1, waypoints}, 1));
+    return service.report().robots(0).path_length();
+  };
+  EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}, {100, 100}}), 120);
+  EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}}), 40);  // a shorter one
+  EXPECT_DOUBLE_EQ(path({{50, 60}, {20, 100}}), 40);  // from where it was pushed to
+}
+
+TEST(PlannerService, GivesNewGoalsWhileTheRunIsLifelong) {
+  PlannerService service(two_robots(), {.lifelong = 10}, 0);
+  map_and_missions(service);
+  const auto arrives = [&](std::uint32_t mission, double time) {
+    service.on(arrival_of(AgentStatus{.robot = "a", .mission = mission, .phase = Phase::arrived}, time));
+    return of<Mission>(service.step(time));
+  };
+  const std::vector<Mission> next = arrives(1, 5);
+  ASSERT_EQ(next.size(), 1u);
+  EXPECT_EQ(next[0].robot, "a");
+  EXPECT_EQ(next[0].number, 2u);
+  EXPECT_FALSE(next[0].cancelled);
+  const RobotTask before = two_robots().robots[0];
+  EXPECT_GT((next[0].goal - before.goal).norm(), before.radius);
+  EXPECT_TRUE(arrives(1, 6).empty());  // of the mission before: no news
+  EXPECT_EQ(arrives(2, 7).size(), 1u);
+  EXPECT_TRUE(arrives(3, 11).empty());         // the time is over
+  EXPECT_EQ(service.report().missions(), 2u);  // of the last there is no record
+}
+
+TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
+  PlannerService service(two_robots(), {.time_scale = 10, .timeout = 20}, 0);
+  map_and_missions(service);
+  service.step(1.9);
+  EXPECT_FALSE(service.finished());
+  service.step(2.1);
+  service.step(6);
+  EXPECT_TRUE(service.finished());
+  EXPECT_EQ(service.report().outcome(), "timeout");
+  EXPECT_EQ(service.report().robots(0).reason(), "the agent has not begun");
+}
+
+TEST(PlannerService, TracksFromAnotherTimeAreNotTakenUp) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{1, {20, 60}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {1e9, {20, 20}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{-1e9, {20, 20}, {0, 0}}}}, 1));
+  EXPECT_TRUE(service.tracks()[1].track.points.empty());
+  EXPECT_FALSE(service.report().has_least_separation());  // and not a look at each of a billion seconds
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,99 @@
+// The tree broker as a state machine, message by message.
+#include "tree_broker/tree_broker.h"
+
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "robot_agent/robot_agent.h"
+#include "tests/unit/roles.h"
+
+namespace coppice {
+namespace {
+
+TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  for (Message& message : map_and_missions(service)) {
+    if (auto* map = std::get_if<MapMessage>(&message)) map->radii.clear();  // nothing is grown ahead
+    broker.on(arrival_of(message, 0));
+  }
+  RootNodes roots{.robot = "a", .mission = 1, .nodes = {}};
+  for (int k = 0; k < 16; ++k)  // on the start's side of the wall
+    roots.nodes.push_back({Side::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
+  broker.on(arrival_of(roots, 0));
+  std::map<TreeId, int> seen;
+  for (double now = 0; now < 0.2; now += 0.001) {
+    for (const auto& tree : of<InactiveTreeMessage>(broker.step(now))) ++seen[tree.tree];
+  }
+  EXPECT_GT(seen.size(), 0u);
+  for (const auto& [tree, times] : seen) {
+    EXPECT_EQ(tree.broker, 7u);
+    EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
+  Scenario scenario = two_robots();
+  scenario.robots[1].radius = 3;
+  PlannerService service(scenario, {}, 0);
+  TreeBroker broker(7, 1);
+  for (const Message& message : service.step(0)) broker.on(arrival_of(message, 0));
+  std::vector<InactiveTreeMessage> trees;
+  std::string covered;
+  double now = 0;
+  for (; covered.empty() && now < 10; now += 0.001) {
+    const auto said = broker.step(now);
+    for (const auto& tree : of<InactiveTreeMessage>(said)) trees.push_back(tree);
+    for (const auto& status : of<BrokerStatus>(said)) covered = status.covered_map;
+    service.on(arrival_of(BrokerStatus{.broker = 7, .covered_map = covered}, now));
+    for (const char* robot : {"a", "b"}) service.on(arrival_of(AgentStatus{.robot = robot}, now));
+  }
+  EXPECT_TRUE(of<InactiveTreeMessage>(broker.step(now)).empty());
+  EXPECT_GT(broker.next_wake(), now);  // it rests until a mission comes
+  ASSERT_FALSE(trees.empty());
+
+  // An agent that gets the trees first finds its path in the step in which it gets its mission, and says so
+  // in the next one, when the time that it took is known.
+  RobotAgent agent("a");
+  agent.on(arrival_of(MapMessage{covered, scenario.map, {}}, now));
+  for (const InactiveTreeMessage& tree : trees) agent.on(arrival_of(tree, now));
+  for (const Message& message : service.step(now)) agent.on(arrival_of(message, now));
+  agent.step(now);
+  EXPECT_EQ(agent.next_wake(), now);
+  const auto said = messages(agent.step(now + 0.003));
+  ASSERT_EQ(of<PathMessage>(said).size(), 1u);
+  EXPECT_GT(of<AgentStatus>(said).back().trees_grafted, 0u);
+  EXPECT_NEAR(of<AgentStatus>(said).back().plan_seconds, 0.003, 1e-9);
+}
+
+TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  for (const Message& message : map_and_missions(service)) broker.on(arrival_of(message, 0));
+  EXPECT_EQ(broker.next_wake(), 0);  // there is something to grow
+  for (const char* robot : {"a", "b"}) {
+    AgentStatus status;
+    status.robot = robot;
+    status.mission = 1;
+    status.phase = Phase::driving;
+    broker.on(arrival_of(status, 0.1));
+  }
+  for (int k = 0; k < 1000; ++k) broker.step(0.1);
+  EXPECT_GT(broker.next_wake(), 0.1);
+}
+
+TEST(TreeBroker, RootNodesForNobodyAndTwiceChangeNothing) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));  // before map and mission
+  for (const Message& m : map_and_missions(service)) broker.on(arrival_of(m, 0));
+  broker.on(arrival_of(RootNodes{"z", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));
+  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {-1e9, 1e9}, -1}, {Side::goal, {60, 60}, 0}}}, 0));
+  broker.on(
+      arrival_of(RootNodes{"a", 1, ~0u, {{Side::start, {1e9, 1e9}, -1}, {Side::goal, {60, 60}, 0}}}, 0));
+  for (int k = 0; k < 3; ++k) broker.step(0.1 * k);
+}
+
+}  // namespace
+}  // namespace coppice
