@@ -54,7 +54,11 @@ constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
 constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
 constexpr int static_announcement_period = 10;      // seconds
-constexpr int static_lease = 40;                    // seconds until a silent process counts as gone
+// Seconds until a silent process counts as gone. Not how the fleet notices that: its roles have leases of
+// their own. A process that was only paused, or cut off, and is dropped by some and not by others, would never
+// find all of them again: DDS numbers acknowledgments, and whoever still knows it takes those of its new
+// beginning for old ones.
+constexpr int lease = 120;
 constexpr int datagram_for_credentials = 8192;      // bytes
 constexpr int most_taken = 1000;                    // samples of a topic at a time
 constexpr double longest_held = 1;                  // seconds until its sender must be known
@@ -75,7 +79,6 @@ void find_others_by_table(dds::DomainParticipantQos& qos) {
   discovery.static_edp_xml_config(("data://" + static_endpoints()).c_str());
   // Hundreds of processes: a third of the usual rate at which they say that they are still there.
   discovery.leaseDuration_announcementperiod = Duration_t(static_announcement_period, 0);
-  discovery.leaseDuration = Duration_t(static_lease, 0);
   qos.name(static_participant);
 }
 
@@ -122,6 +125,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
   builtin.discovery_config.initial_announcements.count = first_announcements;
+  builtin.discovery_config.leaseDuration = Duration_t(lease, 0);
   builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
   if (discovery == static_discovery) find_others_by_table(qos);
   if (by_servers && !settings.security.empty())

@@ -61,7 +61,10 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   if (options.experiment == "lifelong") bench_lifelong(experiment);
   if (options.experiment == "avoidance") bench_avoidance(experiment);
   if (options.experiment == "sharing") bench_sharing(experiment, program);
-  ScaleSettings scale{.time_scale = options.time_scale, .report = options.report};
+  ScaleSettings scale{.time_scale = options.time_scale,
+                      .discovery = options.discovery,
+                      .security = options.security,
+                      .report = options.report};
   if (options.quick) scale.fleet_seconds = 5;
   if (options.experiment == "scale") bench_scale(experiment, scale, program);
   return 0;

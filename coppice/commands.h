@@ -79,6 +79,8 @@ struct BenchOptions {
   std::uint64_t first_seed = 1;
   std::string output = ".";
   std::optional<double> time_scale{};  ///< of scale, fleet seconds a wall second; none: by the robots
+  std::string discovery{};             ///< of scale, as for DdsSettings
+  std::string security{};              ///< the same
   std::string report{};                ///< of scale, JSON; empty: none
 };
 

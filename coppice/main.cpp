@@ -112,6 +112,8 @@ int main(int argc, char** argv) {
       ->add_option("--time-scale", bench.time_scale,
                    "of scale: fleet seconds a wall second, instead of 1 for up to 50 robots")
       ->check(CLI::Range(least_quantity, largest_time_scale));
+  experiments->add_option("--discovery", bench.discovery, "of scale: as for coppice run");
+  experiments->add_option("--security", bench.security, "of scale: as for coppice run");
   experiments->add_option("--report", bench.report, "of scale: write the results (JSON)");
   experiments->callback([&] { exit_code = bench_command(bench, "/proc/self/exe"); });
 

@@ -81,16 +81,27 @@ struct Run {
   Usages usages;
 };
 
+std::vector<std::string> command_of(const std::string& program, const std::string& scenario,
+                                    double time_scale, const ScaleSettings& settings,
+                                    const std::string& report) {
+  const std::string seconds = fmt::format("{}", settings.fleet_seconds);
+  std::vector<std::string> command{
+      program,     "run",    scenario,     "--time-scale", fmt::format("{}", time_scale),
+      "--timeout", seconds,  "--lifelong", seconds,        "--report",
+      report,      "--quiet"};
+  if (!settings.discovery.empty()) command.insert(command.end(), {"--discovery", settings.discovery});
+  if (!settings.security.empty()) command.insert(command.end(), {"--security", settings.security});
+  return command;
+}
+
 Run run_fleet(const std::string& program, const std::string& scenario, double time_scale,
-              double fleet_seconds, const std::filesystem::path& folder, const ExperimentOptions& options) {
+              const ScaleSettings& settings, const std::filesystem::path& folder,
+              const ExperimentOptions& options) {
   const std::string report = (folder / "report.json").string();
   std::filesystem::remove(report);
   Run run{.began_at = wall_now(), .report = {}, .usages = {}};
   ProcessFleet fleet(folder);
-  const std::string seconds = fmt::format("{}", fleet_seconds);
-  const int pid = fleet.start("run",
-                              {program, "run", scenario, "--time-scale", fmt::format("{}", time_scale),
-                               "--timeout", seconds, "--lifelong", seconds, "--report", report, "--quiet"},
+  const int pid = fleet.start("run", command_of(program, scenario, time_scale, settings, report),
                               ProcessFleet::Output::log);
   while (true) {
     look_at_children(pid, run.usages);
@@ -244,7 +255,7 @@ void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
                              time_scale));
     const std::string scenario =
         scenario_of(options.maps.front(), robots, options.first_seed, options.radius, folder);
-    const Run run = run_fleet(executable, scenario, time_scale, settings.fleet_seconds, folder, options);
+    const Run run = run_fleet(executable, scenario, time_scale, settings, folder, options);
     table.rows.push_back(row_of(run, time_scale));
     const auto number = [&](std::size_t column) { return std::stod(table.rows.back()[column]); };
     states.x.push_back(robots);

@@ -12,6 +12,8 @@ struct ScaleSettings {
   std::optional<double>
       time_scale{};           ///< fleet seconds a wall second; none: as many robots as there are allow
   double fleet_seconds = 30;  ///< of each run, in which every robot that arrives gets a new goal
+  std::string discovery{};    ///< as for DdsSettings
+  std::string security{};     ///< the same
   std::string report{};       ///< JSON; empty: none
 };
 

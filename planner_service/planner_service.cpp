@@ -28,8 +28,13 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
   to.set_state_age_max(load.state_age_max);
 }
 
-constexpr WallTime beat = 0.1;             // seconds between looks at what has changed
-constexpr WallTime agent_lease = 5;        // seconds without a status: the agent counts as lost
+constexpr WallTime beat = 0.1;       // seconds between looks at what has changed
+constexpr WallTime agent_lease = 5;  // seconds without a status: the agent counts as lost
+// The same where others fall silent with it: that looks like a network in pieces, or a machine that is too
+// busy, and the record is worth the wait.
+constexpr WallTime longest_split = 30;
+constexpr WallTime absence = 2;      // seconds without a status that are no chance
+constexpr WallTime longest_nap = 1;  // seconds between two steps: while it sleeps longer nobody is silent
 constexpr WallTime first_sign_lease = 30;  // seconds until an agent must have appeared at all
 constexpr WallTime longest_wait_for_tracks = 3;
 constexpr WallTime longest_wait_for_forest = 3;
@@ -72,7 +77,8 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
       map_id_(content_id(scenario_.map)),
       random_(scenario_.seed),
       clock_{now, settings.time_scale},
-      begun_(now) {
+      begun_(now),
+      last_step_(now) {
   for (const RobotTask& task : scenario_.robots) {
     Robot robot;
     robot.task = task;
@@ -95,10 +101,10 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   const auto known = robots_.find(status.robot);
   if (known == robots_.end()) return;
   known->second.last_heard = now;
+  known->second.lost = false;
   known->second.trees_received = status.trees_received;
   if (!missions_published_) next_wake_ = begun_;
   if (status.mission != known->second.mission) return;
-  known->second.lost = false;
   known->second.status = status;
   // An agent that was started anew tells less of its first path.
   const auto& first = known->second.first_status;
@@ -308,9 +314,16 @@ std::vector<Message> PlannerService::step(WallTime now) {
 }
 
 void PlannerService::watch_liveliness(WallTime now) {
+  const WallTime slept = now - std::exchange(last_step_, now);
   if (ended_) return;
+  int absent = 0;
   for (auto& [name, robot] : robots_) {
-    robot.lost = now - robot.last_heard > (robot.status ? agent_lease : first_sign_lease);
+    if (slept > longest_nap) robot.last_heard += slept;
+    absent += robot.status && !robot.lost && now - robot.last_heard > absence;
+  }
+  const WallTime lease = absent > 1 ? longest_split : agent_lease;
+  for (auto& [name, robot] : robots_) {
+    robot.lost = robot.lost || now - robot.last_heard > (robot.status ? lease : first_sign_lease);
   }
 }
 

@@ -129,6 +129,7 @@ class PlannerService {
   std::vector<PictureContent::Edge> shared_edges_;
   std::set<TreeId> trees_seen_;
   WallTime begun_;
+  WallTime last_step_;
   bool map_published_ = false;
   std::optional<std::uint32_t> forest_size_;  ///< trees that cover the map; none: not yet
   bool missions_published_ = false;

@@ -129,5 +129,52 @@ TEST(PlannerService, TracksFromAnotherTimeAreNotTakenUp) {
   EXPECT_FALSE(service.report().has_least_separation());  // and not a look at each of a billion seconds
 }
 
+/// Each half second a status of these robots, and a step.
+void live(PlannerService& service, const std::vector<const char*>& robots, double from, double until) {
+  for (double now = from; now <= until; now += 0.5) {
+    for (const char* robot : robots) service.on(arrival_of(AgentStatus{.robot = robot, .mission = 1}, now));
+    service.step(now);
+  }
+}
+
+std::string reason_of(const PlannerService& service, int robot) {
+  return service.report().robots(robot).reason();
+}
+
+TEST(PlannerService, OneThatFallsSilentIsLostAndTheRunGoesOn) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  live(service, {"a", "b"}, 0, 3);
+  live(service, {"a"}, 3.5, 7.5);
+  EXPECT_NE(reason_of(service, 1), "the agent has fallen silent");
+  live(service, {"a"}, 8, 9);
+  EXPECT_EQ(reason_of(service, 1), "the agent has fallen silent");
+  EXPECT_FALSE(service.finished());
+}
+
+TEST(PlannerService, AllWhoFallSilentAtOnceAreWaitedForLonger) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  live(service, {"a", "b"}, 0, 3);
+  live(service, {}, 3.5, 32);
+  EXPECT_FALSE(service.finished());
+  EXPECT_NE(reason_of(service, 0), "the agent has fallen silent");
+  live(service, {}, 32.5, 40);
+  EXPECT_EQ(reason_of(service, 0), "the agent has fallen silent");
+  EXPECT_TRUE(service.finished());
+}
+
+TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {
+  PlannerService service(two_robots(), {.timeout = 1e6}, 0);
+  map_and_missions(service);
+  live(service, {"a", "b"}, 0, 3);
+  service.step(1000);
+  EXPECT_FALSE(service.finished());
+  live(service, {}, 1000.5, 1004);
+  live(service, {"a", "b"}, 1004.5, 1010);
+  EXPECT_FALSE(service.finished());
+  EXPECT_NE(reason_of(service, 0), "the agent has fallen silent");
+}
+
 }  // namespace
 }  // namespace coppice
