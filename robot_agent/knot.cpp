@@ -10,7 +10,7 @@ namespace {
 
 constexpr double crowd_radii = 8;     // between two robots of one crowd
 constexpr double soon = 60;           // seconds after a knot in which the next one reaches further
-constexpr double long_delay = 2;      // seconds in which a joint plan comes to all
+constexpr double long_delay = 5;      // seconds in which a joint plan comes to all
 constexpr double longest_hold = 60;   // seconds without a joint plan: the leader has lost sight of somebody
 constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
 constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
@@ -31,6 +31,7 @@ void Knot::join(const KnotId& id) {
   note_epoch(id.epoch);
   stage_ = Stage::holding;
   holding_since_.reset();
+  planned_since_.reset();
   plan_.reset();
   stranded_ = false;
 }
@@ -104,9 +105,11 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   }
   const auto leader = fleet.find(id_.leader);
   const bool leaderless = !leader || leader->dead || leader->knot != id_;
+  const bool planned = !leaderless && leader->stage != Stage::holding;
+  if (planned && !planned_since_) planned_since_ = now;
   if ((leaderless && now - *holding_since_ > 1) || now - *holding_since_ > longest_hold) {
     call(self, fleet, now);
-  } else if (!leaderless && leader->stage != Stage::holding && now - *holding_since_ > long_delay) {
+  } else if (planned && now - *planned_since_ > long_delay) {
     let_go();  // it came too late for the plan
   }
 }

@@ -99,6 +99,7 @@ class Knot {
   Stage stage_ = Stage::free;
   std::optional<JointPlanMessage> plan_;  ///< of this knot
   std::optional<double> holding_since_;
+  std::optional<double> planned_since_;  ///< its leader holds no more
   std::optional<double> called_at_;
   Point2 called_from_ = Point2::Zero();
   int calls_in_vain_ = 0;
