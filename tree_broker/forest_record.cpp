@@ -12,7 +12,13 @@ Keep ForestRecord::heard(const Message& message) {
   if (const auto* map = std::get_if<MapMessage>(&message); map != nullptr && map->map_id != map_id_) {
     map_id_ = map->map_id;
     trees_.clear();
+    covered_ = false;
     return Keep::begin_anew;
+  }
+  if (const auto* status = std::get_if<BrokerStatus>(&message)) {
+    const bool covers = status->covered_map == map_id_ && !map_id_.empty() && !covered_;
+    covered_ = covered_ || covers;
+    return covers ? Keep::append : Keep::nothing;
   }
   const auto* tree = std::get_if<InactiveTreeMessage>(&message);
   const bool is_new = tree != nullptr && tree->map_id == map_id_ && trees_.insert(tree->tree).second;

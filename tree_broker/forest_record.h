@@ -1,4 +1,5 @@
-// What a broker keeps, so that another one can take its place: the map, and every inactive tree on it.
+// What a broker keeps, so that another one can take its place: the map, every inactive tree on it, and that
+// somebody has found the map covered by them.
 #pragma once
 
 #include <set>
@@ -20,6 +21,7 @@ class ForestRecord {
  private:
   std::string map_id_;
   std::set<TreeId> trees_;
+  bool covered_ = false;
 };
 
 }  // namespace coppice

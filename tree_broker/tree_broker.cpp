@@ -15,6 +15,7 @@ constexpr WallTime status_period = 0.5;  // seconds
 constexpr std::size_t most_waiting_trees = 10'000;
 constexpr WallTime lease = 1.5;                // seconds without a status: who leads counts as gone
 constexpr WallTime first_listening = 1;        // seconds: who leads says so twice
+constexpr WallTime longest_news = 2;           // seconds until all trees that others publish have come
 constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
 
 }  // namespace
@@ -26,7 +27,10 @@ TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, Random random
 
 void TreeBroker::recall(std::span<const Message> known, WallTime now) {
   for (const Message& message : known) on(arrival_of(message, now));
-  if (!known.empty()) listens_until_ = now + first_listening;
+  others_.clear();
+  if (known.empty()) return;
+  listens_until_ = now + first_listening;
+  if (forest_) forest_->recalled.insert(forest_->unsaid.begin(), forest_->unsaid.end());
 }
 
 void TreeBroker::on(const Arrival& arrival) {
@@ -60,6 +64,7 @@ void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
     if (waiting_trees_.size() < most_waiting_trees) waiting_trees_.push_back(tree);
     return;
   }
+  forest_->recalled.erase(tree.tree);
   if (forest_->inactive.contains(tree.tree)) return;
   if (forest_->planner.trees().node_count() + tree.nodes.size() > most_nodes ||
       !is_free(tree, forest_->field)) {
@@ -86,6 +91,9 @@ void TreeBroker::take_up_waiting_trees(WallTime now) {
 void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
   if (status.broker != id_)
     others_[status.broker] = {status.leads ? std::optional(status.leading_since) : std::nullopt, arrived};
+  // With all trees of one that has covered the map this broker has, too.
+  const bool covers = forest_ && status.covered_map == map_->map_id;
+  if (covers && forest_->inactive.size() >= status.trees_published) forest_->uncovered.clear();
 }
 
 /// Of several that lead, because they did not hear of each other, the one that has done so for longest goes
@@ -161,6 +169,7 @@ std::vector<Message> TreeBroker::step(WallTime now) {
   bool grows = forest_ != nullptr && leads();
   for (int i = 0; i < iterations_a_step && grows; ++i) grows = grow();
   if (forest_ && leads()) publish_trees(out);
+  if (forest_ && !leads() && now >= listens_until_ + longest_news) publish_recalled(out);
   if (now >= next_status_ || !out.empty() || leads() != led) {
     out.emplace_back(status());
     next_status_ = now + status_period;
@@ -176,6 +185,12 @@ void TreeBroker::publish_trees(std::vector<Message>& out) {
     forest_->inactive.emplace(forest_->unsaid.back(), tree);
   }
   for (const TreeId& id : std::exchange(forest_->unsaid, {})) out.emplace_back(describe(id));
+  forest_->recalled.clear();
+}
+
+/// Trees that the one who leads does not publish: its predecessor was killed before another heard of them.
+void TreeBroker::publish_recalled(std::vector<Message>& out) {
+  for (const TreeId& id : std::exchange(forest_->recalled, {})) out.emplace_back(describe(id));
 }
 
 /// For the groups that wait for trees; when there are none, ahead. False: nothing to do.

@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,8 +31,8 @@ class TreeBroker {
   /// `id` tells this broker's trees from those of every other one; `seed` is of every random choice.
   TreeBroker(std::uint64_t id, std::uint64_t seed) : id_(id), seed_(seed) {}
 
-  /// What a broker knew whose place it takes (journal.h): the map and trees. Before anything else; it then
-  /// listens for a second to who leads by now.
+  /// What a broker knew whose place it takes (journal.h): the map and trees, and that these cover the map.
+  /// Before anything else; it then listens for a second to who leads by now.
   void recall(std::span<const Message> known, WallTime now);
 
   void on(const Arrival& arrival);
@@ -57,6 +58,7 @@ class TreeBroker {
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
     std::map<TreeId, TreeIndex> inactive{};
     std::vector<TreeId> unsaid{};  ///< inactive, and not published by this broker yet
+    std::set<TreeId> recalled{};   ///< of these, those that nobody has published since
   };
   /// Another broker.
   struct Other {
@@ -80,6 +82,7 @@ class TreeBroker {
   bool grow();
   void take_up_waiting_trees(WallTime now);
   void publish_trees(std::vector<Message>& out);
+  void publish_recalled(std::vector<Message>& out);
   InactiveTreeMessage describe(const TreeId& id) const;
   BrokerStatus status() const;
 

@@ -82,7 +82,7 @@ TEST(Brokers, TheSecondStandsByAndTakesOverWithinTwoSecondsWithAllTrees) {
   fleet.brokers[0].reset();
   fleet.run(2);
   ASSERT_TRUE(fleet.brokers[1]->leads());
-  EXPECT_TRUE(std::ranges::includes(fleet.trees_of(1), trees));
+  EXPECT_EQ(fleet.trees_of(1), trees);  // they cover the map: no more are needed
   // It went on where the other was: most of the map was covered.
   EXPECT_LT(2 * of<BrokerStatus>(fleet.said[1]).back().nodes_valid,
             of<BrokerStatus>(fleet.said[0]).back().nodes_valid);
@@ -122,11 +122,29 @@ TEST(Brokers, OneThatIsStartedAnewPublishesWhatItKept) {
   EXPECT_FALSE(fleet.brokers[1]->leads());  // another one may
   fleet.run(0.2);
   EXPECT_TRUE(fleet.brokers[1]->leads());
-  EXPECT_TRUE(std::ranges::includes(fleet.trees_of(1), fleet.trees_of(0)));
+  EXPECT_EQ(fleet.trees_of(1), fleet.trees_of(0));  // they cover the map: no more are needed
 
   // Another map: what was kept of this one is of no use.
   kept.keeper.heard(MapMessage{"other", wall_with_door(), {5}});
   EXPECT_EQ(kept.store.messages.size(), 1u);
+}
+
+TEST(Brokers, ATreeThatOnlyOneThatCameBackKnowsIsPublished) {
+  Brokers fleet;
+  fleet.brokers.emplace_back(TreeBroker(9, 1));
+  fleet.brokers[0]->on(arrival_of(rooms(), fleet.now));
+  fleet.run(2);
+  const std::set<TreeId> trees = fleet.trees_of(0);
+  InactiveTreeMessage unheard = of<InactiveTreeMessage>(fleet.said[0]).front();
+  unheard.tree = {77, 0};
+  fleet.brokers.emplace_back(TreeBroker(10, 3));
+  fleet.brokers[1]->recall(std::vector<Message>{rooms(), unheard}, fleet.now);
+  for (const Message& message : fleet.said[0]) fleet.brokers[1]->on(arrival_of(message, fleet.now));
+  fleet.run(4);
+  EXPECT_TRUE(fleet.brokers[0]->leads());
+  EXPECT_EQ(fleet.trees_of(1), std::set{unheard.tree});
+  EXPECT_TRUE(fleet.trees_of(0).contains(unheard.tree));
+  EXPECT_EQ(fleet.trees_of(0).size(), trees.size() + 1);
 }
 
 // --- the service ---
