@@ -68,7 +68,7 @@ bool JointPlanner::step() {
       take_up(*crowd_);
       return true;
     }
-    if (outcome == Lacam::Outcome::no_solution || configurations_ >= most_configurations) crowd_.reset();
+    if (outcome != Lacam::Outcome::searching || configurations_ >= most_configurations) crowd_.reset();
     return false;
   }
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(field_, tasks_, random_);

@@ -16,6 +16,8 @@ constexpr float unreachable = std::numeric_limits<float>::infinity();
 // are as good, either may be taken.
 constexpr double detour_for_a_free_way = 0.3;
 constexpr double indifference = 0.01;
+// Robots in configurations, about 25 bytes each: what is solved at all mostly takes a tenth of that.
+constexpr std::size_t most_remembered = 500'000;
 
 std::uint64_t hash_of(const std::vector<Place>& at) {  // FNV-1a
   std::uint64_t hash = 14695981039346656037U;
@@ -99,13 +101,14 @@ std::optional<std::size_t> Lacam::known(const Configuration& at) const {
 Lacam::Outcome Lacam::search(std::size_t configurations) {
   for (std::size_t k = 0; k < configurations; ++k) {
     if (open_.empty()) return Outcome::no_solution;
+    if (nodes_.size() * tasks_.size() > most_remembered) return Outcome::too_large;
     const std::size_t deepest = open_.back();
     Node& node = nodes_[deepest];
     if (solves(node.at)) {
       solution_ = deepest;
       return Outcome::solved;
     }
-    if (node.constraints.empty()) {
+    if (node.tried == node.constraints.size()) {
       open_.pop_back();
       continue;
     }
@@ -118,17 +121,17 @@ Lacam::Outcome Lacam::search(std::size_t configurations) {
 
 /// The next set, after which come those that force one robot more, in the order of their priorities.
 std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
-  std::vector<Forced> set = std::move(node.constraints.front());
-  node.constraints.pop_front();
+  const std::uint32_t number = node.tried++;
+  std::vector<Forced> set;
+  for (std::uint32_t k = number; k != 0; k = node.constraints[k].others)
+    set.push_back(node.constraints[k].last);
+  std::ranges::reverse(set);
   if (set.size() < node.at.size()) {
     const std::uint32_t robot = node.order[set.size()];
     std::vector<Place> ends{node.at[robot]};
     for (const PlaceGraph::Edge& edge : graph_.edges[node.at[robot]]) ends.push_back(edge.to);
     for (std::size_t k = ends.size(); k > 1; --k) std::swap(ends[k - 1], ends[random_.index(k)]);
-    for (const Place end : ends) {
-      node.constraints.push_back(set);
-      node.constraints.back().push_back({robot, end});
-    }
+    for (const Place end : ends) node.constraints.push_back({number, {robot, end}});
   }
   return set;
 }

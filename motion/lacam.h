@@ -43,7 +43,8 @@ class Lacam {
   /// `graph` outlives it. No two robots start at one place.
   Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random);
 
-  enum class Outcome { searching, solved, no_solution };
+  /// `too_large`: there is no room to remember more configurations; it ends.
+  enum class Outcome { searching, solved, no_solution, too_large };
   /// Makes at most so many configurations more.
   Outcome search(std::size_t configurations);
 
@@ -56,13 +57,19 @@ class Lacam {
     std::uint32_t robot;
     Place to;
   };
+  /// A set of constraints: one more than in another set. The first of a node is the empty one.
+  struct Constraint {
+    std::uint32_t others = 0;
+    Forced last{};
+  };
   struct Node {
     Configuration at;
     std::size_t parent;
-    std::vector<PlaceMove> moves;                 ///< from the parent's configuration
-    std::vector<float> priorities;                ///< of the robots
-    std::vector<std::uint32_t> order;             ///< of the robots, highest priority first
-    std::deque<std::vector<Forced>> constraints;  ///< sets still to be tried
+    std::vector<PlaceMove> moves;         ///< from the parent's configuration
+    std::vector<float> priorities;        ///< of the robots
+    std::vector<std::uint32_t> order;     ///< of the robots, highest priority first
+    std::vector<Constraint> constraints;  ///< each the last of a set: those tried, and those still to be
+    std::uint32_t tried = 0;
   };
   struct Candidate {
     float cost;
