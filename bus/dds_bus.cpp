@@ -55,13 +55,13 @@ constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
 constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
 constexpr int static_announcement_period = 10;      // seconds
 // Seconds until a silent process counts as gone. Not how the fleet notices that: its roles have leases of
-// their own. A process that was only paused, or cut off, and is dropped by some and not by others, would never
-// find all of them again: DDS numbers acknowledgments, and whoever still knows it takes those of its new
-// beginning for old ones.
+// their own. A process that was only paused, or cut off, and is dropped by some and not by others, would
+// never find all of them again: DDS numbers acknowledgments, and whoever still knows it takes those of its
+// new beginning for old ones.
 constexpr int lease = 120;
-constexpr int datagram_for_credentials = 8192;      // bytes
-constexpr int most_taken = 1000;                    // samples of a topic at a time
-constexpr double longest_held = 1;                  // seconds until its sender must be known
+constexpr int datagram_for_credentials = 8192;  // bytes
+constexpr int most_taken = 1000;                // samples of a topic at a time
+constexpr double longest_held = 1;              // seconds until its sender must be known
 constexpr std::chrono::milliseconds longest_farewell{500};
 constexpr std::size_t rejections_logged = 10;  // then every thousandth
 
