@@ -6,8 +6,8 @@
 namespace coppice {
 
 inline constexpr const char* multicast_discovery = "multicast";
-/// By multicast, and each announces just which of the endpoints in the table of topics it has: for fleets of
-/// fifty robots and more. Who is set up otherwise, or knows no table, is not found.
+/// By multicast, and each announces just which of the endpoints in the table of topics it has: for large
+/// fleets. Who is set up otherwise, or knows no table, is not found.
 inline constexpr const char* static_discovery = "static";
 /// From so many robots on the latter suits, and the usual buffers of sockets do not.
 inline constexpr int large_fleet = 40;
