@@ -30,7 +30,7 @@ void JointPlanner::set_up_places(PackedPlaces& packed, double radius) {
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
-    const auto place = static_cast<Place>(known - ends.begin());
+    const auto place = static_cast<Place>(packed.size()) + static_cast<Place>(known - ends.begin());
     if (known == ends.end()) ends.push_back(p);
     return place;
   };
@@ -48,16 +48,13 @@ void JointPlanner::set_up_places(PackedPlaces& packed, double radius) {
     crowd.push_back({start, place_of(task.goal)});
   }
   graph_ = packed.with(ends, dead);
-  const std::vector<Place> parts = parts_of(graph_);
-  for (std::size_t k = 0; k < crowd.size(); ++k) {
-    if (parts[crowd[k].start] == parts[*crowd[k].goal]) continue;
+  crowd_.emplace(graph_, std::move(crowd), random_);
+  for (const std::uint32_t k : crowd_->shut_in()) {
     const JointTask& task = tasks_[movable_[k]];
     const bool missed = !coarsest_route(field_, radius, task.position, task.goal, dead, 1).path.empty();
-    if (missed) return;  // there is a way, but not over these places
-    crowd[k].goal.reset();
+    if (missed) return crowd_.reset();  // there is a way, but not over these places
     plan_.stranded.push_back(movable_[k]);
   }
-  crowd_.emplace(graph_, std::move(crowd), random_);
 }
 
 bool JointPlanner::step() {
@@ -80,7 +77,7 @@ bool JointPlanner::step() {
 void JointPlanner::take_up(const Lacam& solution) {
   std::vector<Move> moves;
   for (const PlaceMove& move : solution.moves())
-    moves.push_back({movable_[move.robot], graph_.edges[move.from][move.edge].path});
+    moves.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
   plan_.moves = straightened(field_, tasks_, moves);
 }
 

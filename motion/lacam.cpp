@@ -4,7 +4,6 @@
 #include <functional>
 #include <limits>
 #include <numeric>
-#include <queue>
 #include <utility>
 
 namespace coppice {
@@ -35,36 +34,20 @@ Lacam::Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random rando
     : graph_(graph),
       tasks_(std::move(tasks)),
       random_(random),
-      cost_(tasks_.size()),
-      occupant_(graph.places.size(), nobody),
+      cost_to_go_(tasks_.size()),
+      occupant_(graph.size(), nobody),
       decided_(tasks_.size()),
       forced_(tasks_.size()) {
   for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
     at_.push_back(tasks_[i].start);
-    if (tasks_[i].goal) find_costs(i);
+    if (!tasks_[i].goal) continue;
+    cost_to_go_[i].emplace(graph_, *tasks_[i].goal, tasks_[i].start);
+    if (cost(i, tasks_[i].start) != unreachable) continue;
+    cost_to_go_[i].reset();
+    tasks_[i].goal.reset();
+    shut_in_.push_back(i);
   }
   open_.push_back(add(at_, 0, {}));
-}
-
-/// Dijkstra's search from the robot's goal.
-void Lacam::find_costs(std::uint32_t robot) {
-  using Entry = std::pair<float, Place>;
-  std::vector<float>& cost = cost_[robot];
-  cost.assign(graph_.places.size(), unreachable);
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  cost[*tasks_[robot].goal] = 0;
-  open.emplace(0.0F, *tasks_[robot].goal);
-  while (!open.empty()) {
-    const auto [here, place] = open.top();
-    open.pop();
-    if (here > cost[place]) continue;
-    for (const PlaceGraph::Edge& edge : graph_.edges[place]) {
-      const float there = here + static_cast<float>(edge.length);
-      if (there >= cost[edge.to]) continue;
-      cost[edge.to] = there;
-      open.emplace(there, edge.to);
-    }
-  }
 }
 
 bool Lacam::solves(const Configuration& at) const {
@@ -80,7 +63,7 @@ std::size_t Lacam::add(const Configuration& at, std::size_t parent, std::vector<
       at,  parent, std::move(moves), std::vector<float>(at.size()), std::vector<std::uint32_t>(at.size()),
       {{}}};
   for (std::uint32_t i = 0; i < at.size(); ++i) {
-    const float least = cost_[i].empty() ? -1 : 1 - 1 / (1 + cost_[i][tasks_[i].start]);  // below 1
+    const float least = tasks_[i].goal ? 1 - 1 / (1 + cost(i, tasks_[i].start)) : -1;  // below 1
     const bool waits = !nodes_.empty() && !at_goal(i, at[i]);
     node.priorities[i] = waits ? nodes_[parent].priorities[i] + 1 : least;
   }
@@ -129,7 +112,7 @@ std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
   if (set.size() < node.at.size()) {
     const std::uint32_t robot = node.order[set.size()];
     std::vector<Place> ends{node.at[robot]};
-    for (const PlaceGraph::Edge& edge : graph_.edges[node.at[robot]]) ends.push_back(edge.to);
+    for (const PlaceGraph::Edge& edge : graph_.edges(node.at[robot])) ends.push_back(edge.to);
     for (std::size_t k = ends.size(); k > 1; --k) std::swap(ends[k - 1], ends[random_.index(k)]);
     for (const Place end : ends) node.constraints.push_back({number, {robot, end}});
   }
@@ -159,15 +142,14 @@ bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
 /// What a robot may do next, best first.
 std::vector<Lacam::Candidate> Lacam::candidates(std::uint32_t robot) {
   const Place here = at_[robot];
-  const std::vector<float>& cost = cost_[robot];
   std::vector<Candidate> result;
-  if (!forced_[robot] || forced_[robot] == here) result.push_back({cost.empty() ? 0 : cost[here], nullptr});
-  for (const PlaceGraph::Edge& edge : graph_.edges[here]) {
+  if (!forced_[robot] || forced_[robot] == here) result.push_back({cost(robot, here), nullptr});
+  for (const PlaceGraph::Edge& edge : graph_.edges(here)) {
     if (forced_[robot] && forced_[robot] != edge.to) continue;
-    if (!cost.empty() && cost[edge.to] == unreachable) continue;
+    const float there = cost(robot, edge.to);
+    if (there == unreachable) continue;
     const double pushing = empty_around(edge, robot) ? 0 : detour_for_a_free_way;
     const double whim = indifference * random_.uniform();
-    const float there = cost.empty() ? 0 : cost[edge.to];
     result.push_back({there + static_cast<float>((pushing + whim) * edge.length), &edge});
   }
   std::ranges::stable_sort(result, std::less{}, &Candidate::cost);
@@ -215,7 +197,7 @@ bool Lacam::push(std::uint32_t robot) {
     occupant_[here] = nobody;
     occupant_[edge->to] = robot;
     at_[robot] = edge->to;
-    moves_.push_back({robot, here, static_cast<std::uint32_t>(edge - graph_.edges[here].data())});
+    moves_.push_back({robot, here, static_cast<std::uint32_t>(edge - graph_.edges(here).data())});
     return true;
   }
   return false;

@@ -21,7 +21,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "motion/places.h"
+#include "motion/cost_to_go.h"
+#include "motion/place_graph.h"
 #include "planning/random.h"
 
 namespace coppice {
@@ -40,8 +41,10 @@ struct PlaceMove {
 
 class Lacam {
  public:
-  /// `graph` outlives it. No two robots start at one place.
+  /// `graph` outlives it. No two robots start at one place. Robots that could not even alone get to their
+  /// goals, shut_in(), give way as if they had none.
   Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random);
+  const std::vector<std::uint32_t>& shut_in() const { return shut_in_; }
 
   /// `too_large`: there is no room to remember more configurations; it ends.
   enum class Outcome { searching, solved, no_solution, too_large };
@@ -80,7 +83,9 @@ class Lacam {
     const PlaceGraph::Edge* edge;
   };
 
-  void find_costs(std::uint32_t robot);
+  float cost(std::uint32_t robot, Place place) {
+    return cost_to_go_[robot] ? cost_to_go_[robot]->from(place) : 0;
+  }
   bool at_goal(std::uint32_t robot, Place place) const {
     return !tasks_[robot].goal || *tasks_[robot].goal == place;
   }
@@ -97,8 +102,9 @@ class Lacam {
 
   const PlaceGraph& graph_;
   std::vector<PlaceTask> tasks_;
+  std::vector<std::uint32_t> shut_in_;  ///< ascending
   Random random_;
-  std::vector<std::vector<float>> cost_;  ///< by robot and place: metres to its goal; empty where it has none
+  std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
   std::deque<Node> nodes_;
   std::vector<std::size_t> open_;
   std::unordered_multimap<std::uint64_t, std::size_t> known_;  ///< by the configuration's hash

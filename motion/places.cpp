@@ -22,100 +22,78 @@ constexpr double reach_of_more = 1.8;  // of what other places are linked to in 
 constexpr double detour_for_comfort = 1.5;  // that a way round a corner is worth that does not touch it
 constexpr double rounding = 1e-9;           // metres
 
-using Edges = std::vector<std::vector<PlaceGraph::Edge>>;
+using Edge = PlaceGraph::Edge;
 
-/// An edge there and one back.
-void link(Edges& edges, Place a, Place b, Path path) {
-  const double length = length_of(path);
-  edges[a].push_back({.to = b, .length = length, .path = path});
-  std::ranges::reverse(path);
-  edges[b].push_back({.to = a, .length = length, .path = std::move(path)});
+/// Calls fn(point) for points of a path so that all of it lies within half of `spacing` of one.
+template <class Fn>
+void for_each_sample(const Path& path, double spacing, Fn&& fn) {
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const Point2 way = path[k] - path[k - 1];
+    const double parts = std::ceil(way.norm() / spacing + rounding);
+    for (double part = 0.5; part < parts; ++part) fn(Point2(path[k - 1] + way * (part / parts)));
+  }
 }
 
-/// Finds places near a point, and those near an edge.
-class PlaceGrid {
- public:
-  PlaceGrid(const ClearanceField& field, std::span<const Point2> places, double touching, double reach)
-      : places_(places), touching_(touching), reach_(reach), grid_(field.bounds(), reach) {
-    for (const Point2& p : places) grid_.insert(p);
-  }
+/// Who is near an edge: nearer to its path than `distance`. Where one of its ends is nearer, and may be so:
+/// those that the path comes nearer to still.
+struct Nearness {
+  double touching;
+  double distance;
 
-  /// `distance` at most the grid's reach.
-  template <class Fn>
-  void for_each_within(const Point2& p, double distance, Fn&& fn) const {
-    grid_.for_each_near(p, [&](NodeId k, const Point2& q) {
-      if ((p - q).norm() < distance) fn(k);
-    });
-  }
-
-  /// The places nearer to an edge's path than `distance`, at most two thirds of the reach. Where one
-  /// of its ends is nearer, and may be so: those that the path comes nearer to still.
-  std::vector<Place> near(Place from, const PlaceGraph::Edge& edge, double distance) const {
-    std::vector<Place> found{edge.to};
-    const auto check = [&](Place k) {
-      if (is_near(k, from, edge, distance)) found.push_back(k);
-    };
-    for (std::size_t k = 1; k < edge.path.size(); ++k) {
-      const Point2 way = edge.path[k] - edge.path[k - 1];
-      const double parts = std::ceil(way.norm() / (reach_ / 3) + rounding);
-      for (double part = 0.5; part < parts; ++part)
-        grid_.for_each_near(edge.path[k - 1] + way * (part / parts),
-                            [&](NodeId n, const Point2&) { check(n); });
-    }
-    std::ranges::sort(found);
-    const auto [first, last] = std::ranges::unique(found);
-    found.erase(first, last);
-    return found;
-  }
-
-  /// Whether that holds for place k, which is not `edge.to`.
-  bool is_near(Place k, Place from, const PlaceGraph::Edge& edge, double distance) const {
-    if (k == from || k == edge.to) return false;
-    const double from_start = (places_[k] - places_[from]).norm();
-    const double from_end = (places_[k] - places_[edge.to]).norm();
+  bool operator()(const Point2& p, const Edge& edge) const {
+    const double from_start = (p - edge.path.front()).norm();
+    const double from_end = (p - edge.path.back()).norm();
     if (from_start + from_end > edge.length + 2 * distance) return false;
-    const double at_ends = std::min(from_start, std::max(touching_, from_end));
-    return point_path_distance(places_[k], edge.path) < std::min(distance, at_ends) - rounding;
+    const double at_ends = std::min(from_start, std::max(touching, from_end));
+    return point_path_distance(p, edge.path) < std::min(distance, at_ends) - rounding;
   }
-
- private:
-  std::span<const Point2> places_;
-  double touching_;
-  double reach_;
-  NeighbourGrid<2> grid_;
 };
 
-}  // namespace
-
-std::vector<Place> parts_of(const PlaceGraph& graph) {
-  constexpr Place unseen = ~Place{0};
-  std::vector<Place> parts(graph.places.size(), unseen);
-  for (Place first = 0; first < graph.places.size(); ++first) {
-    if (parts[first] != unseen) continue;
-    std::vector<Place> open{first};
-    parts[first] = first;
-    while (!open.empty()) {
-      const Place place = open.back();
-      open.pop_back();
-      for (const PlaceGraph::Edge& edge : graph.edges[place]) {
-        if (parts[edge.to] != unseen) continue;
-        parts[edge.to] = first;
-        open.push_back(edge.to);
-      }
-    }
-  }
-  return parts;
+/// Adds to `edge.near` those of a grid's places, numbered from `first` on, that are; `distance` is at most
+/// two thirds of the grid's reach.
+void add_near(const NeighbourGrid<2>& grid, double reach, Place first, const Nearness& is_near, Edge& edge) {
+  for_each_sample(edge.path, reach / 3, [&](const Point2& p) {
+    grid.for_each_near(p, [&](NodeId k, const Point2& q) {
+      if (is_near(q, edge)) edge.near.push_back(first + k);
+    });
+  });
 }
+
+/// An edge along the path, and who is near it by add(edge).
+template <class Add>
+Edge edge_along(Place to, Path path, Add&& add) {
+  const double length = length_of(path);
+  Edge edge{.to = to, .length = length, .path = std::move(path), .near = {to}};
+  add(edge);
+  std::ranges::sort(edge.near);
+  const auto [first, last] = std::ranges::unique(edge.near);
+  edge.near.erase(first, last);
+  return edge;
+}
+
+/// An edge there and one back.
+template <class Add>
+void link(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
+  graph.own_edges(a).push_back(edge_along(b, path, add));
+  std::ranges::reverse(path);
+  graph.own_edges(b).push_back(edge_along(a, std::move(path), add));
+}
+
+}  // namespace
 
 PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double spacing)
     : field_(field),
       radius_(radius),
       touching_(2 * radius + standing_gap),
       apart_(touching_ + comfort * radius),
-      lattice_(field, radius, spacing) {
+      reach_(reach_of_more * apart_),
+      lattice_(field, radius, spacing),
+      grid_(field.bounds(), reach_),
+      points_of_ways_(field.bounds(), reach_) {
   pack();
   grow_cells();
   link_cells();
+  index_ways();
 }
 
 /// Those nearest to obstacles first; in layers, so that along a wall one follows the other.
@@ -137,7 +115,7 @@ void PackedPlaces::pack() {
     });
     if (taken) continue;
     grid.insert(p);
-    places_.push_back(p);
+    grid_.insert(packed_.at(packed_.add(p)));
     vertices_.push_back(v);
   }
 }
@@ -147,7 +125,7 @@ void PackedPlaces::grow_cells() {
   using Entry = std::pair<float, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   cells_.assign(lattice_.size(), {});
-  for (Place k = 0; k < places_.size(); ++k) {
+  for (Place k = 0; k < size(); ++k) {
     cells_[vertices_[k]] = {k, 0, vertices_[k]};
     open.emplace(0.0F, vertices_[k]);
   }
@@ -185,17 +163,36 @@ void PackedPlaces::link_cells() {
           if (!fresh && crossing.length < known->second.length) known->second = crossing;
         });
   }
-  edges_.assign(places_.size(), {});
+  const auto add = [&](Edge& edge) { add_near(grid_, reach_, 0, {touching_, apart_}, edge); };
   for (const auto& [pair, crossing] : crossings) {
     Path path = way_to_its_place(crossing.a);
     std::ranges::reverse(path);
     const Path rest = way_to_its_place(crossing.b);
     path.insert(path.end(), rest.begin(), rest.end());
-    link(edges_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_));
+    link(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
   }
-  const PlaceGrid grid(field_, places_, touching_, reach_of_more * apart_);
-  for (Place from = 0; from < places_.size(); ++from) {
-    for (PlaceGraph::Edge& edge : edges_[from]) edge.near = grid.near(from, edge, apart_);
+}
+
+void PackedPlaces::index_ways() {
+  for (Place from = 0; from < size(); ++from) {
+    for (const Edge& edge : packed_.edges(from)) {
+      if (edge.to < from) continue;
+      for_each_sample(edge.path, reach_ / 3, [&](const Point2& p) {
+        points_of_ways_.insert(p);
+        ways_.emplace_back(from, edge.to);
+      });
+    }
+  }
+}
+
+/// Calls fn(place, place) for the ends of all packed edges nearer to p than `distance`, some more than once,
+/// and for some beyond.
+template <class Fn>
+void PackedPlaces::for_each_way_near(const Point2& p, double distance, Fn&& fn) const {
+  if (distance + reach_ / 6 > reach_) {
+    for (const auto& [a, b] : ways_) fn(a, b);
+  } else {
+    points_of_ways_.for_each_near(p, [&](NodeId k, const Point2&) { fn(ways_[k].first, ways_[k].second); });
   }
 }
 
@@ -223,50 +220,64 @@ Path PackedPlaces::way_to_a_place(const Point2& p, Place& place) {
   return optimise_line_of_sight(field_, path, radius_);
 }
 
-PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc> obstacles) {
-  PlaceGraph graph{{more.begin(), more.end()}, std::vector<std::vector<PlaceGraph::Edge>>(more.size())};
-  const auto first_packed = static_cast<Place>(more.size());
-  graph.places.insert(graph.places.end(), places_.begin(), places_.end());
-  for (const std::vector<PlaceGraph::Edge>& edges : edges_) {
-    std::vector<PlaceGraph::Edge>& copies = graph.edges.emplace_back(edges);
-    for (PlaceGraph::Edge& edge : copies) {
-      edge.to += first_packed;
-      for (Place& near : edge.near) near += first_packed;
-    }
-  }
+bool PackedPlaces::passes(std::span<const Disc> obstacles, const Path& path) const {
+  return std::ranges::none_of(obstacles, [&](const Disc& disc) {
+    return point_path_distance(disc.centre, path) < radius_ + disc.radius + standing_gap;
+  });
+}
 
-  const PlaceGrid grid(field_, graph.places, touching_, reach_of_more * apart_);
-  for (Place from = 0; from < first_packed; ++from) {
-    const Point2& p = graph.places[from];
-    grid.for_each_within(p, reach_of_more * apart_, [&](Place to) {
-      const Point2& q = graph.places[to];
-      const bool once = to >= first_packed || to > from;
-      if (once && p != q && way_free(field_, p, q, radius_)) link(graph.edges, from, to, {p, q});
+/// The packed edges that do not pass the obstacles.
+void PackedPlaces::leave_out(std::span<const Disc> obstacles, PlaceGraph& graph) const {
+  for (const Disc& disc : obstacles) {
+    const auto leads_into = [&](const Edge& edge) { return !passes({&disc, 1}, edge.path); };
+    for_each_way_near(disc.centre, radius_ + disc.radius + standing_gap, [&](Place a, Place b) {
+      for (const Place from : {a, b}) {
+        if (std::ranges::any_of(graph.edges(from), leads_into))
+          std::erase_if(graph.own_edges(from), leads_into);
+      }
+    });
+  }
+}
+
+PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc> obstacles) {
+  PlaceGraph graph = PlaceGraph::over(packed_);
+  const auto first = static_cast<Place>(graph.size());
+  const Nearness is_near{touching_, apart_};
+  NeighbourGrid<2> grid_of_more(field_.bounds(), reach_);
+  for (const Point2& p : more) {
+    const Place place = graph.add(p);
+    grid_of_more.insert(p);
+    for_each_way_near(p, apart_, [&](Place a, Place b) {
+      for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+        const auto edge = std::ranges::find(graph.edges(from), to, &Edge::to);
+        if (edge->near.back() == place || !is_near(p, *edge)) continue;
+        const auto index = edge - graph.edges(from).begin();
+        graph.own_edges(from)[static_cast<std::size_t>(index)].near.push_back(place);
+      }
+    });
+  }
+  leave_out(obstacles, graph);
+
+  const auto link_over = [&](Place a, Place b, Path path) {
+    if (!passes(obstacles, path)) return;
+    link(graph, a, b, std::move(path), [&](Edge& edge) {
+      add_near(grid_, reach_, 0, is_near, edge);
+      add_near(grid_of_more, reach_, first, is_near, edge);
+    });
+  };
+  for (Place from = first; from < graph.size(); ++from) {
+    const Point2 p = graph.at(from);
+    const auto link_straight = [&](Place to, const Point2& q) {
+      if ((p - q).norm() < reach_ && p != q && way_free(field_, p, q, radius_)) link_over(from, to, {p, q});
+    };
+    grid_.for_each_near(p, [&](NodeId k, const Point2& q) { link_straight(k, q); });
+    grid_of_more.for_each_near(p, [&](NodeId k, const Point2& q) {
+      if (first + k > from) link_straight(first + k, q);
     });
     Place to = 0;
     Path path = way_to_a_place(p, to);
-    to += first_packed;
-    const bool known =
-        std::ranges::find(graph.edges[from], to, &PlaceGraph::Edge::to) != graph.edges[from].end();
-    if (path.size() > 1 && !known) link(graph.edges, from, to, std::move(path));
-  }
-
-  for (Place from = 0; from < graph.places.size(); ++from) {
-    std::vector<PlaceGraph::Edge>& edges = graph.edges[from];
-    std::erase_if(edges, [&](const PlaceGraph::Edge& edge) {
-      return std::ranges::any_of(obstacles, [&](const Disc& disc) {
-        return point_path_distance(disc.centre, edge.path) < radius_ + disc.radius + standing_gap;
-      });
-    });
-    for (PlaceGraph::Edge& edge : edges) {
-      if (edge.near.empty()) {
-        edge.near = grid.near(from, edge, apart_);
-      } else {  // a packed one knows the packed places
-        for (Place k = first_packed; k-- > 0;) {
-          if (grid.is_near(k, from, edge, apart_)) edge.near.insert(edge.near.begin(), k);
-        }
-      }
-    }
+    const bool known = std::ranges::find(graph.edges(from), to, &Edge::to) != graph.edges(from).end();
+    if (path.size() > 1 && !known) link_over(from, to, std::move(path));
   }
   return graph;
 }

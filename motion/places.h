@@ -13,40 +13,28 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "motion/lattice.h"
+#include "motion/place_graph.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
 #include "planning/geometry.h"
+#include "planning/neighbour_grid.h"
 
 namespace coppice {
-
-using Place = std::uint32_t;
-
-struct PlaceGraph {
-  struct Edge {
-    Place to = 0;
-    double length = 0;
-    Path path{};
-    std::vector<Place>
-        near{};  ///< where somebody who stands is touched by a robot on the way; `to` among them
-  };
-  std::vector<Point2> places{};
-  std::vector<std::vector<Edge>> edges{};  ///< by the place that they lead from
-};
-
-/// A number for each place: the same for those that edges connect.
-std::vector<Place> parts_of(const PlaceGraph& graph);
 
 class PackedPlaces {
  public:
   /// `field` outlives it. Places lie on a lattice of `spacing` or a little less.
   PackedPlaces(const ClearanceField& field, double radius, double spacing);
 
-  /// The packed places after `more`, which differ from each other; each is linked to those around it. What
-  /// leads past `obstacles`, which stand for ever, is left out.
+  /// The packed places, of which there are size(), and `more`, which differ from each other; each of those is
+  /// linked to what is around it. What leads past `obstacles`, which stand for ever, is left out. The graph
+  /// stands on this one's.
   PlaceGraph with(std::span<const Point2> more, std::span<const Disc> obstacles);
+  std::size_t size() const { return packed_.size(); }
 
  private:
   static constexpr Place nowhere = ~Place{0};
@@ -59,6 +47,11 @@ class PackedPlaces {
   void pack();
   void grow_cells();
   void link_cells();
+  void index_ways();
+  template <class Fn>
+  void for_each_way_near(const Point2& p, double distance, Fn&& fn) const;
+  bool passes(std::span<const Disc> obstacles, const Path& path) const;
+  void leave_out(std::span<const Disc> obstacles, PlaceGraph& graph) const;
   Path way_to_its_place(Lattice::Vertex v) const;
   Path way_to_a_place(const Point2& p, Place& place);
 
@@ -66,11 +59,14 @@ class PackedPlaces {
   double radius_;
   double touching_;  ///< between centres
   double apart_;     ///< the same, of packed places
+  double reach_;     ///< of the grids
   Lattice lattice_;
-  std::vector<Point2> places_;
-  std::vector<Lattice::Vertex> vertices_;  ///< of the places
-  std::vector<Cell> cells_;                ///< of the lattice's vertices
-  std::vector<std::vector<PlaceGraph::Edge>> edges_;
+  PlaceGraph packed_;
+  std::vector<Lattice::Vertex> vertices_;      ///< of the places
+  std::vector<Cell> cells_;                    ///< of the lattice's vertices
+  NeighbourGrid<2> grid_;                      ///< of the places
+  NeighbourGrid<2> points_of_ways_;            ///< the points that each edge's path is sampled at
+  std::vector<std::pair<Place, Place>> ways_;  ///< by such a point: the ends of the edge, the smaller first
 };
 
 /// The places of a map, packed when they are first asked for: that takes as long as many a joint plan.

@@ -10,13 +10,12 @@ namespace {
 PlaceGraph grid(int columns, int rows) {
   PlaceGraph graph;
   for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) graph.places.emplace_back(i, j);
+    for (int i = 0; i < columns; ++i) graph.add(Point2(i, j));
   }
-  graph.edges.resize(graph.places.size());
-  for (Place a = 0; a < graph.places.size(); ++a) {
-    for (Place b = 0; b < graph.places.size(); ++b) {
-      if ((graph.places[a] - graph.places[b]).norm() == 1)
-        graph.edges[a].push_back({b, 1, {graph.places[a], graph.places[b]}, {b}});
+  for (Place a = 0; a < graph.size(); ++a) {
+    for (Place b = 0; b < graph.size(); ++b) {
+      if ((graph.at(a) - graph.at(b)).norm() == 1)
+        graph.own_edges(a).push_back({b, 1, {graph.at(a), graph.at(b)}, {b}});
     }
   }
   return graph;
@@ -29,7 +28,7 @@ std::vector<Place> made(const PlaceGraph& graph, const std::vector<PlaceTask>& t
   for (const PlaceTask& task : tasks) at.push_back(task.start);
   for (const PlaceMove& move : moves) {
     EXPECT_EQ(at[move.robot], move.from);
-    const PlaceGraph::Edge& edge = graph.edges[move.from][move.edge];
+    const PlaceGraph::Edge& edge = graph.edges(move.from)[move.edge];
     for (std::uint32_t i = 0; i < at.size(); ++i) {
       const bool in_the_way = std::ranges::find(edge.near, at[i]) != edge.near.end();
       EXPECT_FALSE(i != move.robot && in_the_way);
@@ -67,6 +66,17 @@ TEST(Lacam, NoSolutionIsFoundOut) {
   EXPECT_EQ(lacam.search(100'000), Lacam::Outcome::no_solution);
 }
 
+TEST(Lacam, WhoIsShutInGivesWay) {
+  PlaceGraph graph = grid(5, 2);
+  const Place cell = graph.add(Point2(9, 9));
+  Lacam lacam(graph, {{0, 4}, {2, cell}, {7, 6}}, Random(1));
+  EXPECT_EQ(lacam.shut_in(), std::vector<std::uint32_t>{1});
+  ASSERT_EQ(lacam.search(100'000), Lacam::Outcome::solved);
+  const std::vector<Place> at = made(graph, {{0, 4}, {2, cell}, {7, 6}}, lacam.moves());
+  EXPECT_EQ(at[0], 4u);
+  EXPECT_EQ(at[2], 6u);
+}
+
 TEST(Lacam, EffortIsBounded) {
   const PlaceGraph graph = grid(6, 1);
   Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
@@ -76,11 +86,11 @@ TEST(Lacam, EffortIsBounded) {
 // Each place touches those beside it: two robots never stand next to each other, nor pass a third.
 TEST(Lacam, PlacesThatTouchAreNotTakenTogether) {
   PlaceGraph graph = grid(9, 3);
-  for (Place a = 0; a < graph.places.size(); ++a) {
-    for (PlaceGraph::Edge& edge : graph.edges[a]) {
+  for (Place a = 0; a < graph.size(); ++a) {
+    for (PlaceGraph::Edge& edge : graph.own_edges(a)) {
       edge.near.clear();
-      for (Place k = 0; k < graph.places.size(); ++k) {
-        if (k != a && (graph.places[k] - graph.places[edge.to]).norm() < 1.1) edge.near.push_back(k);
+      for (Place k = 0; k < graph.size(); ++k) {
+        if (k != a && (graph.at(k) - graph.at(edge.to)).norm() < 1.1) edge.near.push_back(k);
       }
     }
   }

@@ -2,9 +2,11 @@
 #include "motion/places.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "motion/cost_to_go.h"
 #include "planning/map_generator.h"
 
 namespace coppice {
@@ -28,12 +30,12 @@ OccupancyMap rooms() {
 
 TEST(Places, RobotsOnAllOfThemTouchNothing) {
   const ClearanceField field(rooms());
-  const PlaceGraph graph = PackedPlaces(field, radius, 1).with({}, {});
-  ASSERT_GT(graph.places.size(), 100u);
-  for (std::size_t a = 0; a < graph.places.size(); ++a) {
-    EXPECT_TRUE(field.is_free(graph.places[a], radius));
-    for (std::size_t b = 0; b < a; ++b)
-      EXPECT_GE((graph.places[a] - graph.places[b]).norm(), touching - 1e-9);
+  PackedPlaces packed(field, radius, 1);
+  const PlaceGraph graph = packed.with({}, {});
+  ASSERT_GT(graph.size(), 100u);
+  for (Place a = 0; a < graph.size(); ++a) {
+    EXPECT_TRUE(field.is_free(graph.at(a), radius));
+    for (Place b = 0; b < a; ++b) EXPECT_GE((graph.at(a) - graph.at(b)).norm(), touching - 1e-9);
   }
 }
 
@@ -41,19 +43,55 @@ TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
   const ClearanceField field(rooms());
   const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
   for (const Point2& p : more) ASSERT_TRUE(field.is_free(p, radius));
-  const PlaceGraph graph = PackedPlaces(field, radius, 1).with(more, {});
-  for (Place from = 0; from < graph.places.size(); ++from) {
-    for (const PlaceGraph::Edge& edge : graph.edges[from]) {
-      EXPECT_EQ(edge.path.front(), graph.places[from]);
-      EXPECT_EQ(edge.path.back(), graph.places[edge.to]);
+  PackedPlaces packed(field, radius, 1);
+  const PlaceGraph graph = packed.with(more, {});
+  for (Place from = 0; from < graph.size(); ++from) {
+    for (const PlaceGraph::Edge& edge : graph.edges(from)) {
+      EXPECT_EQ(edge.path.front(), graph.at(from));
+      EXPECT_EQ(edge.path.back(), graph.at(edge.to));
       for (std::size_t k = 1; k < edge.path.size(); ++k)
         EXPECT_TRUE(field.segment_free(edge.path[k - 1], edge.path[k], radius));
-      for (Place k = 0; k < graph.places.size(); ++k) {
-        const bool touches = point_path_distance(graph.places[k], edge.path) < touching - 1e-6;
+      for (Place k = 0; k < graph.size(); ++k) {
+        const bool touches = point_path_distance(graph.at(k), edge.path) < touching - 1e-6;
         // Who stands at the edge's beginning has nobody that near already.
-        const bool alone = (graph.places[k] - graph.places[from]).norm() < touching - 1e-6;
+        const bool alone = (graph.at(k) - graph.at(from)).norm() < touching - 1e-6;
         const bool known = std::ranges::binary_search(edge.near, k);
         EXPECT_TRUE(!touches || alone || known) << from << " " << k;
+      }
+    }
+  }
+}
+
+// What a crowd changes in its graph is its own: the next one finds the packed places as they were.
+TEST(Places, AGraphLeavesThePackedPlacesAlone) {
+  const ClearanceField field(rooms());
+  PackedPlaces packed(field, radius, 1);
+  const PlaceGraph before = packed.with({}, {});
+  const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
+  const std::vector<Disc> dead{{before.at(7), radius}, {before.at(40), 4 * radius}};
+  const PlaceGraph changed = packed.with(more, dead);
+  ASSERT_EQ(changed.size(), before.size() + more.size());
+  EXPECT_TRUE(changed.edges(7).empty());
+  const PlaceGraph after = packed.with({}, {});
+  ASSERT_EQ(after.size(), before.size());
+  for (Place k = 0; k < before.size(); ++k) {
+    ASSERT_EQ(after.edges(k).size(), before.edges(k).size());
+    for (std::size_t e = 0; e < before.edges(k).size(); ++e)
+      EXPECT_EQ(after.edges(k)[e].near, before.edges(k)[e].near);
+  }
+}
+
+TEST(Places, NoEdgeComesNearWhatStandsForEverWhateverItsSize) {
+  const ClearanceField field(rooms());
+  PackedPlaces packed(field, radius, 1);
+  const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
+  for (const double size : {2.0, 5.0, 40.0}) {
+    const std::vector<Disc> dead{{{60, 52}, size}, {{200, 150}, size}};
+    const PlaceGraph graph = packed.with(more, dead);
+    for (Place from = 0; from < graph.size(); ++from) {
+      for (const PlaceGraph::Edge& edge : graph.edges(from)) {
+        for (const Disc& disc : dead)
+          EXPECT_GE(point_path_distance(disc.centre, edge.path), radius + size + standing_gap);
       }
     }
   }
@@ -62,16 +100,18 @@ TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
 TEST(Places, OneConnectedFreeSpaceIsOnePart) {
   for (const int width : {10, 14, 24, 40}) {
     const ClearanceField field(corridor(width));
-    const std::vector<Place> parts = parts_of(PackedPlaces(field, radius, 1).with({}, {}));
-    EXPECT_EQ(std::ranges::count(parts, parts.front()), static_cast<std::ptrdiff_t>(parts.size())) << width;
+    PackedPlaces packed(field, radius, 1);
+    const PlaceGraph graph = packed.with({}, {});
+    CostToGo cost(graph, 0, 0);
+    for (Place k = 0; k < graph.size(); ++k) EXPECT_TRUE(std::isfinite(cost.from(k))) << width;
   }
 }
 
 TEST(Places, AWideCorridorGetsTwoLanes) {
   const ClearanceField narrow(corridor(14));
   const ClearanceField wide(corridor(24));
-  const std::size_t one_lane = PackedPlaces(narrow, radius, 1).with({}, {}).places.size();
-  const std::size_t two_lanes = PackedPlaces(wide, radius, 1).with({}, {}).places.size();
+  const std::size_t one_lane = PackedPlaces(narrow, radius, 1).size();
+  const std::size_t two_lanes = PackedPlaces(wide, radius, 1).size();
   EXPECT_NEAR(static_cast<double>(one_lane), 190 / 10.5, 2);
   EXPECT_NEAR(static_cast<double>(two_lanes), 2 * 190 / 10.5, 4);
 }
@@ -80,9 +120,10 @@ TEST(Places, NoEdgeLeadsThroughWhatStandsForEver) {
   const ClearanceField field(corridor(14));
   const std::vector<Disc> dead{{{100, 50}, radius}};
   const std::vector<Point2> more{{20, 50}, {180, 50}};
-  const PlaceGraph graph = PackedPlaces(field, radius, 1).with(more, dead);
-  const std::vector<Place> parts = parts_of(graph);
-  EXPECT_NE(parts[0], parts[1]);
+  PackedPlaces packed(field, radius, 1);
+  const PlaceGraph graph = packed.with(more, dead);
+  const auto first = static_cast<Place>(packed.size());
+  EXPECT_FALSE(std::isfinite(CostToGo(graph, first, first + 1).from(first + 1)));
 }
 
 // A wall of one cell: robots stand on both sides of it, closer to each other than packed places are.
@@ -90,9 +131,14 @@ TEST(Places, AThinWallHasPlacesOnBothSides) {
   OccupancyMap map = corridor(21);
   for (int i = 0; i < 200; ++i) map.blocked[static_cast<std::size_t>(50 * 200 + i)] = 1;
   const ClearanceField field(map);
-  const PlaceGraph graph = PackedPlaces(field, radius, 1).with({}, {});
-  const auto below = std::ranges::count_if(graph.places, [](const Point2& p) { return p.y() < 50; });
-  const auto above = std::ranges::count_if(graph.places, [](const Point2& p) { return p.y() > 51; });
+  PackedPlaces packed(field, radius, 1);
+  const PlaceGraph graph = packed.with({}, {});
+  int below = 0;
+  int above = 0;
+  for (Place k = 0; k < graph.size(); ++k) {
+    below += graph.at(k).y() < 50;
+    above += graph.at(k).y() > 51;
+  }
   EXPECT_GT(below, 15);
   EXPECT_GT(above, 15);
 }

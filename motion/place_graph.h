@@ -1,0 +1,72 @@
+// Places where robots can stand, and how one gets from place to place past the others: what a crowd is
+// sorted out on (lacam.h).
+//
+// A graph for one crowd differs little from that of the whole map. So it stands on that, and holds for itself
+// only the edges that differ: it costs what the crowd costs, however large the map.
+//
+// Metres in the map frame.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "planning/geometry.h"
+
+namespace coppice {
+
+using Place = std::uint32_t;
+
+class PlaceGraph {
+ public:
+  struct Edge {
+    Place to = 0;
+    double length = 0;
+    Path path{};
+    std::vector<Place>
+        near{};  ///< where somebody who stands is touched by a robot on the way; `to` among them; ascending
+  };
+
+  PlaceGraph() = default;
+  PlaceGraph(PlaceGraph&&) = default;
+  PlaceGraph& operator=(PlaceGraph&&) = default;
+  PlaceGraph(const PlaceGraph&) = delete;  // it points to edges of its own
+  PlaceGraph& operator=(const PlaceGraph&) = delete;
+  ~PlaceGraph() = default;
+
+  /// The same as `ground`, which outlives it and stays as it is.
+  static PlaceGraph over(const PlaceGraph& ground) {
+    PlaceGraph graph;
+    graph.places_ = ground.places_;
+    graph.edges_ = ground.edges_;
+    return graph;
+  }
+
+  /// Places are numbered 0, 1, 2, ... as they are added.
+  Place add(const Point2& p) {
+    const auto place = static_cast<Place>(places_.size());
+    places_.push_back(p);
+    edges_.push_back(&own_[place]);
+    return place;
+  }
+
+  std::size_t size() const { return places_.size(); }
+  const Point2& at(Place place) const { return places_[place]; }
+  const std::vector<Edge>& edges(Place from) const { return *edges_[from]; }
+
+  /// To be changed.
+  std::vector<Edge>& own_edges(Place from) {
+    const auto [own, fresh] = own_.try_emplace(from);
+    if (fresh) own->second = *edges_[from];
+    edges_[from] = &own->second;
+    return own->second;
+  }
+
+ private:
+  std::vector<Point2> places_;
+  std::vector<const std::vector<Edge>*> edges_;       ///< by the place that they lead from
+  std::unordered_map<Place, std::vector<Edge>> own_;  ///< likewise: those that are not the ground's
+};
+
+}  // namespace coppice
