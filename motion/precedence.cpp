@@ -92,12 +92,20 @@ class PiecesAround {
   std::vector<Entry> pieces_;
 };
 
+Box<2> box_around(const Path& path) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box<2> box{Point2::Constant(infinity), Point2::Constant(-infinity)};
+  for (const Point2& p : path) box = {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+  return box;
+}
+
 Box<2> box_around_way(std::size_t robot, std::span<const Move> moves) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box<2> box{Point2::Constant(infinity), Point2::Constant(-infinity)};
   for (const Move& move : moves) {
     if (move.robot != robot) continue;
-    for (const Point2& p : move.path) box = {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+    const Box<2> part = box_around(move.path);
+    box = {box.lower.cwiseMin(part.lower), box.upper.cwiseMax(part.upper)};
   }
   return box;
 }
@@ -152,6 +160,14 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
   };
   // In the plan's order: each piece of the own way finds those of earlier moves.
   for (const Move& move : moves) {
+    const Box<2> part = box_around(move.path);
+    const bool far = (part.lower.array() > box.upper.array() + nearest).any() ||
+                     (part.upper.array() < box.lower.array() - nearest).any();
+    if (far) {
+      for (std::size_t k = 1; k < move.path.size(); ++k)
+        along[move.robot] += (move.path[k] - move.path[k - 1]).norm();
+      continue;
+    }
     for_each_piece(move, radii[move.robot], along[move.robot], [&](const Piece& piece) {
       if (piece.robot == robot) {
         add_gates(piece);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -13,8 +13,8 @@ class AgeCount {
  public:
   /// Seconds. One that clocks make negative counts as new.
   void add(double age) {
-    const double bin = std::log2(std::max(age, least) / least) * bins_a_doubling;
-    ++bins_[std::min(bins_.size() - 1, static_cast<std::size_t>(bin))];
+    const auto times = static_cast<float>(std::max(age, least) / least);
+    ++bins_[std::min<std::size_t>(bins_.size() - 1, (std::bit_cast<std::uint32_t>(times) >> shift) - first)];
     ++count_;
     most_ = std::max(most_, age);
   }
@@ -26,17 +26,21 @@ class AgeCount {
     for (std::size_t k = 0; k < bins_.size(); ++k) {
       below += bins_[k];
       if (below > 0 && static_cast<double>(below) >= rank)
-        return std::min(most_, least * std::exp2(static_cast<double>(k + 1) / bins_a_doubling));
+        return std::min(most_,
+                        least * std::bit_cast<float>(static_cast<std::uint32_t>(k + 1 + first) << shift));
     }
     return 0;
   }
   double most() const { return most_; }
 
  private:
-  static constexpr double least = 1e-4;         // seconds
-  static constexpr double bins_a_doubling = 8;  // 9 % each
+  static constexpr double least = 1e-4;  // seconds
+  // A bin is what a float's exponent and the first bits of its fraction say: at most 6 % wide.
+  static constexpr std::uint32_t bins_a_doubling = 16;
+  static constexpr int shift = 23 - 4;
+  static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(1.0F) >> shift;
 
-  std::array<std::uint64_t, 192> bins_{};  ///< up to half an hour
+  std::array<std::uint64_t, 24 * bins_a_doubling> bins_{};  ///< up to half an hour
   std::uint64_t count_ = 0;
   double most_ = 0;
 };

@@ -18,6 +18,8 @@ constexpr WallTime own_silence = 1;
 constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
 constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
 constexpr std::uint32_t beats_between_news_of_the_dead = 4;
+constexpr double decisions_counted = 16;  // of those that may be late: a pause is one
+constexpr double share_of_overload = 0.25;
 constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;  // knots from one place, likewise
 constexpr double stall = 3;             // seconds without progress that make a robot call a knot
@@ -78,6 +80,7 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
 
   load_.periods += static_cast<std::uint32_t>(periods);
   load_.periods_missed += static_cast<std::uint32_t>(std::max(0, periods - periods_expected_));
+  late_ += ((periods > periods_expected_ ? 1 : 0) - late_) / decisions_counted;
   decide(fleet_now);
   // Counted by periods and not by steps: one that sleeps, or wakes late, misses none.
   const std::uint32_t beats = sequence_ / standing_stride;
@@ -270,7 +273,7 @@ void RobotAgent::enter(Phase phase) {
 
 /// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
 /// there are.
-bool RobotAgent::may_set_off(double fleet_now) const {
+bool RobotAgent::may_set_off(double fleet_now) {
   const bool mustered = fleet_now - mustering_since_ > longest_muster * std::max(1.0, mission_->clock.scale);
   return fleet_.complete(mustered ? 0 : mission_->fleet_size);
 }
@@ -316,14 +319,22 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
   if (is_new_) return out.push_back(Outgoing(std::move(said)));  // to all
-  for (; said.copy + 1 < said.copies; ++said.copy) out.emplace_back(said, agents);
+  const int copies = std::max(said.copies, std::exchange(copies_promised_, said.copies));
+  for (; said.copy + 1 < copies; ++said.copy) out.emplace_back(said, agents);
   out.emplace_back(std::move(said), std::move(agents));
+}
+
+/// Of what it says. One that has stood since its mission began has decided nothing that its death could hide.
+/// One whose processor is too busy for its decisions says everything once: the others' are likely to be too
+/// busy to listen, and what is lost by that is not mended by saying more.
+std::uint8_t RobotAgent::copies() const {
+  const bool has_set_off = status_.driven_length > 0 || !body_->stands();
+  const bool overloaded = late_ > share_of_overload;
+  return static_cast<std::uint8_t>(has_set_off && !is_new_ && !overloaded ? fleet_.copies() : 1);
 }
 
 RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
   const Commitment c = body_->commitment();
-  // One that has stood since its mission began has decided nothing that its death could hide.
-  const bool has_set_off = status_.driven_length > 0 || !body_->stands();
   return {.robot = name_,
           .sequence = sequence_,
           .stamp = c.stamp,
@@ -338,7 +349,7 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .stage = knot_.stage(),
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
-          .copies = static_cast<std::uint8_t>(has_set_off && !is_new_ ? fleet_.copies() : 1),
+          .copies = copies(),
           .is_new = is_new_,
           .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes)};

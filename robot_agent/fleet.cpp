@@ -32,6 +32,7 @@ Fleet::Peer& Fleet::peer(const RobotName& robot) {
   if (fresh) {
     peers_.push_back({.phase = phase_of(robot), .robot = robot});
     all_settled_until_ = 0;
+    all_known_ = false;
   }
   return peers_[number];
 }
@@ -40,6 +41,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
   if (!has_clock_ || mission.clock != clock_) {
     clock_ = mission.clock;
     has_clock_ = true;
+    all_known_ = false;
     for (Peer& p : peers_) {
       p.clock = {};
       p.introductions = 0;
@@ -88,6 +90,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (state->is_new) p.introductions = 0;
   if (!p.state || p.dead) all_settled_until_ = 0;
   if (std::exchange(p.dead, false)) {
+    all_known_ = false;
     p.rests.clear();
     ++returns_;
   }
@@ -275,11 +278,12 @@ bool Fleet::somebody_plans() const {
                              [](const Peer& p) { return p.state && p.state->phase == Phase::planning; });
 }
 
-bool Fleet::complete(std::size_t robots) const {
-  return peers_.size() + 1 >= robots && std::ranges::all_of(peers_, [&](const Peer& p) {
-           const bool done = p.mission && p.mission->cancelled;
-           return done || (p.state && p.clock.known()) || p.dead;
-         });
+bool Fleet::complete(std::size_t robots) {
+  all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) {
+                 const bool done = p.mission && p.mission->cancelled;
+                 return done || (p.state && p.clock.known()) || p.dead;
+               });
+  return all_known_ && peers_.size() + 1 >= robots;
 }
 
 }  // namespace coppice

@@ -100,7 +100,7 @@ class Fleet {
   bool somebody_plans() const;
   /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or
   /// has no more to do.
-  bool complete(std::size_t robots) const;
+  bool complete(std::size_t robots);
 
   /// Whom a state is for (interest.h), and some of the stamps that were heard, all in turn: so that these can
   /// compare clocks. `turn`: the number of the state. `news`: of its knot, for all within it. `waits_for`:
@@ -222,6 +222,7 @@ class Fleet {
   Absences absences_;
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   std::uint32_t returns_ = 0;
+  bool all_known_ = false;  ///< nobody has come since everybody's clock was known, or needed not to be
   bool somebody_missing_ = false;
   bool somebody_said_dead_ = false;
   double next_look_at_the_dead_ = 0;

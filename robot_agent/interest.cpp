@@ -114,6 +114,7 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
 /// to time whatever else is news.
 std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {
   std::vector<Echo> echoes;
+  echoes.reserve(echoes_a_state);
   const auto add = [&](Peer& p) {
     p.echo_sent = p.state->stamp;
     echoes.push_back({p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)});

@@ -89,12 +89,13 @@ class RobotAgent {
   void watch_arrival(double fleet_now);
   void give_up(const char* reason);
   void hope_anew();
-  bool may_set_off(double fleet_now) const;
+  bool may_set_off(double fleet_now);
   bool all_free_around() const;
   void enter(Phase phase);
   std::vector<Neighbour> neighbours(double fleet_now);
   FleetMember self() const;
   int periods_to_next_control() const;
+  std::uint8_t copies() const;
   void speak(double fleet_now, bool beat, std::vector<Outgoing>& out);
   RobotState state(double fleet_now, std::vector<Echo> echoes) const;
   void say_track(std::vector<Outgoing>& out);
@@ -123,6 +124,7 @@ class RobotAgent {
   std::uint32_t rejected_by_bus_ = 0;
   AgeCount ages_;
   int periods_expected_ = 1;  ///< until the next decision
+  double late_ = 0;           ///< share of the last decisions that came late
   AgentLoad load_;
   Fleet fleet_;
 
@@ -148,6 +150,7 @@ class RobotAgent {
   std::uint32_t since_news_ = 0;  ///< control steps
   std::uint32_t since_knot_ = 0;  ///< control steps in which nothing about its part in a knot has changed
   Steady last_said_;
+  std::uint8_t copies_promised_ = 1;  ///< by its last state
   bool first_control_ = true;
   double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
   bool is_new_ = false;         ///< does not know yet where all others are, though it is mid-run

@@ -1,6 +1,7 @@
 // The robot agent as a state machine, message by message.
 #include "robot_agent/robot_agent.h"
 
+#include <map>
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -322,6 +323,63 @@ TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
   EXPECT_LE(status.load.state_age_max, 0.25);
   EXPECT_GE(status.load.state_age_max, status.load.state_age_p99);
   EXPECT_EQ(status.load.periods_missed, 0u);
+}
+
+/// Two agents that hear each other, stepped whenever they want, each time so late; what "a" says in that
+/// time.
+std::vector<RobotState> said_to_one_other(RobotAgent& a, RobotAgent& b, double from, double until,
+                                          double late) {
+  std::vector<RobotState> said;
+  double now = from;
+  while (now < until) {
+    for (RobotAgent* agent : {&a, &b}) {
+      if (agent->next_wake() > now) continue;
+      for (const Message& message : messages(agent->step(now))) {
+        if (!std::holds_alternative<RobotState>(message)) continue;
+        (agent == &a ? b : a).on(arrival_of(message, now));
+        if (agent == &a) said.push_back(std::get<RobotState>(message));
+      }
+    }
+    now = std::max(now + 0.001, std::min(a.next_wake(), b.next_wake()) + late);
+  }
+  return said;
+}
+
+/// How often each state was said.
+std::map<std::uint32_t, int> copies_of(const std::vector<RobotState>& said) {
+  std::map<std::uint32_t, int> copies;
+  for (const RobotState& state : said) ++copies[state.sequence];
+  return copies;
+}
+
+TEST(RobotAgent, OneThatIsTooBusyForItsDecisionsSaysThemOnceButNeverLessOftenThanItPromised) {
+  Scenario scenario = two_robots();
+  scenario.robots[0].max_speed = scenario.robots[1].max_speed = 1;  // under way all the time
+  PlannerService service(scenario, {}, 0);
+  RobotAgent a("a");
+  RobotAgent b("b");
+  a.step(0);
+  b.step(0);
+  for (const Message& message : map_and_missions(service)) {
+    for (RobotAgent* agent : {&a, &b}) agent->on(arrival_of(message, 0));
+  }
+  const auto usually = said_to_one_other(a, b, 0, 5, 0);
+  EXPECT_GE(copies_of(usually).rbegin()->second, 3);  // one listener, no loss known of
+  const auto hardly = said_to_one_other(a, b, 5, 10, 0.12);
+  EXPECT_EQ(copies_of(hardly).rbegin()->second, 1);
+  EXPECT_EQ(hardly.back().copies, 1);
+  const auto again = said_to_one_other(a, b, 10, 15, 0);
+  EXPECT_GE(copies_of(again).rbegin()->second, 3);
+
+  // No state that follows another is said less often than that one has promised.
+  std::vector<RobotState> all = usually;
+  all.insert(all.end(), hardly.begin(), hardly.end());
+  all.insert(all.end(), again.begin(), again.end());
+  const auto copies = copies_of(all);
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    const bool same = all[k].sequence == all[k - 1].sequence;
+    EXPECT_TRUE(same || copies.at(all[k].sequence) >= all[k - 1].copies) << all[k].sequence;
+  }
 }
 
 TEST(KnotId, EpochsCountRoundSoThatThereIsALaterOneToEach) {
