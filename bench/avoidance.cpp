@@ -34,7 +34,7 @@ Run judged(std::vector<double> run_times, std::size_t robots, std::span<const Tr
   const auto separation = separation_of(tracks);
   const auto clearance = clearance_of(tracks, field);
   const bool touched =
-      (separation && separation->overlapping > 0) || (clearance && clearance->overlapping > 0);
+      (separation && !separation->overlapping.empty()) || (clearance && !clearance->overlapping.empty());
   return {run_times.size() == robots && !touched, mean(run_times)};
 }
 
@@ -120,7 +120,7 @@ Both compared(const TrialCase& trial, double radius) {
   FleetSimulation simulation(scenario, {.timeout = longest_run});
   simulation.run([](const PlannerService&, double) { return true; });
   const std::vector<NamedTrack> named = simulation.tracks();
-  const proto::Report report = simulation.service().report(named);
+  const proto::Report report = simulation.service().report(in_one_part(named));
   std::vector<double> arrivals;
   std::vector<Path> paths;
   for (const auto& robot : report.robots()) {

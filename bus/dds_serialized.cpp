@@ -1,14 +1,13 @@
 #include "bus/dds_serialized.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
 #include <variant>
 
-#include <fastdds/rtps/common/SerializedPayload.h>
+#include <fastcdr/Cdr.h>
+#include <fastcdr/exceptions/Exception.h>
 
-#include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
 #include "bus/validation.h"
 
@@ -16,20 +15,30 @@ namespace coppice {
 
 namespace {
 
-using eprosima::fastrtps::rtps::SerializedPayload_t;
+using eprosima::fastcdr::Cdr;
+using eprosima::fastcdr::FastBuffer;
 
+constexpr std::size_t encapsulation = 4;  // bytes: the byte order
+
+// Not by the generated support of a topic: to make one counts the bytes of its largest sample, one by one.
 template <class M>
-std::optional<Message> read(SerializedPayload_t& payload) {
-  CheckedType<typename DdsType<M>::Support> support;
+std::optional<Message> read(std::span<char> bytes) {
   typename DdsType<M>::Type sample;
-  if (!support.deserialize(&payload, &sample)) return std::nullopt;
+  try {
+    FastBuffer buffer(bytes.data(), bytes.size());
+    Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+    cdr.read_encapsulation();
+    sample.deserialize(cdr);
+  } catch (const eprosima::fastcdr::exception::Exception&) {
+    return std::nullopt;
+  }
   return from_dds(sample);
 }
 
 template <std::size_t... I>
-std::optional<Message> read(std::size_t kind, SerializedPayload_t& payload, std::index_sequence<I...>) {
+std::optional<Message> read(std::size_t kind, std::span<char> bytes, std::index_sequence<I...>) {
   constexpr std::array readers{&read<std::variant_alternative_t<I, Message>>...};
-  return kind < readers.size() ? readers[kind](payload) : std::nullopt;
+  return kind < readers.size() ? readers[kind](bytes) : std::nullopt;
 }
 
 }  // namespace
@@ -37,23 +46,23 @@ std::optional<Message> read(std::size_t kind, SerializedPayload_t& payload, std:
 std::vector<std::uint8_t> serialized(const Message& message) {
   return std::visit(
       [&]<class M>(const M& m) {
-        auto sample = to_dds(m);
-        typename DdsType<M>::Support support;
-        SerializedPayload_t payload(support.getSerializedSizeProvider(&sample)());
-        support.serialize(&sample, &payload);
-        std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(message.index())};
-        bytes.insert(bytes.end(), payload.data, payload.data + payload.length);
-        return bytes;
+        const auto sample = to_dds(m);
+        std::vector<char> bytes(encapsulation + sample.getCdrSerializedSize(sample));
+        FastBuffer buffer(bytes.data(), bytes.size());
+        Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
+        cdr.serialize_encapsulation();
+        sample.serialize(cdr);
+        std::vector<std::uint8_t> result{static_cast<std::uint8_t>(message.index())};
+        result.insert(result.end(), bytes.data(), bytes.data() + cdr.getSerializedDataLength());
+        return result;
       },
       message);
 }
 
 std::optional<Message> deserialized(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return std::nullopt;
-  SerializedPayload_t payload(static_cast<std::uint32_t>(bytes.size() - 1));
-  std::ranges::copy(bytes.subspan(1), payload.data);
-  payload.length = payload.max_size;
-  auto message = read(bytes[0], payload, std::make_index_sequence<std::variant_size_v<Message>>());
+  std::vector<char> sample(bytes.begin() + 1, bytes.end());
+  auto message = read(bytes[0], sample, std::make_index_sequence<std::variant_size_v<Message>>());
   if (message && problem_with(*message)) return std::nullopt;
   return message;
 }

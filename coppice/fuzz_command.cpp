@@ -60,8 +60,8 @@ int replay(const FuzzOptions& options) {
   simulation.run(go_on);
   const FuzzResult result = judge(fuzz_case, simulation);
   const std::vector<NamedTrack> tracks = simulation.tracks();
-  const proto::Report report = simulation.service().report(tracks);
-  write_results(options.files, report, tracks, simulation.service().picture());
+  const proto::Report report = simulation.service().report(in_one_part(tracks));
+  write_results(options.files, report, in_one_part(tracks), [&] { return simulation.service().picture(); });
   std::cout << report_table(report);
   tell_failures(fuzz_case, result);
   return result.failures.empty() ? 0 : 1;

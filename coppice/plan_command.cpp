@@ -180,7 +180,8 @@ int plan_command(const RunOptions& options) {
                           ? plan_together(field, problems, Random(scenario.seed), budget, out_of_time)
                           : plan_apart(field, problems, kind, scenario.seed, budget, out_of_time);
   const proto::Report report = report_of(scenario, plans);
-  write_results(options, report, {}, picture_of(scenario, plans));
+  const auto nobody_drives = [](const auto&) {};
+  write_results(options, report, nobody_drives, [&] { return picture_of(scenario, plans); });
   if (!options.quiet) std::cout << report_table(report);
   return report.outcome() == "planned" ? 0 : 1;
 }

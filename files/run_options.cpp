@@ -64,11 +64,11 @@ PlannerKind chosen_planner(const RunOptions& options) {
   return planner_kind(options.planner).value();  // checked when the option was read
 }
 
-void write_results(const RunOptions& options, const proto::Report& report,
-                   const std::vector<NamedTrack>& tracks, const PictureContent& picture) {
+void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,
+                   const std::function<PictureContent()>& picture) {
   if (!options.report.empty()) write_report(options.report, report);
   if (!options.trajectory.empty()) write_trajectory(options.trajectory, tracks);
-  if (!options.picture.empty()) write_picture(options.picture, picture);
+  if (!options.picture.empty()) write_picture(options.picture, picture());
 }
 
 }  // namespace coppice

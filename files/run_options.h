@@ -2,9 +2,9 @@
 // ask for.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -38,8 +38,9 @@ inline constexpr double default_plan_budget = 1;
 
 PlannerKind chosen_planner(const RunOptions& options);
 
-/// Writes the files that were asked for. Throws InputError if one cannot be written.
-void write_results(const RunOptions& options, const proto::Report& report,
-                   const std::vector<NamedTrack>& tracks, const PictureContent& picture);
+/// Writes the files that were asked for; `picture()` makes the content of one. Throws InputError if one
+/// cannot be written.
+void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,
+                   const std::function<PictureContent()>& picture);
 
 }  // namespace coppice

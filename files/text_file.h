@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <string>
 #include <string_view>
 
@@ -13,5 +15,7 @@ std::string read_file(const std::filesystem::path& path);
 /// Writes beside the target and renames: a reader sees the old file or the new one, and a full disk leaves
 /// the old. Throws InputError if it cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view content);
+/// The same, for what is not to be in memory whole.
+void write_file(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace coppice

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
+#include <ostream>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -9,25 +12,39 @@
 
 namespace coppice {
 
-void write_trajectory(const std::filesystem::path& path, const std::vector<NamedTrack>& tracks) {
+namespace {
+
+/// The rows of a part; their order is that of the file.
+std::string rows_of(const TrackPart& part) {
   struct Row {
     const TrackPoint* point;
     const std::string* robot;
   };
   std::vector<Row> rows;
-  for (const NamedTrack& named : tracks) {
-    for (const TrackPoint& point : named.track.points) rows.push_back({&point, &named.robot});
+  for (const NamedTrack& named : part.tracks) {
+    for (const TrackPoint& point : named.track.points) {
+      if (point.time >= part.from && point.time < part.until) rows.push_back({&point, &named.robot});
+    }
   }
   std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {
     return a.point->time != b.point->time ? a.point->time < b.point->time : *a.robot < *b.robot;
   });
-  std::string csv = "time,robot,x,y,vx,vy\n";
+  std::string csv;
   for (const Row& row : rows) {
     const TrackPoint& p = *row.point;
     fmt::format_to(std::back_inserter(csv), "{:.6f},{},{:.6f},{:.6f},{:.6f},{:.6f}\n", p.time, *row.robot,
                    p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y());
   }
-  write_file(path, csv);
+  return csv;
+}
+
+}  // namespace
+
+void write_trajectory(const std::filesystem::path& path, const TrackParts& parts) {
+  write_file(path, [&](std::ostream& out) {
+    out << "time,robot,x,y,vx,vy\n";
+    parts([&](const TrackPart& part) { out << rows_of(part); });
+  });
 }
 
 }  // namespace coppice

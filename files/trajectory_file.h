@@ -2,20 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
-#include "motion/separation.h"
+#include "files/track_record.h"
 
 namespace coppice {
 
-struct NamedTrack {
-  std::string robot;
-  Track track;
-};
-
 /// Header `time,robot,x,y,vx,vy`; rows by time, then by robot. Seconds, metres, metres per second, to a
 /// millionth. Throws InputError if the file cannot be written.
-void write_trajectory(const std::filesystem::path& path, const std::vector<NamedTrack>& tracks);
+void write_trajectory(const std::filesystem::path& path, const TrackParts& parts);
 
 }  // namespace coppice

@@ -84,11 +84,14 @@ double least_distance(const Track& a, const Track& b, double from, double to) {
 
 std::optional<Separation> separation_of(std::span<const Track> tracks) {
   std::vector<const Track*> there;
+  std::vector<std::size_t> numbers;
   double begin = std::numeric_limits<double>::infinity();
   double end = -begin;
-  for (const Track& track : tracks) {
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const Track& track = tracks[i];
     if (track.points.empty()) continue;
     there.push_back(&track);
+    numbers.push_back(i);
     begin = std::min(begin, track.points.front().time);
     end = std::max(end, track.points.back().time);
   }
@@ -98,7 +101,7 @@ std::optional<Separation> separation_of(std::span<const Track> tracks) {
   std::vector<std::vector<Box<2>>> covered;
   for (const Track* track : there) covered.push_back(boxes(*track, begin, windows));
 
-  Separation result{std::numeric_limits<double>::infinity(), 0};
+  Separation result{std::numeric_limits<double>::infinity(), {}};
   for (std::size_t i = 0; i < there.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double radii = there[i]->radius + there[j]->radius;
@@ -111,16 +114,17 @@ std::optional<Separation> separation_of(std::span<const Track> tracks) {
         least = std::min(least, least_distance(*there[i], *there[j], from, from + window) - radii);
       }
       result.least = std::min(result.least, least);
-      result.overlapping += least < -overlap_tolerance;
+      if (least < -overlap_tolerance) result.overlapping.emplace(numbers[j], numbers[i]);
     }
   }
   return result;
 }
 
 std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, const ClearanceField& field) {
-  ObstacleClearance result{std::numeric_limits<double>::infinity(), 0};
+  ObstacleClearance result{std::numeric_limits<double>::infinity(), {}};
   bool any = false;
-  for (const Track& track : tracks) {
+  for (std::size_t number = 0; number < tracks.size(); ++number) {
+    const Track& track = tracks[number];
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < track.points.size(); ++i) {
       const Point2& from = track.points[i == 0 ? 0 : i - 1].position;
@@ -134,9 +138,24 @@ std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, con
     if (track.points.empty()) continue;
     any = true;
     result.least = std::min(result.least, least);
-    result.overlapping += least < -overlap_tolerance;
+    if (least < -overlap_tolerance) result.overlapping.insert(number);
   }
   return any ? std::optional(result) : std::nullopt;
+}
+
+Track clipped(const Track& track, double from, double until) {
+  Track part{track.radius, {}};
+  if (track.points.empty()) return part;
+  Cursor cursor(track);
+  const auto add_end = [&](double time) {
+    if (std::isfinite(time)) part.points.push_back({time, cursor.at(time), Point2::Zero()});
+  };
+  add_end(from);
+  for (const TrackPoint& point : track.points) {
+    if (point.time > from && point.time < until) part.points.push_back(point);
+  }
+  add_end(until);
+  return part;
 }
 
 }  // namespace coppice

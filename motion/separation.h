@@ -4,9 +4,12 @@
 // Metres, seconds.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
+#include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "planning/clearance_field.h"
@@ -29,19 +32,33 @@ struct Track {
 inline constexpr double overlap_tolerance = 1e-6;
 
 struct Separation {
-  double least = 0;             ///< over time and pairs: distance minus both radii
-  std::size_t overlapping = 0;  ///< pairs that overlapped by more than the tolerance
+  double least = 0;  ///< over time and pairs: distance minus both radii
+  std::set<std::pair<std::size_t, std::size_t>> overlapping;  ///< pairs, by more than the tolerance
 };
 
 /// Nothing for fewer than two tracks with points.
 std::optional<Separation> separation_of(std::span<const Track> tracks);
 
 struct ObstacleClearance {
-  double least = 0;             ///< over time and robots: clearance minus the radius
-  std::size_t overlapping = 0;  ///< robots that overlapped an obstacle by more than the tolerance
+  double least = 0;                   ///< over time and robots: clearance minus the radius
+  std::set<std::size_t> overlapping;  ///< robots that overlapped an obstacle by more than the tolerance
 };
 
 /// Nothing if no track has points.
 std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, const ClearanceField& field);
+
+/// What a track is from one time until another, either of which may be infinite; nothing if it has no points.
+Track clipped(const Track& track, double from, double until);
+
+/// Of a whole, of which `part` is one more part in time.
+template <class Contact>
+void add_part(std::optional<Contact>& whole, std::optional<Contact> part) {
+  if (!whole || !part) {
+    if (part) whole = std::move(part);
+    return;
+  }
+  whole->least = std::min(whole->least, part->least);
+  whole->overlapping.merge(part->overlapping);
+}
 
 }  // namespace coppice

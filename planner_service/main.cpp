@@ -109,7 +109,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
                           .planner = chosen_planner(options),
                           .plan_budget = options.plan_budget.value_or(default_plan_budget),
                           .lifelong = options.lifelong},
-                         wall_now());
+                         wall_now(), TrackRecord::on_disk());
   if (!service.recall(kept, wall_now()))
     throw InputError(journal->file().string() +
                      ": is of another run: end that one, remove the file, or name another folder");
@@ -119,7 +119,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
   Keeper keeper(std::move(record), journal ? &*journal : nullptr);
   serve(bus, service, desk, keeper, heart);
   const proto::Report report = service.report();
-  write_results(options, report, service.tracks(), service.picture());
+  write_results(options, report, service.tracks(), [&] { return service.picture(); });
   if (journal) std::filesystem::remove(journal->file());  // the run is over
   if (!options.quiet) std::cout << '\n' << report_table(report);
   return service.everybody_arrived() ? 0 : 1;

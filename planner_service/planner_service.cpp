@@ -59,31 +59,77 @@ std::string content_id(const OccupancyMap& map) {
   return fmt::format("{:016x}", hash);
 }
 
+/// What the tracks tell, looked at part by part.
+struct Driven {
+  std::vector<double> length;  ///< by robot
+  std::vector<std::optional<TrackPoint>> last;
+  std::optional<Separation> separation;
+  std::optional<ObstacleClearance> clearance;
+};
+
+Driven driven(const TrackParts& tracks, std::size_t robots, const ClearanceField& field) {
+  Driven result{.length = std::vector<double>(robots),
+                .last = std::vector<std::optional<TrackPoint>>(robots),
+                .separation = {},
+                .clearance = {}};
+  tracks([&](const TrackPart& part) {
+    std::vector<Track> here;
+    for (std::size_t i = 0; i < robots; ++i) {
+      const Track& track = part.tracks[i].track;
+      if (!track.points.empty()) result.last[i] = track.points.back();
+      here.push_back(clipped(track, part.from, part.until));
+      const std::vector<TrackPoint>& points = here.back().points;
+      for (std::size_t k = 1; k < points.size(); ++k)
+        result.length[i] += (points[k].position - points[k - 1].position).norm();
+    }
+    add_part(result.separation, separation_of(here));
+    add_part(result.clearance, clearance_of(here, field));
+  });
+  return result;
+}
+
+/// As fine as a picture shows them.
+std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
+  constexpr double fine = 0.1;  // radii
+  std::vector<Path> result(robots);
+  tracks([&](const TrackPart& part) {
+    for (std::size_t i = 0; i < robots; ++i) {
+      const Track& track = part.tracks[i].track;
+      for (const TrackPoint& point : track.points) {
+        if (result[i].empty() || (point.position - result[i].back()).norm() > fine * track.radius)
+          result[i].push_back(point.position);
+      }
+    }
+  });
+  return result;
+}
+
 }  // namespace
 
 /// By the record: stands at the end within the tolerance of the goal.
-bool PlannerService::Robot::at_goal(const Track& recorded) const {
-  return !recorded.points.empty() &&
-         (recorded.points.back().position - task.goal).norm() <= task.goal_tolerance;
+bool PlannerService::Robot::at_goal(const std::optional<TrackPoint>& last) const {
+  return last && (last->position - task.goal).norm() <= task.goal_tolerance;
 }
 
 bool PlannerService::Robot::done() const {
   return lost || arrived() || (status && status->phase == Phase::no_path);
 }
 
-PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now)
+PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now,
+                               TrackRecord record)
     : scenario_(std::move(scenario)),
       settings_(settings),
       map_id_(content_id(scenario_.map)),
       random_(scenario_.seed),
       clock_{now, settings.time_scale},
+      record_(std::move(record)),
       begun_(now),
       last_step_(now) {
   for (const RobotTask& task : scenario_.robots) {
     Robot robot;
     robot.task = task;
     robot.last_heard = now;
-    robot.track.radius = task.radius;
+    robot.index = order_.size();
     robots_.emplace(task.name, std::move(robot));
     order_.push_back(task.name);
   }
@@ -132,18 +178,18 @@ void PlannerService::receive(const PathMessage& path, WallTime) {
 void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   const auto known = robots_.find(batch.robot);
   if (known == robots_.end()) return;
-  auto& points = known->second.track.points;
+  const std::size_t robot = known->second.index;
   // The report looks at each second between the first and the last: agents whose clocks are that far off are
   // nothing that it could tell of.
   const double fleet_now = clock_.fleet_time(now);
   const bool fits = batch.points.empty() || (batch.points.front().time >= -largest_clock_error &&
                                              batch.points.back().time <= fleet_now + largest_clock_error);
-  if (!fits || points.size() + batch.points.size() > most_track_points) return;
+  if (!fits || record_.size(robot) + batch.points.size() > most_track_points) return;
   for (std::size_t i = 0; i < batch.points.size(); ++i) {
     // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in
     // the count.
-    if (batch.first_index + i < points.size()) continue;
-    points.push_back({batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
+    if (batch.first_index + i < record_.size(robot)) continue;
+    record_.append(robot, {batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
   }
 }
 
@@ -335,16 +381,16 @@ bool PlannerService::run_is_over(WallTime now) {
 
 /// After the end every living agent says in its last status how many points there are in all.
 bool PlannerService::tracks_complete() const {
-  return std::ranges::all_of(robots_, [](const auto& entry) {
+  return std::ranges::all_of(robots_, [&](const auto& entry) {
     const Robot& robot = entry.second;
     return robot.lost || !robot.status ||
-           (robot.status->phase == Phase::stopped && robot.track.points.size() >= robot.status->track_points);
+           (robot.status->phase == Phase::stopped && record_.size(robot.index) >= robot.status->track_points);
   });
 }
 
 bool PlannerService::everybody_arrived() const {
-  return std::ranges::all_of(robots_,
-                             [](const auto& entry) { return entry.second.at_goal(entry.second.track); });
+  return std::ranges::all_of(
+      robots_, [&](const auto& entry) { return entry.second.at_goal(record_.last(entry.second.index)); });
 }
 
 Progress PlannerService::progress(WallTime now) const {
@@ -364,7 +410,7 @@ std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
   if (at_goal) return {};
   if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
   if (!robot.status->reason.empty()) return robot.status->reason;
-  if (robot.track.points.size() < robot.status->track_points)
+  if (record_.size(robot.index) < robot.status->track_points)
     return "the record of its track is not complete";
   if (robot.lost) return "the agent has fallen silent";
   if (interrupted_) return "interrupted";
@@ -405,36 +451,38 @@ double PlannerService::improve_time() const {
   return best - first;
 }
 
-std::vector<NamedTrack> PlannerService::tracks() const {
-  std::vector<NamedTrack> tracks;
-  for (const RobotName& name : order_) tracks.push_back({name, robots_.at(name).track});
-  return tracks;
+TrackParts PlannerService::tracks() const {
+  return [this](const std::function<void(const TrackPart&)>& fn) {
+    record_.for_each_stretch([&](double from, double until) {
+      TrackPart part{from, until, {}};
+      for (std::size_t i = 0; i < order_.size(); ++i)
+        part.tracks.push_back(
+            {order_[i], {robots_.at(order_[i]).task.radius, record_.around(i, from, until)}});
+      fn(part);
+    });
+  };
 }
 
-proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) const {
+proto::Report PlannerService::report(const TrackParts& tracks) const {
+  const Driven all = driven(tracks, order_.size(), ClearanceField(scenario_.map));
   proto::Report report;
   double path_sum = 0;
   int planned = 0;
   bool all_arrived = true;
-  std::vector<Track> all;
-  for (const NamedTrack& named : tracks) {
-    const Robot& robot = robots_.at(named.robot);
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Robot& robot = robots_.at(order_[i]);
     auto* row = report.add_robots();
-    row->set_name(named.robot);
+    row->set_name(order_[i]);
     row->set_planned(!robot.path.empty());
-    row->set_arrived(robot.at_goal(named.track));
+    row->set_arrived(robot.at_goal(all.last[i]));
     row->set_reason(reason_of(robot, row->arrived()));
     all_arrived = all_arrived && row->arrived();
-    all.push_back(named.track);
     for (const Point2& p : robot.path) {
       row->add_path()->set_x(p.x());
       row->mutable_path()->rbegin()->set_y(p.y());
     }
     row->set_path_length(length_of(robot.path));
-    const auto& points = named.track.points;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      row->set_driven_length(row->driven_length() + (points[i].position - points[i - 1].position).norm());
-    }
+    row->set_driven_length(all.length[i]);
     if (!robot.path.empty()) {
       path_sum += row->path_length();
       ++planned;
@@ -469,25 +517,25 @@ proto::Report PlannerService::report(const std::vector<NamedTrack>& tracks) cons
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);
 
-  if (const auto separation = separation_of(all)) {
-    report.set_least_separation(separation->least);
-    report.set_collisions(static_cast<std::uint32_t>(separation->overlapping));
+  if (all.separation) {
+    report.set_least_separation(all.separation->least);
+    report.set_collisions(static_cast<std::uint32_t>(all.separation->overlapping.size()));
   }
-  if (const auto clearance = clearance_of(all, ClearanceField(scenario_.map))) {
-    report.set_least_clearance(clearance->least);
-    report.set_collisions(report.collisions() + static_cast<std::uint32_t>(clearance->overlapping));
+  if (all.clearance) {
+    report.set_least_clearance(all.clearance->least);
+    report.set_collisions(report.collisions() +
+                          static_cast<std::uint32_t>(all.clearance->overlapping.size()));
   }
   return report;
 }
 
 PictureContent PlannerService::picture() const {
   PictureContent content{.map = scenario_.map, .edges = shared_edges_, .robots = {}};
+  const std::vector<Path> driven = ways(tracks(), order_.size());
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const Robot& robot = robots_.at(order_[i]);
-    Path track;
-    for (const TrackPoint& point : robot.track.points) track.push_back(point.position);
     content.robots.push_back(
-        {robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, track});
+        {robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, driven[i]});
     for (const RootNodes::Node& node : robot.root_nodes) {
       if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
       content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position,

@@ -17,7 +17,7 @@
 #include "bus/messages.h"
 #include "files/picture.h"
 #include "files/scenario.h"
-#include "files/trajectory_file.h"
+#include "files/track_record.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/random.h"
 #include "report.pb.h"
@@ -45,7 +45,7 @@ class PlannerService {
  public:
   /// Hands out the map at once, and the missions when every agent has trees that cover it; fleet time is 0
   /// then.
-  PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now);
+  PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now, TrackRecord record = {});
 
   /// Goes on with a run whose service was killed, by what that kept (run_record.h). False, and nothing of use
   /// any more, if it is not a run of this scenario with these settings. Before anything else.
@@ -64,9 +64,10 @@ class PlannerService {
   Progress progress(WallTime now) const;
   /// From what the agents recorded.
   proto::Report report() const { return report(tracks()); }
-  /// From another record of the same run, one track for each robot in the scenario's order.
-  proto::Report report(const std::vector<NamedTrack>& tracks) const;
-  std::vector<NamedTrack> tracks() const;
+  /// From another record of the same run, of its robots in the scenario's order.
+  proto::Report report(const TrackParts& tracks) const;
+  /// Of this one's record, for as long as it lives.
+  TrackParts tracks() const;
   PictureContent picture() const;
   /// A robot's task, with its latest goal. It is in the scenario.
   const RobotTask& task(const RobotName& robot) const { return robots_.at(robot).task; }
@@ -74,7 +75,8 @@ class PlannerService {
  private:
   /// What is known of one robot.
   struct Robot {
-    RobotTask task;  ///< with its latest goal
+    RobotTask task;         ///< with its latest goal
+    std::size_t index = 0;  ///< in the scenario's order
     std::uint32_t mission = 1;
     std::optional<AgentStatus> status;        ///< of this mission
     std::optional<AgentStatus> first_status;  ///< of its first
@@ -84,9 +86,8 @@ class PlannerService {
     std::optional<std::uint32_t> trees_received;  ///< none: it has not appeared yet
     bool lost = false;
     Path path;
-    Track track;
     std::vector<RootNodes::Node> root_nodes;
-    bool at_goal(const Track& recorded) const;
+    bool at_goal(const std::optional<TrackPoint>& last) const;
     bool arrived() const { return status && status->phase == Phase::arrived; }
     bool done() const;
     std::uint32_t missions_fulfilled(bool there) const { return mission - 1 + there; }
@@ -124,6 +125,7 @@ class PlannerService {
   std::map<double, std::vector<Point2>> places_{};  ///< where goals may be, by radius
   FleetClock clock_;
   std::map<RobotName, Robot> robots_;
+  TrackRecord record_;
   std::vector<RobotName> order_;  ///< as in the scenario
   std::map<std::uint64_t, BrokerStatus> brokers_;
   std::vector<PictureContent::Edge> shared_edges_;

@@ -150,7 +150,7 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     result.failures.push_back(fmt::format("{} messages that no reader takes", result.suffered.rejected));
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
-  const proto::Report report = simulation.service().report(tracks);
+  const proto::Report report = simulation.service().report(in_one_part(tracks));
   const std::vector<JointTask> ends = ends_of(tracks, simulation);
   const ClearanceField field(fuzz_case.scenario.map);
   const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);

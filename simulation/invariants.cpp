@@ -47,11 +47,11 @@ std::vector<std::string> broken_invariants(const Scenario& scenario, const std::
   const auto separation = separation_of(all);
   if (separation && separation->least < -overlap_tolerance)
     broken.push_back(fmt::format("robots touched: least separation {:.6f} m, {} pairs", separation->least,
-                                 separation->overlapping));
+                                 separation->overlapping.size()));
   const auto clearance = clearance_of(all, ClearanceField(scenario.map));
   if (clearance && clearance->least < -overlap_tolerance)
     broken.push_back(fmt::format("obstacles were touched: least clearance {:.6f} m, {} robots",
-                                 clearance->least, clearance->overlapping));
+                                 clearance->least, clearance->overlapping.size()));
   return broken;
 }
 

@@ -5,20 +5,21 @@
 #include "files/scenario_file.h"
 #include "planning/clearance_field.h"
 #include "tests/support.h"
+#include "tests/tracks.h"
 
 namespace coppice {
 namespace {
 
 struct Result {
   std::string report;
-  std::vector<NamedTrack> tracks;
+  std::vector<std::vector<TrackPoint>> tracks;
   proto::Report figures;
 };
 
 Result simulate(const Scenario& scenario, const SimulationSettings& settings = {}) {
   FleetSimulation simulation(scenario, settings);
   simulation.run([](const PlannerService&, double) { return true; });
-  return {simulation.service().report().SerializeAsString(), simulation.service().tracks(),
+  return {simulation.service().report().SerializeAsString(), test::all_points(simulation.service().tracks()),
           simulation.service().report()};
 }
 
@@ -40,8 +41,8 @@ TEST(FleetSimulation, SameSeedSameBytesOtherSeedOthers) {
   EXPECT_EQ(first.report, second.report);
   ASSERT_EQ(first.tracks.size(), second.tracks.size());
   for (std::size_t i = 0; i < first.tracks.size(); ++i) {
-    const auto& a = first.tracks[i].track.points;
-    const auto& b = second.tracks[i].track.points;
+    const auto& a = first.tracks[i];
+    const auto& b = second.tracks[i];
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t k = 0; k < a.size(); ++k) ASSERT_EQ(a[k].position, b[k].position);
   }
@@ -55,7 +56,7 @@ TEST(FleetSimulation, SpeedAndAccelerationStayWithinLimits) {
   const Result result = simulate(scenario, {.timeout = 60});
   for (std::size_t i = 0; i < result.tracks.size(); ++i) {
     const RobotTask& task = scenario.robots[i];
-    const auto& points = result.tracks[i].track.points;
+    const auto& points = result.tracks[i];
     ASSERT_GT(points.size(), 100u);
     EXPECT_EQ(points.front().position, task.start);
     for (std::size_t k = 1; k < points.size(); ++k) {

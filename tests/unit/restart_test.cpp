@@ -5,6 +5,7 @@
 #include "planner_service/run_record.h"
 #include "planning/map_generator.h"
 #include "robot_agent/robot_agent.h"
+#include "tests/tracks.h"
 #include "tests/unit/roles.h"
 #include "tree_broker/forest_record.h"
 #include "tree_broker/tree_broker.h"
@@ -193,13 +194,13 @@ TEST(PlannerServiceAnew, GoesOnWithTheMissionsAndTheRecord) {
   ASSERT_EQ(again.size(), 1u);
   EXPECT_EQ(again[0], second[0]);
   EXPECT_TRUE(of<Mission>(after.step(10.2)).empty());
-  EXPECT_EQ(after.tracks()[0].track.points.size(), 2u);
+  EXPECT_EQ(test::all_points(after.tracks())[0].size(), 2u);
   EXPECT_EQ(after.progress(10).missions, 1);
   EXPECT_EQ(after.report().nodes_valid(), before.service.report().nodes_valid());
 
   // The agent says its track again: nothing is counted twice.
   after.on(arrival_of(TrackMessage{"a", 2, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 11));
-  EXPECT_EQ(after.tracks()[0].track.points.size(), 2u);
+  EXPECT_EQ(test::all_points(after.tracks())[0].size(), 2u);
 }
 
 TEST(PlannerServiceAnew, EndsARunThatHadEnded) {

@@ -20,7 +20,7 @@ TEST(Separation, ItIsLeastBetweenTheStamps) {
   const auto separation = separation_of(tracks);
   ASSERT_TRUE(separation);
   EXPECT_NEAR(separation->least, -2, 1e-12);
-  EXPECT_EQ(separation->overlapping, 1u);
+  EXPECT_EQ(separation->overlapping.size(), 1u);
 }
 
 TEST(Separation, RobotsStandBeforeAndAfterTheirTracks) {
@@ -78,11 +78,40 @@ TEST(ObstacleClearance, ItIsLeastBetweenTheStamps) {
   const ClearanceField field(map);
   const std::vector<Track> past{track(1, {{0, {5, 8.5}, Point2::Zero()}, {1, {15, 8.5}, Point2::Zero()}})};
   EXPECT_NEAR(clearance_of(past, field)->least, 0.5, 1e-9);
-  EXPECT_EQ(clearance_of(past, field)->overlapping, 0u);
+  EXPECT_EQ(clearance_of(past, field)->overlapping.size(), 0u);
   const std::vector<Track> through{
       track(1, {{0, {5, 10.5}, Point2::Zero()}, {1, {15, 10.5}, Point2::Zero()}})};
   EXPECT_NEAR(clearance_of(through, field)->least, -1, 1e-9);
-  EXPECT_EQ(clearance_of(through, field)->overlapping, 1u);
+  EXPECT_EQ(clearance_of(through, field)->overlapping.size(), 1u);
+}
+
+// Cut where it may be, between the stamps of all, a run's parts tell what the whole does.
+TEST(Separation, PartsInTimeTellWhatTheWholeDoes) {
+  Random random(5);
+  const ClearanceField field(
+      OccupancyMap{.width = 40, .height = 40, .blocked = std::vector<std::uint8_t>(1600, 0)});
+  for (int trial = 0; trial < 50; ++trial) {
+    std::vector<Track> tracks;
+    for (int i = 0; i < 4; ++i) {
+      std::vector<TrackPoint> points;
+      double time = 5 * random.uniform();
+      for (int k = 0; k < 8; ++k, time += 0.1 + 3 * random.uniform())
+        points.push_back({time, 40 * Point2(random.uniform(), random.uniform()), Point2::Zero()});
+      tracks.push_back(track(2, points));
+    }
+    std::optional<Separation> separation;
+    std::optional<ObstacleClearance> clearance;
+    for (double from = -1; from < 40; from += 3.7) {
+      std::vector<Track> part;
+      for (const Track& t : tracks) part.push_back(clipped(t, from, from + 3.7));
+      add_part(separation, separation_of(part));
+      add_part(clearance, clearance_of(part, field));
+    }
+    EXPECT_NEAR(separation->least, separation_of(tracks)->least, 1e-9);
+    EXPECT_EQ(separation->overlapping, separation_of(tracks)->overlapping);
+    EXPECT_NEAR(clearance->least, clearance_of(tracks, field)->least, 1e-9);
+    EXPECT_EQ(clearance->overlapping, clearance_of(tracks, field)->overlapping);
+  }
 }
 
 }  // namespace

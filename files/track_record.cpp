@@ -1,0 +1,144 @@
+#include "files/track_record.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "files/input_error.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr std::size_t points_a_block = 64;
+constexpr double stretch = 10;  // seconds: 1.6 MB of 200 robots
+
+/// A point as it is on disk.
+using Row = std::array<double, 5>;
+
+}  // namespace
+
+TrackParts in_one_part(const std::vector<NamedTrack>& tracks) {
+  return [&tracks](const std::function<void(const TrackPart&)>& fn) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    fn({-infinity, infinity, tracks});
+  };
+}
+
+TrackRecord TrackRecord::on_disk() {
+  std::string name = (std::filesystem::temp_directory_path() / "coppice-tracks-XXXXXX").string();
+  TrackRecord record;
+  record.descriptor_ = ::mkstemp(name.data());
+  if (record.descriptor_ < 0)
+    throw InputError(fmt::format("{}: no file for the robots' tracks can be made there: {}", name,
+                                 std::system_category().message(errno)));
+  ::unlink(name.c_str());
+  return record;
+}
+
+TrackRecord::~TrackRecord() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+TrackRecord::TrackRecord(TrackRecord&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      end_(other.end_),
+      robots_(std::move(other.robots_)) {}
+
+TrackRecord& TrackRecord::operator=(TrackRecord&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(end_, other.end_);
+  std::swap(robots_, other.robots_);
+  return *this;
+}
+
+void TrackRecord::append(std::size_t robot, const TrackPoint& point) {
+  if (robot >= robots_.size()) robots_.resize(robot + 1);
+  Robot& r = robots_[robot];
+  ++r.size;
+  r.last = point;
+  if (r.blocks.empty() || r.blocks.back().size == points_a_block) {
+    if (!r.blocks.empty()) put_on_disk(r.blocks.back());
+    r.blocks.push_back({.begin = point.time, .points = {}});
+  }
+  r.blocks.back().points.push_back(point);
+  ++r.blocks.back().size;
+}
+
+void TrackRecord::put_on_disk(Block& block) {
+  if (descriptor_ < 0 || end_ < 0) return;
+  std::vector<Row> rows;
+  for (const TrackPoint& p : block.points)
+    rows.push_back({p.time, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y()});
+  const std::size_t bytes = rows.size() * sizeof(Row);
+  if (::pwrite(descriptor_, rows.data(), bytes, end_) != static_cast<::ssize_t>(bytes)) {
+    spdlog::error("no room for the robots' tracks on disk: they stay in memory ({})",
+                  std::system_category().message(errno));
+    end_ = -1;
+    return;
+  }
+  block.at = end_;
+  end_ += static_cast<std::int64_t>(bytes);
+  block.points = {};
+}
+
+std::optional<TrackPoint> TrackRecord::last(std::size_t robot) const {
+  return robot < robots_.size() ? robots_[robot].last : std::nullopt;
+}
+
+void TrackRecord::read(const Block& block, std::vector<TrackPoint>& points) const {
+  if (block.at < 0) {
+    points.insert(points.end(), block.points.begin(), block.points.end());
+    return;
+  }
+  std::vector<Row> rows(block.size);
+  const std::size_t bytes = rows.size() * sizeof(Row);
+  if (::pread(descriptor_, rows.data(), bytes, block.at) != static_cast<::ssize_t>(bytes))
+    throw InputError("the robots' tracks cannot be read back from disk");
+  for (const auto& [time, x, y, vx, vy] : rows) points.push_back({time, {x, y}, {vx, vy}});
+}
+
+std::vector<TrackPoint> TrackRecord::around(std::size_t robot, double from, double until) const {
+  std::vector<TrackPoint> points;
+  if (robot >= robots_.size()) return points;
+  const std::vector<Block>& blocks = robots_[robot].blocks;
+  const auto begins_before = [&](double time) {
+    return std::ranges::partition_point(blocks, [&](const Block& block) { return block.begin < time; });
+  };
+  auto block = begins_before(from);
+  if (block != blocks.begin()) --block;
+  const auto after = begins_before(until);
+  const auto end = after == blocks.end() ? after : after + 1;
+  for (; block < end; ++block) read(*block, points);
+
+  const auto is_before = [&](double time) {
+    return std::ranges::partition_point(points, [&](const TrackPoint& p) { return p.time < time; });
+  };
+  const auto last = is_before(until);
+  if (last != points.end()) points.erase(last + 1, points.end());
+  const auto first = is_before(from);
+  if (first != points.begin()) points.erase(points.begin(), first - 1);
+  return points;
+}
+
+void TrackRecord::for_each_stretch(const std::function<void(double, double)>& fn) const {
+  double begin = std::numeric_limits<double>::infinity();
+  double end = -begin;
+  for (const Robot& robot : robots_) {
+    if (robot.blocks.empty()) continue;
+    begin = std::min(begin, robot.blocks.front().begin);
+    end = std::max(end, robot.last->time);
+  }
+  for (double from = begin; from <= end; from += stretch) fn(from, from + stretch);
+}
+
+}  // namespace coppice

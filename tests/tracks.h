@@ -1,0 +1,24 @@
+// Tracks that are looked at part by part, put together again.
+#pragma once
+
+#include <vector>
+
+#include "files/track_record.h"
+
+namespace coppice::test {
+
+/// Each robot's points, once.
+inline std::vector<std::vector<TrackPoint>> all_points(const TrackParts& parts) {
+  std::vector<std::vector<TrackPoint>> all;
+  parts([&](const TrackPart& part) {
+    all.resize(part.tracks.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (const TrackPoint& point : part.tracks[i].track.points) {
+        if (point.time >= part.from && point.time < part.until) all[i].push_back(point);
+      }
+    }
+  });
+  return all;
+}
+
+}  // namespace coppice::test
