@@ -59,6 +59,8 @@ constexpr int static_announcement_period = 10;      // seconds
 // again (with 20 s, tests/process/pause_test.cpp). Likely because only some drop it, and those who do not
 // take the acknowledgments of its new beginning, which count from one, for old ones.
 constexpr int lease = 120;
+// Each remote writer and reader that is met has room for so many set aside: a service meets a thousand.
+constexpr int samples_at_first = 2;
 constexpr int datagram_for_credentials = 8192;  // bytes
 constexpr int most_taken = 1000;                // samples of a topic at a time
 constexpr double longest_held = 1;              // seconds until its sender must be known
@@ -151,6 +153,7 @@ void apply(const TopicInfo& info, Qos& qos) {
   qos.resource_limits().max_samples = 0;
   qos.resource_limits().max_instances = 0;
   qos.resource_limits().max_samples_per_instance = 0;
+  qos.resource_limits().allocated_samples = samples_at_first;
   // Samples differ in size by orders of magnitude: memory as needed, not for the largest.
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
   qos.data_sharing().off();

@@ -24,12 +24,12 @@ namespace {
 
 // The group hears all news, and has new members. Who was told directly, since it had just come, is in the
 // group.
-constexpr std::chrono::milliseconds repeat_to_one{10'000};
-constexpr std::chrono::milliseconds repeat_to_group{3'000};
+constexpr std::chrono::milliseconds repeat_to_one{30'000};
+constexpr std::chrono::milliseconds repeat_to_group{30'000};
 // The first ones may be lost, or too early for those who start at the same time: the gaps double from here
 // on.
 constexpr std::chrono::milliseconds first_repeat_to_group{500};
-constexpr int most_doublings = 3;
+constexpr int most_doublings = 6;
 
 constexpr std::string_view robot_key = "robot=";
 
