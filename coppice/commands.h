@@ -23,7 +23,7 @@ struct FleetOptions {
 };
 
 /// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
-int run_command(const RunOptions& options, const FleetOptions& fleet, const std::string& program);
+int run_command(RunOptions options, const FleetOptions& fleet, const std::string& program);
 
 struct DiscoveryOptions {
   std::string address = "127.0.0.1";  ///< of this host

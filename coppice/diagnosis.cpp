@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "bus/discovery.h"
+#include "coppice/time_scale.h"
 
 namespace coppice {
 
@@ -18,7 +19,6 @@ constexpr std::uint64_t files_a_process = 32;
 constexpr std::uint64_t threads_a_process = 10;
 constexpr int other_processes = 4;  // broker, service, discovery server, command
 // From so many robots on, what Linux grants by default is too little for all to be heard who speak at once.
-constexpr double robots_a_core = 25;     // at the wall clock's pace
 constexpr double worth_telling = 0.005;  // seconds by which a clock jumps
 
 using Check = Finding (*)(const Machine&, const FleetPlan&);
@@ -51,8 +51,8 @@ Finding cores(const Machine& m, const FleetPlan& plan) {
   Finding finding{"cores", Verdict::ok, fmt::format("{:g}", m.cores)};
   if (plan.robots > robots_a_core * m.cores) {
     finding.verdict = Verdict::warn;
-    finding.advice =
-        fmt::format("slow fleet time down: --time-scale {:.2g}", robots_a_core * m.cores / plan.robots);
+    finding.advice = fmt::format("slow fleet time down: --time-scale {:.2g}",
+                                 usual_time_scale(static_cast<std::size_t>(plan.robots), m.cores));
   }
   return finding;
 }

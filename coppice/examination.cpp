@@ -120,16 +120,6 @@ std::string of_control_group(const std::string& name) {
   return text_of("/sys/fs/cgroup/" + name);
 }
 
-double cores() {
-  cpu_set_t allowed;
-  CPU_ZERO(&allowed);
-  const int count = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
-  double quota = 0;
-  double period = 0;
-  std::istringstream in(of_control_group("cpu.max"));
-  return in >> quota >> period && period > 0 ? std::min<double>(count, quota / period) : count;
-}
-
 SystemLimit memory_available() {
   std::istringstream in(text_of("/proc/meminfo"));
   SystemLimit available;
@@ -250,9 +240,19 @@ std::string versions() {
 
 }  // namespace
 
+double usable_cores() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  const int count = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
+  double quota = 0;
+  double period = 0;
+  std::istringstream in(of_control_group("cpu.max"));
+  return in >> quota >> period && period > 0 ? std::min<double>(count, quota / period) : count;
+}
+
 Machine examine(const FleetPlan& plan) {
   return {.versions = versions(),
-          .cores = cores(),
+          .cores = usable_cores(),
           .memory_available = memory_available(),
           .receive_buffer = granted_receive_buffer(),
           .open_files = resource(RLIMIT_NOFILE),

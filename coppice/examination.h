@@ -8,4 +8,7 @@ namespace coppice {
 /// Takes about half a second. What cannot be found out counts as missing, or as no limit where it is one.
 Machine examine(const FleetPlan& plan);
 
+/// That this process may run on: by its affinity and its control group's quota.
+double usable_cores();
+
 }  // namespace coppice

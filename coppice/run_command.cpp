@@ -16,7 +16,9 @@
 #include "bus/discovery.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/examination.h"
 #include "coppice/process_fleet.h"
+#include "coppice/time_scale.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 
@@ -90,7 +92,7 @@ Command service_command(const RunOptions& options, const std::string& program) {
   if (options.overrides.radius) add("--radius", fmt::format("{}", *options.overrides.radius));
   if (options.overrides.max_speed) add("--max-speed", fmt::format("{}", *options.overrides.max_speed));
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
-  add("--time-scale", fmt::format("{}", options.time_scale));
+  if (options.time_scale) add("--time-scale", fmt::format("{}", *options.time_scale));
   add("--timeout", fmt::format("{}", options.timeout));
   if (!options.report.empty()) add("--report", options.report);
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);
@@ -164,11 +166,22 @@ void tell_of_end(const ProcessFleet::Ended& ended) {
                            ended.last_words.empty() ? "" : ": ", ended.last_words);
 }
 
+/// Told where it is not real time.
+double time_scale_for(std::size_t robots) {
+  const double cores = usable_cores();
+  const double scale = usual_time_scale(robots, cores);
+  if (scale < 1)
+    std::cerr << fmt::format("time scale {:.3g}: {} robots on {:g} processors (--time-scale)\n", scale,
+                             robots, cores);
+  return scale;
+}
+
 }  // namespace
 
-int run_command(const RunOptions& options, const FleetOptions& fleet_options, const std::string& program) {
+int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
   const Scenario scenario =
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
+  if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
   install_stop_signals();
   const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
   const RunFolder run_folder;

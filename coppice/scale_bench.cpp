@@ -20,7 +20,9 @@
 #include "bench/trial.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/examination.h"
 #include "coppice/process_fleet.h"
+#include "coppice/time_scale.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
 
@@ -28,9 +30,8 @@ namespace coppice {
 
 namespace {
 
-constexpr int square = 64;         // metres a side, for each robot: a room on the maps of rooms
-constexpr int border = 4;          // of the maps of rooms
-constexpr double usual_crew = 50;  // robots that a small machine runs in real time
+constexpr int square = 64;  // metres a side, for each robot: a room on the maps of rooms
+constexpr int border = 4;   // of the maps of rooms
 constexpr double control_period = 0.05;
 constexpr std::chrono::milliseconds look_at_processes{500};
 constexpr std::chrono::milliseconds grace{3000};
@@ -250,7 +251,8 @@ void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
   Series samples{"all samples", {}, {}, {}};
   for (const int robots : options.robots) {
     if (options.stop()) break;
-    const double time_scale = settings.time_scale.value_or(std::min(1.0, std::pow(usual_crew / robots, 1.5)));
+    const double time_scale =
+        settings.time_scale.value_or(usual_time_scale(static_cast<std::size_t>(robots), usable_cores()));
     options.tell(fmt::format("{} robots, {} fleet seconds at time scale {:g}", robots, settings.fleet_seconds,
                              time_scale));
     const std::string scenario =

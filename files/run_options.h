@@ -19,7 +19,8 @@ namespace coppice {
 struct RunOptions {
   std::string scenario;
   ScenarioOptions overrides;
-  double time_scale = 1;
+  std::optional<double>
+      time_scale;  ///< fleet seconds a wall second; none: real time, or as the command chooses
   double timeout = 3600;
   double lifelong = 0;  ///< fleet seconds in which robots that arrive get new goals
   std::string planner{planner_names[0]};

@@ -104,7 +104,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
   std::vector<Arrival> heard;
   if (kept.empty()) heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
   PlannerService service(std::move(scenario),
-                         {.time_scale = options.time_scale,
+                         {.time_scale = options.time_scale.value_or(1),
                           .timeout = options.timeout,
                           .planner = chosen_planner(options),
                           .plan_budget = options.plan_budget.value_or(default_plan_budget),
