@@ -74,11 +74,11 @@ T* required(T* created, const char* what) {
 }
 
 /// Each process announces which endpoints it has, of those that all know.
-void find_others_by_table(dds::DomainParticipantQos& qos) {
+void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
   discovery.use_STATIC_EndpointDiscoveryProtocol = true;
-  discovery.static_edp_xml_config(("data://" + static_endpoints()).c_str());
+  discovery.static_edp_xml_config(("data://" + static_endpoints(role)).c_str());
   // Hundreds of processes: a third of the usual rate at which they say that they are still there.
   discovery.leaseDuration_announcementperiod = Duration_t(static_announcement_period, 0);
   qos.name(static_participant);
@@ -108,7 +108,7 @@ int largest_datagram_of(const DdsSettings& settings) {
                                    : std::max(settings.largest_datagram, datagram_for_credentials);
 }
 
-dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std::string& sender,
+dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role, const std::string& sender,
                                           Audience& audience, Announcements& announcements,
                                           Traffic& traffic) {
   dds::DomainParticipantQos qos;
@@ -129,7 +129,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, const std
   builtin.discovery_config.initial_announcements.count = first_announcements;
   builtin.discovery_config.leaseDuration = Duration_t(lease, 0);
   builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
-  if (discovery == static_discovery) find_others_by_table(qos);
+  if (discovery == static_discovery) find_others_by_table(role, qos);
   if (by_servers && !settings.security.empty())
     throw std::runtime_error(
         fmt::format("with --security processes find each other by multicast or static discovery, and not "
@@ -287,7 +287,7 @@ struct DdsBus::Implementation {
     factory->set_qos(later);
     auto* const created =
         factory->create_participant(static_cast<std::uint32_t>(settings.domain),
-                                    participant_qos(settings, sender, audience, announcements, traffic),
+                                    participant_qos(settings, role, sender, audience, announcements, traffic),
                                     &discoveries, dds::StatusMask::none());
     factory->set_qos(usual);
     return required(created, "a participant (is the domain between 0 and 232?)");

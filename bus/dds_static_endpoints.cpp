@@ -26,16 +26,24 @@ std::string endpoint(std::string_view kind, std::uint16_t id) {
                                                      : "VOLATILE_DURABILITY_QOS");
 }
 
+template <class M>
+std::string counterparts(Role role) {
+  std::string all;
+  if (Topic<M>::read_by(role)) all += endpoint<M>("writer", writer_id<M>());
+  if (Topic<M>::written_by(role)) all += endpoint<M>("reader", reader_id<M>());
+  return all;
+}
+
 template <class... Ms>
-std::string endpoints_of(const std::variant<Ms...>*) {
-  return ((endpoint<Ms>("writer", writer_id<Ms>()) + endpoint<Ms>("reader", reader_id<Ms>())) + ...);
+std::string counterparts_of(Role role, const std::variant<Ms...>*) {
+  return (counterparts<Ms>(role) + ...);
 }
 
 }  // namespace
 
-std::string static_endpoints() {
+std::string static_endpoints(Role role) {
   return fmt::format("<staticdiscovery><participant><name>{}</name>{}</participant></staticdiscovery>",
-                     static_participant, endpoints_of(static_cast<const Message*>(nullptr)));
+                     static_participant, counterparts_of(role, static_cast<const Message*>(nullptr)));
 }
 
 }  // namespace coppice

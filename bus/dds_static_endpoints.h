@@ -10,6 +10,7 @@
 #include <string>
 #include <variant>
 
+#include "bus/bus.h"
 #include "bus/messages.h"
 
 namespace coppice {
@@ -31,7 +32,8 @@ constexpr std::uint16_t reader_id() {
   return writer_id<M>() + 1;
 }
 
-/// The document that Fast DDS takes as the static configuration.
-std::string static_endpoints();
+/// The document that Fast DDS takes as the static configuration: of what others may have, that which concerns
+/// a process of this role. The rest it then does not keep of hundreds of others.
+std::string static_endpoints(Role role);
 
 }  // namespace coppice

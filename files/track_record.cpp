@@ -88,7 +88,7 @@ void TrackRecord::put_on_disk(Block& block) {
   }
   block.at = end_;
   end_ += static_cast<std::int64_t>(bytes);
-  block.points = {};
+  block.points = std::vector<TrackPoint>();  // and its memory, which `= {}` would keep
 }
 
 std::optional<TrackPoint> TrackRecord::last(std::size_t robot) const {

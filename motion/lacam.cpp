@@ -58,20 +58,22 @@ bool Lacam::solves(const Configuration& at) const {
 }
 
 /// Priorities grow until a robot is at its goal. Who has the furthest to go begins with the highest.
-std::size_t Lacam::add(const Configuration& at, std::size_t parent, std::vector<PlaceMove> moves) {
-  Node node{
-      at,  parent, std::move(moves), std::vector<float>(at.size()), std::vector<std::uint32_t>(at.size()),
-      {{}}};
+std::size_t Lacam::add(const Configuration& at, std::size_t parent, const std::vector<PlaceMove>& moves) {
+  Node node{at, parent, moves, std::vector<float>(at.size()), {{}}};
   for (std::uint32_t i = 0; i < at.size(); ++i) {
     const float least = tasks_[i].goal ? 1 - 1 / (1 + cost(i, tasks_[i].start)) : -1;  // below 1
     const bool waits = !nodes_.empty() && !at_goal(i, at[i]);
     node.priorities[i] = waits ? nodes_[parent].priorities[i] + 1 : least;
   }
-  std::iota(node.order.begin(), node.order.end(), 0U);
-  std::ranges::stable_sort(node.order, std::greater{}, [&](std::uint32_t i) { return node.priorities[i]; });
   known_.emplace(hash_of(at), nodes_.size());
   nodes_.push_back(std::move(node));
   return nodes_.size() - 1;
+}
+
+void Lacam::set_order(const Node& node) {
+  order_.resize(node.at.size());
+  std::iota(order_.begin(), order_.end(), 0U);
+  std::ranges::stable_sort(order_, std::greater{}, [&](std::uint32_t i) { return node.priorities[i]; });
 }
 
 std::optional<std::size_t> Lacam::known(const Configuration& at) const {
@@ -95,9 +97,10 @@ Lacam::Outcome Lacam::search(std::size_t configurations) {
       open_.pop_back();
       continue;
     }
+    set_order(node);
     if (!generate(node, next_constraints(node))) continue;
     const auto again = known(at_);
-    open_.push_back(again ? *again : add(at_, deepest, std::move(moves_)));
+    open_.push_back(again ? *again : add(at_, deepest, moves_));
   }
   return Outcome::searching;
 }
@@ -110,7 +113,7 @@ std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
     set.push_back(node.constraints[k].last);
   std::ranges::reverse(set);
   if (set.size() < node.at.size()) {
-    const std::uint32_t robot = node.order[set.size()];
+    const std::uint32_t robot = order_[set.size()];
     std::vector<Place> ends{node.at[robot]};
     for (const PlaceGraph::Edge& edge : graph_.edges(node.at[robot])) ends.push_back(edge.to);
     for (std::size_t k = ends.size(); k > 1; --k) std::swap(ends[k - 1], ends[random_.index(k)]);
@@ -133,7 +136,7 @@ bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
     if (!decided_[robot]) push(robot);
     if (at_[robot] != to) return false;
   }
-  for (const std::uint32_t robot : node.order) {
+  for (const std::uint32_t robot : order_) {
     if (!decided_[robot]) push(robot);
   }
   return true;

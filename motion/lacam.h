@@ -70,7 +70,6 @@ class Lacam {
     std::size_t parent;
     std::vector<PlaceMove> moves;         ///< from the parent's configuration
     std::vector<float> priorities;        ///< of the robots
-    std::vector<std::uint32_t> order;     ///< of the robots, highest priority first
     std::vector<Constraint> constraints;  ///< each the last of a set: those tried, and those still to be
     std::uint32_t tried = 0;
   };
@@ -90,10 +89,11 @@ class Lacam {
     return !tasks_[robot].goal || *tasks_[robot].goal == place;
   }
   bool solves(const Configuration& at) const;
-  std::size_t add(const Configuration& at, std::size_t parent, std::vector<PlaceMove> moves);
+  std::size_t add(const Configuration& at, std::size_t parent, const std::vector<PlaceMove>& moves);
   std::optional<std::size_t> known(const Configuration& at) const;
   std::vector<Forced> next_constraints(Node& node);
   bool generate(const Node& node, const std::vector<Forced>& forced);
+  void set_order(const Node& node);
   std::vector<Candidate> candidates(std::uint32_t robot);
   bool in_nobodys_way(Place here, const PlaceGraph::Edge* edge) const;
   bool empty_around(const PlaceGraph::Edge& edge, std::uint32_t robot) const;
@@ -109,6 +109,8 @@ class Lacam {
   std::vector<std::size_t> open_;
   std::unordered_multimap<std::uint64_t, std::size_t> known_;  ///< by the configuration's hash
   std::size_t solution_ = 0;
+
+  std::vector<std::uint32_t> order_;  ///< of the robots of the node at hand, highest priority first
 
   // The configuration that is being made.
   static constexpr std::uint32_t nobody = ~std::uint32_t{0};

@@ -26,6 +26,7 @@
 #include "bus/dds_conversion.h"
 #include "bus/dds_static_endpoints.h"
 #include "bus/topics.h"
+#include "tests/network/samples.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -47,17 +48,9 @@ std::string make_keys(const std::string& arguments) {
 }
 
 Mission mission(int number) {
-  return {.robot = "r1",
-          .number = static_cast<std::uint32_t>(number),
-          .fleet_size = 1,
-          .map_id = "map",
-          .start = {1, 2},
-          .goal = {3, 4},
-          .radius = 5,
-          .max_speed = 20,
-          .max_acceleration = 40,
-          .goal_tolerance = 1,
-          .clock = {1.7e9, 1}};
+  Mission mission = some_mission();
+  mission.number = static_cast<std::uint32_t>(number);
+  return mission;
 }
 AgentStatus status(int number) {
   return {.robot = "r1", .mission = static_cast<std::uint32_t>(number), .phase = Phase::driving};
@@ -235,7 +228,7 @@ class Participant {
     auto& discovery = qos.wire_protocol().builtin.discovery_config;
     discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
     discovery.use_STATIC_EndpointDiscoveryProtocol = true;
-    discovery.static_edp_xml_config(("data://" + static_endpoints()).c_str());
+    discovery.static_edp_xml_config(("data://" + static_endpoints(Role::service)).c_str());
     participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(domain + 2, qos);
   }
   ~Participant() {
