@@ -41,8 +41,8 @@ struct PlaceMove {
 
 class Lacam {
  public:
-  /// `graph` outlives it. No two robots start at one place. Robots that could not even alone get to their
-  /// goals, shut_in(), give way as if they had none.
+  /// `graph` outlives it. At most 65,535 robots, of which no two start at one place, and edges of a place.
+  /// Robots that could not even alone get to their goals, shut_in(), give way as if they had none.
   Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random);
   const std::vector<std::uint32_t>& shut_in() const { return shut_in_; }
 
@@ -65,11 +65,16 @@ class Lacam {
     std::uint32_t others = 0;
     Forced last{};
   };
+  /// Of a robot that moves, at most once, from where the parent has it.
+  struct Step {
+    std::uint16_t robot;
+    std::uint16_t edge;
+  };
   struct Node {
     Configuration at;
-    std::size_t parent;
-    std::vector<PlaceMove> moves;         ///< from the parent's configuration
-    std::vector<float> priorities;        ///< of the robots
+    std::uint32_t parent;
+    std::vector<Step> steps;              ///< from the parent's configuration
+    std::vector<std::uint16_t> waits;     ///< of the robots: configurations since they were at their goals
     std::vector<Constraint> constraints;  ///< each the last of a set: those tried, and those still to be
     std::uint32_t tried = 0;
   };
@@ -89,7 +94,7 @@ class Lacam {
     return !tasks_[robot].goal || *tasks_[robot].goal == place;
   }
   bool solves(const Configuration& at) const;
-  std::size_t add(const Configuration& at, std::size_t parent, const std::vector<PlaceMove>& moves);
+  std::size_t add(const Configuration& at, std::size_t parent);
   std::optional<std::size_t> known(const Configuration& at) const;
   std::vector<Forced> next_constraints(Node& node);
   bool generate(const Node& node, const std::vector<Forced>& forced);
@@ -104,6 +109,7 @@ class Lacam {
   std::vector<PlaceTask> tasks_;
   std::vector<std::uint32_t> shut_in_;  ///< ascending
   Random random_;
+  std::vector<float> first_;  ///< by robot, below 1: its priority while it does not wait
   std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
   std::deque<Node> nodes_;
   std::vector<std::size_t> open_;
@@ -119,7 +125,7 @@ class Lacam {
   std::vector<bool> decided_;                 ///< by robot
   std::vector<std::optional<Place>> forced_;  ///< by robot
   std::vector<Reserved> reserved_;            ///< edges of those who wait for others to make room
-  std::vector<PlaceMove> moves_;
+  std::vector<Step> steps_;
 };
 
 }  // namespace coppice
