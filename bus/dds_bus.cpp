@@ -53,7 +53,6 @@ constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
 // How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
 constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
-constexpr int static_announcement_period = 10;      // seconds
 // Seconds until a silent process counts as gone. Not how the fleet notices that: its roles have leases of
 // their own. A process that was only paused, or cut off, and is dropped by DDS may never find all others
 // again (with 20 s, tests/process/pause_test.cpp). Likely because only some drop it, and those who do not
@@ -79,8 +78,6 @@ void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
   discovery.use_STATIC_EndpointDiscoveryProtocol = true;
   discovery.static_edp_xml_config(("data://" + static_endpoints(role)).c_str());
-  // Hundreds of processes: a third of the usual rate at which they say that they are still there.
-  discovery.leaseDuration_announcementperiod = Duration_t(static_announcement_period, 0);
   qos.name(static_participant);
 }
 

@@ -24,12 +24,15 @@ namespace {
 
 // The group hears all news, and has new members. Who was told directly, since it had just come, is in the
 // group.
-constexpr std::chrono::milliseconds repeat_to_one{30'000};
-constexpr std::chrono::milliseconds repeat_to_group{30'000};
+constexpr std::chrono::milliseconds repeat_to_one{10'000};
+constexpr std::chrono::milliseconds repeat_to_group{3'000};
 // The first ones may be lost, or too early for those who start at the same time: the gaps double from here
 // on.
 constexpr std::chrono::milliseconds first_repeat_to_group{500};
-constexpr int most_doublings = 6;
+constexpr int most_doublings = 3;
+// By then all have met; two hundred who still told each other so often would do hardly anything else.
+constexpr int repeats_until_seldom = 10;
+constexpr std::chrono::milliseconds seldom{30'000};
 
 constexpr std::string_view robot_key = "robot=";
 
@@ -180,10 +183,11 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
   const auto [entry, fresh] = told_.try_emplace({sender, destination});
   Told& told = entry->second;
   const bool is_news = told.number != number && is_group;
-  const auto gap =
-      is_group ? std::min(repeat_to_group, first_repeat_to_group * (1 << told.repeats)) : repeat_to_one;
+  const auto first_gaps = first_repeat_to_group * (1 << std::min(told.repeats, most_doublings));
+  const auto usual = is_group ? std::min(repeat_to_group, first_gaps) : repeat_to_one;
+  const auto gap = told.repeats < repeats_until_seldom ? usual : seldom;
   if (!fresh && !is_news && now - told.at < gap) return false;
-  const int repeats = fresh || is_news ? 0 : std::min(told.repeats + 1, most_doublings);
+  const int repeats = fresh || is_news ? 0 : std::min(told.repeats + 1, repeats_until_seldom);
   told = {number, now, repeats};
   return true;
 }

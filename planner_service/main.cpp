@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/discovery.h"
 #include "bus/journal.h"
 #include "bus/keep.h"
 #include "bus/process.h"
@@ -32,27 +36,58 @@ using namespace coppice;
 
 constexpr double worth_telling = 3;  // seconds
 
-/// Until an agent for each robot, and a broker, can hear of its mission: those of a large fleet on few
-/// processors meet sooner while none of them drives. Who has not come by then gets its mission when it does.
-/// Returns what was heard meanwhile.
-std::vector<Arrival> wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size_t robots) {
+/// What was heard before the run began: of the statuses, which come twice a second, the last of each agent.
+class Heard {
+ public:
+  void add(Arrival arrival) {
+    const auto* status = std::get_if<AgentStatus>(arrival.message.get());
+    if (status == nullptr) {
+      others_.push_back(std::move(arrival));
+    } else {
+      statuses_.insert_or_assign(status->robot, std::move(arrival));
+    }
+  }
+  /// Agents that say to have found so many others.
+  std::size_t acquainted(std::size_t others) const {
+    return static_cast<std::size_t>(std::ranges::count_if(statuses_, [&](const auto& entry) {
+      return std::get<AgentStatus>(*entry.second.message).load.agents_matched >= others;
+    }));
+  }
+  void tell(PlannerService& service) const {
+    for (const Arrival& arrival : others_) service.on(arrival);
+    for (const auto& [robot, arrival] : statuses_) service.on(arrival);
+  }
+
+ private:
+  std::vector<Arrival> others_;
+  std::map<RobotName, Arrival> statuses_;
+};
+
+/// Until an agent for each robot, and a broker, can hear of its mission, and those of a large fleet have
+/// found each other: on few processors they do so sooner while none of them drives. Who has not come by then
+/// gets its mission when it does.
+Heard wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size_t robots) {
   KeepsNothing keeper;
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
-  std::vector<Arrival> heard;
-  while (bus.matched_readers<Mission>() < robots + 1 && wall_now() < latest && !stop_requested()) {
+  Heard heard;
+  const auto all_are_there = [&] {
+    const bool met = std::cmp_less(robots, large_fleet) || heard.acquainted(robots - 1) >= robots;
+    return met && bus.matched_readers<Mission>() >= robots + 1;
+  };
+  while (!all_are_there() && wall_now() < latest && !stop_requested()) {
     bus.wait(longest_wait);
     for (Arrival& arrival : bus.take()) {
       desk.on(arrival);
-      heard.push_back(std::move(arrival));
+      heard.add(std::move(arrival));
     }
     step_role(bus, desk, keeper);
     heart.beat(wall_now());
   }
   const double waited = wall_now() - begin;
   if (waited > worth_telling)
-    spdlog::info("{} of {} processes have come after {:.1f} s", bus.matched_readers<Mission>(), robots + 1,
-                 waited);
+    spdlog::info("after {:.1f} s {} of {} processes have come, and {} agents have found all others", waited,
+                 bus.matched_readers<Mission>(), robots + 1, heard.acquainted(robots - 1));
   return heard;
 }
 
@@ -101,7 +136,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
   ClaimDesk desk(names_of(scenario), wall_now());
-  std::vector<Arrival> heard;
+  Heard heard;
   if (kept.empty()) heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale.value_or(1),
@@ -113,7 +148,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
   if (!service.recall(kept, wall_now()))
     throw InputError(journal->file().string() +
                      ": is of another run: end that one, remove the file, or name another folder");
-  for (const Arrival& arrival : heard) service.on(arrival);
+  heard.tell(service);
   RunRecord record;
   record.recall(kept);
   Keeper keeper(std::move(record), journal ? &*journal : nullptr);

@@ -104,8 +104,7 @@ TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
   EXPECT_TRUE(due(all, 2, now + 1s)) << "news";
   EXPECT_FALSE(due(one, 2, now + 1s)) << "which it hears in the group";
   EXPECT_TRUE(due(all, 2, now + 5s)) << "for those who have come";
-  EXPECT_FALSE(due(one, 2, now + 29s));
-  EXPECT_TRUE(due(one, 2, now + 31s));
+  EXPECT_TRUE(due(one, 2, now + 12s));
 }
 
 TEST(Transport, AnnouncesToAGroupOnEachOfItsNetworks) {
@@ -127,12 +126,13 @@ TEST(Transport, RepeatsTheFirstAnnouncementsSoonAndThenSeldom) {
   Announcements announcements;
   announcements.begin();
   std::vector<double> told;
-  for (int tenth = 0; tenth < 1000; ++tenth) {
+  for (int tenth = 0; tenth < 1200; ++tenth) {
     const Announcements::Time now = Announcements::Time{100s} + tenth * 100ms;
     if (announcements.is_due(nullptr, all, 1, now)) told.push_back(0.1 * tenth);
   }
-  ASSERT_EQ(told.size(), 9u);
-  const std::vector<double> expected{0, 0.5, 1.5, 3.5, 7.5, 15.5, 31.5, 61.5, 91.5};
+  ASSERT_EQ(told.size(), 14u);
+  const std::vector<double> expected{0,    0.5,  1.5,  3.5,  6.5,  9.5,  12.5,
+                                     15.5, 18.5, 21.5, 24.5, 54.5, 84.5, 114.5};
   for (std::size_t k = 0; k < told.size(); ++k) EXPECT_NEAR(told[k], expected[k], 1e-9) << k;
 }
 
