@@ -4,7 +4,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -34,14 +33,16 @@ TrackParts in_one_part(const std::vector<NamedTrack>& tracks) {
   };
 }
 
-TrackRecord TrackRecord::on_disk() {
-  std::string name = (std::filesystem::temp_directory_path() / "coppice-tracks-XXXXXX").string();
+TrackRecord TrackRecord::on_disk(const std::filesystem::path& folder) {
+  std::string name = (folder / "coppice-tracks-XXXXXX").string();
   TrackRecord record;
   record.descriptor_ = ::mkstemp(name.data());
-  if (record.descriptor_ < 0)
-    throw InputError(fmt::format("{}: no file for the robots' tracks can be made there: {}", name,
-                                 std::system_category().message(errno)));
-  ::unlink(name.c_str());
+  if (record.descriptor_ >= 0) {
+    ::unlink(name.c_str());
+  } else {
+    spdlog::warn("{}: no file for the robots' tracks can be made there: they stay in memory ({})",
+                 folder.string(), std::system_category().message(errno));
+  }
   return record;
 }
 

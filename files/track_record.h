@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -38,10 +39,9 @@ class TrackRecord {
  public:
   /// In memory.
   TrackRecord() = default;
-  /// In a file that has no name and vanishes with the process, in the folder for such (TMPDIR, or /tmp).
-  /// Throws InputError if there can be none. Where the disk fills up this is logged, and what follows stays
-  /// in memory.
-  static TrackRecord on_disk();
+  /// In a file of this folder that has no name and vanishes with the process. Where there can be none, or the
+  /// disk fills up, this is logged, and what follows stays in memory.
+  static TrackRecord on_disk(const std::filesystem::path& folder);
   ~TrackRecord();
   TrackRecord(TrackRecord&& other) noexcept;
   TrackRecord& operator=(TrackRecord&& other) noexcept;

@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -107,6 +108,12 @@ std::vector<Message> recalled(std::optional<Journal>& journal) {
   return journal->take_recalled();
 }
 
+/// Where there is room for what is kept, if that is told.
+std::filesystem::path folder_for_tracks(const ProcessOptions& process) {
+  return process.state.empty() ? std::filesystem::temp_directory_path()
+                               : std::filesystem::path(process.state);
+}
+
 /// The service and its desk on one bus, until the run has ended.
 void serve(DdsBus& bus, PlannerService& service, ClaimDesk& desk, Keeper<RunRecord, Journal>& keeper,
            Heartbeat& heart) {
@@ -144,7 +151,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
                           .planner = chosen_planner(options),
                           .plan_budget = options.plan_budget.value_or(default_plan_budget),
                           .lifelong = options.lifelong},
-                         wall_now(), TrackRecord::on_disk());
+                         wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
   if (!service.recall(kept, wall_now()))
     throw InputError(journal->file().string() +
                      ": is of another run: end that one, remove the file, or name another folder");

@@ -1,6 +1,7 @@
 // A record of tracks, in memory and on disk, against the tracks themselves.
 #include "files/track_record.h"
 
+#include <filesystem>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -85,7 +86,11 @@ TEST(TrackRecord, GivesBackWhatWasRecordedFromMemory) {
 }
 
 TEST(TrackRecord, GivesBackWhatWasRecordedFromDisk) {
-  expect_right(recorded(TrackRecord::on_disk()));
+  expect_right(recorded(TrackRecord::on_disk(std::filesystem::temp_directory_path())));
+}
+
+TEST(TrackRecord, WhereNoFileCanBeItStaysInMemory) {
+  expect_right(recorded(TrackRecord::on_disk("/dev/null/nowhere")));
 }
 
 TEST(TrackRecord, AnEmptyOneHasNothing) {
