@@ -92,7 +92,7 @@ Command service_command(const RunOptions& options, const std::string& program) {
   if (options.overrides.radius) add("--radius", fmt::format("{}", *options.overrides.radius));
   if (options.overrides.max_speed) add("--max-speed", fmt::format("{}", *options.overrides.max_speed));
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
-  if (options.time_scale) add("--time-scale", fmt::format("{}", *options.time_scale));
+  add("--time-scale", fmt::format("{}", options.time_scale.value()));
   add("--timeout", fmt::format("{}", options.timeout));
   if (!options.report.empty()) add("--report", options.report);
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);

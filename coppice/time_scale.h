@@ -7,7 +7,8 @@
 
 namespace coppice {
 
-/// So many robots a processor drive in real time (docs/performance.md).
+/// So many robots a processor are taken to drive in real time: a rule of thumb, by which 200 on two
+/// processors do arrive (docs/performance.md).
 inline constexpr double robots_a_core = 25;
 
 /// Fleet seconds a second of the wall's clock, at most 1. What the agents of a large fleet cost together

@@ -27,6 +27,9 @@ struct TrackPart {
   double from = 0;
   double until = 0;
   std::vector<NamedTrack> tracks;
+
+  /// Not of the parts before and after it.
+  bool holds(const TrackPoint& point) const { return point.time >= from && point.time < until; }
 };
 
 /// Calls its argument with each part of a run, one after the other.
@@ -75,7 +78,7 @@ class TrackRecord {
   void read(const Block& block, std::vector<TrackPoint>& points) const;
 
   int descriptor_ = -1;
-  std::int64_t end_ = 0;  ///< of the file
+  std::int64_t end_ = 0;  ///< of the file; below 0: the disk is full
   std::vector<Robot> robots_;
 };
 

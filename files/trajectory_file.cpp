@@ -23,7 +23,7 @@ std::string rows_of(const TrackPart& part) {
   std::vector<Row> rows;
   for (const NamedTrack& named : part.tracks) {
     for (const TrackPoint& point : named.track.points) {
-      if (point.time >= part.from && point.time < part.until) rows.push_back({&point, &named.robot});
+      if (part.holds(point)) rows.push_back({&point, &named.robot});
     }
   }
   std::ranges::stable_sort(rows, [](const Row& a, const Row& b) {

@@ -40,12 +40,12 @@ Lacam::Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random rando
       forced_(tasks_.size()) {
   for (std::uint32_t i = 0; i < tasks_.size(); ++i) {
     at_.push_back(tasks_[i].start);
-    first_.push_back(-1);
+    least_.push_back(-1);
     if (!tasks_[i].goal) continue;
     cost_to_go_[i].emplace(graph_, *tasks_[i].goal, tasks_[i].start);
-    first_.back() = 1 - 1 / (1 + cost(i, tasks_[i].start));
+    least_.back() = 1 - 1 / (1 + cost(i, tasks_[i].start));
     if (cost(i, tasks_[i].start) != unreachable) continue;
-    first_.back() = -1;
+    least_.back() = -1;
     cost_to_go_[i].reset();
     tasks_[i].goal.reset();
     shut_in_.push_back(i);
@@ -78,7 +78,7 @@ void Lacam::set_order(const Node& node) {
   order_.resize(node.at.size());
   std::iota(order_.begin(), order_.end(), 0U);
   std::ranges::stable_sort(order_, std::greater{},
-                           [&](std::uint32_t i) { return static_cast<float>(node.waits[i]) + first_[i]; });
+                           [&](std::uint32_t i) { return static_cast<float>(node.waits[i]) + least_[i]; });
 }
 
 std::optional<std::size_t> Lacam::known(const Configuration& at) const {

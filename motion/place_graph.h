@@ -1,8 +1,8 @@
 // Places where robots can stand, and how one gets from place to place past the others: what a crowd is
 // sorted out on (lacam.h).
 //
-// A graph for one crowd differs little from that of the whole map. So it stands on that, and holds for itself
-// only the edges that differ: it costs what the crowd costs, however large the map.
+// A graph for one crowd differs little from that of the whole map. So it stands on that: of places that do
+// not concern the crowd it has a position and a pointer.
 //
 // Metres in the map frame.
 #pragma once

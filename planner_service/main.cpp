@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +25,7 @@
 #include "files/run_options.h"
 #include "files/scenario_file.h"
 #include "planner_service/claim_desk.h"
+#include "planner_service/muster.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
 #include "planner_service/run_record.h"
@@ -37,41 +36,14 @@ using namespace coppice;
 
 constexpr double worth_telling = 3;  // seconds
 
-/// What was heard before the run began: of the statuses, which come twice a second, the last of each agent.
-class Heard {
- public:
-  void add(Arrival arrival) {
-    const auto* status = std::get_if<AgentStatus>(arrival.message.get());
-    if (status == nullptr) {
-      others_.push_back(std::move(arrival));
-    } else {
-      statuses_.insert_or_assign(status->robot, std::move(arrival));
-    }
-  }
-  /// Agents that say to have found so many others.
-  std::size_t acquainted(std::size_t others) const {
-    return static_cast<std::size_t>(std::ranges::count_if(statuses_, [&](const auto& entry) {
-      return std::get<AgentStatus>(*entry.second.message).load.agents_matched >= others;
-    }));
-  }
-  void tell(PlannerService& service) const {
-    for (const Arrival& arrival : others_) service.on(arrival);
-    for (const auto& [robot, arrival] : statuses_) service.on(arrival);
-  }
-
- private:
-  std::vector<Arrival> others_;
-  std::map<RobotName, Arrival> statuses_;
-};
-
 /// Until an agent for each robot, and a broker, can hear of its mission, and those of a large fleet have
 /// found each other: on few processors they do so sooner while none of them drives. Who has not come by then
 /// gets its mission when it does.
-Heard wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size_t robots) {
+Muster wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size_t robots) {
   KeepsNothing keeper;
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
-  Heard heard;
+  Muster heard;
   const auto all_are_there = [&] {
     const bool met = std::cmp_less(robots, large_fleet) || heard.acquainted(robots - 1) >= robots;
     return met && bus.matched_readers<Mission>() >= robots + 1;
@@ -143,7 +115,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
   ClaimDesk desk(names_of(scenario), wall_now());
-  Heard heard;
+  Muster heard;
   if (kept.empty()) heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale.value_or(1),
@@ -155,7 +127,7 @@ int run(const RunOptions& options, const ProcessOptions& process) {
   if (!service.recall(kept, wall_now()))
     throw InputError(journal->file().string() +
                      ": is of another run: end that one, remove the file, or name another folder");
-  heard.tell(service);
+  heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
   RunRecord record;
   record.recall(kept);
   Keeper keeper(std::move(record), journal ? &*journal : nullptr);

@@ -113,6 +113,8 @@ class PlannerService {
   void watch_liveliness(WallTime now);
   bool run_is_over(WallTime now);
   bool tracks_complete() const;
+  void describe_robot(const Robot& robot, proto::Report::Robot& row) const;
+  void describe_run(proto::Report& report) const;
   std::string reason_of(const Robot& robot, bool at_goal) const;
   double plan_time() const;
   double last_path() const;

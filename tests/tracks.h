@@ -14,7 +14,7 @@ inline std::vector<std::vector<TrackPoint>> all_points(const TrackParts& parts) 
     all.resize(part.tracks.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
       for (const TrackPoint& point : part.tracks[i].track.points) {
-        if (point.time >= part.from && point.time < part.until) all[i].push_back(point);
+        if (part.holds(point)) all[i].push_back(point);
       }
     }
   });

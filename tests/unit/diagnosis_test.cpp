@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/time_scale.h"
+
 namespace coppice {
 namespace {
 
@@ -124,6 +126,14 @@ TEST(Diagnosis, TheTableHasALineForEachCheckAndOneForEachAdvice) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<int>(diagnose(machine, {}).size()) + 1);
   EXPECT_NE(table.find("FAIL  loopback"), std::string::npos) << table;
   EXPECT_NE(table.find("-> ip link set lo up"), std::string::npos) << table;
+}
+
+TEST(TimeScale, IsRealTimeForAsManyAsTheProcessorsDriveAndFallsFasterThanTheyGrow) {
+  EXPECT_EQ(usual_time_scale(1, 2), 1);
+  EXPECT_EQ(usual_time_scale(50, 2), 1);
+  EXPECT_NEAR(usual_time_scale(200, 2), 0.125, 1e-12);
+  EXPECT_NEAR(usual_time_scale(200, 8), 1, 1e-12);
+  EXPECT_LT(usual_time_scale(100, 2), 0.5);
 }
 
 }  // namespace

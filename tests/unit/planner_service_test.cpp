@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "planner_service/muster.h"
 #include "tests/tracks.h"
 #include "tests/unit/roles.h"
 
@@ -175,6 +176,29 @@ TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {
   live(service, {"a", "b"}, 1004.5, 1010);
   EXPECT_FALSE(service.finished());
   EXPECT_NE(reason_of(service, 0), "the agent has fallen silent");
+}
+
+TEST(Muster, KeepsTheLastStatusOfEachAgentAndAllElse) {
+  Muster muster;
+  for (std::uint32_t others = 0; others < 3; ++others) {
+    for (const char* robot : {"a", "b"}) {
+      AgentStatus status{.robot = robot};
+      status.load.agents_matched = robot[0] == 'a' ? others : 0;
+      muster.add(arrival_of(status, others));
+    }
+    muster.add(arrival_of(BrokerStatus{.broker = others}, others));
+  }
+  EXPECT_EQ(muster.acquainted(0), 2u);
+  EXPECT_EQ(muster.acquainted(2), 1u);
+  EXPECT_EQ(muster.acquainted(3), 0u);
+  int statuses = 0;
+  int brokers = 0;
+  muster.for_each([&](const Arrival& arrival) {
+    statuses += std::holds_alternative<AgentStatus>(*arrival.message) && arrival.at == 2;
+    brokers += std::holds_alternative<BrokerStatus>(*arrival.message);
+  });
+  EXPECT_EQ(statuses, 2);
+  EXPECT_EQ(brokers, 3);
 }
 
 }  // namespace

@@ -1,0 +1,209 @@
+// Of PlannerService: the report, and the picture, of its run.
+#include <algorithm>
+#include <utility>
+
+#include "planner_service/planner_service.h"
+#include "planning/clearance_field.h"
+
+namespace coppice {
+
+namespace {
+
+void describe(const AgentLoad& load, proto::Report::Load& to) {
+  to.set_samples_received(load.samples_received);
+  to.set_states_received(load.states_received);
+  to.set_periods(load.periods);
+  to.set_periods_missed(load.periods_missed);
+  to.set_agents_matched(load.agents_matched);
+  to.set_matched_at(load.matched_at);
+  to.set_bytes_sent(load.bytes_sent);
+  to.set_bytes_received(load.bytes_received);
+  to.set_state_age_p50(load.state_age_p50);
+  to.set_state_age_p99(load.state_age_p99);
+  to.set_state_age_max(load.state_age_max);
+}
+
+/// What the tracks tell, looked at part by part.
+struct Driven {
+  std::vector<double> length;  ///< by robot
+  std::vector<std::optional<TrackPoint>> last;
+  std::optional<Separation> separation;
+  std::optional<ObstacleClearance> clearance;
+};
+
+Driven driven(const TrackParts& tracks, std::size_t robots, const ClearanceField& field) {
+  Driven result{.length = std::vector<double>(robots),
+                .last = std::vector<std::optional<TrackPoint>>(robots),
+                .separation = {},
+                .clearance = {}};
+  tracks([&](const TrackPart& part) {
+    std::vector<Track> here;
+    for (std::size_t i = 0; i < robots; ++i) {
+      const Track& track = part.tracks[i].track;
+      if (!track.points.empty()) result.last[i] = track.points.back();
+      here.push_back(clipped(track, part.from, part.until));
+      const std::vector<TrackPoint>& points = here.back().points;
+      for (std::size_t k = 1; k < points.size(); ++k)
+        result.length[i] += (points[k].position - points[k - 1].position).norm();
+    }
+    add_part(result.separation, separation_of(here));
+    add_part(result.clearance, clearance_of(here, field));
+  });
+  return result;
+}
+
+/// As fine as a picture shows them.
+std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
+  constexpr double fine = 0.1;  // radii
+  std::vector<Path> result(robots);
+  tracks([&](const TrackPart& part) {
+    for (std::size_t i = 0; i < robots; ++i) {
+      const Track& track = part.tracks[i].track;
+      for (const TrackPoint& point : track.points) {
+        if (result[i].empty() || (point.position - result[i].back()).norm() > fine * track.radius)
+          result[i].push_back(point.position);
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace
+
+std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
+  if (at_goal) return {};
+  if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
+  if (!robot.status->reason.empty()) return robot.status->reason;
+  if (record_.size(robot.index) < robot.status->track_points)
+    return "the record of its track is not complete";
+  if (robot.lost) return "the agent has fallen silent";
+  if (interrupted_) return "interrupted";
+  if (robot.path.empty()) return "no path found before the time was over";
+  return "did not reach its goal before the time was over";
+}
+
+/// Of the first missions: from the moment that the last agent had its own until the last path, seconds of the
+/// wall's clock.
+double PlannerService::plan_time() const {
+  double last_mission = 0;
+  for (const auto& [name, robot] : robots_) {
+    if (robot.first_status) last_mission = std::max(last_mission, robot.first_status->mission_time);
+  }
+  return std::max(0.0, last_path() - last_mission) / settings_.time_scale;
+}
+
+/// Of the first missions, fleet time.
+double PlannerService::last_path() const {
+  double last = 0;
+  for (const auto& [name, robot] : robots_) {
+    if (robot.first_status) last = std::max(last, robot.first_status->path_time);
+  }
+  return last;
+}
+
+/// Of the first missions: from the last first path until the last robot had the path that it drives, seconds
+/// of the wall's clock.
+double PlannerService::improve_time() const {
+  double first = 0;
+  double best = 0;
+  for (const auto& [name, robot] : robots_) {
+    if (!robot.first_status) continue;
+    const double path_wall = robot.first_status->path_time / settings_.time_scale;
+    first = std::max(first, path_wall);
+    best = std::max(best, path_wall + robot.first_status->improve_seconds);
+  }
+  return best - first;
+}
+
+/// What the tracks tell is there already; the rest is what its agent said.
+void PlannerService::describe_robot(const Robot& robot, proto::Report::Robot& row) const {
+  row.set_name(robot.task.name);
+  row.set_planned(!robot.path.empty());
+  row.set_reason(reason_of(robot, row.arrived()));
+  for (const Point2& p : robot.path) {
+    row.add_path()->set_x(p.x());
+    row.mutable_path()->rbegin()->set_y(p.y());
+  }
+  row.set_path_length(length_of(robot.path));
+  row.set_missions(robot.missions_fulfilled(row.arrived()));
+  const AgentStatus status = robot.status.value_or(AgentStatus{});
+  row.set_plan_time(status.plan_seconds);
+  if (row.arrived()) row.set_run_time(status.arrival_time);
+  row.set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
+  row.set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
+  row.set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
+  if (robot.status) describe(status.load, *row.mutable_load());
+}
+
+/// The sums over its rows, and what belongs to no robot.
+void PlannerService::describe_run(proto::Report& report) const {
+  double path_sum = 0;
+  int planned = 0;
+  bool all_arrived = true;
+  for (const proto::Report::Robot& row : report.robots()) {
+    all_arrived = all_arrived && row.arrived();
+    planned += row.planned();
+    path_sum += row.path_length();
+    report.set_missions(report.missions() + row.missions());
+    report.set_run_time(std::max(report.run_time(), row.run_time()));
+    report.set_nodes_valid(report.nodes_valid() + row.nodes_valid());
+    report.set_nodes_invalid(report.nodes_invalid() + row.nodes_invalid());
+    report.set_trees_grafted(report.trees_grafted() + row.grafted_trees());
+  }
+  for (const auto& [id, broker] : brokers_) {
+    report.set_nodes_valid(report.nodes_valid() + broker.nodes_valid);
+    report.set_nodes_invalid(report.nodes_invalid() + broker.nodes_invalid);
+  }
+  report.set_trees_published(static_cast<std::uint32_t>(trees_seen_.size()));
+  report.set_outcome(all_arrived    ? "arrived"
+                     : interrupted_ ? "interrupted"
+                     : timed_out_   ? "timeout"
+                                    : "incomplete");
+  report.set_plan_time(plan_time());
+  report.set_improve_time(improve_time());
+  report.set_last_path_at(clock_.wall_time(last_path()));
+  report.set_path_length(planned > 0 ? path_sum / planned : 0);
+  report.set_seed(scenario_.seed);
+  report.set_map(scenario_.map_name);
+}
+
+proto::Report PlannerService::report(const TrackParts& tracks) const {
+  const Driven all = driven(tracks, order_.size(), ClearanceField(scenario_.map));
+  proto::Report report;
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Robot& robot = robots_.at(order_[i]);
+    proto::Report::Robot& row = *report.add_robots();
+    row.set_arrived(robot.at_goal(all.last[i]));
+    row.set_driven_length(all.length[i]);
+    describe_robot(robot, row);
+  }
+  describe_run(report);
+  if (all.separation) {
+    report.set_least_separation(all.separation->least);
+    report.set_collisions(static_cast<std::uint32_t>(all.separation->overlapping.size()));
+  }
+  if (all.clearance) {
+    report.set_least_clearance(all.clearance->least);
+    report.set_collisions(report.collisions() +
+                          static_cast<std::uint32_t>(all.clearance->overlapping.size()));
+  }
+  return report;
+}
+
+PictureContent PlannerService::picture() const {
+  PictureContent content{.map = scenario_.map, .edges = shared_edges_, .robots = {}};
+  const std::vector<Path> driven = ways(tracks(), order_.size());
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Robot& robot = robots_.at(order_[i]);
+    content.robots.push_back(
+        {robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, driven[i]});
+    for (const RootNodes::Node& node : robot.root_nodes) {
+      if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
+      content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position,
+                               node.position, static_cast<int>(i)});
+    }
+  }
+  return content;
+}
+
+}  // namespace coppice
