@@ -1,6 +1,8 @@
 // Looks for a joint plan (joint_plan.h): for robots of one size by LaCAM on places (lacam.h), which sorts out
-// crowds at once; where that finds nothing in bounded time, and for robots of several sizes, by the slower
-// search for refuges (push_and_rotate.h).
+// crowds at once. Where that finds nothing in bounded time, robots may stand in a clinch: side by side, so
+// that neither can take a way to another place without touching the other. So it has a second try on more
+// places, a step away from each such robot. Where that finds nothing either, and for robots of several sizes,
+// it is the slower search for refuges (push_and_rotate.h).
 //
 // Metres in the map frame.
 #pragma once
@@ -30,16 +32,21 @@ class JointPlanner {
   const JointPlan& plan() const { return plan_; }
 
  private:
-  void set_up_places(PackedPlaces& packed, double radius);
+  enum class ElbowRoom { none, in_a_clinch };
+
+  void set_up_crowd(ElbowRoom room);
+  void give_up_crowd();
+  std::vector<Point2> elbow_room() const;
   void take_up(const Lacam& solution);
 
-  const ClearanceField& field_;
+  PlacesOfMap& places_;
   std::vector<JointTask> tasks_;
   Random random_;
   PlaceGraph graph_{};
   std::vector<std::size_t> movable_;  ///< the robots of `crowd_`
   std::optional<Lacam> crowd_;
-  std::size_t configurations_ = 0;
+  ElbowRoom room_ = ElbowRoom::none;
+  std::size_t configurations_ = 0;  ///< of `crowd_`
   std::unique_ptr<PushAndRotate> refuges_;
   JointPlan plan_;
 };

@@ -274,10 +274,19 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
     grid_of_more.for_each_near(p, [&](NodeId k, const Point2& q) {
       if (first + k > from) link_straight(first + k, q);
     });
-    Place to = 0;
-    Path path = way_to_a_place(p, to);
-    const bool known = std::ranges::find(graph.edges(from), to, &Edge::to) != graph.edges(from).end();
-    if (path.size() > 1 && !known) link_over(from, to, std::move(path));
+    const auto link_unless_known = [&](Place to, Path path) {
+      const bool known = std::ranges::find(graph.edges(from), to, &Edge::to) != graph.edges(from).end();
+      if (!known) link_over(from, to, std::move(path));
+    };
+    Place nearest = 0;
+    const Path way = way_to_a_place(p, nearest);
+    if (way.size() < 2) continue;
+    link_unless_known(nearest, way);
+    for (const Edge& edge : packed_.edges(nearest)) {  // round corners
+      Path further = way;
+      further.insert(further.end(), edge.path.begin() + 1, edge.path.end());
+      link_unless_known(edge.to, optimise_line_of_sight(field_, further, radius_));
+    }
   }
   return graph;
 }

@@ -63,6 +63,44 @@ JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   return plan;
 }
 
+/// How many steps a planner takes for a few robots that stand in a clinch among many elsewhere, on rooms.
+int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
+  Random random(4);
+  const OccupancyMap map = generate_map(MapKind::room, 512, 512, random);
+  const ClearanceField field(map);
+  const auto far = [&](const Point2& p) {
+    return std::ranges::all_of(clinch, [&](const JointTask& task) {
+      return (p - task.position).norm() > 30 && (p - task.goal).norm() > 12;
+    });
+  };
+  std::vector<JointTask> tasks = clinch;
+  for (const StartAndGoal& task : random_tasks(field, 60, 5, 0, random)) {
+    if (far(task.start) && far(task.goal)) tasks.push_back({task.start, task.goal, 5});
+  }
+  PlacesOfMap places(field);
+  JointPlanner planner(places, tasks, Random(1));
+  int steps = 1;
+  while (!planner.step()) ++steps;
+  EXPECT_TRUE(planner.plan().stranded.empty());
+  return steps;
+}
+
+// Side by side in a door: neither has a straight way to any place that does not touch the other.
+TEST(JointPlan, SideBySideInADoor) {
+  EXPECT_LT(steps_for_a_clinch({{{12.989584488505946, 132.49301147580744}, {17.5, 131.5}, 5},
+                                {{22.99, 131.15}, {21.5, 405.5}, 5},
+                                {{20, 116}, {23.5, 121.5}, 5}}),
+            10);
+}
+
+// In a column along a wall: all ways to places further off pass too near to the next one.
+TEST(JointPlan, InAColumnAlongAWall) {
+  EXPECT_LT(steps_for_a_clinch({{{265.15224320524447, 240.93877724581463}, {358.5, 366.5}, 5},
+                                {{262.97262513854434, 231.05468795430218}, {129.5, 162.5}, 5},
+                                {{265.01492254613294, 250.97791153388519}, {415.5, 342.5}, 5}}),
+            10);
+}
+
 TEST(JointPlan, AloneItIsOneMove) {
   const JointPlan plan = solve(open_map(100, 100), {{{10, 10}, {90, 90}, 5}});
   EXPECT_EQ(plan.moves.size(), 1u);
