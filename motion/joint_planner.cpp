@@ -13,9 +13,8 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t configurations_a_step = 1000;
-// Hardly a search that finds anything needs more than the first; the last may be a puzzle.
-constexpr std::size_t most_configurations = 5'000;
-constexpr std::size_t most_with_elbow_room = 100'000;
+constexpr std::size_t first_try = 5'000;  // configurations; hardly a search that finds anything needs more
+constexpr std::size_t most_configurations = 100'000;
 constexpr double clinch = 2.2;      // radii between centres, and less
 constexpr double step_aside = 0.5;  // likewise
 constexpr int directions = 8;
@@ -28,19 +27,17 @@ JointPlanner::JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Ra
   const bool one_size = first != tasks_.end() && std::ranges::all_of(tasks_, [&](const JointTask& t) {
                           return !t.movable || t.radius == first->radius;
                         });
-  if (one_size) set_up_crowd(ElbowRoom::none);
+  if (one_size) set_up_crowd({});
 }
 
 /// Places for everybody, and what each wants: to its goal, or to give way if it could not even get there
 /// alone.
-void JointPlanner::set_up_crowd(ElbowRoom room) {
+void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
   const double radius = std::ranges::find_if(tasks_, &JointTask::movable)->radius;
   PackedPlaces& packed = places_.packed(radius);
   crowd_.reset();
   plan_ = {};
   movable_.clear();
-  room_ = room;
-  configurations_ = 0;
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
@@ -61,9 +58,7 @@ void JointPlanner::set_up_crowd(ElbowRoom room) {
     const Place start = place_of(task.position);
     crowd.push_back({start, place_of(task.goal)});
   }
-  if (room == ElbowRoom::in_a_clinch) {
-    for (const Point2& p : elbow_room()) place_of(p);
-  }
+  for (const Point2& p : elbow_room) place_of(p);
   graph_ = packed.with(ends, dead);
   crowd_.emplace(graph_, std::move(crowd), random_);
   for (const std::uint32_t k : crowd_->shut_in()) {
@@ -75,48 +70,54 @@ void JointPlanner::set_up_crowd(ElbowRoom room) {
   }
 }
 
-/// Places a step away from each robot that can hardly move for another.
+bool JointPlanner::in_a_clinch(const JointTask& task) const {
+  const auto near = std::ranges::count_if(tasks_, [&](const JointTask& other) {
+    return (other.position - task.position).norm() < clinch / 2 * (task.radius + other.radius);
+  });
+  return near > 1;  // itself
+}
+
+/// Places a step away from where those began that did not get to their goals, if they could hardly move.
 std::vector<Point2> JointPlanner::elbow_room() const {
   std::vector<Point2> result;
-  for (const std::size_t i : movable_) {
-    const auto& [here, goal, radius, movable] = tasks_[i];
-    const auto others_near = std::ranges::count_if(tasks_, [&](const JointTask& other) {
-      return (other.position - here).norm() < clinch / 2 * (radius + other.radius);
-    });
-    if (others_near < 2) continue;  // itself
-    for (int k = 0; k < directions; ++k) {
-      const double angle = 2 * std::numbers::pi * k / directions;
-      const Point2 aside = here + step_aside * radius * Point2(std::cos(angle), std::sin(angle));
-      if (places_.field().segment_free(here, aside, radius)) result.push_back(aside);
+  for (const std::uint32_t k : crowd_->under_way()) {
+    const JointTask& task = tasks_[movable_[k]];
+    if (!in_a_clinch(task)) continue;
+    for (int direction = 0; direction < directions; ++direction) {
+      const double angle = 2 * std::numbers::pi * direction / directions;
+      const Point2 aside =
+          task.position + step_aside * task.radius * Point2(std::cos(angle), std::sin(angle));
+      if (places_.field().segment_free(task.position, aside, task.radius)) result.push_back(aside);
     }
   }
   return result;
 }
 
 bool JointPlanner::step() {
-  if (crowd_) {
-    const Lacam::Outcome outcome = crowd_->search(configurations_a_step);
-    configurations_ += configurations_a_step;
-    if (outcome == Lacam::Outcome::solved) {
-      take_up(*crowd_);
-      return true;
-    }
-    const std::size_t most = room_ == ElbowRoom::none ? most_configurations : most_with_elbow_room;
-    if (outcome != Lacam::Outcome::searching || configurations_ >= most) give_up_crowd();
-    return false;
-  }
+  if (crowd_) return search_crowd();
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);
   if (!refuges_->step()) return false;
   plan_ = refuges_->plan();
   return true;
 }
 
-void JointPlanner::give_up_crowd() {
-  if (room_ == ElbowRoom::none) {
-    set_up_crowd(ElbowRoom::in_a_clinch);
-  } else {
-    crowd_.reset();
+bool JointPlanner::search_crowd() {
+  const Lacam::Outcome outcome = crowd_->search(configurations_a_step);
+  configurations_ += configurations_a_step;
+  if (outcome == Lacam::Outcome::solved) {
+    take_up(*crowd_);
+    return true;
   }
+  const bool ended = outcome != Lacam::Outcome::searching;
+  if ((ended || configurations_ >= first_try) && !std::exchange(second_try_, true)) {
+    const std::vector<Point2> room = elbow_room();
+    if (!room.empty()) {
+      set_up_crowd(room);
+      return false;
+    }
+  }
+  if (ended || configurations_ >= most_configurations) crowd_.reset();
+  return false;
 }
 
 void JointPlanner::take_up(const Lacam& solution) {

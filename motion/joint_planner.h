@@ -1,14 +1,15 @@
 // Looks for a joint plan (joint_plan.h): for robots of one size by LaCAM on places (lacam.h), which sorts out
 // crowds at once. Where that finds nothing in bounded time, robots may stand in a clinch: side by side, so
 // that neither can take a way to another place without touching the other. So it has a second try on more
-// places, a step away from each such robot. Where that finds nothing either, and for robots of several sizes,
-// it is the slower search for refuges (push_and_rotate.h).
+// places, a step away from robots that did not get away. Where that finds nothing either, and for robots of
+// several sizes, it is the slower search for refuges (push_and_rotate.h).
 //
 // Metres in the map frame.
 #pragma once
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "motion/joint_plan.h"
@@ -32,10 +33,9 @@ class JointPlanner {
   const JointPlan& plan() const { return plan_; }
 
  private:
-  enum class ElbowRoom { none, in_a_clinch };
-
-  void set_up_crowd(ElbowRoom room);
-  void give_up_crowd();
+  void set_up_crowd(std::span<const Point2> elbow_room);
+  bool search_crowd();
+  bool in_a_clinch(const JointTask& task) const;
   std::vector<Point2> elbow_room() const;
   void take_up(const Lacam& solution);
 
@@ -45,8 +45,8 @@ class JointPlanner {
   PlaceGraph graph_{};
   std::vector<std::size_t> movable_;  ///< the robots of `crowd_`
   std::optional<Lacam> crowd_;
-  ElbowRoom room_ = ElbowRoom::none;
-  std::size_t configurations_ = 0;  ///< of `crowd_`
+  std::size_t configurations_ = 0;
+  bool second_try_ = false;
   std::unique_ptr<PushAndRotate> refuges_;
   JointPlan plan_;
 };

@@ -212,6 +212,15 @@ bool Lacam::push(std::uint32_t robot) {
   return false;
 }
 
+std::vector<std::uint32_t> Lacam::under_way() const {
+  const Configuration& at = nodes_[open_.empty() ? 0 : open_.back()].at;
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t i = 0; i < at.size(); ++i) {
+    if (!at_goal(i, at[i])) result.push_back(i);
+  }
+  return result;
+}
+
 std::vector<PlaceMove> Lacam::moves() const {
   std::vector<std::size_t> chain;
   for (std::size_t k = solution_; k != 0; k = nodes_[k].parent) chain.push_back(k);

@@ -51,6 +51,9 @@ class Lacam {
   /// Makes at most so many configurations more.
   Outcome search(std::size_t configurations);
 
+  /// Robots that are not at their goals in the configuration that it has come to; ascending.
+  std::vector<std::uint32_t> under_way() const;
+
   /// Once solved: one after the other, all others standing.
   std::vector<PlaceMove> moves() const;
 

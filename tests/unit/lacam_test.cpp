@@ -81,6 +81,7 @@ TEST(Lacam, EffortIsBounded) {
   const PlaceGraph graph = grid(6, 1);
   Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
   EXPECT_EQ(lacam.search(3), Lacam::Outcome::searching);
+  EXPECT_EQ(lacam.under_way(), (std::vector<std::uint32_t>{0, 1}));
 }
 
 // Each place touches those beside it: two robots never stand next to each other, nor pass a third.
