@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "motion/joint_plan.h"
@@ -31,6 +32,8 @@ class JointPlanner {
   bool step();
   /// One that strands nobody without need, or else one that strands few.
   const JointPlan& plan() const { return plan_; }
+  /// It is of no more use then.
+  JointPlan take_plan() { return std::move(plan_); }
 
  private:
   void set_up_crowd(std::span<const Point2> elbow_room);

@@ -23,6 +23,7 @@ namespace coppice {
 class Lattice {
  public:
   using Vertex = std::uint32_t;
+  using Direction = std::uint8_t;  ///< of an edge: 0 to 7, from east by north
 
   /// For a disc of `radius` on `field`, which outlives it. The spacing is `spacing` rounded down to a
   /// multiple of half a cell.
@@ -51,6 +52,17 @@ class Lattice {
       if (!passable(w) || !vertex_free(w) || !edge_free(v, w, d)) continue;
       fn(w, d % 2 == 0 ? spacing_ : spacing_ * std::numbers::sqrt2);
     }
+  }
+
+  /// Of the edge from a vertex to one beside it.
+  Direction direction(Vertex from, Vertex to) const {
+    const Step step{static_cast<int>(to) % columns_ - static_cast<int>(from) % columns_,
+                    static_cast<int>(to) / columns_ - static_cast<int>(from) / columns_};
+    return static_cast<Direction>(std::ranges::find(steps, step) - steps.begin());
+  }
+  /// Where such an edge leads.
+  Vertex beside(Vertex from, Direction direction) const {
+    return from + static_cast<Vertex>(steps[direction].dj * columns_ + steps[direction].di);
   }
 
   /// Calls fn(vertex) for the free vertices around p, whether or not they see it.
@@ -87,6 +99,7 @@ class Lattice {
   struct Step {
     int di;
     int dj;
+    bool operator==(const Step&) const = default;
   };
   // The first four belong to the vertex that they start from, the others to the one that they lead to.
   static constexpr std::array<Step, 8> steps{

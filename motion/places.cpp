@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <queue>
 #include <utility>
 
@@ -91,8 +92,7 @@ PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double sp
       grid_(field.bounds(), reach_),
       points_of_ways_(field.bounds(), reach_) {
   pack();
-  grow_cells();
-  link_cells();
+  link_cells(grow_cells());
   index_ways();
 }
 
@@ -116,37 +116,46 @@ void PackedPlaces::pack() {
     if (taken) continue;
     grid.insert(p);
     grid_.insert(packed_.at(packed_.add(p)));
-    vertices_.push_back(v);
+    place_at_.emplace(v, static_cast<Place>(size() - 1));
   }
+}
+
+/// Of a step of so many metres from a vertex.
+double PackedPlaces::cost(Lattice::Vertex v, double metres) const {
+  const bool tight = field_.lower_bound(lattice_.at(v)) < (1 + comfort) * radius_;
+  return metres * (tight ? detour_for_comfort : 1);
 }
 
 /// Dijkstra's search from all places at once.
-void PackedPlaces::grow_cells() {
+std::vector<PackedPlaces::Cell> PackedPlaces::grow_cells() {
   using Entry = std::pair<float, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  cells_.assign(lattice_.size(), {});
-  for (Place k = 0; k < size(); ++k) {
-    cells_[vertices_[k]] = {k, 0, vertices_[k]};
-    open.emplace(0.0F, vertices_[k]);
+  std::vector<Cell> cells(lattice_.size());
+  towards_.assign(lattice_.size(), nowhere_to);
+  for (const auto& [v, place] : place_at_) {
+    cells[v] = {place, 0};
+    towards_[v] = here;
+    open.emplace(0.0F, v);
   }
   while (!open.empty()) {
-    const auto [cost, v] = open.top();
+    const auto [least, v] = open.top();
     open.pop();
-    if (cost > cells_[v].cost) continue;
+    if (least > cells[v].cost) continue;
     lattice_.for_each_neighbour(
         v, [](Lattice::Vertex) { return true; },
         [&](Lattice::Vertex w, double metres) {
-          const bool tight = field_.lower_bound(lattice_.at(w)) < (1 + comfort) * radius_;
-          const float there = cost + static_cast<float>(metres * (tight ? detour_for_comfort : 1));
-          if (cells_[w].place != nowhere && cells_[w].cost <= there) return;
-          cells_[w] = {cells_[v].place, there, v};
+          const float there = least + static_cast<float>(cost(w, metres));
+          if (cells[w].place != nowhere && cells[w].cost <= there) return;
+          cells[w] = {cells[v].place, there};
+          towards_[w] = lattice_.direction(w, v);
           open.emplace(there, w);
         });
   }
+  return cells;
 }
 
 /// Links the places whose cells touch, where they touch nearest to both.
-void PackedPlaces::link_cells() {
+void PackedPlaces::link_cells(const std::vector<Cell>& cells) {
   struct Crossing {
     double length;
     Lattice::Vertex a;
@@ -154,12 +163,12 @@ void PackedPlaces::link_cells() {
   };
   std::map<std::pair<Place, Place>, Crossing> crossings;
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
-    if (cells_[v].place == nowhere) continue;
+    if (cells[v].place == nowhere) continue;
     lattice_.for_each_neighbour(
-        v, [&](Lattice::Vertex w) { return cells_[w].place != nowhere && cells_[v].place < cells_[w].place; },
+        v, [&](Lattice::Vertex w) { return cells[w].place != nowhere && cells[v].place < cells[w].place; },
         [&](Lattice::Vertex w, double metres) {
-          const Crossing crossing{cells_[v].cost + metres + cells_[w].cost, v, w};
-          const auto [known, fresh] = crossings.try_emplace({cells_[v].place, cells_[w].place}, crossing);
+          const Crossing crossing{cells[v].cost + metres + cells[w].cost, v, w};
+          const auto [known, fresh] = crossings.try_emplace({cells[v].place, cells[w].place}, crossing);
           if (!fresh && crossing.length < known->second.length) known->second = crossing;
         });
   }
@@ -199,23 +208,32 @@ void PackedPlaces::for_each_way_near(const Point2& p, double distance, Fn&& fn) 
 /// The way within a Voronoi cell from one of its vertices to its place.
 Path PackedPlaces::way_to_its_place(Lattice::Vertex v) const {
   Path path{lattice_.at(v)};
-  for (; cells_[v].next != v; v = cells_[v].next) path.push_back(lattice_.at(cells_[v].next));
+  while (towards_[v] != here) {
+    v = lattice_.beside(v, towards_[v]);
+    path.push_back(lattice_.at(v));
+  }
   return path;
 }
 
 /// The shortest way from anywhere to the place of one of the cells around; empty if there is none.
 Path PackedPlaces::way_to_a_place(const Point2& p, Place& place) {
   double least = std::numeric_limits<double>::infinity();
-  Path path;
+  std::optional<Lattice::Vertex> first;
   lattice_.for_each_around(p, [&](Lattice::Vertex v) {
-    if (cells_[v].place == nowhere || !way_free(field_, p, lattice_.at(v), radius_)) return;
-    const double length = cells_[v].cost + (lattice_.at(v) - p).norm();
+    if (towards_[v] == nowhere_to || !way_free(field_, p, lattice_.at(v), radius_)) return;
+    double length = (lattice_.at(v) - p).norm();
+    Lattice::Vertex at = v;
+    for (Lattice::Vertex next = at; towards_[at] != here; at = next) {
+      next = lattice_.beside(at, towards_[at]);
+      length += cost(at, (lattice_.at(next) - lattice_.at(at)).norm());
+    }
     if (length >= least) return;
     least = length;
-    place = cells_[v].place;
-    path = way_to_its_place(v);
+    place = place_at_.at(at);
+    first = v;
   });
-  if (path.empty()) return path;
+  if (!first) return {};
+  Path path = way_to_its_place(*first);
   path.insert(path.begin(), p);
   return optimise_line_of_sight(field_, path, radius_);
 }

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -41,17 +42,19 @@ class PackedPlaces {
   struct Cell {  ///< of a lattice vertex: whose Voronoi cell it lies in
     Place place = nowhere;
     float cost = 0;
-    Lattice::Vertex next = 0;  ///< on the way to the place
   };
+  static constexpr Lattice::Direction here = 8;        ///< a place
+  static constexpr Lattice::Direction nowhere_to = 9;  ///< no place can be reached
 
   void pack();
-  void grow_cells();
-  void link_cells();
+  std::vector<Cell> grow_cells();
+  void link_cells(const std::vector<Cell>& cells);
   void index_ways();
   template <class Fn>
   void for_each_way_near(const Point2& p, double distance, Fn&& fn) const;
   bool passes(std::span<const Disc> obstacles, const Path& path) const;
   void leave_out(std::span<const Disc> obstacles, PlaceGraph& graph) const;
+  double cost(Lattice::Vertex v, double metres) const;
   Path way_to_its_place(Lattice::Vertex v) const;
   Path way_to_a_place(const Point2& p, Place& place);
 
@@ -62,8 +65,8 @@ class PackedPlaces {
   double reach_;     ///< of the grids
   Lattice lattice_;
   PlaceGraph packed_;
-  std::vector<Lattice::Vertex> vertices_;      ///< of the places
-  std::vector<Cell> cells_;                    ///< of the lattice's vertices
+  std::unordered_map<Lattice::Vertex, Place> place_at_;
+  std::vector<Lattice::Direction> towards_;    ///< its place, within each lattice vertex's Voronoi cell
   NeighbourGrid<2> grid_;                      ///< of the places
   NeighbourGrid<2> points_of_ways_;            ///< the points that each edge's path is sampled at
   std::vector<std::pair<Place, Place>> ways_;  ///< by such a point: the ends of the edge, the smaller first

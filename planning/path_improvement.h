@@ -30,10 +30,12 @@ class PathImprover {
   static constexpr int D = S::dimension;
   using P = Point<D>;
 
-  /// `space` outlives it. `epsilon`: the trees' step, which their places are apart by.
-  PathImprover(const S& space, double epsilon, Random random)
+  /// `space` outlives it. `epsilon`: the trees' step, which their places are apart by. `most_places`: no more
+  /// are drawn; on open ground each takes one to two kilobytes, nearly all of it links.
+  PathImprover(const S& space, double epsilon, Random random, std::size_t most_places = 40'000)
       : space_(space),
         reach_(reach_steps * epsilon),
+        most_places_(most_places),
         random_(random),
         even_points_(space.bounds(), random_) {}
 
@@ -93,8 +95,7 @@ class PathImprover {
   static constexpr double reach_steps = 1.5;  // as far as the next node but one
   static constexpr std::size_t places_a_step = 64;
   static constexpr std::size_t least_batch =
-      400;  // new places of a round; later rounds add half as many again
-  static constexpr std::size_t most_places = 40'000;
+      400;                                    // new places of a round; later rounds add half as many again
   static constexpr double worthwhile = 1e-3;  // of the fleet's length: a round that gains less is in vain
   static constexpr int rounds_in_vain = 4;
   static constexpr int steps_to_edge = 8;  // each as long as the radius
@@ -167,7 +168,7 @@ class PathImprover {
   /// Evenly spread places for the next round; false if the roadmaps are as dense as they get.
   bool draw_places() {
     const std::size_t batch = std::max(least_batch, places_.size() / 2);
-    if (places_.size() + batch > most_places) return false;
+    if (places_.size() + batch > most_places_) return false;
     const double least_radius = roadmaps_.begin()->first;
     for (std::size_t k = 0; k < batch; ++k) {
       P p = even_points_.next();
@@ -206,6 +207,7 @@ class PathImprover {
 
   const S& space_;
   double reach_;
+  std::size_t most_places_;
   Random random_;
   EvenPoints<D> even_points_;
   std::vector<Place> places_;

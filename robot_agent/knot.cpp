@@ -144,14 +144,15 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
 }
 
 void Knot::publish(const FleetMember& self, double now) {
-  const JointPlan& plan = planner_->plan();
-  if (!plan.stranded.empty() && id_.reach < everywhere) return call_everybody(self, now);
+  if (!planner_->plan().stranded.empty() && id_.reach < everywhere) return call_everybody(self, now);
+  JointPlan plan = planner_->take_plan();
+  planner_.reset();
   JointPlanMessage message{.knot = id_, .members = {}, .moves = {}};
   for (const FleetMember& m : led_) message.members.push_back({m.robot, m.radius, false});
   for (const std::size_t i : plan.stranded) message.members[i].stranded = true;
-  for (const Move& move : plan.moves)
-    message.moves.push_back({static_cast<std::uint32_t>(move.robot), move.path});
-  planner_.reset();
+  message.moves.reserve(plan.moves.size());
+  for (Move& move : plan.moves)
+    message.moves.push_back({static_cast<std::uint32_t>(move.robot), std::move(move.path)});
   plan_ = message;
   own_plan_ = std::move(message);
 }

@@ -19,8 +19,9 @@ constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for li
 constexpr std::size_t track_batch = 20;  // points: one second of fleet time
 constexpr std::size_t longest_batch = 10'000;
 constexpr WallTime pause_between_improvements = 0.001;
-constexpr int improvements_a_step = 4;    // bounded pieces of work, some hundred microseconds together
-constexpr double worth_swapping = 0.005;  // of what is left to drive
+constexpr std::size_t most_places = 4'000;  // of its roadmap: some 6 MB
+constexpr int improvements_a_step = 4;      // bounded pieces of work, some hundred microseconds together
+constexpr double worth_swapping = 0.005;    // of what is left to drive
 constexpr std::size_t most_tree_nodes = 4'000'000;  // as many as a broker grows
 
 }  // namespace
@@ -208,7 +209,8 @@ PathImprover<ClearanceField>& RobotAgent::improver() {
   if (!improver_ || improver_radius_ != mission_->radius) {
     improver_radius_ = mission_->radius;
     improver_ = std::make_unique<PathImprover<ClearanceField>>(
-        ground_->field, suggested_epsilon(ground_->field, improver_radius_), Random(mission_->seed + 1));
+        ground_->field, suggested_epsilon(ground_->field, improver_radius_), Random(mission_->seed + 1),
+        most_places);
   }
   return *improver_;
 }
