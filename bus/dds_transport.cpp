@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include <fastdds/rtps/common/LocatorList.hpp>
+#include <fastdds/rtps/common/LocatorSelector.hpp>
 #include <fastdds/rtps/common/LocatorsIterator.hpp>
 #include <fastdds/rtps/transport/ChainingTransport.h>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
@@ -221,6 +223,26 @@ class SparingTransport final : public transport::ChainingTransport {
     if (parts_.is_secure && is_handshake_of_others({message, size})) return true;
     const auto all = [](const rtps::Locator_t&) { return true; };
     return send_to(all, udp, message, size, begin, end, timeout);
+  }
+
+  /// The same choice as UDP's own, which looks for each locator among all chosen before. It is made anew
+  /// whenever a reader is found or lost: N processes that meet would spend N^4 comparisons on it.
+  void select_locators(rtps::LocatorSelector& selector) const override {
+    auto& readers = selector.transport_starts();
+    const bool in_groups = std::ranges::any_of(readers, [](const rtps::LocatorSelectorEntry* reader) {
+      return reader->transport_should_process && !reader->multicast.empty();
+    });
+    if (in_groups) return ChainingTransport::select_locators(selector);
+    std::set<rtps::Locator_t> chosen;
+    for (std::size_t i = 0; i < readers.size(); ++i) {
+      rtps::LocatorSelectorEntry& reader = *readers[i];
+      if (!reader.transport_should_process) continue;
+      for (std::size_t k = 0; k < reader.unicast.size(); ++k) {
+        if (IsLocatorSupported(reader.unicast[k]) && chosen.insert(reader.unicast[k]).second)
+          reader.state.unicast.push_back(k);
+      }
+      if (!reader.state.unicast.empty()) selector.select(i);
+    }
   }
 
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,

@@ -4,10 +4,17 @@
 
 #include <array>
 #include <chrono>
+#include <memory>
+#include <string>
 #include <vector>
 
+#include <fastdds/rtps/common/LocatorSelector.hpp>
+#include <fastdds/rtps/transport/TransportInterface.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <gtest/gtest.h>
+
+#include "planning/random.h"
 
 namespace coppice {
 namespace {
@@ -39,6 +46,53 @@ Bytes data(std::uint8_t flags, std::uint8_t writer_kind, std::uint8_t number) {
           0,    writer_kind, 0,  0, 0, 0, number, 0, 0, 0, 0, 3,    0, 0};
 }
 const Bytes announcement = data(0x05, 0xc2, 7);
+
+struct Reader {
+  bool enabled;
+  std::vector<std::size_t> unicast;    // of a few addresses
+  std::vector<std::size_t> multicast;  // of a few groups
+};
+
+/// The addresses that a transport chooses for these readers.
+std::vector<rtps::Locator_t> chosen(const eprosima::fastdds::rtps::TransportDescriptorInterface& descriptor,
+                                    const std::vector<Reader>& readers) {
+  const std::unique_ptr<eprosima::fastdds::rtps::TransportInterface> transport(descriptor.create_transport());
+  std::vector<std::unique_ptr<rtps::LocatorSelectorEntry>> entries;
+  rtps::LocatorSelector selector{eprosima::fastrtps::ResourceLimitedContainerConfig()};
+  for (const Reader& reader : readers) {
+    rtps::LocatorSelectorEntry& entry =
+        *entries.emplace_back(std::make_unique<rtps::LocatorSelectorEntry>(4, 4));
+    entry.enabled = reader.enabled;
+    for (const std::size_t k : reader.unicast)
+      entry.unicast.push_back(address("10.0.0.1", static_cast<std::uint32_t>(7411 + k)));
+    for (const std::size_t k : reader.multicast)
+      entry.multicast.push_back(address("239.255.0.1", static_cast<std::uint32_t>(7400 + k)));
+    selector.add_entry(&entry);
+  }
+  selector.selection_start();
+  transport->select_locators(selector);
+  std::vector<rtps::Locator_t> result;
+  selector.for_each([&](const rtps::Locator_t& locator) { result.push_back(locator); });
+  return result;
+}
+
+TEST(Transport, ChoosesTheAddressesThatUdpChooses) {
+  Audience audience;
+  Traffic traffic;
+  const auto sparing = sparing_udp_transport({audience, nullptr, traffic, 1'000, false});
+  const eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
+  for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    const bool with_groups = random.uniform() < 0.5;
+    std::vector<Reader> readers(random.index(30));
+    for (Reader& reader : readers) {
+      reader.enabled = random.uniform() < 0.8;
+      for (std::size_t k = random.index(3); k > 0; --k) reader.unicast.push_back(3 * random.index(5) + k);
+      if (with_groups && random.uniform() < 0.3) reader.multicast.push_back(random.index(2));
+    }
+    EXPECT_EQ(chosen(*sparing, readers), chosen(udp, readers)) << "seed " << seed;
+  }
+}
 
 TEST(Transport, RecognisesWhatOnlyAnnouncesAParticipant) {
   const auto number = announcement_in(header + info_timestamp + announcement + of_a_vendor);
