@@ -225,6 +225,16 @@ class SparingTransport final : public transport::ChainingTransport {
     return send_to(all, udp, message, size, begin, end, timeout);
   }
 
+  /// UDP goes through all addresses that it has a channel to, and is asked for those of all readers whenever
+  /// one more is found.
+  bool OpenOutputChannel(transport::SendResourceList& senders, const rtps::Locator_t& address) override {
+    const std::scoped_lock lock(opening_);
+    if (open_.contains(address)) return true;
+    if (!ChainingTransport::OpenOutputChannel(senders, address)) return false;
+    open_.insert(address);
+    return true;
+  }
+
   /// The same choice as UDP's own, which looks for each locator among all chosen before. It is made anew
   /// whenever a reader is found or lost: N processes that meet would spend N^4 comparisons on it.
   void select_locators(rtps::LocatorSelector& selector) const override {
@@ -271,6 +281,8 @@ class SparingTransport final : public transport::ChainingTransport {
 
   std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
   SparingTransportParts parts_;
+  std::mutex opening_;
+  std::set<rtps::Locator_t> open_;  ///< channels go on until the participant ends
   std::mutex discovering_;
 };
 
