@@ -259,7 +259,7 @@ class SparingTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
     parts_.traffic.bytes_received += size;
     std::unique_lock one_at_a_time(discovering_, std::defer_lock);
-    if (parts_.is_secure && announcement_in({message, size})) one_at_a_time.lock();
+    if (announcement_in({message, size})) one_at_a_time.lock();
     next->OnDataReceived(message, size, local, remote);
   }
 
