@@ -14,8 +14,8 @@
 //
 // And it hands on one announcement of a participant after the other: Fast DDS 2.9 discovers participants in
 // two threads at once, those of multicast and of unicast, and each spoils what the other has just read
-// (corrected later, in its pull request 4188). One in twenty authentications would never end; and without
-// DDS-Security, in every other fleet of two hundred, one agent would never be told the states of one other.
+// (corrected later, in its pull request 4188). One in twenty authentications would never end. Without
+// DDS-Security one agent of two hundred was never told the states of one other, in every other start.
 #pragma once
 
 #include <atomic>
