@@ -59,9 +59,9 @@ int replay(const FuzzOptions& options) {
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   simulation.run(go_on);
   const FuzzResult result = judge(fuzz_case, simulation);
-  const std::vector<NamedTrack> tracks = simulation.tracks();
-  const proto::Report report = simulation.service().report(in_one_part(tracks));
-  write_results(options.files, report, in_one_part(tracks), [&] { return simulation.service().picture(); });
+  const std::vector<NamedTrack>& tracks = simulation.tracks();
+  const proto::Report report = simulation.service().report(in_parts(tracks));
+  write_results(options.files, report, in_parts(tracks), [&] { return simulation.service().picture(); });
   std::cout << report_table(report);
   tell_failures(fuzz_case, result);
   return result.failures.empty() ? 0 : 1;

@@ -34,9 +34,9 @@ int simulate_command(const RunOptions& options, const Faults& faults) {
   });
   display.finish(last);
   const PlannerService& service = simulation.service();
-  const std::vector<NamedTrack> tracks = simulation.tracks();
-  const proto::Report report = service.report(in_one_part(tracks));
-  write_results(options, report, in_one_part(tracks), [&] { return service.picture(); });
+  const std::vector<NamedTrack>& tracks = simulation.tracks();
+  const proto::Report report = service.report(in_parts(tracks));
+  write_results(options, report, in_parts(tracks), [&] { return service.picture(); });
   if (!options.quiet) std::cout << '\n' << report_table(report);
   const auto broken = broken_invariants(scenario, tracks, control_period);
   for (const std::string& line : broken) std::cerr << line << '\n';

@@ -24,12 +24,34 @@ constexpr double stretch = 10;  // seconds: 1.6 MB of 200 robots
 /// A point as it is on disk.
 using Row = std::array<double, 5>;
 
+/// Those at or after `from` and before `until`, the one before these, and the one after them.
+std::vector<TrackPoint> around(const std::vector<TrackPoint>& points, double from, double until) {
+  const auto is_before = [&](double time) {
+    return std::ranges::partition_point(points, [&](const TrackPoint& p) { return p.time < time; });
+  };
+  const auto first = is_before(from);
+  const auto last = is_before(until);
+  return {first == points.begin() ? first : first - 1, last == points.end() ? last : last + 1};
+}
+
 }  // namespace
 
-TrackParts in_one_part(const std::vector<NamedTrack>& tracks) {
+TrackParts in_parts(const std::vector<NamedTrack>& tracks) {
   return [&tracks](const std::function<void(const TrackPart&)>& fn) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    fn({-infinity, infinity, tracks});
+    double begin = std::numeric_limits<double>::infinity();
+    double end = -begin;
+    for (const NamedTrack& named : tracks) {
+      if (named.track.points.empty()) continue;
+      begin = std::min(begin, named.track.points.front().time);
+      end = std::max(end, named.track.points.back().time);
+    }
+    for (double from = begin; from <= end; from += stretch) {
+      TrackPart part{from, from + stretch, {}};
+      for (const NamedTrack& named : tracks)
+        part.tracks.push_back(
+            {named.robot, {named.track.radius, around(named.track.points, from, from + stretch)}});
+      fn(part);
+    }
   };
 }
 
@@ -121,14 +143,7 @@ std::vector<TrackPoint> TrackRecord::around(std::size_t robot, double from, doub
   const auto end = after == blocks.end() ? after : after + 1;
   for (; block < end; ++block) read(*block, points);
 
-  const auto is_before = [&](double time) {
-    return std::ranges::partition_point(points, [&](const TrackPoint& p) { return p.time < time; });
-  };
-  const auto last = is_before(until);
-  if (last != points.end()) points.erase(last + 1, points.end());
-  const auto first = is_before(from);
-  if (first != points.begin()) points.erase(points.begin(), first - 1);
-  return points;
+  return coppice::around(points, from, until);
 }
 
 void TrackRecord::for_each_stretch(const std::function<void(double, double)>& fn) const {

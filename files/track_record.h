@@ -35,8 +35,8 @@ struct TrackPart {
 /// Calls its argument with each part of a run, one after the other.
 using TrackParts = std::function<void(const std::function<void(const TrackPart&)>&)>;
 
-/// `tracks` outlive it.
-TrackParts in_one_part(const std::vector<NamedTrack>& tracks);
+/// A few megabytes each. `tracks` outlive it.
+TrackParts in_parts(const std::vector<NamedTrack>& tracks);
 
 class TrackRecord {
  public:

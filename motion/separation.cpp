@@ -12,10 +12,15 @@ namespace {
 
 constexpr double window = 1.0;  // seconds; pairs that are far apart throughout one are passed over as a whole
 
-/// A track with a place to go on from: times are asked in growing order.
+/// A track with a place to go on from: times are asked in growing order, none before `from`.
 class Cursor {
  public:
-  explicit Cursor(const Track& track) : points_(track.points) {}
+  explicit Cursor(const Track& track, double from = -std::numeric_limits<double>::infinity())
+      : points_(track.points) {
+    const auto at =
+        std::ranges::partition_point(points_, [&](const TrackPoint& p) { return p.time <= from; });
+    next_ = static_cast<std::size_t>(at - points_.begin());
+  }
 
   Point2 at(double time) {
     while (next_ < points_.size() && points_[next_].time <= time) ++next_;
@@ -62,8 +67,8 @@ double distance(const Box<2>& a, const Box<2>& b) {
 }
 
 double least_distance(const Track& a, const Track& b, double from, double to) {
-  Cursor ca(a);
-  Cursor cb(b);
+  Cursor ca(a, from);
+  Cursor cb(b, from);
   double t = from;
   Point2 pa = ca.at(t);
   Point2 pb = cb.at(t);

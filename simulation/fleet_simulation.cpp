@@ -29,11 +29,12 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
     AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);
     const double next_kill = faults.killed_after(0);
     agents_.push_back({.name = task.name,
+                       .index = agents_.size(),
                        .process = nullptr,
                        .faults = std::move(faults),
                        .next_kill = next_kill,
                        .kept = std::make_unique<KeptInMemory>()});
-    agents_.back().track.radius = task.radius;
+    tracks_.push_back({task.name, {task.radius, {}}});
     start(agents_.back());
   }
 }
@@ -105,7 +106,8 @@ void FleetSimulation::record(Agent& agent, double until) {
   if (!agent.body) return;
   Driver& body = *agent.body;
   while (body.time() + body.period() / 2 < until) {
-    agent.track.points.push_back({body.time() - agent.faults.clock_offset, body.position(), body.velocity()});
+    tracks_[agent.index].track.points.push_back(
+        {body.time() - agent.faults.clock_offset, body.position(), body.velocity()});
     body.advance();
   }
 }
@@ -131,12 +133,6 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
   for (Agent& agent : agents_) {
     if (agent.body) record(agent, service_.role.progress(now_).elapsed + agent.faults.clock_offset);
   }
-}
-
-std::vector<NamedTrack> FleetSimulation::tracks() const {
-  std::vector<NamedTrack> tracks;
-  for (const Agent& agent : agents_) tracks.push_back({agent.name, agent.track});
-  return tracks;
 }
 
 SufferedFaults FleetSimulation::suffered() const {

@@ -45,7 +45,7 @@ class FleetSimulation {
   const PlannerService& service() const { return service_.role; }
 
   /// Where the bodies were, in fleet time by the true clock.
-  std::vector<NamedTrack> tracks() const;
+  const std::vector<NamedTrack>& tracks() const { return tracks_; }
   /// What went wrong so far.
   SufferedFaults suffered() const;
   /// And not started anew.
@@ -62,6 +62,7 @@ class FleetSimulation {
 
   struct Agent {
     RobotName name;
+    std::size_t index = 0;                             ///< of its track
     std::unique_ptr<Participant<RobotAgent>> process;  ///< null: killed
     AgentFaults faults;
     double next_kill = 0;  ///< infinity: none
@@ -69,7 +70,6 @@ class FleetSimulation {
     std::unique_ptr<KeptInMemory> kept;  ///< if it may be started anew
     std::optional<Keeper<Remembrance, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was when the agent last had its turn
-    Track track{};
     double next_event() const;
   };
 
@@ -87,6 +87,7 @@ class FleetSimulation {
   Participant<PlannerService> service_;
   Participant<TreeBroker> broker_;
   std::vector<Agent> agents_;
+  std::vector<NamedTrack> tracks_;
 };
 
 }  // namespace coppice

@@ -143,14 +143,14 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
 }
 
 FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
-  const std::vector<NamedTrack> tracks = simulation.tracks();
+  const std::vector<NamedTrack>& tracks = simulation.tracks();
   FuzzResult result{.failures = broken_invariants(fuzz_case.scenario, tracks, control_period),
                     .suffered = simulation.suffered()};
   if (result.suffered.rejected > 0)
     result.failures.push_back(fmt::format("{} messages that no reader takes", result.suffered.rejected));
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
-  const proto::Report report = simulation.service().report(in_one_part(tracks));
+  const proto::Report report = simulation.service().report(in_parts(tracks));
   const std::vector<JointTask> ends = ends_of(tracks, simulation);
   const ClearanceField field(fuzz_case.scenario.map);
   const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);

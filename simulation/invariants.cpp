@@ -37,18 +37,23 @@ std::optional<std::string> broken_by(const RobotTask& task, const Track& track, 
 std::vector<std::string> broken_invariants(const Scenario& scenario, const std::vector<NamedTrack>& tracks,
                                            double period) {
   std::vector<std::string> broken;
-  std::vector<Track> all;
   for (const NamedTrack& named : tracks) {
-    all.push_back(named.track);
     const auto task = std::ranges::find(scenario.robots, named.robot, &RobotTask::name);
     if (const auto problem = broken_by(*task, named.track, period))
       broken.push_back(named.robot + " " + *problem);
   }
-  const auto separation = separation_of(all);
+  const ClearanceField field(scenario.map);
+  std::optional<Separation> separation;
+  std::optional<ObstacleClearance> clearance;
+  in_parts(tracks)([&](const TrackPart& part) {
+    std::vector<Track> here;
+    for (const NamedTrack& named : part.tracks) here.push_back(clipped(named.track, part.from, part.until));
+    add_part(separation, separation_of(here));
+    add_part(clearance, clearance_of(here, field));
+  });
   if (separation && separation->least < -overlap_tolerance)
     broken.push_back(fmt::format("robots touched: least separation {:.6f} m, {} pairs", separation->least,
                                  separation->overlapping.size()));
-  const auto clearance = clearance_of(all, ClearanceField(scenario.map));
   if (clearance && clearance->least < -overlap_tolerance)
     broken.push_back(fmt::format("obstacles were touched: least clearance {:.6f} m, {} robots",
                                  clearance->least, clearance->overlapping.size()));

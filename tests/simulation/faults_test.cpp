@@ -17,9 +17,8 @@ Outcome simulate(const std::string& name, int robots, std::uint32_t seed, const 
   const Scenario scenario = make_scenario(name, robots, seed);
   FleetSimulation simulation(scenario, {.timeout = 1000, .faults = faults});
   simulation.run([](const PlannerService&, double) { return true; });
-  const std::vector<NamedTrack> tracks = simulation.tracks();
-  return {simulation.service().report(in_one_part(tracks)),
-          broken_invariants(scenario, tracks, control_period)};
+  const std::vector<NamedTrack>& tracks = simulation.tracks();
+  return {simulation.service().report(in_parts(tracks)), broken_invariants(scenario, tracks, control_period)};
 }
 
 void expect_all_arrive(const Outcome& outcome, const std::string& what) {
