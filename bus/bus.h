@@ -14,8 +14,11 @@
 namespace coppice {
 
 /// Who takes part in the bus: decides which topics are written and read (topics.h).
-/// A claimant is an agent that does not know yet which robot it is.
-enum class Role : unsigned char { broker, agent, service, observer, claimant };
+/// A claimant is an agent that does not know yet which robot it is. A replayer says again what was recorded
+/// of others, to observers and viewers.
+/// An observer hears all that is said; a viewer only what shows the present (no tracks: whoever comes late
+/// would be told all of them).
+enum class Role : unsigned char { broker, agent, service, observer, claimant, replayer, viewer };
 
 /// A message off the bus. The others that read it may share it.
 struct Arrival {
@@ -44,6 +47,7 @@ struct BusCounts {
   std::size_t agents = 0;    ///< readers of robot states that are matched, of others
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_received = 0;
+  double processor_seconds = 0;  ///< of the process, since it began
 };
 
 template <class B>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <optional>
 #include <stdexcept>
 #include <tuple>
@@ -26,6 +27,7 @@
 
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
+#include "bus/dds_qos.h"
 #include "bus/dds_security.h"
 #include "bus/dds_senders.h"
 #include "bus/dds_static_endpoints.h"
@@ -58,19 +60,11 @@ constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after
 // again (with 20 s, tests/process/pause_test.cpp). Likely because only some drop it, and those who do not
 // take the acknowledgments of its new beginning, which count from one, for old ones.
 constexpr int lease = 120;
-// Each remote writer and reader that is met has room for so many set aside: a service meets a thousand.
-constexpr int samples_at_first = 2;
 constexpr int datagram_for_credentials = 8192;  // bytes
 constexpr int most_taken = 1000;                // samples of a topic at a time
 constexpr double longest_held = 1;              // seconds until its sender must be known
 constexpr std::chrono::milliseconds longest_farewell{500};
 constexpr std::size_t rejections_logged = 10;  // then every thousandth
-
-template <class T>
-T* required(T* created, const char* what) {
-  if (created == nullptr) throw std::runtime_error(std::string("DDS could not create ") + what);
-  return created;
-}
 
 /// Each process announces which endpoints it has, of those that all know.
 void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
@@ -110,7 +104,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
                                           Traffic& traffic) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
-  qos.user_data().data_vec(user_data_of(settings.robot));
+  qos.user_data().data_vec(role == Role::replayer ? user_data_of_replayer() : user_data_of(settings.robot));
   qos.transport().use_builtin_transports = false;
   const std::string discovery = discovery_of(settings);
   const bool by_servers = discovery != static_discovery && discovery != multicast_discovery;
@@ -135,25 +129,6 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
   if (by_servers) find_others_through(discovery, qos);
   if (!settings.security.empty()) secure(settings.security, qos);
   return qos;
-}
-
-/// What a topic's row in the table means for a writer and for a reader alike.
-template <class Qos>
-void apply(const TopicInfo& info, Qos& qos) {
-  qos.reliability().kind = info.reliability == Reliability::reliable ? dds::RELIABLE_RELIABILITY_QOS
-                                                                     : dds::BEST_EFFORT_RELIABILITY_QOS;
-  qos.durability().kind = info.durability == Durability::transient_local ? dds::TRANSIENT_LOCAL_DURABILITY_QOS
-                                                                         : dds::VOLATILE_DURABILITY_QOS;
-  qos.history().kind = info.depth > 0 ? dds::KEEP_LAST_HISTORY_QOS : dds::KEEP_ALL_HISTORY_QOS;
-  qos.history().depth = info.depth > 0 ? info.depth : 1;
-  // 0 is no limit; the defaults (10 instances, 5000 samples) would silently lose trees and robots.
-  qos.resource_limits().max_samples = 0;
-  qos.resource_limits().max_instances = 0;
-  qos.resource_limits().max_samples_per_instance = 0;
-  qos.resource_limits().allocated_samples = samples_at_first;
-  // Samples differ in size by orders of magnitude: memory as needed, not for the largest.
-  qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_REUSABLE_MEMORY_MODE;
-  qos.data_sharing().off();
 }
 
 template <class M>
@@ -217,10 +192,6 @@ struct Ends {
 template <class M>
 constexpr bool wakes = Topic<M>::info.reliability == Reliability::reliable;
 
-WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
-  return time.seconds() + 1e-9 * time.nanosec();
-}
-
 struct DdsBus::Implementation {
   Role role;
   Audience audience;  // of whoever is there; with security, of whoever has proved who it is
@@ -233,7 +204,7 @@ struct DdsBus::Implementation {
   dds::Subscriber* subscriber = nullptr;
   std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
              Ends<JointPlanMessage>, Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>,
-             Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>>
+             Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>, Ends<ActiveTreesMessage>>
       topics;
   dds::WaitSet wait_set;
   struct Received {
@@ -260,7 +231,7 @@ struct DdsBus::Implementation {
     if (participant->enable() != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
       throw std::runtime_error(
           "DDS could not enable the participant (are all of the domain's ports in use?)");
-    senders.note_own(participant->guid().guidPrefix, settings.robot);
+    senders.note_own(participant->guid().guidPrefix, settings.robot, role == Role::replayer);
     std::apply([&](auto&... ends) { (expect_enabled(ends), ...); }, topics);
     announcements.begin();
   }
@@ -370,12 +341,26 @@ struct DdsBus::Implementation {
     const RobotName* const robot = sender_of(*received.arrival.message);
     const auto sender = robot != nullptr ? senders.robot_of(received.from) : std::nullopt;
     const bool waits = std::ranges::find(held, received.from, &Received::from) != held.end();
-    if (robot == nullptr || (sender == *robot && !waits)) {
+    if (!waits && senders.replays(received.from)) {
+      hand_over_replayed(std::move(received), out);
+    } else if (robot == nullptr || (sender == *robot && !waits)) {
       out.push_back(std::move(received.arrival));
     } else if (!sender || waits) {
       held.push_back(std::move(received));
     } else {
       reject(received.topic, "it is not from the agent of the robot that it names");
+    }
+  }
+
+  /// What was recorded of others is for those who look on. A replayer is to hear of whoever else is there,
+  /// and what it says itself comes back to it.
+  void hand_over_replayed(Received received, std::vector<Arrival>& out) {
+    const bool own = received.from == participant->guid().guidPrefix;
+    const bool looks_on = role == Role::observer || role == Role::viewer;
+    if (looks_on || (role == Role::replayer && !own)) {
+      out.push_back(std::move(received.arrival));
+    } else if (role != Role::replayer) {
+      reject(received.topic, "it is of a recording that is replayed on this domain");
     }
   }
 
@@ -442,6 +427,10 @@ bool DdsBus::wait(double seconds) {
          eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
 }
 
+dds::DomainParticipant& DdsBus::participant() {
+  return *implementation_->participant;
+}
+
 std::size_t DdsBus::rejected() const {
   return implementation_->rejected;
 }
@@ -469,7 +458,8 @@ BusCounts DdsBus::counts() const {
   return {.rejected = rejected(),
           .agents = std::max<std::size_t>(1, matched_readers<RobotState>()) - 1,
           .bytes_sent = implementation_->traffic.bytes_sent,
-          .bytes_received = implementation_->traffic.bytes_received};
+          .bytes_received = implementation_->traffic.bytes_received,
+          .processor_seconds = static_cast<double>(std::clock()) / CLOCKS_PER_SEC};
 }
 
 }  // namespace coppice

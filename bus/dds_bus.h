@@ -18,6 +18,10 @@
 #include "bus/discovery.h"
 #include "bus/messages.h"
 
+namespace eprosima::fastdds::dds {
+class DomainParticipant;
+}
+
 namespace coppice {
 
 struct DdsSettings {
@@ -53,6 +57,9 @@ class DdsBus {
 
   /// Until something arrives or `seconds` are over; true if something arrived.
   bool wait(double seconds);
+
+  /// For endpoints beside those of the table (dds_ros.h); the bus outlives them.
+  eprosima::fastdds::dds::DomainParticipant& participant();
 
   BusCounts counts() const;
   /// Samples that were dropped because they failed validation, or came from another than they say.

@@ -153,6 +153,24 @@ InactiveTreeMessage from_dds(const idl::InactiveTree& d) {
   return m;
 }
 
+idl::ActiveTrees to_dds(const ActiveTreesMessage& m) {
+  idl::ActiveTrees d;
+  d.broker(m.broker);
+  d.map_id(m.map_id);
+  for (const ActiveTreesMessage::Edge& edge : m.edges) {
+    idl::TreeEdge& e = d.edges().emplace_back();
+    e.from(to_dds(edge.from));
+    e.to(to_dds(edge.to));
+  }
+  return d;
+}
+
+ActiveTreesMessage from_dds(const idl::ActiveTrees& d) {
+  ActiveTreesMessage m{.broker = d.broker(), .map_id = text(d.map_id()), .edges = {}};
+  for (const idl::TreeEdge& e : d.edges()) m.edges.push_back({from_dds(e.from()), from_dds(e.to())});
+  return m;
+}
+
 idl::RobotState to_dds(const RobotState& m) {
   idl::RobotState d;
   d.robot(m.robot);
@@ -319,6 +337,7 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
   d.state_age_p50(m.load.state_age_p50);
   d.state_age_p99(m.load.state_age_p99);
   d.state_age_max(m.load.state_age_max);
+  d.processor_seconds(m.load.processor_seconds);
   return d;
 }
 
@@ -349,7 +368,8 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
                    .bytes_received = d.bytes_received(),
                    .state_age_p50 = d.state_age_p50(),
                    .state_age_p99 = d.state_age_p99(),
-                   .state_age_max = d.state_age_max()}};
+                   .state_age_max = d.state_age_max(),
+                   .processor_seconds = d.processor_seconds()}};
 }
 
 idl::BrokerStatus to_dds(const BrokerStatus& m) {
@@ -363,6 +383,7 @@ idl::BrokerStatus to_dds(const BrokerStatus& m) {
   d.trees_published(m.trees_published);
   d.covered_map(m.covered_map);
   d.rejected(m.rejected);
+  d.processor_seconds(m.processor_seconds);
   return d;
 }
 
@@ -375,7 +396,8 @@ BrokerStatus from_dds(const idl::BrokerStatus& d) {
           .trees_active = d.trees_active(),
           .trees_published = d.trees_published(),
           .covered_map = text(d.covered_map()),
-          .rejected = d.rejected()};
+          .rejected = d.rejected(),
+          .processor_seconds = d.processor_seconds()};
 }
 
 idl::Claim to_dds(const Claim& m) {

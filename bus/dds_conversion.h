@@ -32,6 +32,7 @@ COPPICE_DDS_TYPE(AgentStatus, AgentStatus);
 COPPICE_DDS_TYPE(BrokerStatus, BrokerStatus);
 COPPICE_DDS_TYPE(Claim, Claim);
 COPPICE_DDS_TYPE(Assignment, Assignment);
+COPPICE_DDS_TYPE(ActiveTreesMessage, ActiveTrees);
 
 #undef COPPICE_DDS_TYPE
 

@@ -1,5 +1,8 @@
 #include "bus/dds_senders.h"
 
+#include <cstdint>
+#include <vector>
+
 #include "bus/dds_transport.h"
 
 namespace coppice {
@@ -13,9 +16,9 @@ constexpr std::chrono::seconds remembered{60};
 
 }  // namespace
 
-void Senders::note_own(const rtps::GuidPrefix_t& participant, const RobotName& robot) {
+void Senders::note_own(const rtps::GuidPrefix_t& participant, const RobotName& robot, bool replays) {
   const std::scoped_lock lock(mutex_);
-  senders_[participant] = {robot, std::nullopt};
+  senders_[participant] = {robot, replays, std::nullopt};
 }
 
 void Senders::discover(const rtps::ParticipantDiscoveryInfo& info) {
@@ -30,8 +33,15 @@ void Senders::discover(const rtps::ParticipantDiscoveryInfo& info) {
   if (gone) {
     sender.gone_at = now;
   } else {
-    sender = {coppice::robot_of(info.info.m_userData), std::nullopt};
+    const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
+    sender = {coppice::robot_of(data), data == user_data_of_replayer(), std::nullopt};
   }
+}
+
+bool Senders::replays(const rtps::GuidPrefix_t& participant) const {
+  const std::scoped_lock lock(mutex_);
+  const auto known = senders_.find(participant);
+  return known != senders_.end() && known->second.replays;
 }
 
 std::optional<RobotName> Senders::robot_of(const rtps::GuidPrefix_t& participant) const {

@@ -37,6 +37,7 @@ constexpr int repeats_until_seldom = 10;
 constexpr std::chrono::milliseconds seldom{30'000};
 
 constexpr std::string_view robot_key = "robot=";
+constexpr std::string_view replayer_data = "replayer";
 
 }  // namespace
 
@@ -100,6 +101,10 @@ std::vector<std::uint8_t> user_data_of(const RobotName& robot) {
 RobotName robot_of(std::span<const std::uint8_t> user_data) {
   const std::string text(user_data.begin(), user_data.end());
   return text.starts_with(robot_key) ? text.substr(robot_key.size()) : RobotName();
+}
+
+std::vector<std::uint8_t> user_data_of_replayer() {
+  return {replayer_data.begin(), replayer_data.end()};
 }
 
 namespace {

@@ -101,6 +101,8 @@ struct Traffic {
 /// What a participant's user data says of the robot whose agent it is; empty: it is none.
 std::vector<std::uint8_t> user_data_of(const RobotName& robot);
 RobotName robot_of(std::span<const std::uint8_t> user_data);
+/// The user data of one that replays a recording.
+std::vector<std::uint8_t> user_data_of_replayer();
 
 /// If an RTPS message only announces that its participant is alive: the number of what it says of itself.
 std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);

@@ -15,6 +15,9 @@ inline constexpr int large_fleet = 40;
 /// The servers of ROS_DISCOVERY_SERVER; empty if it names none.
 std::string usual_discovery_servers();
 
+/// The domain of ROS_DOMAIN_ID; 0 if it is not set. Throws std::runtime_error if it is none.
+int usual_ros_domain();
+
 /// So many participants of a domain try for ports on one host, less where the numbers end; by default Fast
 /// DDS gives up after a hundred.
 inline constexpr int most_participants = 1000;

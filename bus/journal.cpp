@@ -48,13 +48,17 @@ void append_number(std::uint32_t number, std::vector<std::uint8_t>& bytes) {
   throw std::runtime_error(fmt::format("{}: {}", path.string(), what));
 }
 
-std::vector<std::uint8_t> contents(int descriptor, const std::filesystem::path& path) {
+/// As many bytes as there are from `place` on, at most `size`.
+std::vector<std::uint8_t> bytes_at(int descriptor, std::size_t place, std::size_t size,
+                                   const std::filesystem::path& path) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) fail(path, std::strerror(errno));
-  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(status.st_size));
+  const auto end = static_cast<std::size_t>(status.st_size);
+  std::vector<std::uint8_t> bytes(std::min(size, end - std::min(place, end)));
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t got = pread(descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
+    const ssize_t got =
+        pread(descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(place + done));
     if (got <= 0) fail(path, "reading failed");
     done += static_cast<std::size_t>(got);
   }
@@ -68,7 +72,7 @@ Journal::Journal(std::filesystem::path file) : path_(std::move(file)) {
   if (descriptor_ < 0) fail(path_, fmt::format("cannot be opened for writing: {}", std::strerror(errno)));
   try {
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) fail(path_, "is in use by another process");
-    read_all();
+    find_end();
   } catch (...) {
     close(descriptor_);
     throw;
@@ -79,35 +83,57 @@ Journal::Journal(Journal&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       end_(other.end_),
-      complete_(other.complete_),
-      recalled_(std::move(other.recalled_)) {}
+      complete_(other.complete_) {}
 
 Journal::~Journal() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void Journal::read_all() {
-  const std::vector<std::uint8_t> bytes = contents(descriptor_, path_);
+void Journal::find_end() {
+  const std::vector<std::uint8_t> header = bytes_at(descriptor_, 0, header_size, path_);
   // One that was killed as it made the file has left a part of the first line.
-  const std::size_t known = std::min(bytes.size(), magic.size());
-  if (!std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(known), magic.begin()))
+  const std::size_t known = std::min(header.size(), magic.size());
+  if (!std::equal(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(known), magic.begin()))
     fail(path_,
          fmt::format("is no journal of version {}: remove it, or name another folder", COPPICE_VERSION));
-  if (bytes.size() < header_size) {
+  if (header.size() < header_size) {
     if (!begin_anew()) fail(path_, fmt::format("cannot be written: {}", std::strerror(errno)));
     return;
   }
-  complete_ = bytes[magic.size()] == whole;
+  complete_ = header[magic.size()] == whole;
   end_ = header_size;
-  while (bytes.size() - end_ >= frame_size) {
-    const std::uint8_t* const frame = bytes.data() + end_;
-    const std::uint32_t length = number_at(frame);
-    const bool there = length <= longest_record && length <= bytes.size() - end_ - frame_size;
-    if (!there || number_at(frame + 4) != checksum(frame + frame_size, length)) break;
-    if (auto message = deserialized({frame + frame_size, length})) recalled_.push_back(*std::move(message));
-    end_ += frame_size + length;
-  }
+  while (const auto record = record_at(end_)) end_ += frame_size + record->size();
   if (ftruncate(descriptor_, static_cast<off_t>(end_)) != 0) fail(path_, std::strerror(errno));
+}
+
+std::optional<std::vector<std::uint8_t>> Journal::record_at(std::size_t place) const {
+  const std::vector<std::uint8_t> frame = bytes_at(descriptor_, place, frame_size, path_);
+  if (frame.size() < frame_size) return std::nullopt;
+  const std::uint32_t length = number_at(frame.data());
+  if (length > longest_record) return std::nullopt;
+  std::vector<std::uint8_t> record = bytes_at(descriptor_, place + frame_size, length, path_);
+  const bool sound =
+      record.size() == length && number_at(frame.data() + 4) == checksum(record.data(), record.size());
+  return sound ? std::optional(std::move(record)) : std::nullopt;
+}
+
+void Journal::for_each(const std::function<void(const Message&)>& fn) const {
+  for (std::size_t place = header_size; place < end_;) {
+    const auto record = record_at(place);
+    if (!record) fail(path_, "has changed since it was opened");
+    if (const auto message = deserialized(*record)) fn(*message);
+    place += frame_size + record->size();
+  }
+}
+
+bool Journal::empty() const {
+  return end_ == header_size;
+}
+
+std::vector<Message> Journal::messages() const {
+  std::vector<Message> all;
+  for_each([&](const Message& message) { all.push_back(message); });
+  return all;
 }
 
 bool Journal::begin_anew() {

@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bus/keep.h"
@@ -28,8 +28,12 @@ class Journal {
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
 
-  /// What was in the file when it was opened; once.
-  std::vector<Message> take_recalled() { return std::exchange(recalled_, {}); }
+  /// Each message that it holds, in order, one at a time: a long run's do not fit into memory. Throws as the
+  /// constructor does.
+  void for_each(const std::function<void(const Message&)>& fn) const;
+  bool empty() const;
+  /// All of them at once.
+  std::vector<Message> messages() const;
 
   /// Where there is no room this is logged, once, and the file counts as incomplete from then on: it keeps
   /// what it has, and takes no more.
@@ -42,7 +46,9 @@ class Journal {
   const std::filesystem::path& file() const { return path_; }
 
  private:
-  void read_all();
+  /// The record that begins there, if a whole one does.
+  std::optional<std::vector<std::uint8_t>> record_at(std::size_t place) const;
+  void find_end();
   bool begin_anew();
   void give_up();
   bool write_at_end(const std::vector<std::uint8_t>& bytes);
@@ -51,7 +57,6 @@ class Journal {
   int descriptor_ = -1;
   std::size_t end_ = 0;  ///< of the last whole record
   bool complete_ = true;
-  std::vector<Message> recalled_;
 };
 
 /// The journal of a process in the folder that `--state` names, which is made if there is none; nothing if

@@ -88,6 +88,20 @@ struct InactiveTreeMessage {
   bool operator==(const InactiveTreeMessage&) const = default;
 };
 
+/// active_trees: broker -> monitor, recorder. What the broker that leads grows just now, several times a
+/// second while it does.
+struct ActiveTreesMessage {
+  std::uint64_t broker = 0;
+  std::string map_id;
+  struct Edge {
+    Point2 from = Point2::Zero();
+    Point2 to = Point2::Zero();  ///< a tree of one node has one edge, from it to itself
+    bool operator==(const Edge&) const = default;
+  };
+  std::vector<Edge> edges;
+  bool operator==(const ActiveTreesMessage&) const = default;
+};
+
 enum class Phase : std::uint8_t {
   waiting,   ///< no map or no mission yet
   planning,  ///< has a mission, looks for a path
@@ -230,6 +244,7 @@ struct AgentLoad {
   double state_age_p50 = 0;  ///< of a neighbour's state when the robot decides by it, seconds of fleet time;
   double state_age_p99 = 0;  ///< to within a tenth
   double state_age_max = 0;
+  double processor_seconds = 0;  ///< of all its threads; 0 in a simulation
   bool operator==(const AgentLoad&) const = default;
 };
 
@@ -273,6 +288,7 @@ struct BrokerStatus {
   std::uint32_t trees_published = 0;  ///< inactive ones that it knows: while it leads, it has published all
   std::string covered_map{};  ///< id of the map that its trees cover by now, for all radii; empty: not yet
   std::uint32_t rejected = 0;
+  double processor_seconds = 0;  ///< of all its threads, since the process began
   bool operator==(const BrokerStatus&) const = default;
 };
 
@@ -299,6 +315,6 @@ inline constexpr WallTime claim_lease = 10;
 
 using Message =
     std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState, JointPlanMessage,
-                 PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim, Assignment>;
+                 PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim, Assignment, ActiveTreesMessage>;
 
 }  // namespace coppice

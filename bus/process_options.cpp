@@ -1,7 +1,12 @@
 #include "bus/process_options.h"
 
 #include <regex>
+#include <stdexcept>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "bus/discovery.h"
 
 namespace coppice {
 
@@ -12,6 +17,44 @@ CLI::Validator a_discovery() {
     return text + " is no way to find others, expected multicast, static or HOST:PORT;...";
   };
   return {problem, "multicast|static|HOST:PORT"};
+}
+
+void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of_service) {
+  CLI::Option* const ros =
+      app.add_flag("--ros", options.on, "speaks ROS 2 as well: topics for RViz and Nav2");
+  CLI::Option* const drive =
+      app.add_option_function<std::string>(
+             "--drive", [&options](const std::string& who) { options.drives = who == "ros"; },
+             "virtual: robots are where Coppice drives them; ros: robots elsewhere follow cmd_vel and tell "
+             "odom")
+          ->check(CLI::IsMember({"virtual", "ros"}))
+          ->needs(ros);
+  app.add_option("--tracking-tolerance", options.tolerance,
+                 "metres that such a robot may be off where it should be: all keep that much more room")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->needs(drive);
+  if (of_agents) {
+    app.add_option("--odom-timeout", options.patience,
+                   "seconds without odometry until such a robot is stopped")
+        ->check(CLI::Range(0.05, 60.0))
+        ->needs(drive);
+  }
+  if (of_service) {
+    app.add_flag("--serve", options.waits_for_goals,
+                 "goes on when all have arrived, and waits for goals until it is told to stop")
+        ->needs(ros)
+        ->excludes("--timeout");
+  }
+}
+
+void check_ros(const RosOptions& options, const std::string& discovery, const std::string& security) {
+  if (!options.on) return;
+  if (!security.empty())
+    throw std::runtime_error(
+        "--ros goes without --security: programs of ROS 2 have no part in the fleet's permissions");
+  if (discovery == static_discovery)
+    throw std::runtime_error(
+        "--ros goes without --discovery static: programs of ROS 2 would see none of the topics");
 }
 
 void add_process_options(CLI::App& app, ProcessOptions& options) {

@@ -3,9 +3,12 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "bus/dds_bus.h"
+
+namespace CLI {
+class App;
+class Validator;
+}  // namespace CLI
 
 namespace coppice {
 
@@ -16,6 +19,22 @@ struct ProcessOptions {
   std::string log_level = "info";
   bool log_json = false;
 };
+
+/// What a fleet does in ROS 2 (docs/ros.md).
+struct RosOptions {
+  bool on = false;
+  bool drives = false;    ///< the robots are elsewhere, and told by ROS where to go
+  double tolerance = 1;   ///< metres that such a robot may be off its reference
+  double patience = 0.5;  ///< seconds without its odometry
+  bool waits_for_goals = false;
+};
+
+/// --ros and what goes with it. `of_agents`, `of_service`: whether what concerns these alone is asked for,
+/// too.
+void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of_service);
+
+/// Throws std::runtime_error where programs of ROS could not take part.
+void check_ros(const RosOptions& options, const std::string& discovery, const std::string& security);
 
 /// Of an option that says how processes find each other (DdsSettings::discovery).
 CLI::Validator a_discovery();

@@ -4,41 +4,23 @@
 #include <limits>
 #include <utility>
 
+#include "bus/message_key.h"
 #include "bus/validation.h"
 
 namespace coppice {
 
 namespace {
 
-std::string key_of(const MapMessage& m) {
-  return m.map_id;
-}
-std::string key_of(const InactiveTreeMessage& m) {
-  return std::to_string(m.tree.broker) + "/" + std::to_string(m.tree.number);
-}
-std::string key_of(const BrokerStatus& m) {
-  return std::to_string(m.broker);
-}
-std::string key_of(const Claim& m) {
-  return std::to_string(m.claimant);
-}
-std::string key_of(const JointPlanMessage& m) {
-  return m.knot.leader;
-}
-std::string key_of(const auto& m) {
-  return m.robot;
-}
-
 template <class Fn>
 auto with_topic(const Message& message, Fn&& fn) {
-  return std::visit([&]<class M>(const M& m) { return fn(Topic<M>{}, m); }, message);
+  return std::visit([&]<class M>(const M&) { return fn(Topic<M>{}); }, message);
 }
 
 // A reliable sample that was lost is asked for again about so often, seconds.
 constexpr double resend_period = 0.1;
 
 bool read_by(const Message& message, Role role) {
-  return with_topic(message, [&](auto topic, const auto&) { return topic.read_by(role); });
+  return with_topic(message, [&](auto topic) { return topic.read_by(role); });
 }
 
 }  // namespace
@@ -67,9 +49,9 @@ void SimulatedBus::publish(const Port& sender, Outgoing outgoing) {
   }
   const auto shared = std::make_shared<const Message>(std::move(outgoing.message));
   const Message& message = *shared;
-  const TopicInfo info = with_topic(message, [&](auto topic, const auto& m) {
+  const TopicInfo info = with_topic(message, [&](auto topic) {
     if (topic.info.durability != Durability::transient_local) return topic.info;
-    const std::string key = std::string(topic.info.name) + "/" + key_of(m);
+    const std::string key = std::string(topic.info.name) + "/" + key_of(message);
     const auto [entry, fresh] = kept_index_.try_emplace(key, kept_.size());
     if (fresh) kept_.emplace_back(key, std::vector<Kept>{});
     auto& kept = kept_[entry->second].second;

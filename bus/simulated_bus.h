@@ -99,7 +99,7 @@ class SimulatedBus {
   std::size_t lost_ = 0;
   std::size_t rejected_ = 0;
   std::vector<std::unique_ptr<Port>> ports_;
-  std::array<std::vector<Port*>, 5> by_role_;
+  std::array<std::vector<Port*>, 7> by_role_;
   NameIndex robots_;
   std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`; the last that it attached
   struct Kept {

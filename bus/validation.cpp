@@ -129,6 +129,13 @@ Problem check(const InactiveTreeMessage& m) {
   return std::nullopt;
 }
 
+Problem check(const ActiveTreesMessage& m) {
+  const auto fine = [](const ActiveTreesMessage::Edge& e) { return sane(e.from) && sane(e.to); };
+  return first_of({{m.broker != 0, "broker has no id"},
+                   {named(m.map_id), "map id is empty, too long or not printable"},
+                   {std::ranges::all_of(m.edges, fine), "edge is not finite"}});
+}
+
 Problem check(const RobotState& m) {
   const auto echo_fine = [](const Echo& e) {
     return named(e.robot) && is_sane(e.stamp) && is_sane(e.received);
@@ -220,7 +227,8 @@ Problem check(const AgentStatus& m) {
         "time is not finite"},
        {not_negative(m.driven_length), "length is negative or not finite"},
        {std::isfinite(m.load.matched_at) && not_negative(m.load.state_age_p50) &&
-            not_negative(m.load.state_age_p99) && not_negative(m.load.state_age_max),
+            not_negative(m.load.state_age_p99) && not_negative(m.load.state_age_max) &&
+            not_negative(m.load.processor_seconds),
         "load is negative or not finite"}});
 }
 
@@ -228,12 +236,13 @@ Problem check(const BrokerStatus& m) {
   return first_of(
       {{m.broker != 0, "broker has no id"},
        {named_or_empty(m.covered_map), "map id is too long or not printable"},
-       {std::isfinite(m.leading_since) && m.leading_since >= 0, "time since it leads is not a time"}});
+       {std::isfinite(m.leading_since) && m.leading_since >= 0, "time since it leads is not a time"},
+       {not_negative(m.processor_seconds), "processor time is negative or not finite"}});
 }
 
 Problem check(const Claim& m) {
-  return first_of(
-      {{m.claimant != 0, "claimant is 0"}, {m.robot.size() <= longest_name, "robot name is too long"}});
+  return first_of({{m.claimant != 0, "claimant is 0"},
+                   {named_or_empty(m.robot), "robot name is too long or not printable"}});
 }
 
 Problem check(const Assignment& m) {

@@ -288,7 +288,8 @@ TEST_F(Security, PermissionsAreThoseOfTheTableOfTopics) {
       {Role::broker, "broker"},
       {Role::claimant, "agent"},  // it may become an agent
       {Role::service, "service"},
-      {Role::observer, "observer"}};
+      {Role::observer, "observer"},
+      {Role::replayer, "replayer"}};
   for (const auto& [role, name] : roles)
     expect_all_as_in_table(static_cast<const Message*>(nullptr), of(name), role, name);
 }

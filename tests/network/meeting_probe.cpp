@@ -35,6 +35,8 @@ bool is_matched(const DdsBus& bus, Role role, std::size_t agents) {
       return bus.matched_readers<MapMessage>() >= agents + 1 && bus.matched_readers<Mission>() >= agents + 1;
     case Role::observer:
     case Role::claimant:
+    case Role::viewer:
+    case Role::replayer:
       return true;
   }
   return true;

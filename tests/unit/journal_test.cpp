@@ -20,7 +20,7 @@ const Message tree = InactiveTreeMessage{{7, 2}, "map", 5, {{{1, 2}, -1, 6}, {{3
 const Message track = TrackMessage{"r1", 1, 4, {{0.5, {1, 2}, {3, 4}}, {0.55, {1.15, 2.2}, {0, 0}}}};
 
 std::vector<Message> held_by(const std::filesystem::path& file) {
-  return Journal(file).take_recalled();
+  return Journal(file).messages();
 }
 
 struct InAFolder : testing::Test {
@@ -32,15 +32,15 @@ using AJournal = InAFolder;
 TEST_F(AJournal, HoldsWhatWasAppendedInOrderAndGoesOn) {
   {
     Journal journal(file);
-    EXPECT_TRUE(journal.take_recalled().empty());
+    EXPECT_TRUE(journal.messages().empty());
     journal.append(status);
     journal.append(tree);
   }
   {
     Journal journal(file);
-    EXPECT_EQ(journal.take_recalled(), (std::vector<Message>{status, tree}));
-    EXPECT_TRUE(journal.take_recalled().empty());
+    EXPECT_EQ(journal.messages(), (std::vector<Message>{status, tree}));
     journal.append(track);
+    EXPECT_EQ(journal.messages(), (std::vector<Message>{status, tree, track}));
   }
   EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree, track}));
   Journal(file).keep(Keep::begin_anew, tree);
@@ -130,7 +130,7 @@ TEST_F(AJournal, WhereThereIsNoRoomKeepsWhatItHasAndSaysThatItIsIncomplete) {
   EXPECT_TRUE(WIFEXITED(result) && WEXITSTATUS(result) == 0);
   Journal journal(file);
   EXPECT_FALSE(journal.complete());
-  EXPECT_EQ(journal.take_recalled(), std::vector<Message>{status});
+  EXPECT_EQ(journal.messages(), std::vector<Message>{status});
 }
 
 TEST_F(AJournal, IsNamedAfterItsProcessAndItsFolderIsMade) {

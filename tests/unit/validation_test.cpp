@@ -194,6 +194,7 @@ TEST(Validation, ClaimsAndAssignments) {
   EXPECT_FALSE(problem_with(Claim{1, 1}));
   EXPECT_TRUE(problem_with(Claim{0, 1}));
   EXPECT_TRUE(problem_with(Claim{1, 1, std::string(65, 'x')}));
+  EXPECT_TRUE(problem_with(Claim{1, 1, "\xff"})) << "no UTF-8: no recording could hold it";
   EXPECT_FALSE(problem_with(Assignment{"r1", 1, 1}));
   EXPECT_TRUE(problem_with(Assignment{"", 1, 1}));
   EXPECT_TRUE(problem_with(Assignment{"r1", 0, 1}));

@@ -1,0 +1,83 @@
+// The topics of ROS 2 over the bus's participant, from both ends.
+#include "bus/dds_ros.h"
+
+#include <chrono>
+#include <thread>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+#include <gtest/gtest.h>
+
+#include "bus/dds_qos.h"
+#include "bus/process.h"
+#include "bus/ros_topics.h"
+#include "ros2.h"
+#include "ros2PubSubTypes.h"
+#include "tests/processes.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+namespace dds = eprosima::fastdds::dds;
+
+constexpr int domain = 167;
+
+TEST(DdsRos, OdometryArrivesWithItsFrameAndTheTimeOfItsArrival) {
+  DdsBus here({.domain = domain, .robot = "a"}, Role::agent, "agent a");
+  DdsBus there({.domain = domain}, Role::observer, "robot a");
+  DdsRosRobot reader(here, "a", true);
+  DdsRosRobot writer(there, "a", false);
+  std::vector<RosOdometry> heard;
+  ASSERT_TRUE(test::within(10s, [&] {
+    writer.publish(RosOdometry{.stamp = 7, .pose = {{1, -2}, 3}, .twist = {{0.5, -0.25}, 0.125}});
+    heard = reader.take();
+    return !heard.empty();
+  }));
+  EXPECT_EQ(heard[0].frame, "a/odom");
+  EXPECT_TRUE(problem_with(heard[0]));  // another frame than the map's
+  EXPECT_EQ(heard[0].pose.position, Point2(1, -2));
+  EXPECT_NEAR(heard[0].pose.yaw, 3, 1e-12);
+  EXPECT_EQ(heard[0].twist.linear, Point2(0.5, -0.25));
+  EXPECT_EQ(heard[0].twist.angular, 0.125);
+  EXPECT_NEAR(heard[0].stamp, wall_now(), 10);
+}
+
+/// Says that it is a goal, and is shorter than one.
+class NoGoal final : public geometry_msgs::msg::dds_::Twist_PubSubType {
+ public:
+  NoGoal() { setName("geometry_msgs::msg::dds_::PoseStamped_"); }
+};
+
+TEST(DdsRos, BytesThatAreNoGoalAreNoneOfTheOrigin) {
+  DdsBus service({.domain = domain + 1}, Role::service, "service");
+  const std::vector<RobotName> robots{"a", "b"};
+  DdsRosFleet fleet(service, robots);
+  DdsBus other({.domain = domain + 1}, Role::observer, "other");
+  dds::DomainParticipant& participant = other.participant();
+  dds::TypeSupport type(new NoGoal());
+  type->auto_fill_type_information(false);
+  type->auto_fill_type_object(false);
+  type.register_type(&participant);
+  dds::Topic* const topic =
+      participant.create_topic("rt/b/goal_pose", type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  dds::Publisher* const publisher = participant.create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+  dds::DataWriterQos qos;
+  apply(ros_topics::goal_pose, qos);
+  dds::DataWriter* const writer = publisher->create_datawriter(topic, qos);
+  ASSERT_NE(writer, nullptr);
+  std::vector<RosGoal> goals;
+  ASSERT_TRUE(test::within(10s, [&] {
+    geometry_msgs::msg::dds_::Twist_ sample;
+    writer->write(&sample);
+    goals = fleet.take();
+    return !goals.empty();
+  }));
+  EXPECT_EQ(goals[0].robot, "b");
+  EXPECT_TRUE(problem_with(goals[0]));
+}
+
+}  // namespace
+}  // namespace coppice
