@@ -2,8 +2,10 @@
 // report.
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -14,11 +16,13 @@
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/dds_ros.h"
 #include "bus/discovery.h"
 #include "bus/journal.h"
 #include "bus/keep.h"
 #include "bus/process.h"
 #include "bus/process_options.h"
+#include "bus/ros_names.h"
 #include "files/input_error.h"
 #include "files/picture.h"
 #include "files/report_file.h"
@@ -34,7 +38,8 @@ namespace {
 
 using namespace coppice;
 
-constexpr double worth_telling = 3;  // seconds
+constexpr double worth_telling = 3;            // seconds
+constexpr std::uint32_t refusals_logged = 10;  // then every thousandth
 
 /// Until an agent for each robot, and a broker, can hear of its mission, and those of a large fleet have
 /// found each other: on few processors they do so sooner while none of them drives. Who has not come by then
@@ -64,20 +69,27 @@ Muster wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size
   return heard;
 }
 
-std::vector<RobotName> names_of(const Scenario& scenario) {
-  std::vector<RobotName> names;
-  for (const RobotTask& robot : scenario.robots) names.push_back(robot.name);
-  return names;
-}
-
-/// What a service that was killed has kept of its run.
-std::vector<Message> recalled(std::optional<Journal>& journal) {
-  if (!journal) return {};
-  if (!journal->complete())
+/// What a service that was killed has kept of its run, if one has.
+std::optional<Journal> journal_of_service(const std::string& folder) {
+  auto journal = journal_in(folder, "planner_service");
+  if (journal && !journal->complete())
     throw InputError(
         journal->file().string() +
         ": the disk was full when it was written, so that the run cannot go on from it: remove it");
-  return journal->take_recalled();
+  return journal;
+}
+
+/// Goes on with the run that was kept; message by message, for an hour of a large fleet is hundreds of
+/// megabytes.
+RunRecord go_on(PlannerService& service, const Journal& journal) {
+  RunRecord record;
+  journal.for_each([&](const Message& message) {
+    if (!service.recall({&message, 1}, wall_now()))
+      throw InputError(journal.file().string() +
+                       ": is of another run: end that one, remove the file, or name another folder");
+    record.recall({&message, 1});
+  });
+  return record;
 }
 
 /// Where there is room for what is kept, if that is told.
@@ -86,9 +98,29 @@ std::filesystem::path folder_for_tracks(const ProcessOptions& process) {
                                : std::filesystem::path(process.state);
 }
 
+/// Its topics in ROS, where it has any.
+std::unique_ptr<DdsRosFleet> ros_of(const RosOptions& options, DdsBus& bus, const Scenario& scenario) {
+  if (!options.on) return nullptr;
+  auto ros = std::make_unique<DdsRosFleet>(bus, names_of(scenario));
+  ros->publish(scenario.map, wall_now());
+  return ros;
+}
+
+void take_goals(DdsRosFleet& ros, PlannerService& service) {
+  for (const RosGoal& goal : ros.take()) {
+    if (const auto problem = service.on(goal)) {
+      const std::uint32_t refused = service.goals_refused();
+      if (refused <= refusals_logged || refused % 1000 == 0)
+        spdlog::warn("refused a goal of {}: {} ({} refused so far)", goal.robot, *problem, refused);
+    } else {
+      spdlog::info("{} is wanted elsewhere", goal.robot);
+    }
+  }
+}
+
 /// The service and its desk on one bus, until the run has ended.
-void serve(DdsBus& bus, PlannerService& service, ClaimDesk& desk, Keeper<RunRecord, Journal>& keeper,
-           Heartbeat& heart) {
+void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& desk,
+           Keeper<RunRecord, Journal>& keeper, Heartbeat& heart) {
   KeepsNothing of_desk;
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {
@@ -99,6 +131,7 @@ void serve(DdsBus& bus, PlannerService& service, ClaimDesk& desk, Keeper<RunReco
       service.on(arrival);
       desk.on(arrival);
     }
+    if (ros != nullptr) take_goals(*ros, service);
     step_role(bus, service, keeper);
     step_role(bus, desk, of_desk);
     heart.beat(wall_now());
@@ -108,30 +141,29 @@ void serve(DdsBus& bus, PlannerService& service, ClaimDesk& desk, Keeper<RunReco
 }
 
 /// Exit code: 0 if every robot arrived.
-int run(const RunOptions& options, const ProcessOptions& process) {
+int run(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros) {
+  check_ros(in_ros, process.network.discovery, process.network.security);
   Scenario scenario = read_scenario(options.scenario, options.overrides);
-  auto journal = journal_in(process.state, "planner_service");
-  const std::vector<Message> kept = recalled(journal);
+  if (in_ros.on) check_ros_names(names_of(scenario));
+  auto journal = journal_of_service(process.state);
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
+  const auto ros = ros_of(in_ros, bus, scenario);
   ClaimDesk desk(names_of(scenario), wall_now());
   Muster heard;
-  if (kept.empty()) heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
+  if (!journal || journal->empty()) heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale.value_or(1),
                           .timeout = options.timeout,
                           .planner = chosen_planner(options),
                           .plan_budget = options.plan_budget.value_or(default_plan_budget),
-                          .lifelong = options.lifelong},
+                          .lifelong = options.lifelong,
+                          .waits_for_goals = in_ros.waits_for_goals,
+                          .margin = in_ros.drives ? in_ros.tolerance : 0},
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
-  if (!service.recall(kept, wall_now()))
-    throw InputError(journal->file().string() +
-                     ": is of another run: end that one, remove the file, or name another folder");
+  Keeper keeper(journal ? go_on(service, *journal) : RunRecord(), journal ? &*journal : nullptr);
   heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
-  RunRecord record;
-  record.recall(kept);
-  Keeper keeper(std::move(record), journal ? &*journal : nullptr);
-  serve(bus, service, desk, keeper, heart);
+  serve(bus, ros.get(), service, desk, keeper, heart);
   const proto::Report report = service.report();
   write_results(options, report, service.tracks(), [&] { return service.picture(); });
   if (journal) std::filesystem::remove(journal->file());  // the run is over
@@ -144,10 +176,12 @@ int run(const RunOptions& options, const ProcessOptions& process) {
 int main(int argc, char** argv) {
   RunOptions options;
   ProcessOptions process;
+  RosOptions in_ros;
   CLI::App app{"Coppice planner service: missions in, progress and a report out"};
   app.set_version_flag("--version", COPPICE_VERSION);
   add_run_options(app, options);
   add_process_options(app, process);
+  add_ros_options(app, in_ros, false, true);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {
@@ -156,7 +190,7 @@ int main(int argc, char** argv) {
   set_up_logging("planner_service", process.log_level, process.log_json);
   install_stop_signals();
   try {
-    return run(options, process);
+    return run(options, process, in_ros);
   } catch (const std::exception& problem) {
     std::cerr << problem.what() << '\n';
     return 2;

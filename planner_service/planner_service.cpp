@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "planning/clearance_field.h"
 #include "planning/map_generator.h"
 
 namespace coppice {
@@ -154,7 +153,8 @@ MapMessage PlannerService::map() const {
   MapMessage message{map_id_, scenario_.map, {}};
   if (settings_.planner != PlannerKind::ma_rrdt_star) return message;
   for (const RobotTask& task : scenario_.robots) {
-    if (std::ranges::count(message.radii, task.radius) == 0) message.radii.push_back(task.radius);
+    const double radius = task.radius + settings_.margin;
+    if (std::ranges::count(message.radii, radius) == 0) message.radii.push_back(radius);
   }
   return message;
 }
@@ -190,18 +190,63 @@ void PlannerService::give_new_goals(std::vector<Message>& out) {
     if (!robot.arrived()) continue;
     const auto goal = draw_goal(robot);
     if (!goal) continue;
-    begin_next_mission(robot, *goal);
+    begin_next_mission(robot, robot.task.goal, *goal);
     out.emplace_back(mission_of(robot));
   }
 }
 
-void PlannerService::begin_next_mission(Robot& robot, const Point2& goal) {
+std::optional<std::string> PlannerService::on(const RosGoal& goal) {
+  const auto known = robots_.find(goal.robot);
+  if (known == robots_.end()) return "it is for no robot of this run";
+  const Point2 place = turned(goal.position, scenario_.map.y_axis);
+  auto problem = problem_with(goal);
+  if (!problem) problem = problem_with_goal(known->second, place);
+  goals_refused_ += problem.has_value();
+  if (!problem) {
+    known->second.wanted = place;
+    next_wake_ = begun_;
+  }
+  return problem;
+}
+
+std::optional<std::string> PlannerService::problem_with_goal(const Robot& robot, const Point2& goal) {
+  if (ended_) return "the run has ended";
+  const double radius = robot.task.radius + settings_.margin;
+  if (!field().is_free(goal, radius)) return "it is in an obstacle, or not on the map";
+  for (const auto& [name, other] : robots_) {
+    const double apart = radius + other.task.radius + settings_.margin;
+    if (name != robot.task.name && (other.wanted.value_or(other.task.goal) - goal).norm() < apart)
+      return "it is where another robot goes, " + name;
+  }
+  return std::nullopt;
+}
+
+const ClearanceField& PlannerService::field() {
+  if (!field_) field_.emplace(scenario_.map);
+  return *field_;
+}
+
+/// One that is still under way goes there from where it is.
+void PlannerService::give_wanted_goals(std::vector<Message>& out) {
+  for (const RobotName& name : order_) {
+    Robot& robot = robots_.at(name);
+    const auto goal = std::exchange(robot.wanted, std::nullopt);
+    if (!goal) continue;
+    const auto last = record_.last(robot.index);
+    const Point2 here = last ? last->position : robot.task.start;
+    begin_next_mission(robot, robot.arrived() ? robot.task.goal : here, *goal);
+    out.emplace_back(mission_of(robot));
+  }
+}
+
+void PlannerService::begin_next_mission(Robot& robot, const Point2& start, const Point2& goal) {
+  robot.replaced += !robot.arrived();
   const AgentStatus done = robot.status.value_or(AgentStatus{});
   robot.earlier_nodes.valid += done.nodes_valid;
   robot.earlier_nodes.invalid += done.nodes_invalid;
   robot.earlier_grafts += done.trees_grafted;
   ++robot.mission;
-  robot.task.start = robot.task.goal;
+  robot.task.start = start;
   robot.task.goal = goal;
   robot.status.reset();
   robot.path.clear();
@@ -209,17 +254,18 @@ void PlannerService::begin_next_mission(Robot& robot, const Point2& goal) {
 }
 
 bool PlannerService::recall(std::span<const Message> kept, WallTime now) {
-  std::uint64_t drawn = 0;
   for (const Message& message : kept) {
     if (const auto* mission = std::get_if<Mission>(&message)) {
       if (!take_up(*mission, now)) return false;
-      drawn += mission->number > 1;
     } else {
       on(arrival_of(message, now));
     }
   }
   says_missions_again_ = missions_published_;
-  random_ = Random(scenario_.seed + drawn);  // not the goals that were drawn already
+  // Not the goals that were drawn already.
+  std::uint64_t drawn = 0;
+  for (const auto& [name, robot] : robots_) drawn += robot.mission - 1;
+  random_ = Random(scenario_.seed + drawn);
   return true;
 }
 
@@ -228,7 +274,7 @@ bool PlannerService::take_up(const Mission& mission, WallTime now) {
   if (known == robots_.end() || mission.map_id != map_id_ || mission.fleet_size != robots_.size())
     return false;
   Robot& robot = known->second;
-  if (mission.number == robot.mission + 1) begin_next_mission(robot, mission.goal);
+  if (mission.number == robot.mission + 1) begin_next_mission(robot, mission.start, mission.goal);
   const RobotTask& task = robot.task;
   const bool same_task = mission.number == robot.mission && mission.start == task.start &&
                          mission.goal == task.goal && mission.radius == task.radius &&
@@ -245,10 +291,13 @@ bool PlannerService::take_up(const Mission& mission, WallTime now) {
 std::optional<Point2> PlannerService::draw_goal(const Robot& robot) {
   const double cell = scenario_.map.resolution;
   const auto [entry, fresh] = places_.try_emplace(robot.task.radius);
-  if (fresh) entry->second = open_places(ClearanceField(scenario_.map), robot.task.radius + cell);
+  if (fresh) entry->second = open_places(field(), robot.task.radius + settings_.margin + cell);
   const std::vector<Point2>& places = entry->second;
+  const auto y = [](const Point2& p) { return p.y(); };  // they come row by row
   const bool within_reach =
-      std::ranges::any_of(places, [&](const Point2& p) { return (p - robot.task.goal).norm() <= 2 * cell; });
+      std::any_of(std::ranges::lower_bound(places, robot.task.goal.y() - 2 * cell, {}, y),
+                  std::ranges::upper_bound(places, robot.task.goal.y() + 2 * cell, {}, y),
+                  [&](const Point2& p) { return (p - robot.task.goal).norm() <= 2 * cell; });
   if (!within_reach) return std::nullopt;
   const Box<2> box = scenario_.map.bounds();
   const double least_way = least_new_way * (box.upper - box.lower).norm();
@@ -290,6 +339,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
   }
   if (std::exchange(says_missions_again_, false)) publish_missions(out);
   watch_liveliness(now);
+  if (!ended_ && missions_published_) give_wanted_goals(out);
   if (!ended_ && goals_go_on(now)) give_new_goals(out);
   if (!ended_ && run_is_over(now)) {
     ended_ = now;
@@ -315,6 +365,7 @@ void PlannerService::watch_liveliness(WallTime now) {
 }
 
 bool PlannerService::run_is_over(WallTime now) {
+  if (settings_.waits_for_goals) return interrupted_;
   timed_out_ = missions_published_ && clock_.fleet_time(now) > settings_.timeout;
   return interrupted_ || timed_out_ ||
          std::ranges::all_of(robots_, [](const auto& entry) { return entry.second.done(); });

@@ -15,9 +15,11 @@
 
 #include "bus/bus.h"
 #include "bus/messages.h"
+#include "bus/ros_conversion.h"
 #include "files/picture.h"
 #include "files/scenario.h"
 #include "files/track_record.h"
+#include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/random.h"
 #include "report.pb.h"
@@ -28,8 +30,10 @@ struct ServiceSettings {
   double time_scale = 1;  ///< fleet seconds a wall second
   double timeout = 3600;  ///< fleet seconds after which the run ends whoever is still under way
   PlannerKind planner = PlannerKind::ma_rrdt_star;
-  double plan_budget = 1;  ///< wall seconds for a shorter path after the first one
-  double lifelong = 0;     ///< fleet seconds in which every robot that arrives gets a new goal
+  double plan_budget = 1;        ///< wall seconds for a shorter path after the first one
+  double lifelong = 0;           ///< fleet seconds in which every robot that arrives gets a new goal
+  bool waits_for_goals = false;  ///< goes on when all have arrived, until it is told to stop
+  double margin = 0;             ///< metres beside its radius that each robot takes (robot_agent/tracking.h)
 };
 
 struct Progress {
@@ -47,11 +51,16 @@ class PlannerService {
   /// then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now, TrackRecord record = {});
 
-  /// Goes on with a run whose service was killed, by what that kept (run_record.h). False, and nothing of use
-  /// any more, if it is not a run of this scenario with these settings. Before anything else.
+  /// Goes on with a run whose service was killed, by what that kept (run_record.h), at once or part by part.
+  /// False, and nothing of use any more, if it is not a run of this scenario with these settings. Before
+  /// anything else.
   bool recall(std::span<const Message> kept, WallTime now);
 
   void on(const Arrival& arrival);
+  /// Somebody wants a robot to go elsewhere: its next mission, in the next step that hands out missions. Of
+  /// several the last counts. What is wrong with it, or nothing: then it is refused, and counted.
+  std::optional<std::string> on(const RosGoal& goal);
+  std::uint32_t goals_refused() const { return goals_refused_; }
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
@@ -78,6 +87,8 @@ class PlannerService {
     RobotTask task;         ///< with its latest goal
     std::size_t index = 0;  ///< in the scenario's order
     std::uint32_t mission = 1;
+    std::uint32_t replaced = 0;               ///< missions that another one ended before they were fulfilled
+    std::optional<Point2> wanted;             ///< where somebody wants it to go next
     std::optional<AgentStatus> status;        ///< of this mission
     std::optional<AgentStatus> first_status;  ///< of its first
     SampleCounts earlier_nodes;               ///< of the missions before this one
@@ -90,7 +101,7 @@ class PlannerService {
     bool at_goal(const std::optional<TrackPoint>& last) const;
     bool arrived() const { return status && status->phase == Phase::arrived; }
     bool done() const;
-    std::uint32_t missions_fulfilled(bool there) const { return mission - 1 + there; }
+    std::uint32_t missions_fulfilled(bool there) const { return mission - 1 - replaced + there; }
   };
 
   void receive(const AgentStatus& status, WallTime now);
@@ -104,7 +115,10 @@ class PlannerService {
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;
   bool take_up(const Mission& mission, WallTime now);
-  static void begin_next_mission(Robot& robot, const Point2& goal);
+  static void begin_next_mission(Robot& robot, const Point2& start, const Point2& goal);
+  std::optional<std::string> problem_with_goal(const Robot& robot, const Point2& goal);
+  const ClearanceField& field();
+  void give_wanted_goals(std::vector<Message>& out);
   void give_new_goals(std::vector<Message>& out);
   std::optional<Point2> draw_goal(const Robot& robot);
   bool goals_go_on(WallTime now) const;
@@ -124,7 +138,9 @@ class PlannerService {
   ServiceSettings settings_;
   std::string map_id_;
   Random random_;                                   ///< of new goals
+  std::optional<ClearanceField> field_;             ///< of the map, once it is needed
   std::map<double, std::vector<Point2>> places_{};  ///< where goals may be, by radius
+  std::uint32_t goals_refused_ = 0;
   FleetClock clock_;
   std::map<RobotName, Robot> robots_;
   TrackRecord record_;

@@ -21,6 +21,7 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
   to.set_state_age_p50(load.state_age_p50);
   to.set_state_age_p99(load.state_age_p99);
   to.set_state_age_max(load.state_age_max);
+  to.set_processor_seconds(load.processor_seconds);
 }
 
 /// What the tracks tell, looked at part by part.
@@ -165,6 +166,7 @@ void PlannerService::describe_run(proto::Report& report) const {
   report.set_path_length(planned > 0 ? path_sum / planned : 0);
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);
+  report.set_goals_refused(goals_refused_);
 }
 
 proto::Report PlannerService::report(const TrackParts& tracks) const {

@@ -139,6 +139,10 @@ class MaRrdtStar {
     return sum;
   }
   std::size_t active_trees() const;
+  /// Calls fn(position, position) for each edge of the active trees, and for each node that has none with
+  /// that twice.
+  template <class Fn>
+  void for_each_active_edge(Fn&& fn) const;
 
   /// Trees that became inactive since the last call, for publication.
   std::vector<TreeIndex> take_frozen() { return std::exchange(frozen_, {}); }

@@ -437,4 +437,18 @@ std::size_t MaRrdtStar<S>::active_trees() const {
   return count;
 }
 
+template <class S>
+template <class Fn>
+void MaRrdtStar<S>::for_each_active_edge(Fn&& fn) const {
+  for (TreeIndex t = 0; t < trees_.tree_count(); ++t) {
+    if (!trees_.is_tree(t) || trees_.tree(t).kind != TreeKind::active) continue;
+    trees_.for_each_node(t, [&](NodeId n) {
+      if (trees_.tree(t).size == 1) fn(trees_.position(n), trees_.position(n));
+      trees_.for_each_edge(n, [&](const auto& edge) {
+        if (edge.to < n) fn(trees_.position(edge.to), trees_.position(n));
+      });
+    });
+  }
+}
+
 }  // namespace coppice

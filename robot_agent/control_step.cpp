@@ -69,7 +69,7 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
       continue;
     }
     ++periods;
-    track_.push_back({body_->time(), body_->position(), body_->velocity()});
+    if (!tracking_) track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
     trail_.go_on(body_->position(), ground_->field, body_->radius());
@@ -120,12 +120,20 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   return is_new_;  // its body brakes
 }
 
+/// As in a pause: nothing is decided, and so the body brakes where that is known to be clear.
+bool RobotAgent::waits_for_its_robot(double fleet_now) {
+  if (!tracking_ || tracking_->keeps_up(mission_->clock.wall_time(fleet_now))) return false;
+  last_gain_time_ = fleet_now;
+  if (body_->stands()) stand_for(fleet_now, waiting_lease);
+  return true;
+}
+
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
   const bool holds = knot_.stage() == Stage::holding;
   fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
   if (fleet_.cut_off()) listen_anew(fleet_now);
-  if (stands_as_newcomer(fleet_now)) return;
+  if (stands_as_newcomer(fleet_now) || waits_for_its_robot(fleet_now)) return;
   const std::vector<Neighbour> others =
       body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
@@ -237,6 +245,12 @@ void RobotAgent::watch_arrival(double fleet_now) {
     return give_up("held up for good: no joint plan has moved it");
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
+    const bool is_there =
+        !tracking_ || (*tracking_->position() - mission_->goal).norm() <= mission_->goal_tolerance / 2;
+    if (!is_there) {
+      last_gain_time_ = body_->time();  // it is on its way
+      return;
+    }
     if (status_.arrival_time == 0) status_.arrival_time = body_->time();
     enter(Phase::arrived);
   } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere)) {

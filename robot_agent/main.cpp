@@ -19,6 +19,7 @@
 #include "robot_agent/memory.h"
 #include "robot_agent/nameless_agent.h"
 #include "robot_agent/robot_agent.h"
+#include "robot_agent/ros_link.h"
 
 namespace {
 
@@ -28,61 +29,102 @@ constexpr double patience = 5;         // seconds of waiting that are worth no l
 constexpr double claim_period = 1;     // seconds
 constexpr double longest_braking = 5;  // seconds
 
-/// What is known of the robot from before, and where that goes on.
-struct Recalled {
-  std::optional<Journal> journal;
-  std::vector<Message> kept;
+struct AgentOptions {
+  ProcessOptions process;
+  RosOptions ros;
 
-  Keeper<Remembrance, Journal> keeper(const RobotName& robot) {
-    Remembrance remembrance(robot);
-    remembrance.recall(kept);
+  std::optional<TrackingSettings> tracking() const {
+    if (!ros.drives) return std::nullopt;
+    return TrackingSettings{.tolerance = ros.tolerance, .patience = ros.patience};
+  }
+};
+
+/// What is known of the robot from before, and where that goes on.
+struct Past {
+  std::optional<Journal> journal;
+
+  std::vector<Message> messages() const { return journal ? journal->messages() : std::vector<Message>(); }
+  Keeper<Remembrance, Journal> keeper(const RobotName& robot, bool leads) {
+    Remembrance remembrance(robot, leads);
+    remembrance.recall(messages());
     return {std::move(remembrance), journal ? &*journal : nullptr};
   }
 };
 
-Recalled recalled(const std::string& folder, const RobotName& robot) {
-  Recalled all{journal_in(folder, robot), {}};
-  if (!all.journal) return all;
-  if (!all.journal->complete()) {
+Past past_of(const RobotName& robot, const std::string& folder) {
+  Past past{journal_in(folder, robot)};
+  if (past.journal && !past.journal->complete()) {
     throw std::runtime_error(
         fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
                     "remove it once "
                     "the robot stands at the start of its mission",
-                    all.journal->file().string()));
+                    past.journal->file().string()));
   }
-  all.kept = all.journal->take_recalled();
-  return all;
+  return past;
+}
+
+std::unique_ptr<RosLink> ros_link(const RosOptions& options, DdsBus& bus, const RobotName& robot) {
+  return options.on ? std::make_unique<RosLink>(bus, robot, options.drives) : nullptr;
+}
+
+/// All who listen to what a robot's agent hears and says.
+struct Listeners {
+  Keeper<Remembrance, Journal> keeper;
+  std::unique_ptr<RosLink> ros;
+
+  void heard(const Message& message) {
+    keeper.heard(message);
+    if (ros) ros->heard(message);
+  }
+  void said(const Message& message) {
+    keeper.said(message);
+    if (ros) ros->said(message);
+  }
+};
+
+RobotAgent& robot_of(RobotAgent& agent) {
+  return agent;
+}
+RobotAgent& robot_of(NamelessAgent& agent) {
+  return agent.agent();
+}
+
+template <class Agent>
+void turn(DdsBus& bus, Agent& agent, Listeners& listeners) {
+  run_role_once(bus, agent, listeners);
+  if (listeners.ros) listeners.ros->turn(robot_of(agent), wall_now());
 }
 
 /// Until the robot stands and all has been said, or time is up: whoever told it to stop will not wait for
 /// ever.
-template <class Agent, class K>
-void end(DdsBus& bus, Agent& agent, K& keeper) {
+template <class Agent>
+void end(DdsBus& bus, Agent& agent, Listeners& listeners) {
   const WallTime latest = wall_now() + longest_braking;
   agent.retire();
   do {
-    run_role_once(bus, agent, keeper);
+    turn(bus, agent, listeners);
   } while (!agent.stands() && wall_now() < latest);
   for (const Outgoing& last : agent.last_words(wall_now())) {
-    keeper.said(last.message);
+    listeners.said(last.message);
     bus.publish(last);
   }
 }
 
-int run_as(const RobotName& name, const ProcessOptions& options, Heartbeat& heart) {
-  Recalled before = recalled(options.state, name);
-  auto keeper = before.keeper(name);
-  DdsSettings network = options.network;
+int run_as(const RobotName& name, const AgentOptions& options, Heartbeat& heart) {
+  Past past = past_of(name, options.process.state);
+  DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
+  Listeners listeners{past.keeper(name, options.ros.drives), ros_link(options.ros, bus, name)};
   RobotAgent agent(name);
-  agent.recall(before.kept);
+  if (const auto tracking = options.tracking()) agent.lead(*tracking);
+  agent.recall(past.messages());
   spdlog::info("on domain {}", network.domain);
   while (!stop_requested()) {
-    run_role_once(bus, agent, keeper);
+    turn(bus, agent, listeners);
     heart.beat(wall_now());
   }
-  end(bus, agent, keeper);
+  end(bus, agent, listeners);
   return 0;
 }
 
@@ -105,7 +147,8 @@ bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
 }
 
 /// Until it knows who it is, and then as that robot. 1: another agent is that robot now.
-int run_as_whom_the_service_says(const ProcessOptions& options, Heartbeat& heart) {
+int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& heart) {
+  const ProcessOptions& options = all_options.process;
   std::random_device device;
   const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
   auto asking =
@@ -116,18 +159,18 @@ int run_as_whom_the_service_says(const ProcessOptions& options, Heartbeat& heart
   const RobotName robot = *agent.robot();
   set_up_logging("robot_agent " + robot, options.log_level, options.log_json);
   spdlog::info("is {}", robot);
-  Recalled before = recalled(options.state, robot);
-  auto keeper = before.keeper(robot);
-  agent.begin(before.kept);
+  Past past = past_of(robot, options.state);
+  agent.begin(past.messages(), all_options.tracking());
   // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
   // service, the other one keeps the claim.
   DdsSettings network = options.network;
   network.robot = robot;
   DdsBus bus(network, Role::claimant, "robot_agent " + robot);
+  Listeners listeners{past.keeper(robot, all_options.ros.drives), ros_link(all_options.ros, bus, robot)};
   bus.publish(agent.claim(wall_now()));
   WallTime next_claim = wall_now();
   while (!agent.lost() && !stop_requested()) {
-    run_role_once(bus, agent, keeper);
+    turn(bus, agent, listeners);
     heart.beat(wall_now());
     if (!asking) continue;
     if (bus.matched_readers<Claim>() > 0) {
@@ -138,7 +181,7 @@ int run_as_whom_the_service_says(const ProcessOptions& options, Heartbeat& heart
     }
   }
   if (!agent.lost()) {
-    end(bus, agent, keeper);
+    end(bus, agent, listeners);
     return 0;
   }
   spdlog::error("was silent for too long: another agent may be {} by now", robot);
@@ -148,13 +191,14 @@ int run_as_whom_the_service_says(const ProcessOptions& options, Heartbeat& heart
 }  // namespace
 
 int main(int argc, char** argv) {
-  ProcessOptions options;
+  AgentOptions options;
   std::string name;
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.add_option("--name", name,
                  "of the robot, as the scenario names it; without, the service says which one it is");
-  add_process_options(app, options);
+  add_process_options(app, options.process);
+  add_ros_options(app, options.ros, true, false);
   try {
     app.parse(argc, argv);
     if (app.count("--name") > 0 && (name.empty() || name.size() > longest_name)) {
@@ -163,10 +207,12 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, options.log_level, options.log_json);
+  set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, options.process.log_level,
+                 options.process.log_json);
   install_stop_signals();
   try {
-    Heartbeat heart(options.alive);
+    check_ros(options.ros, options.process.network.discovery, options.process.network.security);
+    Heartbeat heart(options.process.alive);
     return name.empty() ? run_as_whom_the_service_says(options, heart) : run_as(name, options, heart);
   } catch (const std::exception& problem) {
     spdlog::error("{}", problem.what());

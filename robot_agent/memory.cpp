@@ -1,5 +1,7 @@
 #include "robot_agent/memory.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 #include <variant>
 
@@ -24,6 +26,7 @@ void drive_on(Driver& body, double until, Memory& memory) {
 std::optional<Memory> memory_of(std::span<const Message> kept) {
   std::optional<Mission> mission;
   std::optional<Memory> memory;
+  std::vector<TrackMessage::Point> seen;
   for (const Message& message : kept) {
     if (const auto* heard = std::get_if<Mission>(&message)) {
       mission = *heard;
@@ -37,9 +40,18 @@ std::optional<Memory> memory_of(std::span<const Message> kept) {
       memory->stage = state->stage;
     } else if (const auto* status = std::get_if<AgentStatus>(&message); status != nullptr && memory) {
       memory->status = *status;
+    } else if (const auto* track = std::get_if<TrackMessage>(&message)) {
+      // One that was started anew has said all of it again.
+      const std::size_t known = std::min<std::size_t>(
+          track->points.size(), seen.size() - std::min<std::size_t>(seen.size(), track->first_index));
+      seen.insert(seen.end(), track->points.begin() + static_cast<std::ptrdiff_t>(known),
+                  track->points.end());
     }
   }
-  if (memory) memory->mission = *mission;
+  if (memory) {
+    memory->mission = *mission;
+    memory->seen = std::move(seen);
+  }
   return memory;
 }
 
@@ -62,6 +74,7 @@ Keep Remembrance::heard(const Message& message) {
 Keep Remembrance::said(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message))
     return state->robot == robot_ && state->copy == 0 && !state->passed_on ? Keep::append : Keep::nothing;
+  if (std::holds_alternative<TrackMessage>(message)) return leads_ ? Keep::append : Keep::nothing;
   const auto* status = std::get_if<AgentStatus>(&message);
   if (status == nullptr || (status_ && same_progress(*status_, *status))) return Keep::nothing;
   status_ = *status;

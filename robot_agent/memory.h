@@ -21,7 +21,8 @@ struct Memory {
   Mission mission;                         ///< the last one
   Driver body;                             ///< as it was when the last state was said
   std::vector<TrackMessage::Point> track;  ///< from the first mission of the run until then
-  double driven_length = 0;                ///< metres, along that
+  std::vector<TrackMessage::Point> seen;   ///< of a robot that follows the body (tracking.h): as it was said
+  double driven_length = 0;                ///< metres, along the track
   std::uint32_t sequence = 0;              ///< of the last state
   std::uint32_t knot_epoch = 0;            ///< likewise
   Stage stage = Stage::free;               ///< likewise
@@ -34,7 +35,8 @@ std::optional<Memory> memory_of(std::span<const Message> kept);
 /// Chooses what to keep.
 class Remembrance {
  public:
-  explicit Remembrance(RobotName robot) : robot_(std::move(robot)) {}
+  /// `leads`: another robot follows the body (tracking.h): where that was does not follow from the states.
+  explicit Remembrance(RobotName robot, bool leads = false) : robot_(std::move(robot)), leads_(leads) {}
 
   /// Goes on after what was kept before.
   void recall(std::span<const Message> kept);
@@ -43,6 +45,7 @@ class Remembrance {
 
  private:
   RobotName robot_;
+  bool leads_;
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
 };

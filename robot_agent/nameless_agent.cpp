@@ -16,8 +16,9 @@ std::vector<Outgoing> NamelessAgent::step(WallTime now) {
   return out;
 }
 
-void NamelessAgent::begin(std::span<const Message> kept) {
+void NamelessAgent::begin(std::span<const Message> kept, const std::optional<TrackingSettings>& tracking) {
   agent_.emplace(*robot());
+  if (tracking) agent_->lead(*tracking);
   agent_->recall(kept);
 }
 

@@ -27,7 +27,11 @@ class NamelessAgent {
 
   /// Once it knows which robot it is: begins to be that one, and goes on from what was kept of it before
   /// (memory.h).
-  void begin(std::span<const Message> kept);
+  /// `tracking`: of a robot that is elsewhere.
+  void begin(std::span<const Message> kept, const std::optional<TrackingSettings>& tracking = {});
+
+  /// From then on.
+  RobotAgent& agent() { return *agent_; }
 
   /// Which it is; none: not yet.
   const std::optional<RobotName>& robot() const { return claimant_.robot(); }

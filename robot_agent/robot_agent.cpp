@@ -49,6 +49,7 @@ void RobotAgent::note(const BusCounts& counts, WallTime now) {
   load_.agents_matched = static_cast<std::uint32_t>(counts.agents);
   load_.bytes_sent = counts.bytes_sent;
   load_.bytes_received = counts.bytes_received;
+  load_.processor_seconds = counts.processor_seconds;
 }
 
 void RobotAgent::receive(const MapMessage& message, WallTime) {
@@ -77,7 +78,15 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
   const bool of_another_run = fleet_.run() && *fleet_.run() != mission.clock;
   if (of_another_run && mission.clock.epoch < fleet_.run()->epoch) return;
   if (of_another_run) begin_run();
-  fleet_.hear(mission, arrived);
+  fleet_.hear(mission.robot == name_ ? as_reference(mission) : mission, arrived);
+}
+
+/// For a body that a robot follows.
+Mission RobotAgent::as_reference(Mission mission) const {
+  if (!tracking_) return mission;
+  mission.radius += tracking_->tolerance();
+  mission.max_speed *= Tracking::share_of_speed;
+  return mission;
 }
 
 /// Fleet time begins anew, and robots stand where their missions say. Map and trees stay.
@@ -91,6 +100,7 @@ void RobotAgent::begin_run() {
   fresh.rejected_by_bus_ = rejected_by_bus_;
   fresh.load_ = load_;
   fresh.memory_ = std::move(memory_);
+  if (tracking_) fresh.lead(tracking_->settings());
   fresh.retired_ = retired_;
   fresh.status_.trees_received = status_.trees_received;
   *this = std::move(fresh);
@@ -178,7 +188,8 @@ void RobotAgent::place_body(const Mission& mission, double fleet_now) {
 /// As after a pause, but that it knows nobody yet: it stands until it has heard of the others.
 void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
   body_ = memory.body;
-  track_ = memory.track;
+  track_ = tracking_ ? memory.seen : memory.track;
+  if (tracking_ && !track_.empty()) last_seen_ = track_.back().time;
   sequence_ = memory.sequence;
   last_beat_ = sequence_ / standing_stride;
   first_control_ = false;
@@ -349,6 +360,24 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   next_status_ = now + status_beat;
 }
 
+/// Its track is where it was seen, once a control period.
+void RobotAgent::on(const Sighting& robot) {
+  if (!tracking_ || !body_) return;
+  const FleetClock& clock = mission_->clock;
+  const double time = clock.fleet_time(robot.at);
+  tracking_->see(robot, body_->position() + (time - body_->time()) * body_->velocity());
+  if (time < last_seen_ + period) return;
+  last_seen_ = time;
+  track_.push_back({time, robot.position, robot.velocity / clock.scale});
+}
+
+Point2 RobotAgent::command(WallTime now) const {
+  if (!tracking_ || !body_) return Point2::Zero();
+  const double scale = mission_->clock.scale;
+  const double max_speed = scale * mission_->max_speed / Tracking::share_of_speed;
+  return tracking_->command(scale * body_->velocity(), max_speed, now);
+}
+
 void RobotAgent::retire() {
   retired_ = true;
   if (status_.reason.empty()) status_.reason = "the agent was told to stop";
@@ -357,7 +386,7 @@ void RobotAgent::retire() {
 
 std::vector<Outgoing> RobotAgent::last_words(WallTime now) {
   std::vector<Outgoing> out;
-  if (body_) track_.push_back({body_->time(), body_->position(), body_->velocity()});
+  if (body_ && !tracking_) track_.push_back({body_->time(), body_->position(), body_->velocity()});
   status_changed_ = true;
   report(now, out);
   return out;

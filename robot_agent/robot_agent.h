@@ -24,6 +24,7 @@
 #include "robot_agent/knot.h"
 #include "robot_agent/memory.h"
 #include "robot_agent/path_finder.h"
+#include "robot_agent/tracking.h"
 
 namespace coppice {
 
@@ -38,7 +39,13 @@ class RobotAgent {
   /// if the mission that comes is of the same run.
   void recall(std::span<const Message> kept) { memory_ = memory_of(kept); }
 
+  /// Its robot is elsewhere and follows its body: it takes more room, and the track is that of the robot.
+  /// Before anything else.
+  void lead(const TrackingSettings& settings) { tracking_.emplace(settings); }
+
   void on(const Arrival& arrival);
+  /// The robot that follows was seen.
+  void on(const Sighting& robot);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
   std::vector<Outgoing> step(WallTime now);
   /// What the process's bus has counted, for the status.
@@ -54,6 +61,12 @@ class RobotAgent {
 
   /// Where it drives; none before its first mission.
   const std::optional<Driver>& body() const { return body_; }
+  /// What it carries out; none before its first.
+  const std::optional<Mission>& mission() const { return mission_; }
+  /// Of a robot that follows.
+  const std::optional<Tracking>& tracking() const { return tracking_; }
+  /// How that is to drive now, metres a second of the wall's clock; in the map frame.
+  Point2 command(WallTime now) const;
 
  private:
   void receive(const MapMessage& message, WallTime arrived);
@@ -61,6 +74,7 @@ class RobotAgent {
   void receive(const InactiveTreeMessage& tree, WallTime arrived);
   void receive(const JointPlanMessage& plan, WallTime) { knot_.hear(plan); }
 
+  Mission as_reference(Mission mission) const;
   void begin_run();
   void begin_mission(WallTime now);
   void place_body(const Mission& mission, double fleet_now);
@@ -82,6 +96,7 @@ class RobotAgent {
   void listen_anew(double fleet_now);
   void decide(double fleet_now);
   bool stands_as_newcomer(double fleet_now);
+  bool waits_for_its_robot(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double fleet_now, double seconds);
@@ -133,6 +148,7 @@ class RobotAgent {
   std::unique_ptr<PathFinder> finder_;
   std::optional<PathFinder::Result> found_;  ///< in the last step
   std::optional<Driver> body_;
+  std::optional<Tracking> tracking_;  ///< of a robot that is elsewhere
   std::optional<PathFollower> follower_;
   Trail trail_;  ///< since it last saw its path
   Knot knot_;
@@ -142,6 +158,7 @@ class RobotAgent {
   bool lets_others_finish_ = false;         ///< its mission came while a joint plan was being driven
   double last_drive_time_ = 0;              ///< fleet time at which it last moved under orders
   std::vector<TrackMessage::Point> track_;  ///< not yet sent
+  double last_seen_ = -1;                   ///< fleet time of the last of these, where a robot follows
   AgentStatus status_;
   bool status_changed_ = true;
   bool retired_ = false;

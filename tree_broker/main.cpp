@@ -21,9 +21,8 @@ using namespace coppice;
 
 void run(const ProcessOptions& options, std::uint64_t seed) {
   auto journal = journal_in(options.state, "tree_broker");
-  const std::vector<Message> kept = journal ? journal->take_recalled() : std::vector<Message>();
   ForestRecord record;
-  record.recall(kept);
+  if (journal) record.recall(journal->messages());
   Keeper keeper(std::move(record), journal ? &*journal : nullptr);
   // Every start of a broker is another broker: its trees are its own.
   std::random_device device;
@@ -31,7 +30,7 @@ void run(const ProcessOptions& options, std::uint64_t seed) {
   DdsBus bus(options.network, Role::broker, "tree_broker");
   Heartbeat heart(options.alive);
   TreeBroker broker(id, seed);
-  broker.recall(kept, wall_now());
+  if (journal) broker.recall(journal->messages(), wall_now());
   spdlog::info("broker {:016x} on domain {}", id, options.network.domain);
   bool led = false;
   while (!stop_requested()) {

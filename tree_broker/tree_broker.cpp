@@ -13,9 +13,11 @@ namespace {
 constexpr int iterations_a_step = 500;   // about half a millisecond: roots that come near are seen soon
 constexpr WallTime status_period = 0.5;  // seconds
 constexpr std::size_t most_waiting_trees = 10'000;
-constexpr WallTime lease = 1.5;                // seconds without a status: who leads counts as gone
-constexpr WallTime first_listening = 1;        // seconds: who leads says so twice
-constexpr WallTime longest_news = 2;           // seconds until all trees that others publish have come
+constexpr WallTime lease = 1.5;                    // seconds without a status: who leads counts as gone
+constexpr WallTime first_listening = 1;            // seconds: who leads says so twice
+constexpr WallTime longest_news = 2;               // seconds until all trees that others publish have come
+constexpr WallTime active_trees_period = 0.1;      // seconds
+constexpr std::size_t most_active_edges = 20'000;  // that are shown
 constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
 
 }  // namespace
@@ -174,6 +176,11 @@ std::vector<Message> TreeBroker::step(WallTime now) {
     out.emplace_back(status());
     next_status_ = now + status_period;
   }
+  if (forest_ && now >= next_active_trees_ && (grows || shows_active_trees_)) {
+    out.emplace_back(active_trees());
+    next_active_trees_ = now + active_trees_period;
+    shows_active_trees_ = grows;
+  }
   next_wake_ = grows ? now : next_status_;
   return out;
 }
@@ -216,11 +223,21 @@ InactiveTreeMessage TreeBroker::describe(const TreeId& id) const {
   return message;
 }
 
+ActiveTreesMessage TreeBroker::active_trees() const {
+  ActiveTreesMessage message{.broker = id_, .map_id = map_->map_id, .edges = {}};
+  if (!leads()) return message;
+  forest_->planner.for_each_active_edge([&](const Point2& from, const Point2& to) {
+    if (message.edges.size() < most_active_edges) message.edges.push_back({from, to});
+  });
+  return message;
+}
+
 BrokerStatus TreeBroker::status() const {
   BrokerStatus status{.broker = id_,
                       .leads = leads(),
                       .leading_since = leads_since_.value_or(0),
-                      .rejected = static_cast<std::uint32_t>(rejected_by_bus_) + impossible_};
+                      .rejected = static_cast<std::uint32_t>(counts_.rejected) + impossible_,
+                      .processor_seconds = counts_.processor_seconds};
   if (forest_) {
     status.trees_published = static_cast<std::uint32_t>(forest_->inactive.size());
     status.nodes_valid = forest_->planner.disjointed_counts().valid;

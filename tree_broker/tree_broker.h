@@ -37,7 +37,7 @@ class TreeBroker {
 
   void on(const Arrival& arrival);
   /// What the process's bus has counted, for the status.
-  void note(const BusCounts& counts, WallTime) { rejected_by_bus_ = counts.rejected; }
+  void note(const BusCounts& counts, WallTime) { counts_ = counts; }
   /// Grows for about a millisecond if there is something to grow; returns what is to be published.
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
@@ -84,6 +84,7 @@ class TreeBroker {
   void publish_trees(std::vector<Message>& out);
   void publish_recalled(std::vector<Message>& out);
   InactiveTreeMessage describe(const TreeId& id) const;
+  ActiveTreesMessage active_trees() const;
   BrokerStatus status() const;
 
   std::uint64_t id_;
@@ -97,10 +98,12 @@ class TreeBroker {
   std::uint32_t frozen_ = 0;  ///< by this broker
   std::optional<WallTime> leads_since_;
   WallTime listens_until_ = 0;
-  std::size_t rejected_by_bus_ = 0;
+  BusCounts counts_{};
   std::uint32_t impossible_ = 0;  ///< messages that were too many
   WallTime next_wake_ = 0;
   WallTime next_status_ = 0;
+  WallTime next_active_trees_ = 0;
+  bool shows_active_trees_ = false;  ///< what it said last of them holds some
 };
 
 }  // namespace coppice

@@ -2,6 +2,8 @@
 #include "tree_broker/tree_broker.h"
 
 #include <map>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -65,6 +67,31 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
   ASSERT_EQ(of<PathMessage>(said).size(), 1u);
   EXPECT_GT(of<AgentStatus>(said).back().trees_grafted, 0u);
   EXPECT_NEAR(of<AgentStatus>(said).back().plan_seconds, 0.003, 1e-9);
+}
+
+TEST(TreeBroker, ShowsWhatItGrowsWhileItDoes) {
+  PlannerService service(two_robots(), {}, 0);
+  TreeBroker broker(7, 1);
+  for (const Message& message : service.step(0)) broker.on(arrival_of(message, 0));
+  const ClearanceField field(two_robots().map);
+  std::size_t most = 0;
+  std::optional<ActiveTreesMessage> last;
+  double last_at = -1;
+  for (double now = 0; now < 10; now += 0.001) {
+    for (ActiveTreesMessage& shown : of<ActiveTreesMessage>(broker.step(now))) {
+      EXPECT_EQ(shown.broker, 7u);
+      EXPECT_GE(now, last_at + 0.099);  // not at every step
+      for (const ActiveTreesMessage::Edge& edge : shown.edges)
+        EXPECT_TRUE(field.segment_free(edge.from, edge.to, two_robots().robots[0].radius - 1e-6));
+      most = std::max(most, shown.edges.size());
+      last_at = now;
+      last = std::move(shown);
+    }
+  }
+  EXPECT_GT(most, 2u);
+  ASSERT_TRUE(last.has_value());
+  EXPECT_TRUE(last->edges.empty());  // those that cover the map are inactive
+  EXPECT_LT(last_at, 9);             // then it has nothing more to show
 }
 
 TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {

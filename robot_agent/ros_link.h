@@ -1,0 +1,41 @@
+// One agent's part in ROS 2: joins its side (ros_side.h) to the topics.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "bus/dds_ros.h"
+#include "robot_agent/robot_agent.h"
+#include "robot_agent/ros_side.h"
+
+namespace coppice {
+
+class RosLink {
+ public:
+  /// `elsewhere`: the robot follows the agent's body. The bus outlives it.
+  RosLink(DdsBus& bus, const RobotName& robot, bool elsewhere)
+      : side_(robot), topics_(bus, robot, elsewhere) {}
+  /// The robot stands from now on.
+  ~RosLink() { topics_.publish(RosCommand{}); }
+  RosLink(const RosLink&) = delete;
+  RosLink& operator=(const RosLink&) = delete;
+
+  void heard(const Message& message) { side_.heard(message); }
+  void said(const Message& message) { side_.said(message); }
+
+  /// After each step of the agent.
+  void turn(RobotAgent& agent, WallTime now);
+
+ private:
+  void refuse(const std::string& problem);
+  void tell(const Tracking& tracking, WallTime now);
+
+  RosSide side_;
+  DdsRosRobot topics_;
+  std::size_t refused_ = 0;
+  std::optional<bool> in_reach_{};  ///< as it was told last
+  WallTime told_at_ = 0;
+};
+
+}  // namespace coppice

@@ -1,0 +1,63 @@
+#include "robot_agent/ros_side.h"
+
+#include <algorithm>
+
+namespace coppice {
+
+namespace {
+
+constexpr WallTime beat = 0.05;  // seconds
+
+}  // namespace
+
+void RosSide::heard(const Message& message) {
+  if (const auto* map = std::get_if<MapMessage>(&message)) y_axis_ = map->map.y_axis;
+}
+
+void RosSide::said(const Message& message) {
+  const auto* path = std::get_if<PathMessage>(&message);
+  if (path != nullptr && path->robot == robot_) path_ = path->waypoints;
+}
+
+Sighting RosSide::sighting(const RosOdometry& seen) {
+  yaw_ = seen.pose.yaw;
+  return {.at = seen.stamp,
+          .position = turned(seen.pose.position, y_axis_),
+          .velocity = turned(out_of_robot(seen.twist.linear, yaw_), y_axis_)};
+}
+
+/// It turns on the spot when it sets off elsewhere, as a disc can: that is not a speed of turning.
+RosOdometry RosSide::odometry(const RobotAgent& agent, WallTime now) {
+  const Driver& body = *agent.body();
+  const FleetClock& clock = agent.mission()->clock;
+  const double since = std::clamp(clock.fleet_time(now) - body.time(), 0.0, body.period());
+  const Point2 velocity = turned(body.velocity() * clock.scale, y_axis_);
+  const double yaw = heading_.facing(velocity);
+  return {.stamp = now,
+          .pose = {turned(body.position() + since * body.velocity(), y_axis_), yaw},
+          .twist = {into_robot(velocity, yaw), 0}};
+}
+
+std::vector<RosMessage> RosSide::step(const RobotAgent& agent, WallTime now) {
+  std::vector<RosMessage> out;
+  if (!agent.body()) return out;
+  if (path_) {
+    RosPlan plan{now, {}};
+    for (const Point2& p : *path_) plan.way.push_back(turned(p, y_axis_));
+    path_.reset();
+    out.emplace_back(std::move(plan));
+  }
+  if (now < next_ && next_ < now + 2 * beat) return out;  // later than that: the clock was set back
+  next_ = std::max(next_, now - beat / 2) + beat;
+  if (agent.tracking()) {
+    const Point2 wanted = turned(agent.command(now), y_axis_);
+    out.emplace_back(RosCommand{{into_robot(wanted, yaw_), 0}});
+  } else {
+    const RosOdometry seen = odometry(agent, now);
+    out.emplace_back(seen);
+    out.emplace_back(RosCommand{seen.twist});
+  }
+  return out;
+}
+
+}  // namespace coppice
