@@ -1,5 +1,6 @@
 #include "files/picture.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 
@@ -116,23 +117,25 @@ std::string picture_svg(const PictureContent& content) {
                              colour, 1.6 * unit, 6 * unit, 4 * unit));
     svg.add_line(robot.track, fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\" stroke-linejoin=\"round\"",
                                           colour, 3 * unit));
-    const Point2 start = svg.place(robot.start);
-    const Point2 goal = svg.place(robot.goal);
     const double radius = svg.size(robot.radius);
-    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", start.x(), start.y(), radius,
+    const Point2 disc = svg.place(robot.body.value_or(robot.start));
+    const Point2 goal = svg.place(robot.goal);
+    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", disc.x(), disc.y(), radius,
             colour);
     svg.add(
-        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"#ffffff\" stroke=\"{}\" "
+        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\" stroke=\"{}\" "
         "stroke-width=\"{:.2f}\"/>\n",
-        goal.x(), goal.y(), radius, colour, 2.5 * unit);
+        goal.x(), goal.y(), radius, robot.body ? "none" : "#ffffff", colour, 2.5 * unit);
     svg.add("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.1f}\" font-family=\"sans-serif\">{}</text>\n",
-            start.x() + radius, start.y() - radius, 14 * unit, escaped(robot.name));
+            disc.x() + radius, disc.y() - radius, 14 * unit, escaped(robot.name));
   }
+  const bool of_a_moment = std::ranges::any_of(
+      content.robots, [](const PictureContent::Robot& robot) { return robot.body.has_value(); });
   svg.add(
       "<text x=\"{0:.1f}\" y=\"{1:.1f}\" font-size=\"{2:.1f}\" font-family=\"sans-serif\" stroke=\"#ffffff\" "
-      "stroke-width=\"{3:.1f}\" paint-order=\"stroke\">disc: start, ring: goal, dashed: path, solid: driven, "
+      "stroke-width=\"{3:.1f}\" paint-order=\"stroke\">disc: {4}, ring: goal, dashed: path, solid: driven, "
       "thin: trees (grey: shared)</text>\n",
-      8 * unit, content.map.height - 8 * unit, 13 * unit, 3 * unit);
+      8 * unit, content.map.height - 8 * unit, 13 * unit, 3 * unit, of_a_moment ? "robot" : "start");
   return svg.finish();
 }
 

@@ -1,8 +1,9 @@
-// A picture (SVG) of a run, like the paper's figures: map, trees in the groups' colours, paths and driven
-// tracks.
+// A picture (SVG) of a run, or of a moment in it, like the paper's figures: map, trees in the groups'
+// colours, paths and driven tracks.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,10 +21,11 @@ struct PictureContent {
   struct Robot {
     std::string name;
     double radius = 0;
-    Point2 start;
-    Point2 goal;
-    Path path;
-    Path track;
+    Point2 start = Point2::Zero();
+    Point2 goal = Point2::Zero();
+    Path path{};
+    Path track{};
+    std::optional<Point2> body{};  ///< where it is; none where the picture is of a whole run
   };
   OccupancyMap map;
   std::vector<Edge> edges;

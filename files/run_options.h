@@ -6,13 +6,15 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "files/picture.h"
 #include "files/scenario_file.h"
 #include "files/trajectory_file.h"
 #include "planning/planner_kind.h"
 #include "report.pb.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace coppice {
 

@@ -29,4 +29,10 @@ struct Scenario {
   std::vector<RobotTask> robots;  ///< at least one; names differ; starts and goals are free and apart
 };
 
+inline std::vector<std::string> names_of(const Scenario& scenario) {
+  std::vector<std::string> names;
+  for (const RobotTask& robot : scenario.robots) names.push_back(robot.name);
+  return names;
+}
+
 }  // namespace coppice

@@ -1,0 +1,217 @@
+#include "monitor/fleet_view.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <variant>
+
+namespace coppice {
+
+namespace {
+
+constexpr std::size_t most_robots = 10'000;       // names beyond that come from somebody who makes them up
+constexpr std::size_t most_root_nodes = 200'000;  // of a robot
+constexpr WallTime share_period = 1;              // seconds over which a share is taken, at least
+constexpr std::uint32_t missed_period = 20;       // the same, control periods
+constexpr WallTime broker_lease = 3;              // seconds: who is silent for longer is gone
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+/// Least distance of two robots, less both radii.
+std::optional<double> separation(const std::vector<SeenRobot>& robots, double time) {
+  struct Body {
+    Point2 place;
+    double radius;
+  };
+  std::vector<Body> bodies;
+  double largest = 0;
+  for (const SeenRobot& robot : robots) {
+    if (!robot.state) continue;
+    bodies.push_back({position_at(*robot.state, time), robot.state->radius});
+    largest = std::max(largest, robot.state->radius);
+  }
+  if (bodies.size() < 2) return std::nullopt;
+  std::ranges::sort(bodies, {}, [](const Body& body) { return body.place.x(); });
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+      if (bodies[j].place.x() - bodies[i].place.x() > least + 2 * largest) break;
+      least =
+          std::min(least, (bodies[j].place - bodies[i].place).norm() - bodies[i].radius - bodies[j].radius);
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+void ProcessorShare::on(double processor_seconds, WallTime at) {
+  const bool of_another_process = processor_seconds < seconds_then_;
+  if (since_ && !of_another_process && at - *since_ < share_period) return;
+  if (since_ && !of_another_process) of_one_core = (processor_seconds - seconds_then_) / (at - *since_);
+  since_ = at;
+  seconds_then_ = processor_seconds;
+}
+
+void MissedShare::on(std::uint32_t periods, std::uint32_t missed) {
+  const bool of_another_process = periods < periods_then_ || missed < missed_then_;
+  if (!of_another_process && periods - periods_then_ < missed_period) return;
+  of_all = of_another_process
+               ? 0
+               : static_cast<double>(missed - missed_then_) / static_cast<double>(periods - periods_then_);
+  periods_then_ = periods;
+  missed_then_ = missed;
+}
+
+Point2 position_at(const RobotState& state, double time) {
+  const double first = std::clamp(time, state.stamp, std::max(state.stamp, state.promise.turn));
+  const double second = std::clamp(time, first, std::max(first, state.promise.expiry));
+  return state.position + (first - state.stamp) * state.velocity + (second - first) * state.promise.velocity;
+}
+
+void FleetView::on(const std::shared_ptr<const Message>& message, WallTime at) {
+  if (const auto* tree = std::get_if<InactiveTreeMessage>(message.get())) {
+    const bool of_this_map = !map_ || map_->map_id == tree->map_id;
+    if (of_this_map && tree_ids_.insert(tree->tree).second) trees_.push_back(message);
+    return;
+  }
+  if (const auto* trees = std::get_if<ActiveTreesMessage>(message.get())) {
+    if (!map_ || map_->map_id == trees->map_id) active_trees_ = message;
+    return;
+  }
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { receive(m, at); }) receive(m, at);
+      },
+      *message);
+}
+
+void FleetView::begin_anew() {
+  ++run_;
+  index_ = {};
+  robots_.clear();
+  active_trees_.reset();
+}
+
+void FleetView::receive(const MapMessage& map, WallTime) {
+  if (map_ && map_->map_id == map.map_id) return;
+  const bool another = map_.has_value();
+  map_ = map;
+  const std::size_t stay = std::erase_if(
+      trees_, [&](const auto& tree) { return std::get<InactiveTreeMessage>(*tree).map_id != map.map_id; });
+  if (!another && stay == 0) return;
+  tree_ids_.clear();
+  for (const auto& tree : trees_) tree_ids_.insert(std::get<InactiveTreeMessage>(*tree).tree);
+  begin_anew();
+}
+
+/// Null: there are too many to be true.
+SeenRobot* FleetView::robot(const RobotName& name) {
+  if (robots_.size() >= most_robots && !index_.find(name)) return nullptr;
+  const auto [number, fresh] = index_.insert(name);
+  if (fresh) robots_.push_back({.name = name});
+  return &robots_[number];
+}
+
+void FleetView::receive(const Mission& mission, WallTime) {
+  if (clock_ && mission.clock.epoch < clock_->epoch) return;  // of an earlier run
+  if (clock_ && *clock_ != mission.clock) begin_anew();
+  clock_ = mission.clock;
+  SeenRobot* const seen = robot(mission.robot);
+  if (seen == nullptr || (seen->mission && seen->mission->number > mission.number)) return;
+  if (seen->mission && seen->mission->number != mission.number) {
+    seen->path.clear();
+    ++seen->path_revision;
+    seen->root_nodes.clear();
+  }
+  seen->mission = mission;
+}
+
+void FleetView::receive(const RootNodes& batch, WallTime) {
+  const auto known = index_.find(batch.robot);
+  if (!known) return;
+  SeenRobot& seen = robots_[*known];
+  const bool of_this_mission = seen.mission && seen.mission->number == batch.mission;
+  if (!of_this_mission || batch.first_index > seen.root_nodes.size()) return;
+  for (std::size_t k = seen.root_nodes.size() - batch.first_index;
+       k < batch.nodes.size() && seen.root_nodes.size() < most_root_nodes; ++k)
+    seen.root_nodes.push_back(batch.nodes[k]);
+}
+
+void FleetView::receive(const RobotState& state, WallTime at) {
+  if (state.passed_on) return;
+  SeenRobot* const seen = robot(state.robot);
+  if (seen == nullptr) return;
+  // Of an earlier run, or late.
+  if (seen->state && seen->state->stamp > state.stamp) return;
+  seen->state = state;
+  seen->heard = at;
+}
+
+void FleetView::receive(const PathMessage& path, WallTime) {
+  SeenRobot* const seen = robot(path.robot);
+  if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
+  seen->path = path.waypoints;
+  ++seen->path_revision;
+}
+
+void FleetView::receive(const AgentStatus& status, WallTime at) {
+  SeenRobot* const seen = robot(status.robot);
+  if (seen == nullptr) return;
+  const bool arrives = status.phase == Phase::arrived && status.mission > 0;
+  seen->missions_fulfilled = std::max(
+      {seen->missions_fulfilled, status.mission - (status.mission > 0), arrives ? status.mission : 0});
+  seen->processor.on(status.load.processor_seconds, at);
+  seen->missed.on(status.load.periods, status.load.periods_missed);
+  seen->status = status;
+}
+
+void FleetView::receive(const BrokerStatus& status, WallTime at) {
+  SeenBroker& seen = brokers_[status.broker];
+  seen.status = status;
+  seen.heard = at;
+  seen.processor.on(status.processor_seconds, at);
+  std::erase_if(brokers_, [&](const auto& entry) { return at - entry.second.heard > broker_lease; });
+  if (active_trees_ && !brokers_.contains(std::get<ActiveTreesMessage>(*active_trees_).broker))
+    active_trees_.reset();
+}
+
+std::optional<double> FleetView::fleet_time(WallTime now) const {
+  if (!clock_) return std::nullopt;
+  return clock_->fleet_time(now);
+}
+
+FleetFigures FleetView::figures(WallTime now) const {
+  FleetFigures all{.time = fleet_time(now).value_or(0),
+                   .robots = robots_.size(),
+                   .trees_published = trees_.size(),
+                   .separation = separation(robots_, fleet_time(now).value_or(0))};
+  double processors = 0;
+  double missed = 0;
+  std::vector<double> ages;
+  for (const SeenRobot& robot : robots_) {
+    all.planned += !robot.path.empty();
+    all.missions += robot.missions_fulfilled;
+    missed += robot.missed.of_all / static_cast<double>(robots_.size());
+    processors += std::max(0.0, robot.processor.of_one_core);
+    if (!robot.status) continue;
+    all.arrived += robot.status->phase == Phase::arrived;
+    all.trees_grafted += robot.status->trees_grafted;
+    ages.push_back(robot.status->load.state_age_p50);
+    all.state_age_p99 = std::max(all.state_age_p99, robot.status->load.state_age_p99);
+  }
+  for (const auto& [id, broker] : brokers_) processors += std::max(0.0, broker.processor.of_one_core);
+  const bool told =
+      std::ranges::any_of(robots_, [](const SeenRobot& robot) { return robot.processor.of_one_core >= 0; });
+  if (told) all.processors = processors;
+  all.missed_share = missed;
+  all.state_age_p50 = median(std::move(ages));
+  return all;
+}
+
+}  // namespace coppice

@@ -1,0 +1,70 @@
+// One client's side of Foxglove's WebSocket protocol, version 1 (github.com/foxglove/ws-protocol,
+// docs/spec.md): which topics it has subscribed to, and what it is to hear of them next. It may look and do
+// nothing else.
+//
+// Like PageFeed it is asked when what it said before has been taken in. Only what is subscribed to is
+// encoded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "foxglove.pb.h"
+#include "monitor/fleet_view.h"
+#include "monitor/live_stream.h"
+#include "monitor/outbound.h"
+
+namespace coppice {
+
+inline constexpr std::string_view foxglove_subprotocol = "foxglove.websocket.v1";
+
+class FoxgloveFeed {
+ public:
+  /// More subscriptions than these are refused.
+  static constexpr std::size_t most_subscriptions = 64;
+
+  /// `live` has looked at this view.
+  std::vector<Outbound> next(const FleetView& view, const LiveStream& live);
+
+  /// What the client says. Nonsense is answered by an error, and changes nothing.
+  void on(std::string_view message, bool text);
+
+  enum class Topic : std::uint8_t { map, robots, poses, transforms, paths, trees, root_trees, log, fleet };
+
+ private:
+  /// What the client has had of a robot.
+  struct Told {
+    std::uint32_t of = 0;        ///< revision of the path, number of the mission, or phase and one
+    std::size_t root_nodes = 0;  ///< of that mission,
+    std::uint32_t parts = 0;     ///< in so many entities
+  };
+  struct Subscription {
+    std::uint32_t id = 0;
+    Topic topic = Topic::map;
+    std::optional<std::uint32_t> run{};
+    std::uint64_t edition = 0;  ///< of map or frame, or the beat
+    std::size_t items = 0;      ///< trees, or points of the time series
+    std::vector<Told> robots{};
+  };
+  static std::vector<std::string> news(Subscription& subscription, const FleetView& view,
+                                       const LiveStream& live);
+  static std::vector<std::string> log_news(Subscription& subscription, const FleetView& view, WallTime now);
+  static void add_scene_news(Subscription& subscription, const FleetView& view, const LiveStream& live,
+                             ::foxglove::SceneUpdate& update);
+  static void add_path(::foxglove::SceneUpdate& update, Told& told, const SeenRobot& robot,
+                       const FleetView& view, WallTime now);
+  static void add_root_trees(::foxglove::SceneUpdate& update, Told& told, const SeenRobot& robot,
+                             const FleetView& view, WallTime now);
+  void subscribe(std::uint32_t id, std::uint32_t channel);
+  void complain(const std::string& what);
+
+  bool greeted_ = false;
+  std::vector<std::string> complaints_;
+  std::vector<Subscription> subscriptions_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,207 @@
+#include "monitor/metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <prometheus/metric_family.h>
+#include <prometheus/text_serializer.h>
+
+namespace coppice {
+
+namespace {
+
+using Families = std::vector<prometheus::MetricFamily>;
+using Labels = std::vector<prometheus::ClientMetric::Label>;
+
+constexpr std::array phase_names{"waiting", "planning", "driving", "arrived", "no_path", "stopped"};
+
+prometheus::MetricFamily& add_family(Families& all, std::string name, prometheus::MetricType type,
+                                     std::string help) {
+  return all.emplace_back(prometheus::MetricFamily{std::move(name), std::move(help), type, {}});
+}
+
+void add(prometheus::MetricFamily& family, double value, Labels labels = {}) {
+  prometheus::ClientMetric metric;
+  metric.label = std::move(labels);
+  (family.type == prometheus::MetricType::Counter ? metric.counter.value : metric.gauge.value) = value;
+  family.metric.push_back(std::move(metric));
+}
+
+void add_gauge(Families& all, std::string name, std::string help, double value) {
+  add(add_family(all, std::move(name), prometheus::MetricType::Gauge, std::move(help)), value);
+}
+
+void add_counter(Families& all, std::string name, std::string help, double value) {
+  add(add_family(all, std::move(name), prometheus::MetricType::Counter, std::move(help)), value);
+}
+
+void add_phases(Families& all, const FleetView& view) {
+  std::array<std::size_t, phase_names.size()> robots{};
+  for (const SeenRobot& robot : view.robots()) {
+    const Phase phase = robot.status ? robot.status->phase : Phase::waiting;
+    ++robots.at(static_cast<std::size_t>(phase));
+  }
+  auto& family = add_family(all, "coppice_robots_in_phase", prometheus::MetricType::Gauge,
+                            "Robots by what they say that they do.");
+  for (std::size_t k = 0; k < robots.size(); ++k)
+    add(family, static_cast<double>(robots[k]), {{"phase", phase_names[k]}});
+}
+
+void add_fleet(Families& all, const FleetView& view, WallTime now) {
+  const FleetFigures figures = view.figures(now);
+  const auto number = [](std::size_t n) { return static_cast<double>(n); };
+  add_gauge(all, "coppice_fleet_time_seconds", "Fleet time of the run that is seen; 0 before its missions.",
+            figures.time);
+  add_gauge(all, "coppice_robots", "Robots that the monitor has heard of in this run.",
+            number(figures.robots));
+  add_gauge(all, "coppice_robots_planned", "Robots that have a path.", number(figures.planned));
+  add_phases(all, view);
+  add_counter(all, "coppice_missions_fulfilled_total", "Missions fulfilled by all robots.",
+              number(figures.missions));
+  add_counter(all, "coppice_trees_published_total", "Disjointed trees that brokers have published.",
+              number(figures.trees_published));
+  add_counter(all, "coppice_trees_grafted_total", "Grafts of published trees, by all robots.",
+              number(figures.trees_grafted));
+  if (figures.separation)
+    add_gauge(all, "coppice_separation_meters", "Least distance of two robots now, less both radii.",
+              *figures.separation);
+  add_gauge(all, "coppice_state_age_median_seconds",
+            "Age of the others' states when a robot decides by them: median of the robots' medians.",
+            figures.state_age_p50);
+  add_gauge(all, "coppice_state_age_worst_seconds",
+            "The same: 99th percentile of the robot where it is worst.", figures.state_age_p99);
+  add_gauge(all, "coppice_control_periods_missed_ratio",
+            "Share of control periods of late that were over before their agent came to decide.",
+            figures.missed_share);
+}
+
+/// A time series for each robot: what of it, if anything.
+struct OfRobot {
+  const char* name;
+  prometheus::MetricType type;
+  const char* help;
+  std::optional<double> (*value)(const SeenRobot& robot, WallTime now);
+};
+
+template <auto Value>
+std::optional<double> of_status(const SeenRobot& robot, WallTime) {
+  if (!robot.status) return std::nullopt;
+  return static_cast<double>(Value(*robot.status));
+}
+
+const auto& series_of_robots() {
+  constexpr auto gauge = prometheus::MetricType::Gauge;
+  constexpr auto counter = prometheus::MetricType::Counter;
+  using S = const AgentStatus&;
+  static const std::array all{
+      OfRobot{"coppice_robot_silence_seconds", gauge, "Since the robot's last state came.",
+              [](const SeenRobot& robot, WallTime now) {
+                return robot.state ? std::optional(std::max(0.0, now - robot.heard)) : std::nullopt;
+              }},
+      OfRobot{"coppice_robot_speed_meters_per_second", gauge, "By the robot's last state.",
+              [](const SeenRobot& robot, WallTime) {
+                return robot.state ? std::optional(robot.state->velocity.norm()) : std::nullopt;
+              }},
+      OfRobot{"coppice_robot_arrived", gauge, "1 if the robot stands at its goal.",
+              of_status<[](S s) { return s.phase == Phase::arrived; }>},
+      OfRobot{"coppice_robot_driven_meters", gauge, "Driven in the robot's mission.",
+              of_status<[](S s) { return s.driven_length; }>},
+      OfRobot{"coppice_robot_path_meters", gauge, "Length of the robot's path; 0 without one.",
+              [](const SeenRobot& robot, WallTime) { return std::optional(length_of(robot.path)); }},
+      OfRobot{"coppice_robot_plan_seconds", gauge,
+              "From mission to first path, by the wall's clock; 0 before that.",
+              of_status<[](S s) { return s.plan_seconds; }>},
+      OfRobot{"coppice_robot_missions_fulfilled_total", counter, "Missions that the robot has fulfilled.",
+              [](const SeenRobot& robot, WallTime) {
+                return std::optional(static_cast<double>(robot.missions_fulfilled));
+              }},
+      OfRobot{"coppice_robot_state_age_seconds", gauge,
+              "Age of the others' states when the robot decides by them, 99th percentile.",
+              of_status<[](S s) { return s.load.state_age_p99; }>},
+      OfRobot{"coppice_robot_control_periods_total", counter, "Control periods of the robot's agent.",
+              of_status<[](S s) { return s.load.periods; }>},
+      OfRobot{"coppice_robot_control_periods_missed_total", counter,
+              "Of these: over before the agent came to decide.",
+              of_status<[](S s) { return s.load.periods_missed; }>},
+      OfRobot{"coppice_robot_processor_seconds_total", counter, "Processor time of the robot's agent.",
+              of_status<[](S s) { return s.load.processor_seconds; }>},
+      OfRobot{"coppice_robot_sent_bytes_total", counter, "Sent by the robot's agent in UDP datagrams.",
+              of_status<[](S s) { return s.load.bytes_sent; }>},
+      OfRobot{"coppice_robot_received_bytes_total", counter, "Received by the robot's agent, likewise.",
+              of_status<[](S s) { return s.load.bytes_received; }>},
+      OfRobot{"coppice_robot_rejected_messages_total", counter,
+              "Messages that the robot's agent dropped as invalid.",
+              of_status<[](S s) { return s.rejected; }>},
+  };
+  return all;
+}
+
+void add_robots(Families& all, const FleetView& view, WallTime now) {
+  const auto robots = std::span(view.robots()).first(std::min(view.robots().size(), most_robots_in_detail));
+  for (const OfRobot& series : series_of_robots()) {
+    auto& family = add_family(all, series.name, series.type, series.help);
+    for (const SeenRobot& robot : robots) {
+      if (const auto value = series.value(robot, now)) add(family, *value, {{"robot", robot.name}});
+    }
+  }
+}
+
+void add_brokers(Families& all, const FleetView& view) {
+  constexpr auto gauge = prometheus::MetricType::Gauge;
+  constexpr auto counter = prometheus::MetricType::Counter;
+  add_gauge(all, "coppice_brokers", "Tree brokers that are heard.",
+            static_cast<double>(view.brokers().size()));
+  Families families;
+  families.reserve(4);
+  auto& leads = add_family(families, "coppice_broker_leads", gauge,
+                           "1 of the broker that grows trees, 0 of one on standby.");
+  auto& active =
+      add_family(families, "coppice_broker_trees_active", gauge, "Trees that the broker still grows.");
+  auto& rejected = add_family(families, "coppice_broker_rejected_messages_total", counter,
+                              "Messages that the broker dropped as invalid.");
+  auto& processor = add_family(families, "coppice_broker_processor_seconds_total", counter,
+                               "Processor time of the broker.");
+  for (const auto& [id, broker] : view.brokers()) {
+    const Labels labels{{"broker", fmt::format("{:x}", id)}};
+    add(leads, broker.status.leads, labels);
+    add(active, broker.status.trees_active, labels);
+    add(rejected, broker.status.rejected, labels);
+    add(processor, broker.status.processor_seconds, labels);
+  }
+  std::ranges::move(families, std::back_inserter(all));
+}
+
+void add_monitor(Families& all, const MonitorLoad& load) {
+  const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  add(add_family(all, "coppice_build_info", prometheus::MetricType::Gauge, "The monitor's version."), 1,
+      {{"version", COPPICE_VERSION}});
+  add_counter(all, "coppice_monitor_messages_total", "Messages that came to the monitor.",
+              number(load.messages));
+  add_counter(all, "coppice_monitor_rejected_messages_total", "Samples that the monitor dropped as invalid.",
+              number(load.rejected));
+  add_gauge(all, "coppice_monitor_connections", "Pages and Foxglove clients that look on.",
+            static_cast<double>(load.connections));
+  add_counter(all, "coppice_monitor_sent_bytes_total", "Sent to these.", number(load.bytes_sent));
+  add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", load.processor_seconds);
+  add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
+            number(load.resident_bytes));
+}
+
+}  // namespace
+
+std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now) {
+  Families all;
+  add_fleet(all, view, now);
+  add_robots(all, view, now);
+  add_brokers(all, view);
+  add_monitor(all, load);
+  std::erase_if(all, [](const prometheus::MetricFamily& family) { return family.metric.empty(); });
+  return prometheus::TextSerializer().Serialize(all);
+}
+
+}  // namespace coppice

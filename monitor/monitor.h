@@ -1,0 +1,58 @@
+// A monitor: takes in a fleet's messages, and shows what it has seen to whoever connects: pages, Foxglove,
+// Prometheus.
+//
+// Where the messages come from is its owner's business: off a bus, or from a recording, whose time is then
+// passed in, and which may heed what pages wish.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bus/bus.h"
+#include "live.pb.h"
+#include "monitor/fleet_view.h"
+#include "monitor/live_stream.h"
+#include "monitor/metrics.h"
+#include "monitor/web_server.h"
+
+namespace coppice {
+
+class Monitor {
+ public:
+  /// Listens from now on; throws InputError if it cannot. `source`: for people, as "domain 3".
+  Monitor(const WebSettings& settings, const std::string& source, bool recorded = false);
+
+  void take(const std::vector<Arrival>& arrivals);
+  /// For the metrics: what the process has counted.
+  void note(const BusCounts& counts, std::uint64_t resident_bytes);
+
+  /// Of a recording: all that was seen is forgotten, for it goes on elsewhere.
+  void forget();
+  /// Of a recording: where it is.
+  void show(const live::Playback& playback) { live_.show(playback); }
+  /// What pages have wished since the last call; nothing that they wish reaches a fleet.
+  std::vector<live::FromPage> wishes();
+
+  /// Shows what there is to see at that time, and serves for so many seconds. `present`: the wall's clock,
+  /// which is `now` unless a recording is shown.
+  void turn(WallTime now, WallTime present, double seconds);
+
+  std::string url() const { return server_.url(); }
+
+ private:
+  std::optional<WebReply> get(std::string_view path) const;
+  WebTalk talk(Channel channel);
+  bool heard_from_page(std::string_view message, bool text);
+
+  FleetView view_;
+  LiveStream live_;
+  MonitorLoad load_;
+  std::vector<live::FromPage> wishes_;
+  WebServer server_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,17 @@
+// What goes out over a WebSocket.
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace coppice {
+
+/// Encoded once, and shared by all who get it.
+using Bytes = std::shared_ptr<const std::string>;
+
+struct Outbound {
+  Bytes bytes;
+  bool text = false;
+};
+
+}  // namespace coppice

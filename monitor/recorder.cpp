@@ -1,0 +1,64 @@
+#include "monitor/recorder.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+/// Which of the recorder's chunks takes a topic's messages. What a seek reads of a topic decides: nothing,
+/// the latest of each key, or all (recording.h); so that it need not read the others.
+std::size_t chunk_of(const TopicInfo& info) {
+  if (info.durability == Durability::volatile_) return 0;
+  return info.depth > 0 ? 1 : 2;
+}
+
+}  // namespace
+
+Recorder::Recorder(McapWriter::Compression compression) : writer_("coppice " COPPICE_VERSION, compression) {
+  for (TopicNumber topic = 0; topic < topic_count; ++topic) {
+    channels_[topic] =
+        writer_.add_channel(channel_name(topic), mcap::protobuf, schema_name(topic), schema_of(topic));
+  }
+}
+
+void Recorder::on(std::vector<Arrival> arrivals) {
+  // Topic by topic they come from the bus. What comes late is recorded as of now: so the file is in order.
+  std::ranges::stable_sort(arrivals, {}, &Arrival::at);
+  for (const Arrival& arrival : arrivals) add(arrival);
+}
+
+void Recorder::add(const Arrival& arrival) {
+  const TopicNumber topic = arrival.message->index();
+  const std::string bytes = recorded(*arrival.message);
+  if (bytes.size() > largest_recorded(topic)) {
+    ++left_out_;
+    return;
+  }
+  latest_ = std::max(latest_, arrival.at);
+  McapChunk& chunk = chunks_[chunk_of(topic_infos[topic])];
+  chunk.add(channels_[topic], counts_[topic]++, nanoseconds(latest_), bytes);
+  if (chunk.size() >= chunk_size) writer_.write(std::exchange(chunk, {}));
+}
+
+mcap::Bytes Recorder::step(WallTime now) {
+  const bool has_some = std::ranges::any_of(chunks_, [](const McapChunk& chunk) { return !chunk.empty(); });
+  if (has_some && !begun_) begun_ = now;
+  if (begun_ && now - *begun_ >= chunk_period) end_chunks();
+  return writer_.take();
+}
+
+void Recorder::end_chunks() {
+  for (McapChunk& chunk : chunks_) writer_.write(std::exchange(chunk, {}));
+  begun_.reset();
+}
+
+mcap::Bytes Recorder::finish() {
+  end_chunks();
+  writer_.finish();
+  return writer_.take();
+}
+
+}  // namespace coppice

@@ -1,0 +1,105 @@
+// All that the page knows of a fleet, and how a message changes it. Counters tell views what has changed.
+import {
+  type Begin, EdgesKind, type FiguresPoint, type Frame, type Map as GridMap, type Path, type Playback, type RosterRobot,
+  type StatusesStatus, type ToPage,
+} from './live.js';
+
+export type Robot = RosterRobot;
+export type Status = StatusesStatus;
+
+/// Points of time series that are kept; of twice as many, every other one of the older half is forgotten.
+export const figuresKept = 5_000;
+
+const byNumber = new Intl.Collator(undefined, {numeric: true});
+
+export class Fleet {
+  begin: Begin | undefined;
+  map: GridMap | undefined;
+  roster: Robot[] = [];
+  statuses: (Status | undefined)[] = [];
+  frame: Frame | undefined;  // the newest
+  figures: FiguresPoint[] = [];
+  playback: Playback | undefined;
+  revision = {roster: 0, statuses: 0, figures: 0};
+  rank: number[] = [];  // of each robot by its name: r2 comes before r10
+  private indices = new Map<string, number>();
+
+  on(message: ToPage): void {
+    if (message.begin) this.forget(message.begin);
+    if (message.map) this.map = message.map;
+    if (message.roster) this.takeRoster(message.roster.robots);
+    if (message.statuses) this.takeStatuses(message.statuses.statuses);
+    if (message.frame) this.frame = message.frame;
+    if (message.figures) this.takeFigures(message.figures.points);
+    if (message.playback) this.playback = message.playback;
+  }
+
+  indexOf(name: string): number | undefined {
+    return this.indices.get(name);
+  }
+
+  /// Metres that are left of a robot's path; none without a path.
+  toGo(robot: number): number | undefined {
+    const status = this.statuses[robot];
+    return status && status.path_length > 0 ? Math.max(0, status.path_length - status.driven_length) : undefined;
+  }
+
+  private forget(begin: Begin): void {
+    this.begin = begin;
+    this.map = this.frame = this.playback = undefined;
+    this.roster = [];
+    this.statuses = [];
+    this.figures = [];
+    this.indices.clear();
+    this.touch('roster', 'statuses', 'figures');
+  }
+
+  private takeRoster(robots: Robot[]): void {
+    this.roster = robots;
+    this.indices = new Map(robots.map((robot, index) => [robot.name, index]));
+    const byName = [...robots.keys()].sort((a, b) => byNumber.compare(robots[a].name, robots[b].name));
+    byName.forEach((robot, place) => (this.rank[robot] = place));
+    this.touch('roster');
+  }
+
+  private takeStatuses(statuses: Status[]): void {
+    for (const status of statuses) this.statuses[status.robot] = status;
+    this.touch('statuses');
+  }
+
+  private takeFigures(points: FiguresPoint[]): void {
+    for (const point of points) {
+      const last = this.figures.at(-1);
+      if (!last || point.time > last.time) this.figures.push(point);
+    }
+    if (this.figures.length > 2 * figuresKept)
+      this.figures = this.figures.filter((_, k) => k >= figuresKept || k % 2 === 0);
+    this.touch('figures');
+  }
+
+  private touch(...what: (keyof Fleet['revision'])[]): void {
+    for (const each of what) ++this.revision[each];
+  }
+}
+
+/// What of a message is drawn beneath the robots (background_scene.ts).
+export type SceneChange =
+  | {what: 'forget'}
+  | {what: 'map'; map: GridMap}
+  | {what: 'roster'; robots: Robot[]}
+  | {what: 'edges'; kind: EdgesKind; robot: number; anew: boolean; points: Float32Array}
+  | {what: 'path'; robot: number; points: Float32Array};
+
+export function sceneChanges(message: ToPage): SceneChange[] {
+  const changes: SceneChange[] = [];
+  if (message.begin) changes.push({what: 'forget'});
+  if (message.map) changes.push({what: 'map', map: message.map});
+  if (message.roster) changes.push({what: 'roster', robots: message.roster.robots});
+  if (message.edges) changes.push({what: 'edges', ...message.edges, points: new Float32Array(message.edges.points)});
+  if (message.path) changes.push(pathChange(message.path));
+  return changes;
+}
+
+function pathChange(path: Path): SceneChange {
+  return {what: 'path', robot: path.robot, points: new Float32Array(path.points)};
+}

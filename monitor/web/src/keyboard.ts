@@ -1,0 +1,33 @@
+// The keys of the page, in one table: what listens, and what the help shows.
+import {byId, element} from './dom.ts';
+
+export interface Key {
+  keys: string[];
+  shown: string;
+  does: string;
+  act: (key: string) => void;
+}
+
+export function listenToKeys(table: readonly Key[]): void {
+  const list = byId('help-keys');
+  for (const {shown, does} of table)
+    list.append(element('dt', {}, ...shown.split(' ').map((key) => element('kbd', {}, key))), element('dd', {}, does));
+  const actions = new Map(table.flatMap((entry) => entry.keys.map((key) => [key, entry.act] as const)));
+  document.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || isTaken(event)) return;
+    const act = actions.get(event.key);
+    if (!act) return;
+    event.preventDefault();
+    act(event.key);
+  });
+}
+
+/// Keys that belong to what has the focus.
+function isTaken(event: KeyboardEvent): boolean {
+  const target = event.target as HTMLElement;
+  if (target.closest('dialog')) return event.key !== '?';
+  if (target instanceof HTMLInputElement && target.type !== 'checkbox') return event.key !== 'Escape';
+  if (target instanceof HTMLSelectElement) return true;
+  const presses = event.key === ' ' || event.key === 'Enter';
+  return presses && (target instanceof HTMLButtonElement || target instanceof HTMLInputElement);
+}

@@ -1,0 +1,39 @@
+// What a robot is at, in words; each phase has a colour and a sign of its own (robots_layer.ts, index.html).
+import {Phase} from './live.js';
+
+export const phaseNames: Readonly<Record<Phase, string>> = {
+  [Phase.WAITING]: 'waiting',
+  [Phase.PLANNING]: 'planning',
+  [Phase.DRIVING]: 'driving',
+  [Phase.ARRIVED]: 'arrived',
+  [Phase.NO_PATH]: 'no path',
+  [Phase.STOPPED]: 'stopped',
+};
+
+/// In which order a table sorts them: who needs a look comes first.
+export const phaseOrder: Readonly<Record<Phase, number>> = {
+  [Phase.NO_PATH]: 0,
+  [Phase.WAITING]: 1,
+  [Phase.PLANNING]: 2,
+  [Phase.DRIVING]: 3,
+  [Phase.ARRIVED]: 4,
+  [Phase.STOPPED]: 5,
+};
+
+export const phaseCount = 6;
+
+export enum Stage {
+  FREE = 0,
+  HOLDING = 1,
+  ORDERED = 2,
+}
+
+export const stageNames: Readonly<Record<Stage, string>> = {
+  [Stage.FREE]: 'drives by itself',
+  [Stage.HOLDING]: 'stands until there is a joint plan',
+  [Stage.ORDERED]: 'drives as the joint plan says',
+};
+
+export function asPhase(byte: number): Phase {
+  return (byte < phaseCount ? byte : Phase.WAITING) as Phase;
+}

@@ -1,0 +1,39 @@
+// What tests may look at: `window.coppice`, read only.
+import type {Fleet} from './fleet.ts';
+import type {MapView} from './map_view.ts';
+import type {TimeControl} from './time_control.ts';
+
+export interface TestWindow {
+  readonly ready: boolean;      // a map and robots are there
+  readonly robots: number;
+  readonly frames: number;      // drawn so far
+  readonly fps: number;         // frames drawn in the last second
+  readonly time: number | null;  // fleet time that is shown
+  readonly following: string | null;
+  readonly selected: string | null;
+  readonly playing: boolean;
+  readonly scale: number | null;  // pixels a metre
+  positionOf(name: string): {x: number; y: number} | null;  // pixels of the page
+}
+
+export function exposeToTests(fleet: Fleet, map: MapView, time: TimeControl): void {
+  const selected = () => fleet.roster[map.selected]?.name ?? null;
+  const view: TestWindow = {
+    get ready() { return fleet.map !== undefined && fleet.roster.length > 0 && map.robots.x.length > 0; },
+    get robots() { return fleet.roster.length; },
+    get frames() { return map.drawn; },
+    get fps() { return map.fps(performance.now()); },
+    get time() { return map.time ?? null; },
+    get following() { return map.following ? selected() : null; },
+    get selected() { return selected(); },
+    get playing() { return time.playing; },
+    get scale() { return map.scale ?? null; },
+    positionOf(name) {
+      const robot = fleet.indexOf(name);
+      if (robot === undefined || !Number.isFinite(map.robots.x[robot])) return null;
+      const {left, top} = map.canvas.getBoundingClientRect();
+      return {x: left + map.robots.x[robot], y: top + map.robots.y[robot]};
+    },
+  };
+  Object.defineProperty(window, 'coppice', {value: Object.freeze(view)});
+}

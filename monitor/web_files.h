@@ -1,0 +1,16 @@
+// The page's files, as they were when the program was built (monitor/web/dist).
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace coppice {
+
+struct WebFile {
+  std::string_view path;  ///< from the root, as "/index.html"
+  std::string_view bytes;
+};
+
+std::span<const WebFile> web_files();
+
+}  // namespace coppice

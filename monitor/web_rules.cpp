@@ -1,0 +1,95 @@
+#include "monitor/web_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <arpa/inet.h>
+
+#include "monitor/foxglove.h"
+
+namespace coppice {
+
+namespace {
+
+bool same_letters(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+bool is_port(std::string_view text) {
+  return !text.empty() && text.size() <= 5 &&
+         std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_address(const std::string& text, int family) {
+  std::array<unsigned char, sizeof(in6_addr)> address{};
+  return inet_pton(family, text.c_str(), address.data()) == 1;
+}
+
+}  // namespace
+
+bool is_fine_host(std::string_view host) {
+  if (host.starts_with('[')) {
+    const std::size_t end = host.find(']');
+    if (end == std::string_view::npos) return false;
+    const std::string_view rest = host.substr(end + 1);
+    return (rest.empty() || (rest.starts_with(':') && is_port(rest.substr(1)))) &&
+           is_address(std::string(host.substr(1, end - 1)), AF_INET6);
+  }
+  const std::size_t colon = host.find(':');
+  if (colon != std::string_view::npos && !is_port(host.substr(colon + 1))) return false;
+  const std::string_view name = host.substr(0, colon);
+  return same_letters(name, "localhost") || is_address(std::string(name), AF_INET);
+}
+
+bool is_same_origin(std::string_view origin, std::string_view host) {
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (origin.starts_with(scheme)) return same_letters(origin.substr(scheme.size()), host);
+  }
+  return false;
+}
+
+std::optional<Channel> channel_of(std::string_view path, std::string_view subprotocols) {
+  while (!subprotocols.empty()) {
+    const std::size_t comma = std::min(subprotocols.find(','), subprotocols.size());
+    std::string_view one = subprotocols.substr(0, comma);
+    while (one.starts_with(' ')) one.remove_prefix(1);
+    while (one.ends_with(' ')) one.remove_suffix(1);
+    if (one == foxglove_subprotocol) return Channel::foxglove;
+    subprotocols.remove_prefix(std::min(comma + 1, subprotocols.size()));
+  }
+  if (path == "/live") return Channel::page;
+  return std::nullopt;
+}
+
+bool may_connect(Channel channel, std::string_view origin, std::string_view host,
+                 const std::vector<std::string>& others) {
+  if (origin.empty() || is_same_origin(origin, host)) return true;
+  return channel == Channel::foxglove &&
+         (origin == foxglove_origin || std::ranges::find(others, origin) != others.end());
+}
+
+std::string_view path_of(std::string_view target) {
+  return target.substr(0, target.find_first_of("?#"));
+}
+
+std::string_view media_type(std::string_view path) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 9> types{{
+      {".html", "text/html; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".json", "application/json"},
+      {".svg", "image/svg+xml"},
+      {".png", "image/png"},
+      {".ico", "image/x-icon"},
+      {".woff2", "font/woff2"},
+      {".txt", "text/plain; charset=utf-8"},
+  }};
+  for (const auto& [extension, type] : types) {
+    if (path.ends_with(extension)) return type;
+  }
+  return "application/octet-stream";
+}
+
+}  // namespace coppice

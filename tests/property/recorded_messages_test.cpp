@@ -1,0 +1,245 @@
+// Every message of the bus, with any values in all of its fields, is the same after a recording.
+
+#include "monitor/recorded_messages.h"
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/dynamic_message.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace coppice {
+namespace {
+
+double a_number(bool also_nan) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto odd =
+      rc::gen::element(0.0, -0.0, 1.0, 0.1, -1e-310, infinity, -infinity, std::numeric_limits<double>::max());
+  const double number = *rc::gen::oneOf(odd, rc::gen::arbitrary<double>());
+  return also_nan && *rc::gen::inRange(0, 8) == 0 ? std::numeric_limits<double>::quiet_NaN() : number;
+}
+
+/// Any values; NaN only where they are not compared as numbers.
+struct Any {
+  bool also_nan = false;
+
+  double number() const { return a_number(also_nan); }
+  Point2 point() const {
+    const double x = number();
+    return {x, number()};
+  }
+  std::uint32_t u32() const {
+    return *rc::gen::oneOf(rc::gen::element(0u, 1u, ~0u), rc::gen::arbitrary<std::uint32_t>());
+  }
+  std::uint64_t u64() const {
+    return *rc::gen::oneOf(rc::gen::element(std::uint64_t{0}, ~std::uint64_t{0}),
+                           rc::gen::arbitrary<std::uint64_t>());
+  }
+  std::uint8_t u8() const { return *rc::gen::arbitrary<std::uint8_t>(); }
+  std::int32_t i32() const { return *rc::gen::arbitrary<std::int32_t>(); }
+  bool flag() const { return *rc::gen::arbitrary<bool>(); }
+  std::string name() const {
+    return *rc::gen::element<std::string>("", "r1", "größer", "\xF0\x9F\x90\x99", std::string(64, 'x'),
+                                          std::string("a\0b", 3));
+  }
+  /// Also ones that have no name.
+  template <class E>
+  E one() const {
+    return static_cast<E>(u8());
+  }
+  template <class Make>
+  auto some(Make make) const {
+    std::vector<decltype(make())> all;
+    for (int k = *rc::gen::inRange(0, 4); k > 0; --k) all.push_back(make());
+    return all;
+  }
+  Path path() const {
+    Path all;
+    for (int k = *rc::gen::inRange(0, 4); k > 0; --k) all.push_back(point());
+    return all;
+  }
+  KnotId knot() const { return {u32(), name(), point(), number()}; }
+};
+
+template <class M>
+M any(const Any& a);
+template <>
+MapMessage any(const Any& a) {
+  MapMessage m{a.name(), {}, a.some([&] { return a.number(); })};
+  m.map.width = *rc::gen::inRange(0, 12);
+  m.map.height = *rc::gen::inRange(0, 12);
+  m.map.resolution = a.number();
+  m.map.origin = a.point();
+  m.map.y_axis = a.flag() ? YAxis::up : YAxis::down;
+  for (int k = 0; k < m.map.width * m.map.height; ++k) m.map.blocked.push_back(a.flag());
+  return m;
+}
+template <>
+Mission any(const Any& a) {
+  return {a.name(),   a.u32(),    a.u32(),
+          a.name(),   a.point(),  a.point(),
+          a.number(), a.number(), a.number(),
+          a.number(), a.u64(),    a.one<PlannerKind>(),
+          a.number(), a.flag(),   {a.number(), a.number()}};
+}
+template <>
+RootNodes any(const Any& a) {
+  return {a.name(), a.u32(), a.u32(), a.some([&] {
+            return RootNodes::Node{a.one<Side>(), a.point(), a.i32()};
+          })};
+}
+template <>
+InactiveTreeMessage any(const Any& a) {
+  return {{a.u64(), a.u32()}, a.name(), a.number(), a.some([&] {
+            return InactiveTreeMessage::Node{a.point(), a.i32(), a.number()};
+          })};
+}
+template <>
+RobotState any(const Any& a) {
+  return {a.name(),
+          a.u32(),
+          a.number(),
+          a.point(),
+          a.point(),
+          a.number(),
+          a.number(),
+          a.number(),
+          a.one<Phase>(),
+          {a.number(), a.point(), a.number()},
+          a.knot(),
+          a.one<Stage>(),
+          a.number(),
+          a.name(),
+          a.u8(),
+          a.u8(),
+          a.flag(),
+          a.flag(),
+          a.flag(),
+          a.flag(),
+          a.some([&] {
+            return Echo{a.name(), a.number(), a.number()};
+          })};
+}
+template <>
+JointPlanMessage any(const Any& a) {
+  return {a.knot(), a.some([&] {
+            return JointPlanMessage::Member{a.name(), a.number(), a.flag()};
+          }),
+          a.some([&] {
+            return JointPlanMessage::Move{a.u32(), a.path()};
+          })};
+}
+template <>
+PathMessage any(const Any& a) {
+  return {a.name(), a.u32(), a.path()};
+}
+template <>
+TrackMessage any(const Any& a) {
+  return {a.name(), a.u32(), a.u32(), a.some([&] {
+            return TrackMessage::Point{a.number(), a.point(), a.point()};
+          })};
+}
+template <>
+AgentStatus any(const Any& a) {
+  return {a.name(),
+          a.u32(),
+          a.one<Phase>(),
+          a.name(),
+          a.number(),
+          a.number(),
+          a.number(),
+          a.number(),
+          a.number(),
+          a.number(),
+          a.u32(),
+          a.u32(),
+          a.u32(),
+          a.u32(),
+          a.u32(),
+          a.u32(),
+          {a.u32(), a.u32(), a.u32(), a.u32(), a.u32(), a.number(), a.u64(), a.u64(), a.number(), a.number(),
+           a.number(), a.number()}};
+}
+template <>
+BrokerStatus any(const Any& a) {
+  return {a.u64(), a.flag(), a.number(), a.u32(), a.u32(), a.u32(), a.u32(), a.name(), a.u32(), a.number()};
+}
+template <>
+Claim any(const Any& a) {
+  return {a.u64(), a.u32(), a.name()};
+}
+template <>
+Assignment any(const Any& a) {
+  return {a.name(), a.u64(), a.u32()};
+}
+
+template <>
+ActiveTreesMessage any(const Any& a) {
+  return {a.u64(), a.name(), a.some([&] { return ActiveTreesMessage::Edge{a.point(), a.point()}; })};
+}
+
+template <class M>
+void expect_same_after_recording() {
+  const Message message = any<M>({});
+  const auto back = message_in(message.index(), recorded(message));
+  RC_ASSERT(back.has_value());
+  RC_ASSERT(*back == message);
+  // With NaN, by the bytes, which the above shows to hold everything.
+  const Message odd = any<M>({.also_nan = true});
+  RC_ASSERT(recorded(message_in(odd.index(), recorded(odd)).value()) == recorded(odd));
+}
+
+template <class M>
+class RecordedMessages : public testing::Test {};
+template <class V>
+struct TypesOf;
+template <class... Ms>
+struct TypesOf<std::variant<Ms...>> {
+  using Type = testing::Types<Ms...>;
+};
+TYPED_TEST_SUITE(RecordedMessages, TypesOf<Message>::Type);
+
+TYPED_TEST(RecordedMessages, AreTheSameAfterwards) {
+  EXPECT_TRUE(rc::check(expect_same_after_recording<TypeParam>));
+}
+
+TYPED_TEST(RecordedMessages, OfAnyBytesAreNoneOrSome) {
+  EXPECT_TRUE(rc::check([](const std::string& bytes) {
+    const auto message = message_in(topic_number<TypeParam>(), bytes);
+    RC_ASSERT(!message || std::holds_alternative<TypeParam>(*message));
+  }));
+}
+
+/// Whoever has no more than the schema in the file can read the messages.
+TYPED_TEST(RecordedMessages, AreDescribedByTheirSchema) {
+  const TopicNumber topic = topic_number<TypeParam>();
+  google::protobuf::FileDescriptorSet files;
+  ASSERT_TRUE(files.ParseFromString(schema_of(topic)));
+  google::protobuf::DescriptorPool pool;
+  for (const auto& file : files.file()) ASSERT_NE(pool.BuildFile(file), nullptr);
+  const auto* const described = pool.FindMessageTypeByName(schema_name(topic));
+  ASSERT_NE(described, nullptr);
+  google::protobuf::DynamicMessageFactory factory;
+  EXPECT_TRUE(rc::check([&] {
+    const std::string bytes = recorded(any<TypeParam>({}));
+    const std::unique_ptr<google::protobuf::Message> message(factory.GetPrototype(described)->New());
+    RC_ASSERT(message->ParseFromString(bytes));
+    RC_ASSERT(message->SerializeAsString() == bytes);
+  }));
+}
+
+TEST(RecordedMessage, ThatIsTooLongIsNone) {
+  const std::string long_one(largest_recorded(topic_number<Claim>()) + 1, '\0');
+  EXPECT_FALSE(message_in(topic_number<Claim>(), long_one));
+  EXPECT_FALSE(message_in(topic_number<Claim>(), "\x1a\x01\xff")) << "no UTF-8";
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,162 @@
+// What a monitor makes of the messages of a fleet.
+#include "monitor/fleet_view.h"
+
+#include <gtest/gtest.h>
+
+namespace coppice {
+namespace {
+
+MapMessage map_named(const std::string& id) {
+  MapMessage message{.map_id = id, .map = {}};
+  message.map.width = 4;
+  message.map.height = 2;
+  message.map.blocked.assign(8, 0);
+  return message;
+}
+
+Mission mission_of(const RobotName& robot, std::uint32_t number, FleetClock clock = {100, 1}) {
+  return {.robot = robot, .number = number, .map_id = "m", .radius = 1, .clock = clock};
+}
+
+RobotState state_of(const RobotName& robot, double stamp, const Point2& place) {
+  return {.robot = robot,
+          .stamp = stamp,
+          .position = place,
+          .velocity = {2, 0},
+          .radius = 1,
+          .promise = {stamp + 1, {0, 4}, stamp + 2}};
+}
+
+struct AFleetView : testing::Test {
+  template <class M>
+  void hear(M message, WallTime at = 100) {
+    view.on(std::make_shared<const Message>(std::move(message)), at);
+  }
+  const SeenRobot& robot(const RobotName& name) const { return view.robots().at(view.find(name).value()); }
+  FleetView view;
+};
+
+TEST_F(AFleetView, KnowsRobotsInTheOrderInWhichTheyCame) {
+  hear(state_of("b", 1, {0, 0}));
+  hear(mission_of("a", 1));
+  hear(AgentStatus{.robot = "c"});
+  hear(state_of("b", 2, {5, 5}), 102);
+  hear(state_of("b", 1.5, {9, 9}), 103);  // late
+  ASSERT_EQ(view.robots().size(), 3u);
+  EXPECT_EQ(view.robots()[0].name, "b");
+  EXPECT_EQ(view.robots()[1].name, "a");
+  EXPECT_EQ(view.robots()[2].name, "c");
+  EXPECT_EQ(robot("b").state->stamp, 2);
+  EXPECT_EQ(robot("b").heard, 102);
+}
+
+TEST_F(AFleetView, TakesWhatOthersPassOnForNobodysWord) {
+  RobotState state = state_of("b", 1, {0, 0});
+  state.passed_on = true;
+  hear(state);
+  EXPECT_TRUE(view.robots().empty());
+}
+
+TEST_F(AFleetView, FollowsAPromiseAndThenExpectsTheRobotToStand) {
+  const RobotState state = state_of("a", 10, {1, 1});
+  EXPECT_EQ(position_at(state, 9), Point2(1, 1));
+  EXPECT_EQ(position_at(state, 10.5), Point2(2, 1));
+  EXPECT_EQ(position_at(state, 11.5), Point2(3, 3));
+  EXPECT_EQ(position_at(state, 99), Point2(3, 5));
+}
+
+TEST_F(AFleetView, ForgetsAWayAndRootTreesWithTheirMission) {
+  hear(mission_of("a", 1));
+  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});
+  hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}, {Side::start, {1, 0}, 0}}});
+  hear(RootNodes{"a", 1, 1, {{Side::start, {1, 0}, 0}, {Side::goal, {2, 0}, -1}}});  // one again
+  hear(RootNodes{"a", 1, 7, {{Side::goal, {9, 9}, -1}}});                            // some are missing
+  EXPECT_EQ(robot("a").root_nodes.size(), 3u);
+  const auto revision = robot("a").path_revision;
+  hear(mission_of("a", 2));
+  EXPECT_TRUE(robot("a").path.empty());
+  EXPECT_TRUE(robot("a").root_nodes.empty());
+  EXPECT_NE(robot("a").path_revision, revision);
+  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});  // of the mission before
+  EXPECT_TRUE(robot("a").path.empty());
+  hear(mission_of("a", 1));
+  EXPECT_EQ(robot("a").mission->number, 2u);
+}
+
+TEST_F(AFleetView, BeginsAnewWithAnotherRunOrMap) {
+  hear(map_named("m"));
+  hear(InactiveTreeMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
+  hear(InactiveTreeMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
+  hear(InactiveTreeMessage{{1, 2}, "other", 1, {{{0, 0}, -1, 1}}});
+  EXPECT_EQ(view.inactive_trees().size(), 1u);
+  hear(mission_of("a", 1));
+  const auto run = view.run();
+  hear(mission_of("b", 1));
+  EXPECT_EQ(view.run(), run);
+  hear(mission_of("b", 1, {200, 1}));
+  EXPECT_GT(view.run(), run);
+  ASSERT_EQ(view.robots().size(), 1u);  // b: a is of the run before
+  EXPECT_EQ(view.inactive_trees().size(), 1u);
+  hear(mission_of("a", 1, {100, 1}));  // of that, too
+  EXPECT_EQ(view.robots().size(), 1u);
+  hear(map_named("other"));
+  EXPECT_TRUE(view.inactive_trees().empty());
+  EXPECT_TRUE(view.robots().empty());
+}
+
+TEST_F(AFleetView, ShowsActiveTreesOfABrokerThatIsThere) {
+  hear(map_named("m"));
+  hear(BrokerStatus{.broker = 7}, 100);
+  hear(ActiveTreesMessage{7, "m", {{{0, 0}, {1, 1}}}}, 100);
+  ASSERT_TRUE(view.active_trees() != nullptr);
+  hear(BrokerStatus{.broker = 8}, 110);  // of the other nothing has been heard for long
+  EXPECT_TRUE(view.active_trees() == nullptr);
+}
+
+TEST_F(AFleetView, CountsTheFleet) {
+  hear(mission_of("a", 1));
+  hear(mission_of("b", 3));
+  hear(state_of("a", 0, {0, 0}));
+  hear(state_of("b", 0, {0, 5}));
+  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});
+  AgentStatus status{.robot = "b", .mission = 3, .phase = Phase::arrived};
+  status.trees_grafted = 4;
+  status.load = {.periods = 100, .periods_missed = 10, .state_age_p50 = 0.1, .state_age_p99 = 0.5};
+  status.load.processor_seconds = 1;
+  hear(status, 100);
+  EXPECT_LT(view.figures(100).processors, 0);  // not known yet
+  status.load.periods = 200;
+  status.load.periods_missed = 60;
+  status.load.processor_seconds = 2;
+  hear(status, 105);
+  const FleetFigures figures = view.figures(100);
+  EXPECT_EQ(figures.time, 0);
+  EXPECT_EQ(figures.robots, 2u);
+  EXPECT_EQ(figures.planned, 1u);
+  EXPECT_EQ(figures.arrived, 1u);
+  EXPECT_EQ(figures.missions, 3u);
+  EXPECT_EQ(figures.trees_grafted, 4u);
+  EXPECT_NEAR(figures.separation.value(), 3, 1e-12);
+  EXPECT_EQ(figures.state_age_p99, 0.5);
+  EXPECT_NEAR(figures.processors, 0.2, 1e-12);
+  EXPECT_NEAR(robot("b").missed.of_all, 0.5, 1e-12);
+  EXPECT_NEAR(figures.missed_share, 0.25, 1e-12);
+}
+
+TEST_F(AFleetView, FindsTheLeastSeparationOfMany) {
+  double least = 1e9;
+  std::vector<Point2> places;
+  for (int k = 0; k < 60; ++k) {
+    places.emplace_back((k * 37) % 61 * 3.5, (k * 23) % 59 * 2.5);
+    hear(state_of("r" + std::to_string(k), 0, places.back()));
+  }
+  hear(mission_of("r0", 1));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = i + 1; j < places.size(); ++j)
+      least = std::min(least, (places[i] - places[j]).norm() - 2);
+  }
+  EXPECT_NEAR(view.figures(100).separation.value(), least, 1e-12);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,113 @@
+// What Prometheus reads of a fleet.
+
+#include "monitor/metrics.h"
+
+#include <iterator>
+#include <regex>
+
+#include <gtest/gtest.h>
+
+#include "tests/support.h"
+#include "tests/unit/seen_fleet.h"
+
+namespace coppice {
+namespace {
+
+bool has_line(const std::string& text, const std::string& line) {
+  return ("\n" + text).find("\n" + line + "\n") != std::string::npos;
+}
+
+std::ptrdiff_t lines_of(const std::string& text, const std::string& name) {
+  const std::regex line("\n" + name + "(\\{[^\n]*\\})? [^\n]*");
+  const std::string all = "\n" + text;
+  return std::distance(std::sregex_iterator(all.begin(), all.end(), line), std::sregex_iterator());
+}
+
+TEST(Metrics, AFleetInNumbers) {
+  test::SeenFleet fleet;
+  fleet.map();
+  for (const char* name : {"a", "b", "c"}) fleet.mission(name);
+  fleet.state("a", {1, 1});
+  fleet.state("b", {2, 1}, {2, 0});
+  fleet.status("a", Phase::arrived, 3.5);
+  fleet.status("b", Phase::driving, 1);
+  fleet.path("a", {{0.5, 1.5}, {3.5, 1.5}});
+  fleet.tree(1);
+  fleet.hear(BrokerStatus{.broker = 255, .trees_active = 4});
+  const std::string text = metrics_text(fleet.view, {.messages = 12, .connections = 2}, fleet.now);
+  for (const char* line :
+       {"coppice_robots 3", "coppice_robots_planned 1", "coppice_robots_in_phase{phase=\"arrived\"} 1",
+        "coppice_robots_in_phase{phase=\"waiting\"} 1", "coppice_trees_published_total 1",
+        "coppice_missions_fulfilled_total 1", "coppice_separation_meters 0.5",
+        "coppice_robot_driven_meters{robot=\"a\"} 3.5", "coppice_robot_path_meters{robot=\"a\"} 3",
+        "coppice_robot_speed_meters_per_second{robot=\"b\"} 2", "coppice_robot_arrived{robot=\"a\"} 1",
+        "coppice_brokers 1", "coppice_broker_trees_active{broker=\"ff\"} 4",
+        "coppice_monitor_messages_total 12", "coppice_monitor_connections 2"})
+    EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
+  EXPECT_EQ(lines_of(text, "coppice_robot_speed_meters_per_second"), 2) << "of c nothing was heard";
+}
+
+TEST(Metrics, WhatIsNotKnownIsLeftOut) {
+  const std::string text = metrics_text(FleetView(), {}, 0);
+  EXPECT_TRUE(has_line(text, "coppice_robots 0"));
+  EXPECT_EQ(text.find("coppice_separation_meters"), std::string::npos);
+  EXPECT_EQ(text.find("coppice_robot_"), std::string::npos);
+  EXPECT_EQ(text.find("coppice_broker_"), std::string::npos);
+}
+
+TEST(Metrics, RobotsBeyondTheFirstFiveHundredAreInTheSumsAlone) {
+  test::SeenFleet fleet;
+  for (int k = 0; k < 700; ++k) {
+    fleet.mission("robot" + std::to_string(k));
+    fleet.status("robot" + std::to_string(k), Phase::driving);
+  }
+  const std::string text = metrics_text(fleet.view, {}, fleet.now);
+  EXPECT_TRUE(has_line(text, "coppice_robots 700"));
+  EXPECT_TRUE(has_line(text, "coppice_robots_in_phase{phase=\"driving\"} 700"));
+  EXPECT_EQ(lines_of(text, "coppice_robot_driven_meters"), 500);
+}
+
+TEST(Metrics, NamesOfRobotsAreEscaped) {
+  test::SeenFleet fleet;
+  fleet.mission("a\"b\\c");
+  fleet.status("a\"b\\c", Phase::driving);
+  EXPECT_NE(metrics_text(fleet.view, {}, fleet.now).find(R"({robot="a\"b\\c"})"), std::string::npos);
+}
+
+TEST(Metrics, TheDashboardAsksForWhatThereIs) {
+  test::SeenFleet fleet;
+  fleet.mission("a");
+  fleet.mission("b");
+  fleet.state("a", {1, 1});
+  fleet.state("b", {2, 1});
+  fleet.status("a", Phase::driving);
+  fleet.hear(BrokerStatus{.broker = 1});
+  const std::string text = metrics_text(fleet.view, {}, fleet.now);
+  const std::string dashboard =
+      test::contents(std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy/grafana-dashboard.json");
+  const std::regex name("(coppice|process)_[a-z_]+");
+  std::size_t seen = 0;
+  for (std::sregex_iterator it(dashboard.begin(), dashboard.end(), name); it != std::sregex_iterator();
+       ++it, ++seen)
+    EXPECT_GT(lines_of(text, it->str()), 0) << it->str();
+  EXPECT_GT(seen, 20u);
+}
+
+TEST(Metrics, EveryFamilyHasHelpAndAType) {
+  test::SeenFleet fleet;
+  fleet.mission("a");
+  fleet.status("a", Phase::driving);
+  const std::string text = "\n" + metrics_text(fleet.view, {}, fleet.now);
+  const std::regex sample("\n([a-z_]+)[ {]");
+  std::size_t seen = 0;
+  for (std::sregex_iterator it(text.begin(), text.end(), sample); it != std::sregex_iterator();
+       ++it, ++seen) {
+    EXPECT_NE(text.find("\n# HELP " + it->str(1) + " "), std::string::npos) << it->str(1);
+    const bool counter = text.find("\n# TYPE " + it->str(1) + " counter") != std::string::npos;
+    EXPECT_EQ(counter, it->str(1).ends_with("_total")) << it->str(1);
+  }
+  EXPECT_GT(seen, 25u);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,336 @@
+// What pages are told: all that is known, then what changes, each once.
+
+#include "monitor/page_feed.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "monitor/live_stream.h"
+#include "tests/unit/seen_fleet.h"
+
+namespace coppice {
+namespace {
+
+using live::Edges;
+using live::ToPage;
+
+class Page {
+ public:
+  explicit Page(test::SeenFleet& fleet, LiveStream& live) : fleet_(fleet), live_(live) {}
+
+  /// What it hears after so many seconds.
+  std::vector<ToPage> after(double seconds) {
+    fleet_.now += seconds;
+    live_.look(fleet_.view, fleet_.now);
+    return now();
+  }
+  std::vector<ToPage> now() {
+    std::vector<ToPage> all;
+    for (const Bytes& bytes : feed_.next(fleet_.view, live_))
+      EXPECT_TRUE(all.emplace_back().ParseFromString(*bytes));
+    return all;
+  }
+
+ private:
+  test::SeenFleet& fleet_;
+  LiveStream& live_;
+  PageFeed feed_;
+};
+
+std::vector<ToPage::WhatCase> kinds(const std::vector<ToPage>& messages) {
+  std::vector<ToPage::WhatCase> all;
+  for (const ToPage& message : messages) all.push_back(message.what_case());
+  return all;
+}
+
+int count(const std::vector<ToPage>& messages, ToPage::WhatCase kind) {
+  return static_cast<int>(std::ranges::count(kinds(messages), kind));
+}
+
+int edges(const std::vector<ToPage>& messages, Edges::Kind kind) {
+  int sum = 0;
+  for (const ToPage& message : messages) {
+    if (message.has_edges() && message.edges().kind() == kind) sum += message.edges().points_size() / 4;
+  }
+  return sum;
+}
+
+struct PageFeedTest : testing::Test {
+  test::SeenFleet fleet;
+  LiveStream live{"here"};
+  Page page{fleet, live};
+};
+
+TEST_F(PageFeedTest, APageThatComesLateGetsAllThatIsKnown) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.state("a", {1, 1}, {1, 0});
+  fleet.status("a", Phase::driving, 2.5);
+  fleet.path("a", {{0.5, 1.5}, {3.5, 1.5}});
+  fleet.tree(1);
+  fleet.root_nodes("a", 0, 4);
+  const auto told = page.after(0.5);
+  using enum ToPage::WhatCase;
+  EXPECT_EQ(kinds(told),
+            (std::vector{kBegin, kMap, kRoster, kPath, kStatuses, kEdges, kEdges, kFigures, kFrame}));
+  EXPECT_EQ(told[0].begin().source(), "here");
+  EXPECT_EQ(told[1].map().occupancy(), std::string("\x01\x02", 2));
+  EXPECT_FALSE(told[1].map().y_up());
+  EXPECT_EQ(told[2].roster().robots(0).name(), "a");
+  EXPECT_EQ(told[2].roster().robots(0).mission(), 1u);
+  EXPECT_EQ(told[3].path().points_size(), 4);
+  EXPECT_DOUBLE_EQ(told[4].statuses().statuses(0).driven_length(), 2.5);
+  EXPECT_DOUBLE_EQ(told[4].statuses().statuses(0).path_length(), 3);
+  EXPECT_EQ(edges(told, Edges::INACTIVE), 2);
+  EXPECT_EQ(edges(told, Edges::ROOT_START), 3);
+  const live::Frame& frame = told[8].frame();
+  EXPECT_DOUBLE_EQ(frame.time(), 0.5);
+  EXPECT_FLOAT_EQ(frame.x(0), 1.5);
+  EXPECT_FLOAT_EQ(frame.turn(0), 0.5);
+  EXPECT_FLOAT_EQ(frame.age(0), 0.5);
+  EXPECT_EQ(frame.phase()[0], static_cast<char>(live::DRIVING));
+}
+
+TEST_F(PageFeedTest, NothingIsToldTwice) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.state("a", {1, 1});
+  fleet.status("a", Phase::driving);
+  fleet.tree(1);
+  fleet.root_nodes("a", 0, 4);
+  page.after(0.5);
+  EXPECT_TRUE(page.now().empty());
+  const auto later = page.after(0.4);
+  EXPECT_EQ(kinds(later), std::vector{ToPage::kFrame});
+  fleet.status("a", Phase::arrived);
+  fleet.tree(2);
+  fleet.root_nodes("a", 4, 2);
+  const auto news = page.after(0.4);
+  EXPECT_EQ(count(news, ToPage::kStatuses), 1);
+  EXPECT_EQ(edges(news, Edges::INACTIVE), 2);
+  EXPECT_EQ(edges(news, Edges::ROOT_START), 2);
+  EXPECT_EQ(count(news, ToPage::kRoster) + count(news, ToPage::kMap) + count(news, ToPage::kBegin), 0);
+}
+
+TEST_F(PageFeedTest, FramesComeTwentyTimesASecondAndTheSlowThingsFourTimes) {
+  fleet.map();
+  fleet.mission("a");
+  page.after(0);
+  int frames = 0;
+  int statuses = 0;
+  int figures = 0;
+  for (int turn = 0; turn < 1000; ++turn) {  // ten seconds
+    fleet.state("a", {1 + 0.001 * turn, 1});
+    fleet.status("a", Phase::driving, 0.001 * turn);
+    const auto told = page.after(0.01);
+    frames += count(told, ToPage::kFrame);
+    statuses += count(told, ToPage::kStatuses);
+    figures += count(told, ToPage::kFigures);
+  }
+  EXPECT_NEAR(frames, 200, 2);
+  EXPECT_NEAR(statuses, 40, 1);
+  EXPECT_NEAR(figures, 20, 1);
+}
+
+TEST_F(PageFeedTest, AFrameIsEncodedOnceForAllPages) {
+  fleet.mission("a");
+  fleet.state("a", {1, 1});
+  live.look(fleet.view, fleet.now);
+  PageFeed one;
+  PageFeed other;
+  EXPECT_EQ(one.next(fleet.view, live).back().get(), other.next(fleet.view, live).back().get());
+}
+
+TEST_F(PageFeedTest, ASlowPageSkipsFramesAndLosesNoTree) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.state("a", {1, 1});
+  page.after(0.1);
+  for (int k = 0; k < 50; ++k) {
+    fleet.tree(static_cast<std::uint32_t>(k));
+    fleet.now += 0.1;
+    live.look(fleet.view, fleet.now);
+  }
+  const auto told = page.now();
+  EXPECT_EQ(count(told, ToPage::kFrame), 1);
+  EXPECT_EQ(edges(told, Edges::INACTIVE), 100);
+}
+
+TEST_F(PageFeedTest, LargeForestsComeInPartsThatEndWithAFrame) {
+  constexpr int trees = 40;
+  constexpr int nodes = 5001;
+  fleet.map();
+  fleet.mission("a");
+  fleet.state("a", {1, 1});
+  for (int k = 0; k < trees; ++k) fleet.tree(static_cast<std::uint32_t>(k), nodes);
+  int all = 0;
+  int parts = 0;
+  for (auto told = page.after(0.1); count(told, ToPage::kEdges) > 0; told = page.after(0.06), ++parts) {
+    std::size_t size = 0;
+    for (const ToPage& message : told) size += message.ByteSizeLong();
+    EXPECT_LT(size, most_bytes_at_once + (1 << 19));
+    EXPECT_EQ(told.back().what_case(), ToPage::kFrame);
+    all += edges(told, Edges::INACTIVE);
+  }
+  EXPECT_EQ(all, trees * (nodes - 1));
+  EXPECT_GE(parts, 3);
+}
+
+TEST_F(PageFeedTest, AnotherMissionDrawsTheRootTreesAnew) {
+  fleet.map();
+  fleet.mission("a", 1);
+  fleet.root_nodes("a", 0, 4, 1);
+  page.after(0.5);
+  fleet.mission("a", 2);
+  fleet.root_nodes("a", 0, 3, 2);
+  int kinds_anew = 0;
+  for (const ToPage& message : page.after(0.5)) {
+    if (!message.has_edges()) continue;
+    EXPECT_TRUE(message.edges().anew());
+    ++kinds_anew;
+    EXPECT_EQ(message.edges().points_size(), message.edges().kind() == Edges::ROOT_START ? 8 : 0);
+  }
+  EXPECT_EQ(kinds_anew, 2);
+}
+
+TEST_F(PageFeedTest, AnotherRunBeginsAnew) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.mission("b");
+  page.after(0.5);
+  fleet.mission("c", 1, 100.5);
+  const auto told = page.after(0.5);
+  ASSERT_GE(told.size(), 3u);
+  EXPECT_EQ(told[0].what_case(), ToPage::kBegin);
+  EXPECT_EQ(told[1].what_case(), ToPage::kMap);
+  ASSERT_EQ(told[2].what_case(), ToPage::kRoster);
+  ASSERT_EQ(told[2].roster().robots_size(), 1);
+  EXPECT_EQ(told[2].roster().robots(0).name(), "c");
+}
+
+TEST_F(PageFeedTest, ARobotIsInTheRosterBeforeItIsInAFrame) {
+  fleet.map();
+  fleet.mission("a");
+  page.after(0.5);
+  int robots = 1;
+  for (int k = 0; k < 30; ++k) {
+    if (k % 3 == 0) fleet.state("b" + std::to_string(k), {1, 1});
+    for (const ToPage& message : page.after(0.01)) {
+      if (message.has_roster()) robots = message.roster().robots_size();
+      EXPECT_EQ(message.has_frame() ? message.frame().x_size() : robots, robots);
+    }
+  }
+  EXPECT_EQ(robots, 11);
+}
+
+/// One that comes between two frames hears who the robots are by now; a frame of before knows fewer.
+TEST_F(PageFeedTest, APageThatComesJustThenGetsAFrameOfAllWhoAreInTheRoster) {
+  fleet.map();
+  fleet.mission("a");
+  page.after(0.5);
+  fleet.mission("b");
+  page.after(0.01);
+  Page another{fleet, live};
+  std::size_t frames = 0;
+  for (const ToPage& message : another.now()) {
+    if (message.has_roster()) {
+      EXPECT_EQ(message.roster().robots_size(), 2);
+    }
+    if (!message.has_frame()) continue;
+    EXPECT_EQ(message.frame().x_size(), 2);
+    ++frames;
+  }
+  EXPECT_EQ(frames, 1u);
+}
+
+TEST_F(PageFeedTest, ActiveTreesAreReplacedAndGoWithTheirBroker) {
+  fleet.map();
+  fleet.hear(BrokerStatus{.broker = 7});
+  fleet.hear(ActiveTreesMessage{7, "m", {{{0, 0}, {1, 1}}, {{1, 1}, {2, 1}}}});
+  EXPECT_EQ(edges(page.after(0.5), Edges::ACTIVE), 2);
+  EXPECT_EQ(edges(page.after(0.5), Edges::ACTIVE), 0);
+  fleet.hear(ActiveTreesMessage{7, "m", {{{0, 0}, {1, 1}}}});
+  const auto anew = page.after(0.5);
+  EXPECT_EQ(edges(anew, Edges::ACTIVE), 1);
+  EXPECT_EQ(std::ranges::count_if(anew, [](const ToPage& m) { return m.has_edges() && m.edges().anew(); }),
+            1);
+  fleet.now += 60;
+  fleet.hear(BrokerStatus{.broker = 8});
+  const auto gone = page.after(0.5);
+  EXPECT_EQ(std::ranges::count_if(gone, [](const ToPage& m) { return m.has_edges() && m.edges().anew(); }),
+            1);
+  EXPECT_EQ(edges(gone, Edges::ACTIVE), 0);
+}
+
+TEST_F(PageFeedTest, WhatIsHeardWhileARecordingStandsIsInAFrame) {
+  fleet.map();
+  fleet.mission("a");
+  const auto frames_until = [&](double from, double until) {
+    int frames = 0;
+    for (double present = from; present < until; present += 0.01) {
+      live.look(fleet.view, 105, present);
+      frames += count(page.now(), ToPage::kFrame);
+    }
+    return frames;
+  };
+  EXPECT_EQ(frames_until(1000, 1001), 1);
+  fleet.state("a", {1, 1});
+  EXPECT_EQ(frames_until(1001, 1002), 1);
+  EXPECT_EQ(frames_until(1002, 1003), 0);
+}
+
+TEST_F(PageFeedTest, ARobotThatWasNotHeardOfIsNowhere) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.mission("b");
+  fleet.state("b", {2, 1});
+  const auto told = page.after(0.1);
+  ASSERT_EQ(told.back().what_case(), ToPage::kFrame);
+  const live::Frame& frame = told.back().frame();
+  EXPECT_TRUE(std::isnan(frame.x(0)));
+  EXPECT_FLOAT_EQ(frame.x(1), 2);
+  for (const int size :
+       {frame.y_size(), frame.vx_size(), frame.vy_size(), frame.waits_for_size(), frame.turn_size(),
+        frame.next_vx_size(), frame.next_vy_size(), frame.expiry_size(), frame.age_size(),
+        static_cast<int>(frame.phase().size()), static_cast<int>(frame.stage().size())})
+    EXPECT_EQ(size, 2);
+}
+
+TEST_F(PageFeedTest, TheTimeSeriesIsKeptForHalfAnHour) {
+  fleet.map();
+  fleet.mission("a");
+  for (int k = 0; k < 3700; ++k) {
+    fleet.now += 0.5;
+    live.look(fleet.view, fleet.now);
+  }
+  const auto told = page.after(0.5);
+  int points = 0;
+  for (const ToPage& message : told) points += message.figures().points_size();
+  EXPECT_EQ(points, 3600);
+  const auto later = page.after(0.5);
+  points = 0;
+  for (const ToPage& message : later) points += message.figures().points_size();
+  EXPECT_EQ(points, 1);
+}
+
+TEST_F(PageFeedTest, ARecordingThatIsWoundBackBeginsAnew) {
+  fleet.map();
+  fleet.mission("a");
+  page.after(0.5);
+  live::Playback playback;
+  playback.set_at(3);
+  fleet.view = {};
+  live.begin_anew();
+  live.show(playback);
+  fleet.now = 90;
+  const auto told = page.after(0);
+  using enum ToPage::WhatCase;
+  EXPECT_EQ(kinds(told), (std::vector{kBegin, kPlayback}));
+  live.show(playback);
+  EXPECT_TRUE(page.now().empty());
+}
+
+}  // namespace
+}  // namespace coppice

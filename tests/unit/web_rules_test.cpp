@@ -1,0 +1,72 @@
+// Who may ask the monitor, and from where.
+
+#include "monitor/web_rules.h"
+
+#include <gtest/gtest.h>
+
+namespace coppice {
+namespace {
+
+TEST(WebRules, HostsByAddressAreFineAndNamesAreNot) {
+  for (const char* host :
+       {"127.0.0.1", "127.0.0.1:8090", "localhost", "LocalHost:1", "[::1]", "[::1]:8090", "192.168.1.7:80"})
+    EXPECT_TRUE(is_fine_host(host)) << host;
+  for (const char* host :
+       {"", "evil.example", "evil.example:8090", "localhost.evil.example", "127.0.0.1.evil.example",
+        "localhost:", "localhost:1:2", "[::1", "[::1]x", "[evil]", "127.1.evil", "127.0.0.1:99x",
+        "localhost:123456", "a@localhost", " localhost"})
+    EXPECT_FALSE(is_fine_host(host)) << host;
+}
+
+TEST(WebRules, AnOriginIsTheSameIfItNamesTheHost) {
+  EXPECT_TRUE(is_same_origin("http://127.0.0.1:8090", "127.0.0.1:8090"));
+  EXPECT_TRUE(is_same_origin("https://localhost", "LOCALHOST"));
+  for (const char* origin :
+       {"http://127.0.0.1:8091", "http://localhost:8090", "null", "127.0.0.1:8090", "file://127.0.0.1:8090",
+        "http://127.0.0.1:8090.evil.example", "http://evil.example"})
+    EXPECT_FALSE(is_same_origin(origin, "127.0.0.1:8090")) << origin;
+}
+
+TEST(WebRules, FoxgloveIsKnownByItsSubprotocolAndThePageByItsPath) {
+  EXPECT_EQ(channel_of("/live", ""), Channel::page);
+  EXPECT_EQ(channel_of("/", "foxglove.websocket.v1"), Channel::foxglove);
+  EXPECT_EQ(channel_of("/live", "other, foxglove.websocket.v1 ,x"), Channel::foxglove);
+  EXPECT_EQ(channel_of("/", "foxglove.websocket.v2"), std::nullopt);
+  EXPECT_EQ(channel_of("/", ",, ,"), std::nullopt);
+  EXPECT_EQ(channel_of("/other", ""), std::nullopt);
+}
+
+TEST(WebRules, PagesFromElsewhereMayNotLookExceptAsFoxglove) {
+  const std::vector<std::string> others{"http://viewer.example:8080"};
+  const auto may = [&](Channel channel, const char* origin) {
+    return may_connect(channel, origin, "127.0.0.1:8090", others);
+  };
+  for (const Channel channel : {Channel::page, Channel::foxglove}) {
+    EXPECT_TRUE(may(channel, ""));
+    EXPECT_TRUE(may(channel, "http://127.0.0.1:8090"));
+    EXPECT_FALSE(may(channel, "http://evil.example"));
+    EXPECT_FALSE(may(channel, "https://app.foxglove.dev.evil.example"));
+    EXPECT_FALSE(may(channel, "http://app.foxglove.dev"));
+    EXPECT_FALSE(may(channel, "null"));
+  }
+  EXPECT_TRUE(may(Channel::foxglove, "https://app.foxglove.dev"));
+  EXPECT_TRUE(may(Channel::foxglove, "http://viewer.example:8080"));
+  EXPECT_FALSE(may(Channel::page, "https://app.foxglove.dev"));
+  EXPECT_FALSE(may(Channel::page, "http://viewer.example:8080"));
+}
+
+TEST(WebRules, PathsEndBeforeTheQuery) {
+  EXPECT_EQ(path_of("/metrics?x=1"), "/metrics");
+  EXPECT_EQ(path_of("/#a"), "/");
+  EXPECT_EQ(path_of("/a/b"), "/a/b");
+  EXPECT_EQ(path_of(""), "");
+}
+
+TEST(WebRules, FilesHaveTypes) {
+  EXPECT_EQ(media_type("/index.html"), "text/html; charset=utf-8");
+  EXPECT_EQ(media_type("/a.js"), "text/javascript; charset=utf-8");
+  EXPECT_EQ(media_type("/a"), "application/octet-stream");
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,209 @@
+// What a monitor costs where 200 robots say 20 times a second where they are, with a page that looks on. The
+// fleet is made up, and comes without a bus: what that takes is told in docs/metrics.md.
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bus/process.h"
+#include "monitor/monitor.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+constexpr int robots = 200;
+constexpr double period = 1.0 / 20;
+
+/// Of this thread, seconds.
+double processor_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double resident_megabytes() {
+  std::ifstream file("/proc/self/statm");
+  double total = 0;
+  double resident = 0;
+  file >> total >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+std::string name(int robot) {
+  return "r" + std::to_string(robot + 1);
+}
+
+Point2 place(int robot, double time) {
+  return Point2(20 + 2 * robot, 250) + 15 * Point2(std::cos(time + robot), std::sin(time + robot));
+}
+
+/// Map, missions, paths, a forest of 50 x 2000 nodes, and root trees of 200 nodes.
+std::vector<Arrival> beginning(WallTime now) {
+  std::vector<Arrival> all;
+  MapMessage map{"m", {.width = 512, .height = 512}};
+  map.map.blocked.assign(512 * 512, 0);
+  all.push_back(arrival_of(map, now));
+  for (int robot = 0; robot < robots; ++robot) {
+    all.push_back(arrival_of(Mission{.robot = name(robot),
+                                     .number = 1,
+                                     .map_id = "m",
+                                     .radius = 2,
+                                     .max_speed = 20,
+                                     .clock = {.epoch = now}},
+                             now));
+    PathMessage path{name(robot), 1, {}};
+    RootNodes nodes{.robot = name(robot), .mission = 1};
+    for (int k = 0; k < 200; ++k) nodes.nodes.push_back({Side::start, Point2(robot, k), k - 1});
+    for (int k = 0; k < 20; ++k) path.waypoints.emplace_back(robot, 20 * k);
+    all.push_back(arrival_of(path, now));
+    all.push_back(arrival_of(nodes, now));
+  }
+  for (std::uint32_t number = 0; number < 50; ++number) {
+    InactiveTreeMessage tree{.tree = {1, number}, .map_id = "m", .radius = 2};
+    for (int k = 0; k < 2000; ++k) tree.nodes.push_back({Point2(number, 0.2 * k), k - 1, 5});
+    all.push_back(arrival_of(tree, now));
+  }
+  return all;
+}
+
+/// What a robot says in a period; once a second of how it is.
+void say(std::vector<Arrival>& all, int robot, std::uint32_t step, double time, WallTime now) {
+  all.push_back(arrival_of(RobotState{.robot = name(robot),
+                                      .sequence = step,
+                                      .stamp = time,
+                                      .position = place(robot, time),
+                                      .velocity = (place(robot, time + period) - place(robot, time)) / period,
+                                      .radius = 2,
+                                      .phase = Phase::driving,
+                                      .promise = {.turn = time + period, .expiry = time + 2 * period}},
+                           now));
+  if (step % 20 != static_cast<std::uint32_t>(robot % 20)) return;
+  all.push_back(arrival_of(AgentStatus{.robot = name(robot),
+                                       .mission = 1,
+                                       .phase = Phase::driving,
+                                       .driven_length = time,
+                                       .load = {.periods = step}},
+                           now));
+}
+
+/// Takes all that comes, as fast as it comes.
+class Onlooker {
+ public:
+  Onlooker(const std::string& url, const std::string& handshake)
+      : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(url.substr(url.rfind(':') + 1))));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(write(socket_, handshake.data(), handshake.size()), std::ssize(handshake));
+    thread_ = std::thread([this] {
+      std::array<char, 1 << 16> buffer{};
+      for (ssize_t size = 0; (size = read(socket_, buffer.data(), buffer.size())) > 0;) bytes_ += size;
+    });
+  }
+  ~Onlooker() {
+    shutdown(socket_, SHUT_RDWR);
+    thread_.join();
+    close(socket_);
+  }
+  Onlooker(const Onlooker&) = delete;
+  Onlooker& operator=(const Onlooker&) = delete;
+  void say(const std::string& bytes) const {
+    EXPECT_EQ(write(socket_, bytes.data(), bytes.size()), std::ssize(bytes));
+  }
+  double bytes() const { return static_cast<double>(bytes_); }
+
+ private:
+  int socket_;
+  std::atomic<ssize_t> bytes_ = 0;
+  std::thread thread_;
+};
+
+std::string handshake(const std::string& path, const std::string& more) {
+  return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n" +
+         more + "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
+}
+
+/// A text message from a client, with a mask of zeros (RFC 6455, 5.2).
+std::string frame(const std::string& text) {
+  std::string bytes{'\x81', static_cast<char>(0x80 | 126), static_cast<char>(text.size() >> 8),
+                    static_cast<char>(text.size() & 0xff)};
+  return bytes + std::string(4, '\0') + text;
+}
+
+struct Cost {
+  double of_one_core;
+  double megabytes_a_second;
+};
+
+struct MonitorLoadTest : testing::Test {
+  Monitor monitor{{.port = 0}, "a made-up fleet"};
+  WallTime began = wall_now();
+  std::uint32_t step = 0;
+
+  MonitorLoadTest() { monitor.take(beginning(began)); }
+
+  Cost run(double seconds, const Onlooker& onlooker) {
+    const double before = processor_seconds();
+    const double had = onlooker.bytes();
+    const WallTime start = wall_now();
+    double making = 0;  // of the fleet: no work of a monitor's
+    while (wall_now() < start + seconds) {
+      const WallTime now = wall_now();
+      const double made_from = processor_seconds();
+      std::vector<Arrival> arrivals;
+      while (step * period < now - began) {
+        for (int robot = 0; robot < robots; ++robot) say(arrivals, robot, step, step * period, now);
+        ++step;
+      }
+      making += processor_seconds() - made_from;
+      monitor.take(arrivals);
+      monitor.turn(now, now, 0.01);
+    }
+    const double took = wall_now() - start;
+    return {(processor_seconds() - before - making) / took, (onlooker.bytes() - had) / took / 1e6};
+  }
+};
+
+TEST_F(MonitorLoadTest, TwoHundredRobotsTakeLessThanAThirdOfACore) {
+  if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
+  const Onlooker page(monitor.url(), handshake("/live", ""));
+  run(2, page);
+  const Cost with_page = run(10, page);
+  const double memory = resident_megabytes();
+  std::cout << "with a page: " << 100 * with_page.of_one_core << " % of a core, "
+            << with_page.megabytes_a_second << " MB/s, " << memory << " MB of memory\n";
+  EXPECT_LT(with_page.of_one_core, 0.3);
+  EXPECT_GT(with_page.megabytes_a_second, 0.1) << "the page was told nothing";
+  EXPECT_LT(memory, 200);
+
+  const Onlooker foxglove(monitor.url(), handshake("/", "Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
+  run(0.5, foxglove);
+  std::string wishes = R"({"op":"subscribe","subscriptions":[)";
+  for (int channel = 1; channel <= 9; ++channel)
+    wishes += (channel > 1 ? "," : "") + ("{\"id\":" + std::to_string(channel)) +
+              ",\"channelId\":" + std::to_string(channel) + "}";
+  foxglove.say(frame(wishes + "]}"));
+  run(2, foxglove);
+  const Cost with_both = run(10, foxglove);
+  std::cout << "with Foxglove on all topics, too: " << 100 * with_both.of_one_core << " % of a core, "
+            << with_both.megabytes_a_second << " MB/s to it, " << resident_megabytes() << " MB of memory\n";
+  EXPECT_GT(with_both.megabytes_a_second, 0.1) << "Foxglove was told nothing";
+  EXPECT_LT(resident_megabytes(), 200);
+}
+
+}  // namespace
+}  // namespace coppice

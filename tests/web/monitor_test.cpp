@@ -1,0 +1,167 @@
+// A real monitor of a real fleet, seen by others' programs: Foxglove's client, promtool, a Prometheus server;
+// and what it refuses. Needs Node.js with what tests/web/package.json names, and Prometheus; says so where
+// they are missing.
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "tests/processes.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int domain = 170;
+
+std::filesystem::path web() {
+  return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
+}
+
+bool has_node() {
+  return test::shell("command -v node").exit_code == 0 && std::filesystem::exists(web() / "node_modules/ws");
+}
+constexpr const char* why_not_node = "needs node, and `npm ci` in tests/web";
+
+std::string which(const std::string& name) {
+  const test::Outcome found = test::shell("command -v " + name);
+  return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : std::string();
+}
+
+std::uint16_t free_port() {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  bind(socket, reinterpret_cast<const sockaddr*>(&address), size);
+  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  close(socket);
+  return ntohs(address.sin_port);
+}
+
+struct MonitorTest : testing::Test {
+  test::TemporaryFolder folder;
+
+  std::filesystem::path path(const std::string& name) const { return folder.path() / name; }
+
+  std::unique_ptr<test::Background> monitor(int of_domain,
+                                            std::vector<std::string> options = {"--port", "0"}) {
+    std::vector<std::string> command{test::program("coppice"), "monitor", "--domain",
+                                     std::to_string(of_domain)};
+    command.insert(command.end(), options.begin(), options.end());
+    auto process = std::make_unique<test::Background>(command, path("monitor.log"));
+    EXPECT_TRUE(test::within(20s, [&] { return !url().empty(); })) << test::contents(path("monitor.log"));
+    return process;
+  }
+  /// As the monitor said: its first line.
+  std::string url() const {
+    const std::string said = test::contents(path("monitor.log"));
+    return said.starts_with("http://") ? said.substr(0, said.find('\n')) : std::string();
+  }
+  std::string port() const {
+    const std::string all = url();
+    const std::size_t colon = all.rfind(':');
+    return all.substr(colon + 1, all.size() - colon - 2);
+  }
+  std::unique_ptr<test::Background> fleet(int of_domain) {
+    return std::make_unique<test::Background>(
+        std::vector<std::string>{test::program("coppice"), "run",
+                                 (test::scenarios() / "rooms-8.json").string(), "--robots", "4", "--domain",
+                                 std::to_string(of_domain), "--quiet", "--time-scale", "1", "--trajectory",
+                                 path("trajectory.csv").string()},
+        path("run.log"));
+  }
+  test::Outcome node(const std::string& script, const std::string& arguments) const {
+    return test::shell("cd '" + web().string() + "' && node " + script + " " + arguments);
+  }
+};
+
+TEST_F(MonitorTest, ShowsFoxgloveAndAPageWhatTheFleetDrives) {
+  if (!has_node()) GTEST_SKIP() << why_not_node;
+  const auto watcher = monitor(domain);
+  const auto run = fleet(domain);
+  const test::Outcome outcome =
+      node("monitor_fleet.js", fmt::format("{} '{}/idl/live.proto' '{}' 1", url(), COPPICE_SOURCE_DIR,
+                                           path("trajectory.csv").string()));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("run.log"));
+  std::cout << outcome.output;
+  EXPECT_EQ(run->wait(), 0) << test::contents(path("run.log"));
+  watcher->send(SIGTERM);
+  EXPECT_EQ(watcher->wait(), 0) << test::contents(path("monitor.log"));
+}
+
+TEST_F(MonitorTest, RefusesWhatItShouldAndGoesOn) {
+  if (!has_node()) GTEST_SKIP() << why_not_node;
+  const auto watcher = monitor(domain + 1);
+  const test::Outcome outcome = node("monitor_refusals.js", url());
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_FALSE(test::has_ended(watcher->pid())) << test::contents(path("monitor.log"));
+}
+
+TEST_F(MonitorTest, PrometheusReadsIt) {
+  if (which("promtool").empty() || which("prometheus").empty() || which("curl").empty())
+    GTEST_SKIP() << "needs prometheus and curl";
+  const auto watcher = monitor(domain + 2);
+  const auto run = fleet(domain + 2);
+  const auto value = [&](const std::string& base, const std::string& what) {
+    return test::shell("curl -s '" + base + what + "'").output;
+  };
+  EXPECT_TRUE(test::within(20s, [&] {
+    return value(url(), "metrics").find("coppice_robots_in_phase{phase=\"driving\"} 4\n") !=
+           std::string::npos;
+  })) << value(url(), "metrics");
+  const test::Outcome checked = test::shell("curl -s " + url() + "metrics | promtool check metrics");
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  EXPECT_EQ(checked.output, "");
+
+  // The example of deploy/, told to ask this monitor, and more often.
+  std::string config = test::contents(std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy/prometheus.yml");
+  const std::string usual = "127.0.0.1:8090";
+  ASSERT_NE(config.find(usual), std::string::npos);
+  config.replace(config.find(usual), usual.size(), "127.0.0.1:" + port());
+  config.replace(config.find("5s"), 2, "1s");
+  folder.write("prometheus.yml", config);
+  const std::string server = fmt::format("127.0.0.1:{}", free_port());
+  const test::Background prometheus(
+      {which("prometheus"), "--config.file=" + path("prometheus.yml").string(),
+       "--storage.tsdb.path=" + path("data").string(), "--web.listen-address=" + server},
+      path("prometheus.log"));
+  const std::string query = "http://" + server + "/api/v1/query?query=";
+  EXPECT_TRUE(test::within(30s,
+                           [&] {
+                             return value(query, "coppice_robots").find("\"4\"]") != std::string::npos &&
+                                    value(query, "up").find("\"1\"]") != std::string::npos;
+                           }))
+      << value(query, "up") << test::contents(path("prometheus.log"));
+}
+
+TEST_F(MonitorTest, ListensAtTheLoopbackAlone) {
+  const auto watcher = monitor(domain + 3);
+  const test::Outcome listening = test::shell(fmt::format("ss -Htlnp | grep 'pid={},'", watcher->pid()));
+  EXPECT_EQ(std::ranges::count(listening.output, '\n'), 1) << listening.output;
+  EXPECT_NE(listening.output.find(" 127.0.0.1:" + port() + " "), std::string::npos) << listening.output;
+}
+
+TEST_F(MonitorTest, SaysWhereItCannotListen) {
+  const auto refused = [&](const std::string& options) {
+    return test::shell(
+        fmt::format("timeout 20 '{}' monitor --domain {} {}", test::program("coppice"), domain + 4, options));
+  };
+  const auto watcher = monitor(domain + 4);
+  const test::Outcome taken = refused("--port " + port());
+  EXPECT_EQ(taken.exit_code, 2);
+  EXPECT_EQ(taken.output, "127.0.0.1:" + port() + ": cannot listen there: Address already in use\n");
+  const test::Outcome nowhere = refused("--address somewhere");
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_EQ(nowhere.output, "--address somewhere: expected an IP address\n");
+  EXPECT_EQ(refused("--port 70000").exit_code, 2);
+  EXPECT_EQ(refused("--domain 300").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace coppice

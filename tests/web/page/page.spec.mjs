@@ -1,0 +1,436 @@
+// What a person does with the page, done by a browser: Debian's chromium, without a graphics card.
+//
+// COPPICE_PAGE_URL: a monitor that runs already, with robots that move; without it, mock-monitor.mjs is one, and what only a
+// mock can play (a recording, a server that goes away, 200 robots) is checked as well.
+// COPPICE_PAGE_SHOTS: a folder for screenshots. COPPICE_PAGE_FPS: what 200 robots need at least, 30 unless told.
+
+import assert from 'node:assert/strict';
+import {mkdirSync} from 'node:fs';
+import {join} from 'node:path';
+
+import {chromium} from 'playwright-core';
+
+import {arguments_of_chromium, program_of_chromium} from './chromium.mjs';
+
+const given = process.env.COPPICE_PAGE_URL;
+const shots = process.env.COPPICE_PAGE_SHOTS;
+const leastFps = Number(process.env.COPPICE_PAGE_FPS ?? 30);
+const large = {width: 1440, height: 900};
+const small = {width: 390, height: 844};
+
+const mocked = given ? undefined : await import('./mock-monitor.mjs');
+if (shots) mkdirSync(shots, {recursive: true});
+
+const browser = await chromium.launch({executablePath: program_of_chromium, args: arguments_of_chromium});
+
+async function shoot(page, name) {
+  if (shots) await page.screenshot({path: join(shots, `${name}.png`)});
+}
+
+const state = (page) => page.evaluate(() => {
+  const {ready, robots, frames, fps, time, following, selected, playing, scale} = window.coppice;
+  return {ready, robots, frames, fps, time, following, selected, playing, scale};
+});
+const positionOf = (page, name) => page.evaluate((robot) => window.coppice.positionOf(robot), name);
+const until = (page, check, argument) => page.waitForFunction(check, argument, {timeout: 10_000});
+const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
+const apart = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
+
+/// How many pixels of the map differ from how they were kept under that name; kept anew. All of them the first time.
+function pixelsChanged(page, kept) {
+  return page.evaluate((name) => {
+    const canvas = document.querySelector('#map');
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', {willReadFrequently: true});
+    copy.drawImage(canvas, 0, 0);
+    const now = new Uint32Array(copy.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    const before = (window.keptPixels ??= {})[name];
+    window.keptPixels[name] = now;
+    if (before?.length !== now.length) return now.length;
+    return now.reduce((count, pixel, k) => count + Number(pixel !== before[k]), 0);
+  }, kept);
+}
+
+/// The robot of those in the table that moves furthest in a second, and is on the map.
+async function movingRobot(page) {
+  const names = await page.locator('#table tbody tr:not(.spacer) td:first-child').allTextContents();
+  const before = await Promise.all(names.map((name) => positionOf(page, name)));
+  await pause(1000);
+  const after = await Promise.all(names.map((name) => positionOf(page, name)));
+  const moved = names.map((name, k) => ({name, by: before[k] && after[k] ? apart(before[k], after[k]) : 0}));
+  const most = moved.reduce((a, b) => (b.by > a.by ? b : a));
+  assert(most.by > 1, `no robot moves: ${JSON.stringify(moved)}`);
+  return most.name;
+}
+
+/// Clicks on a robot as it drives by; others may stand in front of it, so in a few attempts.
+async function clickOn(page, name) {
+  for (let attempt = 0; attempt < 20; ++attempt) {
+    const at = await positionOf(page, name);
+    if (await isOnMap(page, at)) await page.mouse.click(at.x, at.y);
+    if ((await state(page)).selected === name) return;
+    await pause(200);
+  }
+  assert.fail(`no click hit ${name}`);
+}
+
+const isOnMap = (page, at) => page.evaluate((p) => p !== null && document.elementFromPoint(p.x, p.y)?.id === 'map', at);
+
+/// Two fingers on the map move from 80 to 160 pixels apart.
+async function pinch(page) {
+  const box = await page.locator('#map').boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, half) => session.send('Input.dispatchTouchEvent', {
+    type, touchPoints: half ? [{x: x - half, y, id: 1}, {x: x + half, y, id: 2}] : [],
+  });
+  await touch('touchStart', 40);
+  for (let half = 44; half <= 80; half += 4) await touch('touchMove', half);
+  await touch('touchEnd');
+  await pause(200);
+}
+
+async function open(url, options = {}) {
+  const context = await browser.newContext({viewport: large, ...options});
+  const page = await context.newPage();
+  page.said = [];
+  page.on('console', (message) => page.said.push(`${message.type()}: ${message.text()}`));
+  page.on('pageerror', (error) => page.said.push(`error: ${error.message}`));
+  page.asked = [];
+  page.on('request', (request) => page.asked.push(request.url()));
+  await page.goto(url);
+  return page;
+}
+
+async function openReady(url, options) {
+  const page = await open(url, options);
+  await until(page, () => window.coppice.ready && window.coppice.time !== null);
+  await pause(500);
+  return page;
+}
+
+async function close(page) {
+  assert.deepEqual(page.said, [], 'the console stays empty');
+  await page.context().close();
+}
+
+const checks = {
+  async 'a map and robots that move'(url) {
+    const page = await openReady(url);
+    const {robots, frames, time} = await state(page);
+    assert(robots > 0);
+    const name = await movingRobot(page);
+    await pixelsChanged(page, 'moving');
+    await pause(700);
+    assert(await pixelsChanged(page, 'moving') > 50, 'pixels of the map change');
+    const later = await state(page);
+    assert(later.frames > frames && later.time > time);
+    assert(await positionOf(page, name));
+    assert.equal(await positionOf(page, 'nobody of that name'), null);
+    await pause(3000);
+    await shoot(page, 'light');
+    const origin = new URL(url).origin;
+    assert.deepEqual(page.asked.filter((asked) => !asked.startsWith(origin)), [], 'asks nobody else');
+    await close(page);
+  },
+
+  async 'a click shows all of a robot, and it can be followed'(url) {
+    const page = await openReady(url);
+    const name = await movingRobot(page);
+    await clickOn(page, name);
+    assert.equal(await page.locator('#details-name').textContent(), name);
+    const position = page.locator('#details-body dd').first();
+    const before = await position.textContent();
+    await until(page, (text) => document.querySelector('#details-body dd').textContent !== text, before);
+    await page.keyboard.press('t');
+    assert.equal((await state(page)).following, name);
+    for (let k = 0; k < 4; ++k) await page.keyboard.press('+');
+    await pause(600);
+    const box = await page.locator('#map').boundingBox();
+    const middle = {x: box.x + box.width / 2, y: box.y + box.height / 2};
+    for (let k = 0; k < 5; ++k) {
+      const at = await positionOf(page, name);
+      assert(Math.abs(at.x - middle.x) < box.width / 2 && Math.abs(at.y - middle.y) < box.height / 2, 'stays in sight');
+      await pause(200);
+    }
+    await shoot(page, 'following');
+    await page.locator('#follow').click();
+    assert.equal((await state(page)).following, null);
+    await page.keyboard.press('Escape');
+    assert.equal((await state(page)).selected, null);
+    assert.equal(await page.locator('#details').isVisible(), false);
+    await close(page);
+  },
+
+  async 'a pause holds what is shown, and live goes on at the present'(url) {
+    const page = await openReady(url);
+    if (await page.locator('body.recorded').count()) return close(page);
+    const name = await movingRobot(page);
+    await page.keyboard.press(' ');
+    await pause(300);
+    const held = await state(page);
+    assert.equal(held.playing, false);
+    const at = await positionOf(page, name);
+    await pixelsChanged(page, 'held');
+    await pause(1500);
+    assert.equal(await pixelsChanged(page, 'held'), 0, 'nothing moves');
+    assert.equal((await state(page)).time, held.time);
+    assert.deepEqual(await positionOf(page, name), at);
+    await shoot(page, 'held');
+    await page.locator('#live').click();
+    await until(page, (time) => window.coppice.playing && window.coppice.time > time + 1, held.time);
+    await close(page);
+  },
+
+  async 'layers can be left out'(url) {
+    const page = await openReady(url);
+    await page.keyboard.press(' ');
+    await pause(500);
+    for (const layer of ['trees', 'roots', 'paths', 'ends']) {
+      const box = page.locator(`#layer-${layer}`);
+      await pixelsChanged(page, 'layers');
+      await box.evaluate((input) => input.click());
+      assert.equal(await box.isChecked(), false);
+      await pause(600);
+      if (!given) assert(await pixelsChanged(page, 'layers') > 50, `${layer} is drawn, and then no more`);
+    }
+    await page.keyboard.press('5');
+    assert.equal(await page.locator('#layer-near').isChecked(), false);
+    await page.keyboard.press('5');
+    assert.equal(await page.locator('#layer-near').isChecked(), true);
+    await page.locator('#legend summary').click();
+    await shoot(page, 'legend');
+    await close(page);
+  },
+
+  async 'the table sorts, finds and selects'(url) {
+    const page = await openReady(url);
+    const cells = async (column) =>
+      (await page.locator(`#table tbody tr:not(.spacer) td:nth-child(${column})`).allTextContents()).map((text) => text.trim());
+    const sorted = (values, direction) => values.every((value, k) => k === 0 || direction * (value - values[k - 1]) >= 0);
+    await page.getByRole('button', {name: 'm/s'}).click();
+    assert(sorted((await cells(3)).map(Number), 1), `ascending: ${await cells(3)}`);
+    await page.getByRole('button', {name: 'm/s'}).click();
+    assert.equal(await page.locator('th[aria-sort="descending"]').count(), 1);
+    assert(sorted((await cells(3)).map(Number), -1), `descending: ${await cells(3)}`);
+    await page.getByRole('button', {name: 'Robot', exact: true}).click();
+    const names = await cells(1);
+    assert.deepEqual(names, [...names].sort(new Intl.Collator(undefined, {numeric: true}).compare));
+    const row = page.locator('#table tbody tr:not(.spacer)').nth(Math.min(1, names.length - 1));
+    await row.click();
+    const {selected} = await state(page);
+    assert(names.includes(selected));
+    assert.equal(await page.locator('#table tr.selected td').first().textContent(), selected);
+    const box = await page.locator('#map').boundingBox();
+    const at = await positionOf(page, selected);
+    assert(at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, 'it is in sight');
+    await page.locator('#table').focus();
+    await page.keyboard.press('End');
+    assert.notEqual((await state(page)).selected, selected);
+    await page.keyboard.press('/');
+    await page.keyboard.type(selected);
+    assert((await cells(1)).every((name) => name.includes(selected)));
+    await page.keyboard.press('Enter');
+    assert((await state(page)).selected.includes(selected));
+    await close(page);
+  },
+
+  async 'zoom, pan and fit by keys, wheel, drag and buttons'(url) {
+    const page = await openReady(url);
+    const {scale} = await state(page);
+    await page.keyboard.press('+');
+    assert((await state(page)).scale > scale);
+    await page.locator('#zoom-in').click();
+    const box = await page.locator('#map').boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.wheel(0, -300);
+    await pause(200);
+    const near = (await state(page)).scale;
+    assert(near > scale * 1.8, `${near} of ${scale}`);
+    const name = (await page.locator('#table tbody tr:not(.spacer) td:first-child').first().textContent());
+    await page.locator('#play').click();
+    await pause(200);
+    const before = await positionOf(page, name);
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + 80, box.y + box.height / 2 + 40, {steps: 4});
+    await page.mouse.up();
+    await page.keyboard.press('ArrowLeft');
+    await pause(200);
+    if (!(await page.locator('body.recorded').count())) {
+      const after = await positionOf(page, name);
+      assert(after.x - before.x > 100 && after.y - before.y > 25, `dragged and pushed: ${JSON.stringify({before, after})}`);
+    }
+    await page.keyboard.press('0');
+    await pause(100);
+    assert.equal((await state(page)).scale, scale);
+    await close(page);
+  },
+
+  async 'dark, light, and help'(url) {
+    const page = await openReady(url, {colorScheme: 'dark'});
+    const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+    assert.equal(await theme(), 'dark');
+    await pause(3000);
+    await shoot(page, 'dark');
+    await page.emulateMedia({colorScheme: 'light'});
+    await until(page, () => document.documentElement.dataset.theme === 'light');
+    await page.keyboard.press('d');
+    assert.equal(await theme(), 'dark');
+    await page.reload();
+    await until(page, () => window.coppice.ready);
+    assert.equal(await theme(), 'dark', 'the choice is kept');
+    await page.keyboard.press('?');
+    assert(await page.locator('#help').isVisible());
+    await shoot(page, 'help');
+    await page.keyboard.press('Escape');
+    assert.equal(await page.locator('#help').isVisible(), false);
+    await close(page);
+  },
+
+  async 'a phone'(url) {
+    const page = await openReady(url, {viewport: small, hasTouch: true, isMobile: true, deviceScaleFactor: 2});
+    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing sticks out');
+    await shoot(page, 'phone');
+    const names = await page.locator('#table tbody tr:not(.spacer) td:first-child').allTextContents();
+    for (let k = 0; k < 3 * names.length && (await state(page)).selected === null; ++k) {
+      const at = await positionOf(page, names[k % names.length]);
+      if (!(await isOnMap(page, at))) continue;  // a button lies over it
+      await page.touchscreen.tap(at.x, at.y);
+      await pause(100);
+    }
+    assert((await state(page)).selected);
+    const {scale} = await state(page);
+    await pinch(page);
+    const pinched = (await state(page)).scale / scale;
+    assert(pinched > 1.5 && pinched < 2.5, `two fingers, apart from 80 to 160 pixels: ${pinched}`);
+    await page.getByRole('button', {name: 'Details'}).click();
+    assert(await page.locator('#details').isVisible());
+    await shoot(page, 'phone-details');
+    await page.getByRole('button', {name: 'Charts'}).click();
+    await pause(1500);
+    assert.equal(await page.locator('#charts canvas').count(), 6);
+    await shoot(page, 'phone-charts');
+    await close(page);
+  },
+};
+
+const mockChecks = {
+  async 'a recording is steered'() {
+    const mock = await mocked.startMock({recorded: true});
+    const page = await openReady(mock.url);
+    assert(await page.locator('#scrubber').isVisible());
+    await page.keyboard.press(' ');
+    await until(page, () => !window.coppice.playing);
+    await pause(500);
+    const {time} = await state(page);
+    await pause(700);
+    assert.equal((await state(page)).time, time);
+    await page.locator('#scrubber').fill('90');
+    await until(page, () => Math.abs(window.coppice.time - 90) < 1);
+    await page.locator('#table tbody tr:not(.spacer)').first().click();
+    const {selected, scale} = await state(page);
+    await page.locator('#scrubber').fill('20');
+    await until(page, () => Math.abs(window.coppice.time - 20) < 1);
+    await until(page, (name) => window.coppice.selected === name, selected);
+    assert.equal((await state(page)).scale, scale, 'and one looks at the same place');
+    await page.locator('#speed').selectOption('4');
+    await page.locator('#play').click();
+    await until(page, () => window.coppice.playing && window.coppice.time > 24);
+    await shoot(page, 'recording');
+    await close(page);
+    await mock.close();
+  },
+
+  async 'the server goes away, and comes again'() {
+    const mock = await mocked.startMock({});
+    const page = await openReady(mock.url);
+    await mock.close();
+    await page.locator('.pill.lost').waitFor();
+    await pause(800);
+    await shoot(page, 'lost');
+    const again = await mocked.startMock({port: mock.port});
+    await page.locator('.pill.live').waitFor({timeout: 15_000});
+    await until(page, () => window.coppice.ready);
+    await movingRobot(page);
+    page.said = page.said.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'));  // chromium's own word
+    await close(page);
+    await again.close();
+  },
+
+  async 'what is no message is refused, and asked for anew'() {
+    const mock = await mocked.startMock({});
+    const page = await openReady(mock.url);
+    const before = (await state(page)).frames;
+    mock.say(Uint8Array.from([0x3a, 0xff, 0xff, 0xff, 0xff]));  // a frame that ends before it should
+    await page.locator('.pill.lost').waitFor();
+    await page.locator('.pill.live').waitFor({timeout: 15_000});
+    await until(page, (frames) => window.coppice.ready && window.coppice.frames > frames + 10, before);
+    await close(page);
+    await mock.close();
+  },
+
+  async 'nothing to see yet'() {
+    const mock = await mocked.startMock({silent: true});
+    const page = await open(mock.url);
+    await page.locator('.pill.live').waitFor();
+    assert(await page.locator('#notice').isVisible());
+    assert.equal((await state(page)).ready, false);
+    await shoot(page, 'empty');
+    await close(page);
+    await mock.close();
+  },
+
+  async [`200 robots, ${leastFps} frames a second at least`]() {
+    const mock = await mocked.startMock({robots: 200});
+    const page = await openReady(mock.url);
+    await pause(2000);
+    await measure(page, 'all layers, whole map');
+    await shoot(page, '200');
+    await page.locator('#table tbody tr:not(.spacer)').nth(1).click();
+    await page.keyboard.press('t');
+    await pause(1000);
+    await measure(page, 'following one, zoomed in');
+    await page.keyboard.press('f');
+    await pause(500);
+    const panning = setInterval(() => page.keyboard.press('ArrowLeft').then(() => page.keyboard.press('ArrowRight')).catch(() => {}), 120);
+    await page.keyboard.press('+');
+    await measure(page, 'while one pans');
+    clearInterval(panning);
+    await pause(300);
+    await close(page);
+    await mock.close();
+  },
+};
+
+async function measure(page, what) {
+  const from = await state(page);
+  const began = performance.now();
+  const seconds = [];
+  for (let k = 0; k < 5; ++k) {
+    await pause(1000);
+    seconds.push((await state(page)).fps);
+  }
+  const mean = (1000 * ((await state(page)).frames - from.frames)) / (performance.now() - began);
+  console.log(`     ${what}: ${mean.toFixed(1)} frames/s; each second: ${seconds.join(' ')}`);
+  assert(mean >= leastFps, `${mean} frames a second`);
+}
+
+const wanted = process.argv[2] ?? '';
+let failed = 0;
+async function run(name, check) {
+  if (!name.includes(wanted)) return;
+  try {
+    await check();
+    console.log(`ok   ${name}`);
+  } catch (error) {
+    ++failed;
+    console.log(`FAIL ${name}\n${error.stack}`);
+  }
+}
+
+const shared = mocked ? await mocked.startMock({robots: 20}) : undefined;
+for (const [name, check] of Object.entries(checks)) await run(name, () => check(given ?? shared.url));
+if (mocked) for (const [name, check] of Object.entries(mockChecks)) await run(name, check);
+await browser.close();
+await shared?.close();
+process.exit(failed ? 1 : 0);
