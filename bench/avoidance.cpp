@@ -119,8 +119,8 @@ Both compared(const TrialCase& trial, double radius) {
   }
   FleetSimulation simulation(scenario, {.timeout = longest_run});
   simulation.run([](const PlannerService&, double) { return true; });
-  const std::vector<NamedTrack> named = simulation.tracks();
-  const proto::Report report = simulation.service().report(in_one_part(named));
+  const std::vector<NamedTrack>& named = simulation.tracks();
+  const proto::Report report = simulation.service().report(in_parts(named));
   std::vector<double> arrivals;
   std::vector<Path> paths;
   for (const auto& robot : report.robots()) {

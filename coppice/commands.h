@@ -7,8 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "bus/dds_bus.h"
+#include "bus/process_options.h"
 #include "coppice/diagnosis.h"
 #include "files/run_options.h"
+#include "monitor/web_server.h"
 #include "simulation/faults.h"
 
 namespace coppice {
@@ -20,6 +23,9 @@ struct FleetOptions {
   std::string state;          ///< folder for what processes keep for their successors; empty: one of its own
   bool standby = false;       ///< a second broker, that takes over if the first is gone
   bool restart = false;       ///< who ends early is started again
+  bool watch = false;         ///< a monitor, and its page in a browser, too
+  std::string record;         ///< recording to be made of the run; empty: none
+  RosOptions ros;
 };
 
 /// A fleet of processes over DDS on this machine. `program` is this executable; the roles' lie beside it.
@@ -34,6 +40,63 @@ struct DiscoveryOptions {
 
 /// A discovery server, until it is told to stop.
 int discovery_command(const DiscoveryOptions& options);
+
+struct RecordOptions {
+  std::string file;
+  DdsSettings network;
+  std::optional<double> duration;  ///< seconds; none: until it is told to stop
+  bool force = false;              ///< replaces what is there
+};
+
+/// Writes what a fleet says to a file (monitor/recording.h).
+int record_command(const RecordOptions& options);
+
+/// Says what a recording holds, and whether it is whole.
+int info_command(const std::string& file);
+
+struct ReplayOptions {
+  std::string file;
+  DdsSettings network;
+  double speed = 1;  ///< recorded seconds a second
+  double from = 0;   ///< seconds after its beginning
+};
+
+/// Says what a recording holds on a bus on which there is nobody else but those who look on.
+int replay_command(const ReplayOptions& options);
+
+struct MonitorOptions {
+  DdsSettings network;
+  std::string recording;  ///< shows that; empty: a fleet that drives
+  WebSettings web;
+  bool open = false;  ///< a browser, too
+};
+
+/// Shows a fleet that drives, or a recording, to pages, Foxglove and Prometheus, until it is told to stop.
+int monitor_command(const MonitorOptions& options);
+
+struct TopOptions {
+  DdsSettings network;
+  std::string order = "name";  ///< of the robots (monitor/fleet_table.h)
+  bool once = false;           ///< prints the table instead of showing it on and on
+};
+
+/// Shows a fleet as a table in the terminal. 1 if no robot was heard of.
+int top_command(const TopOptions& options);
+
+struct PictureOptions {
+  std::string recording;
+  std::string output;            ///< .svg or .png; of a movie .gif, .webm or .mp4
+  std::optional<double> time{};  ///< fleet seconds; none: the last moment
+  bool movie = false;
+  std::optional<double> from{};   ///< of a movie, fleet seconds; none: the beginning
+  std::optional<double> until{};  ///< likewise; none: the end
+  double frame_rate = 10;         ///< frames a second
+  double speed = 1;               ///< fleet seconds a second
+  bool quiet = false;
+};
+
+/// Pictures of a fleet out of a recording.
+int picture_command(const PictureOptions& options);
 
 /// Says whether this machine has what a fleet needs, and what to change. 1 if something is missing.
 int doctor_command(const FleetPlan& plan);

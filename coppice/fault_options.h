@@ -1,9 +1,11 @@
 // The options of simulated faults.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "simulation/faults.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace coppice {
 

@@ -10,6 +10,7 @@
 #include "bus/process_options.h"
 #include "coppice/commands.h"
 #include "coppice/fault_options.h"
+#include "coppice/watching_options.h"
 #include "files/run_options.h"
 #include "files/scenario_generator.h"
 #include "planning/quantities.h"
@@ -26,7 +27,8 @@ int main(int argc, char** argv) {
   auto* run = app.add_subcommand("run", "a fleet of processes over DDS on this machine");
   add_run_options(*run, options);
   FleetOptions fleet;
-  run->add_option("--domain", fleet.domain, "DDS domain; without: one that nobody uses")
+  run->add_option("--domain", fleet.domain,
+                  "DDS domain; without: one that nobody uses, and with --ros that of ROS_DOMAIN_ID, or 0")
       ->check(CLI::Range(0, 232));
   run->add_option("--discovery", fleet.discovery,
                   "how processes find each other: multicast; static (by multicast, and a table of their "
@@ -39,7 +41,13 @@ int main(int argc, char** argv) {
                   "folder in which processes keep what they need to go on if they are started anew");
   run->add_flag("--standby", fleet.standby, "a second broker that takes over if the first is gone");
   run->add_flag("--restart", fleet.restart, "processes that end early are started again, and go on");
+  run->add_option("--record", fleet.record,
+                  "recording of all that the fleet says (MCAP), as coppice record makes");
+  run->add_flag("--watch", fleet.watch, "shows the fleet on a page, in a browser where there is one");
+  add_ros_options(*run, fleet.ros, true, true);
   run->callback([&] { exit_code = run_command(options, fleet, "/proc/self/exe"); });
+  WatchingOptions watching;
+  add_watching_commands(app, watching, exit_code);
   DiscoveryOptions server;
   auto* discovery = app.add_subcommand("discovery", "a discovery server, for networks without multicast");
   discovery->add_option("--address", server.address, "IPv4 address of this host to listen at");

@@ -1,9 +1,11 @@
 #include "coppice/process_fleet.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <thread>
@@ -91,17 +93,21 @@ void ProcessFleet::terminate(const std::string& name) {
   }
 }
 
-void ProcessFleet::terminate_all(std::chrono::milliseconds grace) {
-  for (const Child& child : running_) kill(child.pid, SIGTERM);
+void ProcessFleet::terminate_all(std::chrono::milliseconds grace, const std::string& but) {
+  const auto stays = [&](const Child& child) { return child.name == but; };
+  for (const Child& child : running_) {
+    if (!stays(child)) kill(child.pid, SIGTERM);
+  }
   const auto end = std::chrono::steady_clock::now() + grace;
-  while (!running_.empty() && std::chrono::steady_clock::now() < end) {
+  while (!std::ranges::all_of(running_, stays) && std::chrono::steady_clock::now() < end) {
     if (!reap()) std::this_thread::sleep_for(poll_period);
   }
   for (const Child& child : running_) {
+    if (stays(child)) continue;
     kill(child.pid, SIGKILL);
     waitpid(child.pid, nullptr, 0);
   }
-  running_.clear();
+  std::erase_if(running_, std::not_fn(stays));
 }
 
 std::string ProcessFleet::last_words_of(const std::string& name) const {

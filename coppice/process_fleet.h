@@ -41,8 +41,8 @@ class ProcessFleet {
 
   /// Sends SIGTERM to the child, if it still runs.
   void terminate(const std::string& name);
-  /// SIGTERM to all, SIGKILL to who is not gone after `grace`; all are reaped.
-  void terminate_all(std::chrono::milliseconds grace);
+  /// SIGTERM to all but the one of that name, SIGKILL to who is not gone after `grace`; all these are reaped.
+  void terminate_all(std::chrono::milliseconds grace, const std::string& but = {});
 
  private:
   struct Start {

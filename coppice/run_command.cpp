@@ -15,10 +15,13 @@
 #include "bus/dds_security.h"
 #include "bus/discovery.h"
 #include "bus/process.h"
+#include "bus/ros_names.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/process_fleet.h"
+#include "coppice/temporary_folder.h"
 #include "coppice/time_scale.h"
+#include "files/input_error.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 
@@ -29,29 +32,9 @@ namespace {
 // All agents need what the broker and the service do; these come first where all share few processors.
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
+constexpr std::chrono::milliseconds grace_of_recorder{10000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
-constexpr std::chrono::seconds patience{15};  // for the report after Ctrl-C
-
-/// A folder of its own for logs and the report, removed at the end.
-class RunFolder {
- public:
-  RunFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "coppice-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder can be made");
-    path_ = name;
-  }
-  ~RunFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Whether no process of this machine has joined the DDS domain: each participant listens at the domain's
 /// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which they share among themselves, but not with us.
@@ -82,7 +65,7 @@ int own_domain() {
 
 using Command = std::vector<std::string>;
 
-Command service_command(const RunOptions& options, const std::string& program) {
+Command service_command(const RunOptions& options, const std::string& program, bool serves) {
   Command command{program, options.scenario};
   const auto add = [&](const std::string& name, const std::string& value) {
     command.push_back(name);
@@ -93,7 +76,7 @@ Command service_command(const RunOptions& options, const std::string& program) {
   if (options.overrides.max_speed) add("--max-speed", fmt::format("{}", *options.overrides.max_speed));
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
   add("--time-scale", fmt::format("{}", options.time_scale.value()));
-  add("--timeout", fmt::format("{}", options.timeout));
+  if (!serves) add("--timeout", fmt::format("{}", options.timeout));
   if (!options.report.empty()) add("--report", options.report);
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);
   if (!options.picture.empty()) add("--picture", options.picture);
@@ -107,19 +90,28 @@ Command service_command(const RunOptions& options, const std::string& program) {
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
 std::string discovery_of(const FleetOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || !usual_discovery_servers().empty();
-  return chosen || std::cmp_less(robots, large_fleet) ? options.discovery : static_discovery;
+  return chosen || options.ros.on || std::cmp_less(robots, large_fleet) ? options.discovery
+                                                                        : static_discovery;
 }
 
 /// The options by which the processes of a run find each other. All are on one host.
 Command network_of(const FleetOptions& options, std::size_t robots) {
-  Command network{"--domain", std::to_string(options.domain.value_or(own_domain())), "--datagram",
-                  std::to_string(datagram_for_one_host)};
+  const int domain = options.domain ? *options.domain : options.ros.on ? usual_ros_domain() : own_domain();
+  Command network{"--domain", std::to_string(domain)};
   const std::string discovery = discovery_of(options, robots);
   if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
   return network;
 }
 
+/// What all who speak ROS are told of it.
+Command ros_of(const RosOptions& options) {
+  if (!options.on) return {};
+  if (!options.drives) return {"--ros"};
+  return {"--ros", "--drive", "ros", "--tracking-tolerance", fmt::format("{}", options.tolerance)};
+}
+
 constexpr const char* service_name = "planner_service";
+constexpr const char* recorder_name = "recorder";
 
 /// The processes of a run, in the order in which they start.
 struct Process {
@@ -134,11 +126,9 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
                                   const FleetOptions& fleet, const std::filesystem::path& programs,
                                   const std::filesystem::path& state) {
   const Command network = network_of(fleet, scenario.robots.size());
-  const auto with = [&](Command command, const std::string& role_name, Role role,
-                        const std::filesystem::path& keeps_in) {
+  const auto on_network = [&](Command command, const std::string& role_name, Role role) {
     command[0] = (programs / command[0]).string();
     command.insert(command.end(), network.begin(), network.end());
-    command.insert(command.end(), {"--state", keeps_in.string()});
     if (!fleet.security.empty()) {
       const std::string credentials = fleet.security + "/" + role_name;
       check_credentials(credentials, role);
@@ -146,19 +136,46 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
     }
     return command;
   };
+  const auto with = [&](const Command& command, const std::string& role_name, Role role,
+                        const std::filesystem::path& keeps_in) {
+    Command whole = on_network(command, role_name, role);
+    whole.insert(whole.end(),
+                 {"--datagram", std::to_string(datagram_for_one_host), "--state", keeps_in.string()});
+    return whole;
+  };
+  std::vector<Process> all;
+  if (!fleet.record.empty())
+    all.push_back(
+        {recorder_name, on_network({"coppice", "record", fleet.record}, "observer", Role::observer)});
+  if (fleet.watch)
+    all.push_back({"monitor",
+                   on_network({"coppice", "monitor", "--port", "0", "--open"}, "observer", Role::viewer),
+                   ProcessFleet::Output::terminal});
+  const Command ros = ros_of(fleet.ros);
   const Command broker{"tree_broker", "--seed", std::to_string(scenario.seed)};
-  std::vector<Process> all{{"tree_broker", with(broker, "broker", Role::broker, state)}};
+  all.push_back({"tree_broker", with(broker, "broker", Role::broker, state)});
   if (fleet.standby)
     all.push_back({"standby broker", with(broker, "broker", Role::broker, state / "standby")});
   for (const RobotTask& robot : scenario.robots) {
-    const Command agent{"robot_agent", "--name", robot.name};
+    Command agent{"robot_agent", "--name", robot.name};
+    agent.insert(agent.end(), ros.begin(), ros.end());
+    if (fleet.ros.drives)
+      agent.insert(agent.end(), {"--odom-timeout", fmt::format("{}", fleet.ros.patience)});
     all.push_back({.name = robot.name,
                    .command = with(agent, "agent", Role::agent, state),
                    .niceness = niceness_of_agents});
   }
-  all.push_back({service_name, with(service_command(options, service_name), "service", Role::service, state),
-                 ProcessFleet::Output::terminal});
+  Command service = service_command(options, service_name, fleet.ros.waits_for_goals);
+  service.insert(service.end(), ros.begin(), ros.end());
+  if (fleet.ros.waits_for_goals) service.emplace_back("--serve");
+  all.push_back(
+      {service_name, with(service, "service", Role::service, state), ProcessFleet::Output::terminal});
   return all;
+}
+
+/// With the report after Ctrl-C: who shares few processors with many says last words late.
+std::chrono::milliseconds patience_with(std::size_t robots) {
+  return std::chrono::seconds{15} + robots * std::chrono::milliseconds{500};
 }
 
 void tell_of_end(const ProcessFleet::Ended& ended) {
@@ -181,10 +198,15 @@ double time_scale_for(std::size_t robots) {
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
   const Scenario scenario =
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
+  check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
+  if (fleet_options.ros.on) check_ros_names(names_of(scenario));
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
+  if (!fleet_options.record.empty() && std::filesystem::exists(fleet_options.record))
+    throw InputError(
+        fmt::format("{}: is there already, and a recording replaces nothing", fleet_options.record));
   install_stop_signals();
   const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
-  const RunFolder run_folder;
+  const TemporaryFolder run_folder;  // for logs and the report
   const std::filesystem::path state =
       fleet_options.state.empty() ? run_folder.path() / "state" : std::filesystem::path(fleet_options.state);
   const std::vector<Process> processes = processes_of(scenario, options, fleet_options, programs, state);
@@ -200,7 +222,8 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
       asked = std::chrono::steady_clock::now();
     }
     const auto ended = fleet.reap();
-    if (!ended && asked && std::chrono::steady_clock::now() - *asked > patience) {
+    if (!ended && asked &&
+        std::chrono::steady_clock::now() - *asked > patience_with(scenario.robots.size())) {
       std::cerr << "the planner service does not answer: ended without a report\n";
       fleet.terminate_all(grace);
       return 1;
@@ -215,11 +238,13 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
     }
     const bool done = ended->name == service_name && ended->exit_code <= 2;
     if (!done) tell_of_end(*ended);
-    // Bad usage does not get better.
-    if (fleet_options.restart && !done && !asked && ended->exit_code != 2) {
+    // Bad usage does not get better, and a recording that was cut off is not to be replaced.
+    const bool may_go_on = ended->exit_code != 2 && ended->name != recorder_name;
+    if (fleet_options.restart && !done && !asked && may_go_on) {
       to_start.emplace(std::chrono::steady_clock::now() + pause_before_restart, ended->name);
     } else if (ended->name == service_name) {
-      fleet.terminate_all(grace);
+      fleet.terminate_all(grace, recorder_name);  // it is to hear of all that the others say
+      fleet.terminate_all(grace_of_recorder);
       return done ? ended->exit_code : 1;
     }
   }

@@ -242,6 +242,11 @@ std::vector<Input> topic_seeds<Assignment>() {
   return {encoded(Assignment{"a", 7, 2})};
 }
 
+template <>
+std::vector<Input> topic_seeds<ActiveTreesMessage>() {
+  return {encoded(ActiveTreesMessage{7, map_id(), {{{6, 8}, {10, 8}}, {{20, 4}, {20, 4}}}})};
+}
+
 /// A record of a journal.
 void journal_record(Bytes data) {
   (void)deserialized(data);
@@ -346,6 +351,7 @@ constexpr std::array all{of_topic<MapMessage>(),
                          of_topic<BrokerStatus>(),
                          of_topic<Claim>(),
                          of_topic<Assignment>(),
+                         of_topic<ActiveTreesMessage>(),
                          Target{"journal_record", journal_record, journal_record_seeds},
                          Target{"sequence", sequence, sequence_seeds},
                          Target{"user_data", user_data, user_data_seeds},

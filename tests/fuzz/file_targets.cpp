@@ -1,4 +1,4 @@
-// Maps, pictures and scenarios.
+// Maps, pictures, scenarios and recordings.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -11,6 +11,8 @@
 #include "files/input_error.h"
 #include "files/map_file.h"
 #include "files/scenario_file.h"
+#include "monitor/mcap_writer.h"
+#include "monitor/recording.h"
 #include "tests/fuzz/targets.h"
 
 namespace coppice::fuzz {
@@ -128,8 +130,47 @@ std::vector<Input> scenario_scen_seeds() {
   return {input("version 1\n0\tm.map\t6\t4\t0\t0\t5\t3\t6.8\n1\tm.map\t6\t4\t5\t0\t0\t3\t6.8\n")};
 }
 
+/// From its beginning, and from its middle: what comes out is in order.
+void recording(Bytes data) {
+  const std::string file = folder().write("a.mcap", data).string();
+  expect_input_error_at_most([&] {
+    const Recording recording(file);
+    for (const WallTime from : {recording.begin(), (recording.begin() + recording.end()) / 2}) {
+      Playback playback(recording, from);
+      WallTime latest = 0;
+      while (const auto next = playback.next()) {
+        if (next->at < latest) std::abort();
+        latest = next->at;
+      }
+    }
+  });
+}
+/// Without descriptions of the messages, which are many times as long as these.
+std::vector<Input> recording_seeds() {
+  std::vector<Input> seeds;
+  for (const auto compression : {McapWriter::Compression::none, McapWriter::Compression::zstd}) {
+    McapWriter writer("fuzz", compression);
+    const std::array<Message, 4> messages{BrokerStatus{7, true, 1, 1, 2, 3, 4, "m", 5}, Claim{7, 2, "a"},
+                                          Assignment{"a", 7, 2}, PathMessage{"a", 1, {{4, 8}, {12, 8}}}};
+    for (const Message& message : messages)
+      writer.add_channel(channel_name(message.index()), mcap::protobuf, schema_name(message.index()), "");
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      McapChunk chunk;
+      for (std::uint16_t m = 0; m < messages.size(); ++m)
+        chunk.add(static_cast<std::uint16_t>(m + 1), k, 1000 * k + m, recorded(messages[m]));
+      writer.write(chunk);
+    }
+    writer.finish();
+    seeds.push_back(input(writer.take()));
+    const Input& whole = seeds.back();
+    seeds.emplace_back(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2));
+  }
+  return seeds;
+}
+
 constexpr std::array all{Target{"moving_ai_map", moving_ai_map, moving_ai_map_seeds},
                          Target{"ros_map", ros_map, ros_map_seeds},
+                         Target{"recording", recording, recording_seeds},
                          Target{"scenario_json", scenario_json, scenario_json_seeds},
                          Target{"scenario_scen", scenario_scen, scenario_scen_seeds}};
 

@@ -96,6 +96,20 @@ TEST(ProcessFleet, AsksFirstAndKillsAfterTheGrace) {
   }
 }
 
+TEST(ProcessFleet, OneMayStayUntilTheOthersAreGone) {
+  const test::TemporaryFolder folder;
+  ProcessFleet fleet(folder.path());
+  const pid_t leaves = fleet.start("r1", stays(folder.path() / "1"), Output::log);
+  const pid_t remains = fleet.start("recorder", stays(folder.path() / "2"), Output::log);
+  told(folder.path() / "1");
+  told(folder.path() / "2");
+  fleet.terminate_all(5s, "recorder");
+  EXPECT_TRUE(test::has_ended(leaves));
+  EXPECT_FALSE(test::has_ended(remains));
+  fleet.terminate_all(5s);
+  EXPECT_TRUE(test::has_ended(remains));
+}
+
 /// A parent with two children that is ended by `signal`; its children are to be gone.
 void expect_nothing_outlives(int signal) {
   const test::TemporaryFolder folder;

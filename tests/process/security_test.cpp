@@ -76,7 +76,7 @@ TEST_F(SecurityFiles, PrivateKeysAreTheOwnersAndThoseOfTheAuthoritiesStayWithThe
     for (const auto& [other, same] : files_in(ours()))
       EXPECT_TRUE(other == file || same != content) << other << " is " << file;
   }
-  EXPECT_EQ(keys, 2u + 4u) << "two authorities, four roles";
+  EXPECT_EQ(keys, 2u + 5u) << "two authorities, five roles";
 }
 
 TEST_F(SecurityFiles, MakeKeysAgainTouchesNothingThatIsThere) {

@@ -16,8 +16,8 @@ TEST(Nook, WhoWasPushedIntoOneGoesBackAsItCame) {
         {"r" + std::to_string(scenario.robots.size() + 1), p.start, p.goal, 5, 20, 40, 1});
   FleetSimulation simulation(scenario, {.timeout = 1000});
   simulation.run([](const PlannerService&, double) { return true; });
-  const std::vector<NamedTrack> tracks = simulation.tracks();
-  EXPECT_EQ(simulation.service().report(in_one_part(tracks)).outcome(), "arrived");
+  const std::vector<NamedTrack>& tracks = simulation.tracks();
+  EXPECT_EQ(simulation.service().report(in_parts(tracks)).outcome(), "arrived");
 }
 
 }  // namespace

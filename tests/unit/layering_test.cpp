@@ -18,7 +18,7 @@ using namespace std::string_literals;
 
 // An include is written as in the source, with its quotes or brackets; patterns match it as a whole.
 constexpr std::string_view standard = R"(<[a-z_0-9]+>)";
-constexpr std::string_view proto = R"("(scenario|report)\.pb\.h")";
+constexpr std::string_view proto = R"("[a-z_]+\.pb\.h")";
 
 std::string from(std::string_view folders) {
   return "\"(" + std::string(folders) + ")/.*\"";
@@ -38,14 +38,16 @@ const std::vector<MayInclude> layers = {
     {"planning/.*", any({from("planning"), "<Eigen/.*>", std::string(standard)})},
     {"motion/.*", any({from("planning|motion"), "<Eigen/.*>", std::string(standard)})},
     {"files/.*", any({from("planning|motion|files"), std::string(proto), "<.*>"})},
-    {"bus/.*", any({from("planning|motion|bus"), R"("fleet[A-Za-z]*\.h")", "<.*>"})},
+    {"bus/.*", any({from("planning|motion|bus"), R"("(fleet|ros2)[A-Za-z]*\.h")", "<.*>"})},
     {"tree_broker/.*", any({from("planning|motion|files|bus|tree_broker"), "<.*>"})},
     {"robot_agent/.*", any({from("planning|motion|files|bus|robot_agent"), "<.*>"})},
     {"planner_service/.*",
      any({from("planning|motion|files|bus|planner_service"), std::string(proto), "<.*>"})},
     {"simulation/.*",
      any({from("planning|motion|files|bus|tree_broker|robot_agent|planner_service|simulation"), "<.*>"})},
-    {"coppice/.*", any({from("planning|motion|files|bus|planner_service|simulation|bench|coppice"), "<.*>"})},
+    {"monitor/.*", any({from("planning|motion|files|bus|monitor"), std::string(proto), "<.*>"})},
+    {"coppice/.*",
+     any({from("planning|motion|files|bus|planner_service|simulation|bench|monitor|coppice"), "<.*>"})},
     {"(tests|bench)/.*", ".*"},
 };
 
@@ -56,17 +58,18 @@ struct Reserved {
 };
 
 const std::string tests_and_benches = "|(tests|bench)/.*";
-const std::string mains = "|(tree_broker|robot_agent|planner_service)/main\\.cpp";
+const std::string mains =
+    "|(tree_broker|robot_agent|planner_service)/main\\.cpp|robot_agent/ros_link\\.(h|cpp)";
 const std::string commands = "|coppice/.*";
 
 const std::vector<Reserved> reserved = {
-    {"<(fastdds|fastrtps|fastcdr)/.*>|\"fleet[A-Za-z]*\\.h\"", "bus/dds_.*" + tests_and_benches,
+    {"<(fastdds|fastrtps|fastcdr)/.*>|\"(fleet|ros2)[A-Za-z]*\\.h\"", "bus/dds_.*" + tests_and_benches,
      "DDS is known to the DDS bus alone"},
     {"\"bus/(dds_.*|process.*|journal\\.h)\"",
      "bus/(dds_|process|journal).*" + mains + commands + tests_and_benches,
      "only a main joins a role to the real bus"},
     {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
-     "bus/(dds_|process).*" + commands + tests_and_benches,
+     "bus/(dds_|process).*|monitor/web_server\\.cpp" + commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
     {"<random>", "planning/random\\.h|(tree_broker|robot_agent)/main\\.cpp" + tests_and_benches,
      "chance is passed in"},
@@ -126,6 +129,7 @@ TEST(Layering, WrongDirectionsAreSeen) {
       {"files/map_file.h", "\"bus/messages.h\""},
       {"bus/messages.h", "\"files/scenario.h\""},
       {"bus/bus.h", "\"fleet.h\""},
+      {"bus/ros_conversion.h", "\"ros2.h\""},
       {"bus/simulated_bus.h", "<fastdds/dds/topic/Topic.hpp>"},
       {"robot_agent/robot_agent.h", "\"tree_broker/tree_broker.h\""},
       {"robot_agent/robot_agent.h", "\"bus/dds_bus.h\""},

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <iostream>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "bus/dds_bus.h"
+#include "bus/process.h"
+#include "coppice/commands.h"
+#include "files/binary_file.h"
+#include "monitor/recorder.h"
+
+namespace coppice {
+
+namespace {
+
+// Seconds: states do not end a wait, and of each robot's DDS keeps the last 32 alone for who does not look.
+constexpr double look_period = 0.02;
+constexpr WallTime longest_farewell = 1;  // seconds: a fleet that goes on says more and more
+
+void tell(const Recorder& recorder, const std::string& file, std::uint64_t bytes, WallTime lasted) {
+  std::uint64_t all = 0;
+  for (const std::uint32_t count : recorder.counts()) all += count;
+  std::cout << fmt::format("{}: {} messages in {:.1f} s, {:.2f} MB\n", file, all, lasted,
+                           1e-6 * static_cast<double>(bytes));
+  for (TopicNumber topic = 0; topic < topic_count; ++topic) {
+    if (recorder.counts()[topic] > 0)
+      std::cout << fmt::format("  {:<14} {:>9}\n", topic_infos[topic].name, recorder.counts()[topic]);
+  }
+  if (recorder.left_out() > 0)
+    std::cout << fmt::format("{} messages were longer than a recording holds\n", recorder.left_out());
+}
+
+}  // namespace
+
+int record_command(const RecordOptions& options) {
+  install_stop_signals();
+  using Existing = BinaryOutput::Existing;
+  DdsBus bus(options.network, Role::observer, "recorder");
+  BinaryOutput file(options.file, options.force ? Existing::replace : Existing::refuse);
+  Recorder recorder;
+  const auto append = [&](const mcap::Bytes& bytes) {
+    if (!bytes.empty()) file.append(bytes);
+  };
+  const WallTime begin = wall_now();
+  const WallTime end = begin + options.duration.value_or(std::numeric_limits<double>::infinity());
+  WallTime now = begin;
+  for (; !stop_requested() && now < end; now = wall_now()) {
+    append(recorder.step(now));
+    bus.wait(std::min(look_period, end - now));
+    recorder.on(bus.take());
+  }
+  // All that has come by now.
+  const WallTime latest = now + longest_farewell;
+  for (auto arrivals = bus.take(); !arrivals.empty() && wall_now() < latest; arrivals = bus.take())
+    recorder.on(std::move(arrivals));
+  append(recorder.finish());
+  tell(recorder, options.file, file.size(), now - begin);
+  return 0;
+}
+
+}  // namespace coppice

@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <iostream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "bus/dds_bus.h"
+#include "bus/process.h"
+#include "bus/topics.h"
+#include "bus/validation.h"
+#include "coppice/commands.h"
+#include "files/input_error.h"
+#include "monitor/recording.h"
+#include "monitor/replay_clock.h"
+
+namespace coppice {
+
+namespace {
+
+// Seconds: in that time a fleet that is there is heard, and those who look on are found.
+constexpr WallTime time_to_meet = 3;
+
+/// At another speed the fleet's clock may become one that nobody takes for true.
+void check_clocks(const Recording& recording, const ReplayClock& clock) {
+  Topics missions;
+  missions.set(topic_number<Mission>());
+  Playback playback(recording, recording.begin(), missions);
+  while (const auto next = playback.next()) {
+    if (const auto problem = problem_with(at_present(*next->message, clock)))
+      throw InputError(
+          fmt::format("--speed {}: makes a mission one that nobody takes: {}", clock.speed, *problem));
+  }
+}
+
+/// Takes what has arrived, which is to be nothing: what a fleet does, and what a recording says that it does,
+/// must not mix.
+void expect_alone(DdsBus& bus, int domain) {
+  const auto heard = bus.take();
+  if (heard.empty()) return;
+  const std::string_view topic =
+      std::visit([]<class M>(const M&) { return Topic<M>::info.name; }, *heard.front().message);
+  throw std::runtime_error(fmt::format(
+      "domain {}: a fleet is there, or another replay ({} was heard); expected a domain that nobody "
+      "uses",
+      domain, topic));
+}
+
+/// False: it is to stop.
+bool wait_alone(DdsBus& bus, int domain, WallTime until) {
+  for (WallTime now = wall_now(); now < until && !stop_requested(); now = wall_now()) {
+    bus.wait(std::min(longest_wait, until - now));
+    expect_alone(bus, domain);
+  }
+  return !stop_requested();
+}
+
+}  // namespace
+
+int replay_command(const ReplayOptions& options) {
+  const Recording recording(options.file);
+  const double duration = recording.end() - recording.begin();
+  if (options.from > duration)
+    throw InputError(fmt::format("--from {}: {} lasts {:.1f} s", options.from, options.file, duration));
+  const WallTime begin = recording.begin() + options.from;
+  check_clocks(recording, {begin, wall_now(), options.speed});
+  if (!recording.file().ending().empty())
+    std::cerr << options.file << ": " << recording.file().ending() << '\n';
+
+  install_stop_signals();
+  const int domain = options.network.domain;
+  DdsBus bus(options.network, Role::replayer, "replay");
+  if (!wait_alone(bus, domain, wall_now() + time_to_meet)) return 0;
+  const ReplayClock clock{begin, wall_now(), options.speed};
+  Playback playback(recording, begin);
+  std::uint64_t said = 0;
+  while (const auto next = playback.next()) {
+    if (!wait_alone(bus, domain, clock.present(next->at))) break;
+    bus.publish(at_present(*next->message, clock));
+    ++said;
+  }
+  std::cout << fmt::format("replayed {} messages in {:.1f} s, {} left out as invalid, {} lost\n", said,
+                           wall_now() - clock.start, playback.rejected(), bus.lost());
+  return 0;
+}
+
+}  // namespace coppice

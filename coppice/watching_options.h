@@ -1,0 +1,26 @@
+// The subcommands that look at a fleet, or at a recording of one.
+#pragma once
+
+#include <string>
+
+#include "coppice/commands.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
+
+namespace coppice {
+
+struct WatchingOptions {
+  MonitorOptions monitor;
+  TopOptions top;
+  RecordOptions record;
+  std::string recording;  ///< of info
+  ReplayOptions replay;
+  PictureOptions picture;
+};
+
+/// `options` and `exit_code` outlive the parsing; that runs the command.
+void add_watching_commands(CLI::App& app, WatchingOptions& options, int& exit_code);
+
+}  // namespace coppice

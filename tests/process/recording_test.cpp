@@ -1,0 +1,266 @@
+// A run is recorded over DDS, told of, and replayed for others; and what happens to a recorder that is killed
+// or finds no room.
+
+#include "monitor/recording.h"
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bus/dds_bus.h"
+#include "bus/process.h"
+#include "bus/topics.h"
+#include "files/input_error.h"
+#include "monitor/fleet_view.h"
+#include "tests/processes.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Background;
+using test::Outcome;
+using test::shell;
+
+constexpr int domain = 160;
+
+std::vector<std::string> coppice(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command{test::program("coppice")};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return command;
+}
+std::vector<std::string> run_of_four(int on, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> command =
+      coppice({"run", (test::scenarios() / "rooms-8.json").string(), "--robots", "4", "--time-scale", "4",
+               "--domain", std::to_string(on)});
+  command.insert(command.end(), more.begin(), more.end());
+  return command;
+}
+
+std::map<std::string, std::uint64_t> counts_of(const std::string& file) {
+  const Recording recording(file);
+  std::map<std::string, std::uint64_t> counts;
+  for (TopicNumber topic = 0; topic < topic_count; ++topic)
+    counts[channel_name(topic)] = recording.count(topic);
+  return counts;
+}
+
+/// One run, recorded once for all tests that look at it.
+class ARecordedRun : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = new test::TemporaryFolder;
+    Background run(run_of_four(domain, {"--record", path("run.mcap"), "--trajectory", path("t.csv")}),
+                   path("run.log"));
+    exit_code = run.wait();
+  }
+  static void TearDownTestSuite() {
+    delete folder;
+    folder = nullptr;
+  }
+  static std::string path(const std::string& name) { return (folder->path() / name).string(); }
+
+  static inline test::TemporaryFolder* folder = nullptr;
+  static inline int exit_code = -1;
+};
+
+TEST_F(ARecordedRun, HoldsAllOfIt) {
+  ASSERT_EQ(exit_code, 0) << test::contents(path("run.log"));
+  const Recording recording(path("run.mcap"));
+  EXPECT_EQ(recording.file().ending(), "");
+  std::set<RobotName> arrived;
+  std::set<RobotName> cancelled;
+  std::map<RobotName, std::size_t> points;
+  Playback playback(recording, recording.begin());
+  while (const auto next = playback.next()) {
+    if (const auto* m = std::get_if<AgentStatus>(next->message.get()); m && m->phase == Phase::arrived)
+      arrived.insert(m->robot);
+    if (const auto* m = std::get_if<Mission>(next->message.get()); m && m->cancelled)
+      cancelled.insert(m->robot);
+    if (const auto* m = std::get_if<TrackMessage>(next->message.get())) points[m->robot] += m->points.size();
+  }
+  EXPECT_EQ(playback.rejected(), 0u);
+  EXPECT_EQ(arrived.size(), 4u);
+  EXPECT_EQ(cancelled.size(), 4u) << "the service's last words are in it";
+  for (const auto& [robot, count] : points) EXPECT_GT(count, 50u) << robot;
+  EXPECT_EQ(points.size(), 4u);
+}
+
+TEST_F(ARecordedRun, IsToldOf) {
+  const Outcome info = shell(test::program("coppice") + " info " + path("run.mcap"));
+  EXPECT_EQ(info.exit_code, 0) << info.output;
+  for (const char* part :
+       {", whole", "4 robots: r1 r2 r3 r4", "zstd", "/coppice/robot_state", "/coppice/map"})
+    EXPECT_NE(info.output.find(part), std::string::npos) << part << " in " << info.output;
+  // Cut in the middle.
+  const std::string whole = test::contents(path("run.mcap"));
+  folder->write("cut.mcap", whole.substr(0, 2 * whole.size() / 3));
+  const Outcome cut = shell(test::program("coppice") + " info " + path("cut.mcap"));
+  EXPECT_EQ(cut.exit_code, 0) << cut.output;
+  for (const char* part : {"not whole", "within the record", "4 robots: r1 r2 r3 r4"})
+    EXPECT_NE(cut.output.find(part), std::string::npos) << part << " in " << cut.output;
+  const Outcome none = shell(test::program("coppice") + " info " + path("t.csv"));
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.output.find("t.csv"), std::string::npos) << none.output;
+}
+
+TEST_F(ARecordedRun, IsNotReplaced) {
+  const std::string before = test::contents(path("run.mcap"));
+  Background again(run_of_four(domain + 1, {"--record", path("run.mcap")}), path("again.log"));
+  EXPECT_EQ(again.wait(), 2);
+  EXPECT_NE(test::contents(path("again.log")).find("is there already"), std::string::npos);
+  const Outcome record =
+      shell(test::program("coppice") + " record --domain 161 --duration 0.1 " + path("run.mcap"));
+  EXPECT_EQ(record.exit_code, 2);
+  EXPECT_NE(record.output.find("--force"), std::string::npos) << record.output;
+  EXPECT_EQ(test::contents(path("run.mcap")), before);
+}
+
+TEST_F(ARecordedRun, IsReplayedForOthers) {
+  Background second(coppice({"record", path("second.mcap"), "--domain", std::to_string(domain + 1)}),
+                    path("second.log"));
+  ASSERT_TRUE(test::within(10s, [&] { return std::filesystem::exists(path("second.mcap")); }));
+  Background replay(
+      coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 1), "--speed", "2"}),
+      path("replay.log"));
+  EXPECT_EQ(replay.wait(), 0) << test::contents(path("replay.log"));
+  second.send(SIGTERM);
+  EXPECT_EQ(second.wait(), 0) << test::contents(path("second.log"));
+  const auto were = counts_of(path("run.mcap"));
+  for (const auto& [channel, count] : counts_of(path("second.mcap"))) {
+    // Of the others DDS keeps the latest of each key for a reader, and that of two at once may be all.
+    const std::set<std::string> kept_all{"/coppice/map", "/coppice/inactive_tree", "/coppice/root_nodes",
+                                         "/coppice/track"};
+    EXPECT_GE(count, kept_all.contains(channel) ? were.at(channel) : were.at(channel) / 2) << channel;
+    EXPECT_LE(count, were.at(channel)) << channel;
+  }
+
+  // The same fleet times, and the fleet's clock goes with the present one.
+  const Recording first(path("run.mcap"));
+  const Recording again(path("second.mcap"));
+  EXPECT_NEAR(again.end() - again.begin(), (first.end() - first.begin()) / 2, 0.5);
+  const auto view_of = [](const Recording& recording) {
+    FleetView view;
+    Playback playback(recording, recording.begin());
+    while (const auto next = playback.next()) view.on(next->message, next->at);
+    return view;
+  };
+  const FleetView one = view_of(first);
+  const FleetView other = view_of(again);
+  EXPECT_NEAR(*one.fleet_time(first.end()), *other.fleet_time(again.end()), 1.0);
+  ASSERT_EQ(other.robots().size(), 4u);
+  for (const SeenRobot& robot : other.robots()) {
+    const SeenRobot& same = one.robots()[*one.find(robot.name)];
+    EXPECT_EQ(robot.state, same.state) << robot.name;
+    EXPECT_EQ(robot.path, same.path) << robot.name;
+  }
+}
+
+TEST_F(ARecordedRun, IsReplayedFromAnyTimeOn) {
+  const Recording recording(path("run.mcap"));
+  const double from = 0.6 * (recording.end() - recording.begin());
+  DdsBus watcher({.domain = domain + 1}, Role::observer, "watcher");
+  Background replay(coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 1), "--from",
+                             std::to_string(from), "--speed", "4"}),
+                    path("replay.log"));
+  FleetView view;
+  double first_time = -1;
+  test::within(30s, [&] {
+    for (const Arrival& arrival : watcher.take()) {
+      view.on(arrival.message, arrival.at);
+      if (first_time < 0 && view.robots().size() == 4) first_time = *view.fleet_time(wall_now());
+    }
+    return test::has_ended(replay.pid());
+  });
+  EXPECT_EQ(replay.wait(), 0);
+  EXPECT_TRUE(view.map().has_value()) << "it was said at the beginning";
+  EXPECT_EQ(view.robots().size(), 4u);
+  EXPECT_GT(first_time, 5) << "fleet seconds: it does not begin anew";
+}
+
+TEST_F(ARecordedRun, IsNotReplayedWhereAFleetIs) {
+  const DdsBus broker({.domain = domain + 2}, Role::broker, "broker");
+  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  MapMessage map{"m", {}, {1}};
+  map.map.width = map.map.height = 2;
+  map.map.blocked.assign(4, 0);
+  service.publish(Message(map));
+  const Outcome replay = shell(test::program("coppice") + " replay --domain 162 " + path("run.mcap"));
+  EXPECT_EQ(replay.exit_code, 2) << replay.output;
+  EXPECT_NE(replay.output.find("a fleet is there"), std::string::npos) << replay.output;
+}
+
+TEST_F(ARecordedRun, IsNothingToAFleetThatComesLater) {
+  DdsBus watcher({.domain = domain + 2}, Role::observer, "watcher");
+  DdsBus agent({.domain = domain + 2, .robot = "r9"}, Role::agent, "agent");
+  Background replay(coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 2)}),
+                    path("replay.log"));
+  std::size_t seen = 0;
+  std::size_t taken = 0;
+  EXPECT_TRUE(test::within(20s, [&] {
+    seen += watcher.take().size();
+    taken += agent.take().size();
+    return seen > 500;
+  }));
+  EXPECT_EQ(taken, 0u) << "an agent took a recorded mission for its own";
+  EXPECT_GT(agent.rejected(), 0u);
+  replay.send(SIGTERM);
+  EXPECT_EQ(replay.wait(), 0) << test::contents(path("replay.log"));
+}
+
+TEST(Recorder, ThatIsKilledLeavesWhatItHasWritten) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "killed.mcap").string();
+  Background recorder(coppice({"record", file, "--domain", std::to_string(domain + 3)}),
+                      folder.path() / "log");
+  Background run(run_of_four(domain + 3), folder.path() / "run.log");
+  const auto holds_states = [&] {
+    try {
+      const Recording recording(file);
+      return recording.count(topic_number<RobotState>()) > 200 &&
+             recording.count(topic_number<Mission>()) >= 4;
+    } catch (const InputError&) {
+      return false;  // not even its beginning is there
+    }
+  };
+  EXPECT_TRUE(test::within(40s, holds_states)) << "it is readable while it is written";
+  recorder.send(SIGKILL);
+  recorder.wait();
+  const Recording recording(file);
+  EXPECT_NE(recording.file().ending(), "");
+  Playback playback(recording, recording.begin());
+  std::uint64_t played = 0;
+  while (playback.next()) ++played;
+  EXPECT_EQ(played, recording.file().statistics().messages);
+  EXPECT_EQ(run.wait(), 0) << "the fleet takes no notice";
+}
+
+TEST(Recorder, ThatFindsNoRoomSaysSoAndLeavesWhatItHasWritten) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "full.mcap").string();
+  Background run(run_of_four(domain + 4), folder.path() / "run.log");
+  // Of the shell's blocks, 512 bytes each: the descriptions and some seconds. Without a signal, which would
+  // end it.
+  const Outcome record = shell("trap '' XFSZ; ulimit -f 300; exec " + test::program("coppice") +
+                               " record --duration 60 --domain 164 " + file);
+  EXPECT_EQ(record.exit_code, 2) << record.output;
+  EXPECT_NE(record.output.find("full.mcap: cannot be written"), std::string::npos) << record.output;
+  const Recording recording(file);
+  EXPECT_GT(recording.file().statistics().messages, 0u);
+  Playback playback(recording, recording.begin());
+  while (playback.next()) {
+  }
+  run.send(SIGTERM);
+  run.wait();
+}
+
+}  // namespace
+}  // namespace coppice

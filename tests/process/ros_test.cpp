@@ -1,0 +1,187 @@
+// A fleet as programs of ROS 2 see it: tests/network/ros2_peer knows ROS 2's types alone, on another vendor's
+// DDS.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "files/report_file.h"
+#include "tests/processes.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string peer = std::string(COPPICE_TEST_BIN_DIR) + "/ros2_peer";
+
+/// Two rooms with a door of eight metres; y down.
+std::string two_rooms() {
+  std::string map = "type octile\nheight 30\nwidth 40\nmap\n";
+  for (int j = 0; j < 30; ++j) {
+    for (int i = 0; i < 40; ++i) {
+      const bool wall = (i == 19 || i == 20) && (j < 11 || j > 18);
+      map += wall || (i == 0 && j == 0) ? '@' : '.';
+    }
+    map += '\n';
+  }
+  return map;
+}
+
+struct Robot {
+  std::string name;
+  int x, y, goal_x, goal_y;
+};
+
+struct FleetInRos {
+  FleetInRos(const std::vector<Robot>& robots, int on_domain, const std::vector<std::string>& options)
+      : domain(std::to_string(on_domain)) {
+    folder.write("rooms.map", two_rooms());
+    std::string rows;
+    for (const Robot& r : robots) {
+      rows += (rows.empty() ? "" : ",") + ("{\"name\":\"" + r.name) +
+              "\",\"start\":{\"x\":" + std::to_string(r.x) + ",\"y\":" + std::to_string(r.y) +
+              "},\"goal\":{\"x\":" + std::to_string(r.goal_x) + ",\"y\":" + std::to_string(r.goal_y) + "}}";
+    }
+    const auto scenario =
+        folder.write("s.json", R"({"map":"rooms.map","radius":0.5,"max_speed":2,"robots":[)" + rows + "]}");
+    std::vector<std::string> command{test::program("coppice"),
+                                     "run",
+                                     scenario.string(),
+                                     "--domain",
+                                     domain,
+                                     "--time-scale",
+                                     "1",
+                                     "--report",
+                                     file("report.json").string(),
+                                     "--ros"};
+    command.insert(command.end(), options.begin(), options.end());
+    run = std::make_unique<test::Background>(command, file("log"));
+  }
+  std::filesystem::path file(const std::string& name) const { return folder.path() / name; }
+  std::string log() const { return test::contents(file("log")); }
+  proto::Report report() const { return read_report(file("report.json")); }
+
+  test::TemporaryFolder folder;
+  std::string domain;
+  std::unique_ptr<test::Background> run;
+};
+
+TEST(RosFleet, OneThatKnowsRosAloneReadsWhereARobotIsAndSendsItElsewhere) {
+  if (!std::filesystem::exists(peer)) GTEST_SKIP() << "Cyclone DDS is not installed";
+  FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, 165, {"--serve"});
+  const auto ask = [&](const std::string& robot, const std::string& goal, const std::string& seconds) {
+    return test::shell(peer + " " + fleet.domain + " " + robot + " goal " + goal + " " + seconds);
+  };
+  const test::Outcome seen = ask("r_1", "30 -8", "60");
+  EXPECT_EQ(seen.exit_code, 0) << seen.output << fleet.log();
+  // 40 x 30 cells; the corner that is blocked is the upper left one, and so not the grid's first.
+  EXPECT_NE(seen.output.find("map map 40x30 cells of 1.000 m from 0.000 -30.000, 45 occupied, corner 0\n"),
+            std::string::npos)
+      << seen.output;
+  EXPECT_NE(seen.output.find("odom r_1/odom -> r_1/base_link at "), std::string::npos) << seen.output;
+  EXPECT_NE(seen.output.find("plan map to 30.000 -8.000\n"), std::string::npos) << seen.output;
+  EXPECT_NE(seen.output.find("tf map -> "), std::string::npos) << seen.output;
+
+  EXPECT_EQ(ask("r2", "19.8 -2", "4").exit_code, 1);  // into the wall
+  EXPECT_NE(fleet.log().find("refused a goal of r2: it is in an obstacle"), std::string::npos) << fleet.log();
+  fleet.run->send(SIGINT);
+  EXPECT_EQ(fleet.run->wait(), 0) << fleet.log();
+  const proto::Report report = fleet.report();
+  EXPECT_EQ(report.goals_refused(), 1u);
+  EXPECT_EQ(report.collisions(), 0u);
+  EXPECT_TRUE(report.robots(0).arrived());
+  EXPECT_NEAR(report.robots(0).path().rbegin()->x(), 30, 1e-9);
+  EXPECT_NEAR(report.robots(0).path().rbegin()->y(), 8, 1e-9);
+}
+
+struct Place {
+  double time, x, y, speed;
+  bool silent;
+};
+
+std::vector<Place> way_of(const std::filesystem::path& log) {
+  std::vector<Place> way;
+  std::istringstream in(test::contents(log));
+  for (Place p{}; in >> p.time >> p.x >> p.y >> p.speed >> p.silent;) way.push_back(p);
+  return way;
+}
+
+double least_distance(const std::vector<Place>& a, const std::vector<Place>& b) {
+  double least = 1e9;
+  for (const Place& p : a) {
+    const auto q = std::ranges::lower_bound(b, p.time, {}, &Place::time);
+    if (q != b.end() && q->time - p.time < 0.1) least = std::min(least, std::hypot(p.x - q->x, p.y - q->y));
+  }
+  return least;
+}
+
+TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
+  if (!std::filesystem::exists(peer)) GTEST_SKIP() << "Cyclone DDS is not installed";
+  const std::vector<Robot> robots{{"r1", 5, 10, 35, 11}, {"r2", 35, 15, 5, 16}, {"r3", 20, 15, 30, 25}};
+  FleetInRos fleet(robots, 166, {"--drive", "ros", "--timeout", "120"});
+  std::vector<std::unique_ptr<test::Background>> players;
+  for (const Robot& r : robots) {
+    const std::string pause_at = r.name == "r1" ? "2" : "1000";  // seconds after it set off, for 3
+    const std::vector<std::string> command{
+        peer,  fleet.domain, r.name,   "robot", std::to_string(r.x), std::to_string(-r.y),
+        "0.2", "0.05",       pause_at, "3"};
+    players.push_back(std::make_unique<test::Background>(command, fleet.file(r.name)));
+  }
+  EXPECT_EQ(fleet.run->wait(), 0) << fleet.log();
+  players.clear();
+  const proto::Report report = fleet.report();
+  EXPECT_EQ(report.collisions(), 0u);
+  EXPECT_EQ(report.outcome(), "arrived");
+
+  // By the robots' own word, which has no noise.
+  std::vector<std::vector<Place>> ways;
+  for (const Robot& r : robots) ways.push_back(way_of(fleet.file(r.name)));
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    ASSERT_GT(ways[k].size(), 100u);
+    const Place& last = ways[k].back();
+    EXPECT_LT(std::hypot(last.x - robots[k].goal_x, last.y + robots[k].goal_y), 1) << robots[k].name;
+    for (std::size_t other = 0; other < k; ++other) {
+      const double least = least_distance(ways[k], ways[other]);
+      EXPECT_GT(least, 1.0) << robots[k].name << " " << robots[other].name;
+      EXPECT_LT(least, 100);  // they were compared
+    }
+  }
+  const auto fell_silent = std::ranges::find(ways[0], true, &Place::silent);
+  ASSERT_NE(fell_silent, ways[0].end());
+  EXPECT_GT(fell_silent->speed, 0.5);
+  int stood = 0;
+  for (const Place& p : ways[0]) {
+    if (!p.silent || p.time < fell_silent->time + 2) continue;
+    EXPECT_LT(p.speed, 0.02) << p.time - fell_silent->time;
+    ++stood;
+  }
+  EXPECT_GT(stood, 10);
+}
+
+TEST(RosFleet, WhatDoesNotGoTogetherIsRefused) {
+  const std::string run = test::program("coppice") + " run " + (test::scenarios() / "rooms-8.json").string();
+  const auto refuses = [&](const std::string& options, const std::string& why) {
+    const test::Outcome outcome = test::shell(run + " " + options);
+    EXPECT_EQ(outcome.exit_code, 2) << options;
+    EXPECT_NE(outcome.output.find(why), std::string::npos) << outcome.output;
+  };
+  refuses("--ros --security keys", "--ros goes without --security");
+  refuses("--ros --discovery static", "--ros goes without --discovery static");
+  refuses("--drive ros", "--drive requires --ros");
+  refuses("--serve", "--serve requires --ros");
+  refuses("--ros --serve --timeout 5", "--timeout excludes --serve");
+  refuses("--ros --drive ros --tracking-tolerance 0", "--tracking-tolerance");
+  refuses("--ros --drive elsewhere", "--drive");
+}
+
+}  // namespace
+}  // namespace coppice
