@@ -58,7 +58,7 @@ class TrackRecord {
 
   /// A robot's points at or after `from` and before `until`, the one before these, and the one after them.
   std::vector<TrackPoint> around(std::size_t robot, double from, double until) const;
-  /// Calls fn(from, until) for stretches of time that cover all points, a few megabytes each.
+  /// Calls fn(from, until) for stretches of time that cover all points, each small beside a process's memory.
   void for_each_stretch(const std::function<void(double, double)>& fn) const;
 
  private:

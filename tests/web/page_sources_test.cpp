@@ -1,0 +1,48 @@
+// The page's sources, where what `npm install` gets is there (monitor/web/README.md): their own tests, and
+// that the bundle that is committed is what they make.
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+struct PageSources : testing::Test {
+  void SetUp() override {
+    if (!std::filesystem::exists(sources / "node_modules/vite"))
+      GTEST_SKIP() << "needs `npm install --no-save` in monitor/web";
+  }
+  /// By a shell in their folder.
+  test::Outcome there(const std::string& command) const {
+    return test::shell("cd '" + sources.string() + "' && " + command);
+  }
+
+  const std::filesystem::path sources = std::filesystem::path(COPPICE_SOURCE_DIR) / "monitor/web";
+  test::TemporaryFolder folder;
+};
+
+TEST_F(PageSources, PassTheirTests) {
+  const test::Outcome outcome = there("npm test");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
+TEST_F(PageSources, MakeTheBundleThatIsCommitted) {
+  const std::string made = (folder.path() / "dist").string();
+  const test::Outcome outcome = there("npm run protocol && npx tsc && npx vite build --outDir '" + made +
+                                      "' && diff -r dist '" + made + "'");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
+/// Recordings, a monitor that goes away, bytes that are no message, 200 robots: what a mock alone can play.
+TEST_F(PageSources, HoldWithAMadeUpFleet) {
+  if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
+  setenv("COPPICE_PAGE_FPS", "1", 1);  // how fast it draws is measured elsewhere
+  const test::Outcome outcome = there("npm run test:page");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
+}  // namespace
+}  // namespace coppice
