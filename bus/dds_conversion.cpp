@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "planning/packed_cells.h"
+
 namespace coppice {
 
 namespace {
@@ -28,22 +30,12 @@ std::string text(const auto& fixed) {
   return fixed.to_string();
 }
 
-std::vector<std::uint8_t> packed(const std::vector<std::uint8_t>& blocked) {
-  std::vector<std::uint8_t> bits((blocked.size() + 7) / 8, 0);
-  for (std::size_t i = 0; i < blocked.size(); ++i) {
-    if (blocked[i] != 0) bits[i / 8] |= static_cast<std::uint8_t>(1u << (i % 8));
-  }
-  return bits;
-}
-
 /// As many cells as the size says and the bits hold: validation sees a difference.
 std::vector<std::uint8_t> unpacked(const std::vector<std::uint8_t>& bits, std::int32_t width,
                                    std::int32_t height) {
   const auto said =
       static_cast<std::size_t>(std::max(width, 0)) * static_cast<std::size_t>(std::max(height, 0));
-  std::vector<std::uint8_t> blocked(std::min(said, bits.size() * 8));
-  for (std::size_t i = 0; i < blocked.size(); ++i) blocked[i] = (bits[i / 8] >> (i % 8)) & 1;
-  return blocked;
+  return unpacked_cells(bits, said);
 }
 
 }  // namespace
@@ -56,7 +48,7 @@ idl::OccupancyMap to_dds(const MapMessage& m) {
   d.resolution(m.map.resolution);
   d.origin(to_dds(m.map.origin));
   d.y_axis(octet(m.map.y_axis));
-  d.packed_occupancy(packed(m.map.blocked));
+  d.packed_occupancy(packed_cells<std::vector<std::uint8_t>>(m.map.blocked));
   d.radii(m.radii);
   return d;
 }

@@ -14,6 +14,7 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -96,6 +97,11 @@ void install_stop_signals() {
 
 bool stop_requested() {
   return stop_flag != 0;
+}
+
+void give_way() {
+  constexpr int behind_agents = 15;  // `coppice run` starts those at 10
+  if (::getpriority(PRIO_PROCESS, 0) < behind_agents) ::setpriority(PRIO_PROCESS, 0, behind_agents);
 }
 
 Heartbeat::Heartbeat(std::string file) : file_(std::move(file)) {

@@ -21,6 +21,10 @@ inline WallTime wall_now() {
 void install_stop_signals();
 bool stop_requested();
 
+/// Lets everybody else on this machine go first, the agents of `coppice run` too: for those who look on. Call
+/// before other threads.
+void give_way();
+
 /// Shows whoever watches this process that its loop turns: once a second it touches a file (health checks of
 /// containers) and tells systemd, if that has started it with NOTIFY_SOCKET (Type=notify, WatchdogSec=).
 class Heartbeat {

@@ -48,6 +48,7 @@ void tell(const Monitor& monitor, const MonitorOptions& options) {
 
 /// What drives now; nobody steers it from here.
 void show_fleet(const MonitorOptions& options) {
+  give_way();
   Monitor monitor(options.web, fmt::format("domain {}", options.network.domain));
   DdsBus bus(options.network, Role::viewer, "monitor");
   tell(monitor, options);

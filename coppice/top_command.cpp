@@ -141,6 +141,7 @@ int watch(DdsBus& bus, FleetView& view, RobotOrder order) {
 
 int top_command(const TopOptions& options) {
   install_stop_signals();
+  give_way();
   const RobotOrder order = robot_order(options.order).value();
   DdsBus bus(options.network, Role::viewer, "top");
   FleetView view;

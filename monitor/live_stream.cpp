@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "planning/packed_cells.h"
+
 namespace coppice {
 
 namespace {
@@ -28,12 +30,7 @@ live::Map map_of(const MapMessage& message) {
   out.set_origin_x(map.origin.x());
   out.set_origin_y(map.origin.y());
   out.set_y_up(map.y_axis == YAxis::up);
-  std::string& bits = *out.mutable_occupancy();
-  bits.assign((map.blocked.size() + 7) / 8, '\0');
-  for (std::size_t cell = 0; cell < map.blocked.size(); ++cell) {
-    if (map.blocked[cell] != 0)
-      bits[cell / 8] = static_cast<char>(static_cast<unsigned char>(bits[cell / 8]) | 1u << cell % 8);
-  }
+  out.set_occupancy(packed_cells<std::string>(map.blocked));
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include <google/protobuf/descriptor.pb.h>
 
 #include "bus/validation.h"
+#include "planning/packed_cells.h"
 #include "recording.pb.h"
 
 namespace coppice {
@@ -42,19 +43,6 @@ Path path_in(const Points& points) {
 
 // --- map ---
 
-std::string packed(const std::vector<std::uint8_t>& cells) {
-  std::string bytes((cells.size() + 7) / 8, '\0');
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (cells[k] != 0) bytes[k / 8] = static_cast<char>(bytes[k / 8] | 1 << k % 8);
-  }
-  return bytes;
-}
-std::vector<std::uint8_t> unpacked(std::string_view bytes, std::size_t count) {
-  std::vector<std::uint8_t> cells(count);
-  for (std::size_t k = 0; k < count; ++k) cells[k] = static_cast<unsigned char>(bytes[k / 8]) >> k % 8 & 1;
-  return cells;
-}
-
 void to(const MapMessage& m, recording::Map* out) {
   out->set_map_id(m.map_id);
   out->set_width(static_cast<std::uint32_t>(m.map.width));
@@ -62,7 +50,7 @@ void to(const MapMessage& m, recording::Map* out) {
   out->set_resolution(m.map.resolution);
   to(m.map.origin, out->mutable_origin());
   out->set_y_up(m.map.y_axis == YAxis::up);
-  out->set_occupancy(packed(m.map.blocked));
+  out->set_occupancy(packed_cells<std::string>(m.map.blocked));
   out->mutable_radii()->Add(m.radii.begin(), m.radii.end());
 }
 std::optional<Message> from(const recording::Map& m) {
@@ -75,7 +63,7 @@ std::optional<Message> from(const recording::Map& m) {
                             .resolution = m.resolution(),
                             .origin = from(m.origin()),
                             .y_axis = m.y_up() ? YAxis::up : YAxis::down,
-                            .blocked = unpacked(m.occupancy(), cells)},
+                            .blocked = unpacked_cells(m.occupancy(), cells)},
                     .radii = {m.radii().begin(), m.radii().end()}};
 }
 
