@@ -36,6 +36,8 @@ constexpr int most_doublings = 3;
 constexpr int repeats_until_seldom = 10;
 constexpr std::chrono::milliseconds seldom{30'000};
 
+constexpr std::chrono::milliseconds between_heartbeats{300};
+
 constexpr std::string_view robot_key = "robot=";
 constexpr std::string_view replayer_data = "replayer";
 
@@ -110,6 +112,7 @@ std::vector<std::uint8_t> user_data_of_replayer() {
 namespace {
 
 // DDS-RTPS 2.2, 8.3.3 (messages) and 9.4.5 (submessages).
+constexpr std::uint8_t heartbeat = 0x07;
 constexpr std::uint8_t info_timestamp = 0x09;
 constexpr std::uint8_t info_destination = 0x0e;
 constexpr std::uint8_t data = 0x15;
@@ -137,6 +140,13 @@ void for_each_submessage(Bytes message, WantsMore&& wants_more) {
   }
 }
 
+/// The octets as one number, the first one the highest.
+std::uint64_t number_of(Bytes octets) {
+  std::uint64_t number = 0;
+  for (const std::uint8_t octet : octets) number = number << 8 | octet;
+  return number;
+}
+
 bool holds_data_of(const EntityId& writer, Bytes submessage) {
   return submessage.size() >= writer_at + 12 && (submessage[1] & holds_data) != 0 &&
          std::ranges::equal(submessage.subspan(writer_at, 4), writer);
@@ -152,15 +162,35 @@ std::optional<std::uint64_t> announcement_in(Bytes message) {
   for_each_submessage(message, [&](Bytes submessage) {
     const std::uint8_t kind = submessage[0];
     if (kind == data && !number && holds_data_of(participant_writer, submessage)) {
-      std::uint64_t bytes = 0;
-      for (const std::uint8_t byte : submessage.subspan(writer_at + 4, 8)) bytes = bytes << 8 | byte;
-      number = bytes;
+      number = number_of(submessage.subspan(writer_at + 4, 8));
     } else {
       says_more = kind != info_timestamp && kind < first_of_vendors;
     }
     return !says_more;
   });
   return says_more ? std::nullopt : number;
+}
+
+/// DDS-RTPS 2.2, 8.3.7.5 (heartbeats) and 8.5.4 (endpoint discovery).
+std::optional<EndpointHeartbeat> endpoint_heartbeat_in(Bytes message) {
+  constexpr std::uint32_t publications_writer = 0x0003c2;
+  constexpr std::uint32_t subscriptions_writer = 0x0004c2;
+  constexpr std::size_t numbers_at = 12;  // behind the ids of the reader and the writer
+  std::optional<EndpointHeartbeat> found;
+  bool says_more = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    const std::uint8_t kind = submessage[0];
+    if (kind == heartbeat && !found && submessage.size() >= numbers_at + 16) {
+      found = {.writer = static_cast<std::uint32_t>(number_of(submessage.subspan(numbers_at - 4, 4))),
+               .first = number_of(submessage.subspan(numbers_at, 8)),
+               .last = number_of(submessage.subspan(numbers_at + 8, 8))};
+      says_more = found->writer != publications_writer && found->writer != subscriptions_writer;
+    } else {
+      says_more = kind != info_timestamp && kind < first_of_vendors;
+    }
+    return !says_more;
+  });
+  return says_more ? std::nullopt : found;
 }
 
 /// DDS-Security 1.1, 7.4.3 (ParticipantStatelessMessage).
@@ -199,6 +229,16 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
   return true;
 }
 
+bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
+                           const EndpointHeartbeat& heartbeat, Time now) {
+  const std::scoped_lock lock(mutex_);
+  const auto [entry, fresh] = beaten_.try_emplace({sender, destination, heartbeat.writer});
+  Beaten& beaten = entry->second;
+  if (!fresh && beaten.heartbeat == heartbeat && now - beaten.at < between_heartbeats) return false;
+  beaten = {heartbeat, now};
+  return true;
+}
+
 namespace {
 
 class SparingTransport final : public transport::ChainingTransport {
@@ -217,13 +257,22 @@ class SparingTransport final : public transport::ChainingTransport {
       const auto includes = [&](const rtps::Locator_t& l) { return parts_.audience.includes(l); };
       return send_to(includes, udp, message, size, begin, end, timeout);
     }
-    if (const auto number =
-            parts_.announcements != nullptr ? announcement_in({message, size}) : std::nullopt) {
+    if (parts_.announcements != nullptr) {
+      Announcements& announcements = *parts_.announcements;
+      const Bytes bytes(message, size);
       const auto now = std::chrono::steady_clock::now();
-      const auto is_due = [&](const rtps::Locator_t& l) {
-        return parts_.announcements->is_due(udp, l, *number, now);
-      };
-      return send_to(is_due, udp, message, size, begin, end, timeout);
+      if (const auto number = announcement_in(bytes)) {
+        const auto is_due = [&](const rtps::Locator_t& l) {
+          return announcements.is_due(udp, l, *number, now);
+        };
+        return send_to(is_due, udp, message, size, begin, end, timeout);
+      }
+      if (const auto beat = endpoint_heartbeat_in(bytes)) {
+        const auto is_due = [&](const rtps::Locator_t& l) {
+          return announcements.is_due(udp, l, *beat, now);
+        };
+        return send_to(is_due, udp, message, size, begin, end, timeout);
+      }
     }
     if (parts_.is_secure && is_handshake_of_others({message, size})) return true;
     const auto all = [](const rtps::Locator_t&) { return true; };

@@ -312,6 +312,7 @@ std::vector<Input> user_data_seeds() {
 
 void announcement(Bytes data) {
   (void)announcement_in(data);
+  (void)endpoint_heartbeat_in(data);
 }
 std::vector<Input> announcement_seeds() {
   Input message(20, 0);

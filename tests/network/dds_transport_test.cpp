@@ -106,6 +106,25 @@ TEST(Transport, RecognisesWhatOnlyAnnouncesAParticipant) {
   EXPECT_FALSE(announcement_in(header + info_timestamp));
 }
 
+Bytes heartbeat_of(std::uint8_t writer_kind, std::uint8_t last) {
+  return Bytes{0x07, 0x01, 28, 0, 0, 0, 0, 0, 0, 0, writer_kind, 0xc2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0} +
+         Bytes{last, 0, 0, 0, 9, 0, 0, 0};
+}
+
+TEST(Transport, RecognisesHeartbeatsOfEndpoints) {
+  const auto found = endpoint_heartbeat_in(header + heartbeat_of(3, 5) + of_a_vendor);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(endpoint_heartbeat_in(header + info_timestamp + heartbeat_of(3, 5)), found);
+  EXPECT_NE(endpoint_heartbeat_in(header + heartbeat_of(3, 6)), found);
+  EXPECT_NE(endpoint_heartbeat_in(header + heartbeat_of(4, 5)), found);
+  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat)) << "of another writer";
+  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat_of(3, 5) + announcement)) << "says more";
+  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat_of(3, 5) + heartbeat_of(4, 5)));
+  EXPECT_FALSE(endpoint_heartbeat_in(header + Bytes{0x0e, 0x01, 12, 0} + Bytes(12, 1) + heartbeat_of(3, 5)))
+      << "an answer to one";
+  EXPECT_FALSE(endpoint_heartbeat_in(header + info_timestamp));
+}
+
 Bytes for_participant(std::uint8_t id) {
   return Bytes{0x0e, 0x01, 12, 0} + Bytes(12, id);
 }
@@ -130,6 +149,9 @@ TEST(Transport, LooksAtNoByteBeyondTheMessage) {
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     (void)announcement_in(part);  // asan looks on
   }
+  const Bytes beat = header + heartbeat_of(3, 5);
+  for (std::size_t size = 0; size < beat.size(); ++size)
+    (void)endpoint_heartbeat_in(Bytes(beat.begin(), beat.begin() + static_cast<std::ptrdiff_t>(size)));
   const Bytes step = header + for_participant(1) + handshake(2);
   for (std::size_t size = 0; size < step.size(); ++size) {
     (void)is_handshake_of_others(Bytes(step.begin(), step.begin() + static_cast<std::ptrdiff_t>(size)));
@@ -159,6 +181,26 @@ TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
   EXPECT_FALSE(due(one, 2, now + 1s)) << "which it hears in the group";
   EXPECT_TRUE(due(all, 2, now + 5s)) << "for those who have come";
   EXPECT_TRUE(due(one, 2, now + 12s));
+}
+
+TEST(Transport, SaysWithinAMomentButOnceHowManyEndpointsThereAre) {
+  const auto one = address("10.0.0.1", 7410);
+  const auto other = address("10.0.0.1", 7412);
+  const EndpointHeartbeat five{.writer = 0x3c2, .first = 1, .last = 5};
+  const EndpointHeartbeat six{.writer = 0x3c2, .first = 1, .last = 6};
+  const EndpointHeartbeat readers{.writer = 0x4c2, .first = 1, .last = 5};
+  const Announcements::Time now{100s};
+  Announcements announcements;
+  const auto due = [&](const rtps::Locator_t& to, const EndpointHeartbeat& beat, Announcements::Time at) {
+    return announcements.is_due(nullptr, to, beat, at);
+  };
+  EXPECT_TRUE(due(one, five, now)) << "also while it is set up";
+  EXPECT_TRUE(due(one, readers, now));
+  EXPECT_TRUE(due(other, five, now));
+  EXPECT_FALSE(due(one, five, now + 100ms));
+  EXPECT_TRUE(due(one, six, now + 100ms)) << "news";
+  EXPECT_FALSE(due(one, six, now + 390ms));
+  EXPECT_TRUE(due(one, six, now + 400ms));
 }
 
 TEST(Transport, AnnouncesToAGroupOnEachOfItsNetworks) {
