@@ -93,11 +93,11 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   /// Sends what there is to say, unless it is still at what it said before; cuts off who does not take that.
   void speak() {
-    if (closing_) return;
     if (sending_ < messages_.size()) {
       if (Clock::now() - send_began_ > seconds(shared_.limits.blocked_seconds)) cut_off();
       return;
     }
+    if (closing_) return;
     messages_ = talk_.next();
     sending_ = 0;
     send_next();
@@ -117,7 +117,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
                         [self = shared_from_this()](error_code error, std::size_t size) {
                           self->shared_.bytes_sent += size;
                           if (error) return self->cut_off();
-                          if (self->closing_) return;
+                          if (self->closing_) return self->say_goodbye();
                           ++self->sending_;
                           self->send_next();
                         });
@@ -134,9 +134,15 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
+  /// When what is being sent has gone out: a close is a write, and there is one at a time.
   void close() {
     closing_ = true;
-    if (sending_ < messages_.size()) return cut_off();  // one at a time: a close is a write
+    if (sending_ == messages_.size()) say_goodbye();
+  }
+
+  void say_goodbye() {
+    messages_.clear();
+    sending_ = 0;
     socket_.async_close(websocket::close_code::bad_payload, [self = shared_from_this()](error_code) {});
   }
 
