@@ -260,14 +260,15 @@ class SparingTransport final : public transport::ChainingTransport {
     if (parts_.announcements != nullptr) {
       Announcements& announcements = *parts_.announcements;
       const Bytes bytes(message, size);
-      const auto now = std::chrono::steady_clock::now();
       if (const auto number = announcement_in(bytes)) {
+        const auto now = std::chrono::steady_clock::now();
         const auto is_due = [&](const rtps::Locator_t& l) {
           return announcements.is_due(udp, l, *number, now);
         };
         return send_to(is_due, udp, message, size, begin, end, timeout);
       }
       if (const auto beat = endpoint_heartbeat_in(bytes)) {
+        const auto now = std::chrono::steady_clock::now();
         const auto is_due = [&](const rtps::Locator_t& l) {
           return announcements.is_due(udp, l, *beat, now);
         };
