@@ -238,9 +238,9 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
     to.radius(member.radius);
     to.stranded(member.stranded);
   }
-  for (const JointPlanMessage::Move& move : m.moves) {
+  for (const Move& move : m.moves) {
     idl::JointPlanMove& to = d.moves().emplace_back();
-    to.member(move.member);
+    to.member(static_cast<std::uint32_t>(move.robot));
     to.points(static_cast<std::uint32_t>(move.path.size()));
     for (const Point2& p : move.path) d.points().push_back(to_dds(p));
   }
@@ -255,8 +255,8 @@ JointPlanMessage from_dds(const idl::JointPlan& d) {
   // A move that claims more points than there are gets fewer: validation sees one without any.
   auto next = d.points().begin();
   for (const idl::JointPlanMove& move : d.moves()) {
-    JointPlanMessage::Move& to = m.moves.emplace_back();
-    to.member = move.member();
+    Move& to = m.moves.emplace_back();
+    to.robot = move.member();
     for (std::uint32_t k = 0; k < move.points() && next != d.points().end(); ++k)
       to.path.push_back(from_dds(*next++));
   }

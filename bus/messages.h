@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bus/fleet_clock.h"
+#include "motion/joint_plan.h"
 #include "planning/geometry.h"
 #include "planning/occupancy_map.h"
 #include "planning/planner_kind.h"
@@ -198,13 +199,8 @@ struct JointPlanMessage {
     bool stranded = false;  ///< the moves do not bring it to its goal
     bool operator==(const Member&) const = default;
   };
-  struct Move {
-    std::uint32_t member = 0;  ///< index in members
-    Path path;
-    bool operator==(const Move&) const = default;
-  };
   std::vector<Member> members;
-  std::vector<Move> moves;  ///< one after the other, where ways come near each other
+  std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
   bool operator==(const JointPlanMessage&) const = default;
 };
 

@@ -115,7 +115,8 @@ void SimulatedBus::Port::deliver(double due, const std::shared_ptr<const Message
 std::vector<Arrival> SimulatedBus::Port::take() {
   const auto is_due = [&](const Delivery& d) { return d.arrival.at <= bus_.now_; };
   const auto not_due = std::ranges::find_if_not(inbox_, is_due);
-  const auto later = not_due == inbox_.end() ? not_due : std::stable_partition(not_due, inbox_.end(), is_due);
+  const bool in_order = std::none_of(not_due, inbox_.end(), is_due);
+  const auto later = in_order ? not_due : std::stable_partition(not_due, inbox_.end(), is_due);
   const auto earlier = [](const Delivery& a, const Delivery& b) { return a.arrival.at < b.arrival.at; };
   if (!std::is_sorted(inbox_.begin(), later, earlier)) std::stable_sort(inbox_.begin(), later, earlier);
   std::vector<Arrival> due;

@@ -174,7 +174,7 @@ bool fits_its_robots(const JointPlanMessage& m) {
   Point2 lower = Point2::Constant(infinity);
   Point2 upper = -lower;
   double length = 0;
-  for (const JointPlanMessage::Move& move : m.moves) {
+  for (const Move& move : m.moves) {
     length += length_of(move.path);
     for (const Point2& p : move.path) {
       lower = lower.cwiseMin(p);
@@ -189,8 +189,8 @@ Problem check(const JointPlanMessage& m) {
   const auto member_fine = [](const JointPlanMessage::Member& member) {
     return named(member.robot) && is_sane_size(member.radius);
   };
-  const auto move_fine = [&](const JointPlanMessage::Move& move) {
-    return move.member < m.members.size() && !move.path.empty() &&
+  const auto move_fine = [&](const Move& move) {
+    return move.robot < m.members.size() && !move.path.empty() &&
            std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
   };
   return first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},

@@ -234,9 +234,9 @@ void to(const JointPlanMessage& m, recording::JointPlan* out) {
     added->set_radius(member.radius);
     added->set_stranded(member.stranded);
   }
-  for (const JointPlanMessage::Move& move : m.moves) {
+  for (const Move& move : m.moves) {
     auto* const added = out->add_moves();
-    added->set_member(move.member);
+    added->set_member(static_cast<std::uint32_t>(move.robot));
     for (const Point2& p : move.path) to(p, added->add_path());
   }
 }

@@ -21,8 +21,9 @@ struct JointTask {
 };
 
 struct Move {
-  std::size_t robot = 0;
+  std::size_t robot = 0;  ///< index among those that the plan is for
   Path path;
+  bool operator==(const Move&) const = default;
 };
 
 struct JointPlan {

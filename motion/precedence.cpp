@@ -95,7 +95,7 @@ class PiecesAround {
 Box<2> box_around(const Path& path) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box<2> box{Point2::Constant(infinity), Point2::Constant(-infinity)};
-  for (const Point2& p : path) box = {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+  for (const Point2& p : path) box = extended(box, p);
   return box;
 }
 

@@ -53,17 +53,13 @@ std::vector<Box<2>> boxes(const Track& track, double begin, std::size_t windows)
     Box<2> box{p, p};
     for (double t = cursor.stamp_after(from); t < from + window; t = cursor.stamp_after(t)) {
       p = cursor.at(t);
-      box = {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+      box = extended(box, p);
     }
     Cursor end = cursor;
     p = end.at(from + window);
-    result.push_back({box.lower.cwiseMin(p), box.upper.cwiseMax(p)});
+    result.push_back(extended(box, p));
   }
   return result;
-}
-
-double distance(const Box<2>& a, const Box<2>& b) {
-  return (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0).norm();
 }
 
 double least_distance(const Track& a, const Track& b, double from, double to) {

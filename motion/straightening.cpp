@@ -17,7 +17,9 @@ class Straightener {
  public:
   Straightener(const ClearanceField& field, std::span<const JointTask> tasks, std::span<const Move> moves)
       : field_(field), tasks_(tasks), own_(tasks.size()) {
+    for (const JointTask& task : tasks) around_.push_back({task.position, task.position});
     for (const Move& move : moves) {
+      for (const Point2& p : move.path) around_[move.robot] = extended(around_[move.robot], p);
       for (std::size_t k = 1; k < move.path.size(); ++k) {
         own_[move.robot].push_back(moves_.size());
         moves_.push_back({move.robot, {move.path[k - 1], move.path[k]}});
@@ -68,17 +70,24 @@ class Straightener {
       line.push_back(from + (to - from) * (along / length));
     }
     line.push_back(to);
+    const Box<2> box = extended(Box<2>{from, from}, to);
     for (std::size_t other = 0; other < tasks_.size(); ++other) {
-      if (other != robot && !clear_of(other, robot, first, line)) return false;
+      if (other == robot || distance(box, around_[other]) >= room(robot, other)) continue;
+      if (!clear_of(other, robot, first, line)) return false;
     }
     for (std::size_t k = 0; k < window; ++k) moves_[own_[robot][first + k]].path = {line[k], line[k + 1]};
     return true;
   }
 
+  /// What the middle of one that is straightened keeps away from another's.
+  double room(std::size_t robot, std::size_t other) const {
+    return tasks_[robot].radius * (1 + comfort) + tasks_[other].radius + standing_gap;
+  }
+
   /// Whether `robot` on the line stays clear of another one, in the plan's order.
   bool clear_of(std::size_t other, std::size_t robot, std::size_t first,
                 const std::vector<Point2>& line) const {
-    const double need = tasks_[robot].radius * (1 + comfort) + tasks_[other].radius + standing_gap;
+    const double need = room(robot, other);
     const std::vector<std::size_t>& theirs = own_[other];
     auto next = std::ranges::lower_bound(theirs, own_[robot][first]);
     Point2 there = next == theirs.begin() ? tasks_[other].position : moves_[*(next - 1)].path.back();
@@ -96,6 +105,7 @@ class Straightener {
   std::span<const JointTask> tasks_;
   std::vector<Move> moves_;                    ///< straight ones
   std::vector<std::vector<std::size_t>> own_;  ///< each robot's moves
+  std::vector<Box<2>> around_;  ///< each robot: it leaves that no more when its ways are straightened
 };
 
 }  // namespace

@@ -27,6 +27,18 @@ struct Box {
   Point<D> upper;
 };
 
+/// The smallest box around a box and a point.
+template <int D>
+Box<D> extended(const Box<D>& box, const Point<D>& p) {
+  return {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
+}
+
+/// Metres between the nearest points of two boxes; 0 where they overlap.
+template <int D>
+double distance(const Box<D>& a, const Box<D>& b) {
+  return (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0).norm();
+}
+
 /// Sum of the lengths of the segments, in metres; 0 for fewer than two points.
 template <int D>
 double length_of(const std::vector<Point<D>>& path) {

@@ -56,6 +56,9 @@ class Fleet {
   /// False if it is no news: older than what is known, or of this robot itself.
   bool hear(std::shared_ptr<const RobotState> state, WallTime arrived);
 
+  /// Has what is known of it brought into the processor's cache.
+  void expect(const RobotName& robot) const;
+
   const std::optional<Mission>& own_mission() const { return own_mission_; }
   /// Tells the run that the missions are of from others; none before the first mission.
   std::optional<FleetClock> run() const { return has_clock_ ? std::optional(clock_) : std::nullopt; }
@@ -140,6 +143,7 @@ class Fleet {
     double max_speed = 0;
     double settled_until = 0;  ///< it cannot count as silent before
     int introductions = 0;     ///< echoes that it was sent since its clock is known
+    bool said_dead = false;    ///< by the first who told of it
 
     double echo_sent = 0;  ///< the newest stamp that was echoed
     RobotName robot{};
@@ -149,7 +153,6 @@ class Fleet {
     WallTime said_again_at = 0;    ///< first and last
     double echoed = 0;             ///< the newest stamp of its own that others have heard, while somebody is
     double echoed_at = 0;          ///< missing here; and when that was news
-    bool said_dead = false;        ///< by the first who told of it
   };
 
   struct Absences {

@@ -62,11 +62,11 @@ void Knot::hear(const RobotState& state, const std::optional<Point2>& position) 
     join(state.knot);
 }
 
-void Knot::hear(const JointPlanMessage& plan) {
+void Knot::hear(std::shared_ptr<const JointPlanMessage> plan) {
   const bool member =
-      std::ranges::find(plan.members, robot_, &JointPlanMessage::Member::robot) != plan.members.end();
-  if (calls_this(plan.knot) && member) join(plan.knot);
-  if (plan.knot == id_) plan_ = plan;
+      std::ranges::find(plan->members, robot_, &JointPlanMessage::Member::robot) != plan->members.end();
+  if (calls_this(plan->knot) && member) join(plan->knot);
+  if (plan->knot == id_) plan_ = std::move(plan);
 }
 
 /// A crowd that was not sorted out, or that came together again, is wider than it seemed.
@@ -93,7 +93,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   if (!holding_since_) holding_since_ = now;
   if (plan_) {
     if (!self.stands) return;
-    take_up(*plan_, self);
+    take_up(*std::exchange(plan_, nullptr), self);
     awaited_ = {};
     last_progress_ = 0;
     last_progress_time_ = now;
@@ -147,13 +147,10 @@ void Knot::publish(const FleetMember& self, double now) {
   if (!planner_->plan().stranded.empty() && id_.reach < everywhere) return call_everybody(self, now);
   JointPlan plan = planner_->take_plan();
   planner_.reset();
-  JointPlanMessage message{.knot = id_, .members = {}, .moves = {}};
+  JointPlanMessage message{.knot = id_, .members = {}, .moves = std::move(plan.moves)};
   for (const FleetMember& m : led_) message.members.push_back({m.robot, m.radius, false});
   for (const std::size_t i : plan.stranded) message.members[i].stranded = true;
-  message.moves.reserve(plan.moves.size());
-  for (Move& move : plan.moves)
-    message.moves.push_back({static_cast<std::uint32_t>(move.robot), std::move(move.path)});
-  plan_ = message;
+  plan_ = std::make_shared<const JointPlanMessage>(message);
   own_plan_ = std::move(message);
 }
 
@@ -173,18 +170,16 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
   if (own == members_.end()) return;
   const auto index = static_cast<std::size_t>(own - members_.begin());
   stranded_ = plan.members[index].stranded;
-  std::vector<Move> moves;
   schedules_.assign(members_.size(), {});
   done_.assign(members_.size(), false);
-  for (const JointPlanMessage::Move& move : plan.moves) {
-    auto& [ends, at] = schedules_[move.member];
-    ends.push_back((ends.empty() ? 0 : ends.back()) + length_of(move.path));
-    at.push_back(moves.size());
-    moves.push_back({move.member, move.path});
+  for (std::size_t k = 0; k < plan.moves.size(); ++k) {
+    auto& [ends, at] = schedules_[plan.moves[k].robot];
+    ends.push_back((ends.empty() ? 0 : ends.back()) + length_of(plan.moves[k].path));
+    at.push_back(k);
   }
-  const std::vector<Path> legs = legs_of(index, moves);
+  const std::vector<Path> legs = legs_of(index, plan.moves);
   if (legs.empty() || (legs.front().front() - self.position).norm() > same_place) return;
-  follower_.emplace(legs, gates_of(index, moves, radii), self.radius);
+  follower_.emplace(legs, gates_of(index, plan.moves, radii), self.radius);
   stage_ = Stage::ordered;
 }
 

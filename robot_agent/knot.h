@@ -56,7 +56,7 @@ class Knot {
 
   /// `position`: of this robot, none before it has a body.
   void hear(const RobotState& state, const std::optional<Point2>& position);
-  void hear(const JointPlanMessage& plan);
+  void hear(std::shared_ptr<const JointPlanMessage> plan);
 
   /// Begins a new knot of the crowd around, or of the whole fleet, with this robot as its leader.
   void call(const FleetMember& self, const Fleet& fleet, double now);
@@ -97,7 +97,7 @@ class Knot {
   std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
   std::uint32_t forgotten_ = 0;     ///< epoch
   Stage stage_ = Stage::free;
-  std::optional<JointPlanMessage> plan_;  ///< of this knot
+  std::shared_ptr<const JointPlanMessage> plan_;  ///< of this knot; null: none yet
   std::optional<double> holding_since_;
   std::optional<double> planned_since_;  ///< its leader holds no more
   std::optional<double> called_at_;

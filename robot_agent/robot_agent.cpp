@@ -35,12 +35,20 @@ void RobotAgent::on(const Arrival& arrival) {
     if (fleet_.hear({arrival.message, state}, arrival.at)) knot_.hear(*state, position);
     return;
   }
-  std::visit(
-      [&](const auto& m) {
-        if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
-      },
-      *arrival.message);
+  if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
+    knot_.hear({arrival.message, plan});
+  } else {
+    std::visit(
+        [&](const auto& m) {
+          if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
+        },
+        *arrival.message);
+  }
   next_wake_ = std::min(next_wake_, arrival.at);
+}
+
+void RobotAgent::expect(const Arrival& arrival) const {
+  if (const auto* state = std::get_if<RobotState>(arrival.message.get())) fleet_.expect(state->robot);
 }
 
 void RobotAgent::note(const BusCounts& counts, WallTime now) {

@@ -133,7 +133,7 @@ JointPlanMessage any(const Any& a) {
             return JointPlanMessage::Member{a.name(), a.number(), a.flag()};
           }),
           a.some([&] {
-            return JointPlanMessage::Move{a.u32(), a.path()};
+            return Move{a.u32(), a.path()};
           })};
 }
 template <>

@@ -119,7 +119,7 @@ TEST(Validation, JointPlans) {
   using M = JointPlanMessage;
   const std::vector<std::function<void(M&)>> spoilers{
       [](M& m) { m.knot.epoch = 0; }, [](M& m) { m.knot.leader.clear(); },
-      [](M& m) { m.members[0].radius = 0; }, [](M& m) { m.moves[0].member = 1; },
+      [](M& m) { m.members[0].radius = 0; }, [](M& m) { m.moves[0].robot = 1; },
       [](M& m) { m.moves[0].path.clear(); }, [](M& m) { m.moves[0].path[1].y() = infinity; },
       [](M& m) { m.members.clear(); }, [](M& m) { m.members.resize(4097, m.members[0]); },
       [](M& m) { m.members[0].radius = 1e-300; },
