@@ -9,9 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -108,7 +108,7 @@ class SimulatedBus {
   };
   /// What transient-local topics keep, by topic and key, in the order of first publication.
   std::vector<std::pair<std::string, std::vector<Kept>>> kept_;
-  std::map<std::string, std::size_t> kept_index_;
+  std::unordered_map<std::string, std::size_t> kept_index_;
 };
 
 }  // namespace coppice

@@ -47,10 +47,6 @@ void RobotAgent::on(const Arrival& arrival) {
   next_wake_ = std::min(next_wake_, arrival.at);
 }
 
-void RobotAgent::expect(const Arrival& arrival) const {
-  if (const auto* state = std::get_if<RobotState>(arrival.message.get())) fleet_.expect(state->robot);
-}
-
 void RobotAgent::note(const BusCounts& counts, WallTime now) {
   rejected_by_bus_ = static_cast<std::uint32_t>(counts.rejected);
   if (counts.agents > load_.agents_matched) load_.matched_at = now;
@@ -135,10 +131,11 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
 void RobotAgent::begin_mission(WallTime now) {
   if (retired_) return;
   const auto& own = fleet_.own_mission();
-  if (!own || !map_ || own->map_id != map_->map_id) return;
+  if (!own) return;
   const Mission& mission = *own;
+  if (mission_ && mission_->number == mission.number && !mission.cancelled) return;  // nearly always
+  if (!map_ || mission.map_id != map_->map_id) return;
   if (mission.cancelled) return stop();
-  if (mission_ && mission_->number == mission.number) return;
 
   if (!ground_ || ground_->map_id != map_->map_id) {
     finder_.reset();  // it, and a joint planner, look at the old one

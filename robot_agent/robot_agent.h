@@ -44,10 +44,6 @@ class RobotAgent {
   void lead(const TrackingSettings& settings) { tracking_.emplace(settings); }
 
   void on(const Arrival& arrival);
-  /// Says that this is what it will hear of next. It need not be told; but where many agents are in one
-  /// process, what each knows has left the processor's cache by its next turn, and comes sooner if all is
-  /// asked for at once.
-  void expect(const Arrival& arrival) const;
   /// The robot that follows was seen.
   void on(const Sighting& robot);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.

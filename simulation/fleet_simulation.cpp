@@ -71,11 +71,7 @@ template <class R, class K>
 void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock_offset) {
   if (participant.next_event(clock_offset) > now_) return;
   const WallTime local = now_ + clock_offset;
-  std::vector<Arrival> arrivals = participant.port.take();
-  if constexpr (requires { participant.role.expect(arrivals.front()); }) {
-    for (const Arrival& arrival : arrivals) participant.role.expect(arrival);
-  }
-  for (Arrival& arrival : arrivals) {
+  for (Arrival& arrival : participant.port.take()) {
     arrival.at += clock_offset;
     keeper.heard(*arrival.message);
     participant.role.on(arrival);
