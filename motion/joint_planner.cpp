@@ -105,7 +105,7 @@ bool JointPlanner::search_crowd() {
   const Lacam::Outcome outcome = crowd_->search(configurations_a_step);
   configurations_ += configurations_a_step;
   if (outcome == Lacam::Outcome::solved) {
-    take_up(*crowd_);
+    take_up_solution();
     return true;
   }
   const bool ended = outcome != Lacam::Outcome::searching;
@@ -120,10 +120,12 @@ bool JointPlanner::search_crowd() {
   return false;
 }
 
-void JointPlanner::take_up(const Lacam& solution) {
+void JointPlanner::take_up_solution() {
   std::vector<Move> moves;
-  for (const PlaceMove& move : solution.moves())
+  for (const PlaceMove& move : crowd_->moves())
     moves.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
+  crowd_.reset();  // of hundreds of robots it remembers megabytes, and straightening takes some of its own
+  graph_ = {};
   plan_.moves = straightened(places_.field(), tasks_, moves);
 }
 

@@ -40,7 +40,7 @@ class JointPlanner {
   bool search_crowd();
   bool in_a_clinch(const JointTask& task) const;
   std::vector<Point2> elbow_room() const;
-  void take_up(const Lacam& solution);
+  void take_up_solution();
 
   PlacesOfMap& places_;
   std::vector<JointTask> tasks_;

@@ -69,6 +69,8 @@ Edge edge_along(Place to, Path path, Add&& add) {
   std::ranges::sort(edge.near);
   const auto [first, last] = std::ranges::unique(edge.near);
   edge.near.erase(first, last);
+  edge.near.shrink_to_fit();
+  edge.path.shrink_to_fit();
   return edge;
 }
 
@@ -180,6 +182,7 @@ void PackedPlaces::link_cells(const std::vector<Cell>& cells) {
     path.insert(path.end(), rest.begin(), rest.end());
     link(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
   }
+  for (Place from = 0; from < size(); ++from) packed_.own_edges(from).shrink_to_fit();
 }
 
 void PackedPlaces::index_ways() {
