@@ -109,13 +109,14 @@ int plan_command(const RunOptions& options);
 
 struct MapOptions {
   std::string kind;  ///< of map or scenario, or a map's file
-  int width = 512;
-  int height = 512;
+  std::optional<int>
+      width;  ///< cells, of a generated map (512); a file and a kind of scenario have their own
+  std::optional<int> height;  ///< the same
   std::uint32_t seed = 1;
-  std::optional<int> robots;  ///< as many as the kind is meant for
-  double radius = 5;
-  double max_speed = 20;
-  std::string output;  ///< scenario (.json); the map is written beside it
+  std::optional<int> robots;        ///< as many as the kind is meant for
+  std::optional<double> radius;     ///< metres (5); a kind of scenario has its own
+  std::optional<double> max_speed;  ///< metres per second (20); the same
+  std::string output;               ///< scenario (.json); the map is written beside it
 };
 
 /// Generates a map and a scenario on it.

@@ -15,24 +15,35 @@ namespace coppice {
 
 namespace {
 
+constexpr int default_side = 512;  // cells
 constexpr int default_robots = 8;
-constexpr double least_way = 0.4;  // of the map's diagonal, from start to goal
+constexpr double default_radius = 5;      // metres
+constexpr double default_max_speed = 20;  // metres per second
+constexpr double least_way = 0.4;         // of the map's diagonal, from start to goal
+
+void refuse_size(const MapOptions& options) {
+  if (options.width || options.height)
+    throw InputError(
+        fmt::format("--{}: {} has a size of its own", options.width ? "width" : "height", options.kind));
+}
 
 /// Random tasks on a generated map, or on that of a file.
 Scenario random_scenario(const MapOptions& options) {
   Random random(options.seed);
+  const double radius = options.radius.value_or(default_radius);
   Scenario scenario{.map_name = {},
-                    .map = read_or_generate_map(options.kind, options.width, options.height, random),
+                    .map = read_or_generate_map(options.kind, options.width.value_or(default_side),
+                                                options.height.value_or(default_side), random),
                     .seed = options.seed,
                     .robots = {}};
   const ClearanceField field(scenario.map);
   for (const auto& [start, goal] :
-       random_tasks(field, options.robots.value_or(default_robots), options.radius, least_way, random)) {
+       random_tasks(field, options.robots.value_or(default_robots), radius, least_way, random)) {
     scenario.robots.push_back({.name = fmt::format("r{}", scenario.robots.size() + 1),
                                .start = start,
                                .goal = goal,
-                               .radius = options.radius,
-                               .max_speed = options.max_speed,
+                               .radius = radius,
+                               .max_speed = options.max_speed.value_or(default_max_speed),
                                .goal_tolerance = 1});
   }
   return scenario;
@@ -41,9 +52,18 @@ Scenario random_scenario(const MapOptions& options) {
 Scenario scenario_of_kind(const MapOptions& options) {
   const auto& trials = scenario_kinds();
   const auto trial = std::ranges::find(trials, options.kind, &ScenarioKind::name);
-  if (trial != trials.end())
+  if (trial != trials.end()) {
+    refuse_size(options);
+    if (options.radius || options.max_speed)
+      throw InputError(fmt::format("--{}: {} has robots of its own", options.radius ? "radius" : "max-speed",
+                                   options.kind));
     return make_scenario(options.kind, options.robots.value_or(trial->robots), options.seed);
-  if (map_kind(options.kind) || std::filesystem::exists(options.kind)) return random_scenario(options);
+  }
+  if (map_kind(options.kind)) return random_scenario(options);
+  if (std::filesystem::exists(options.kind)) {
+    refuse_size(options);
+    return random_scenario(options);
+  }
   std::string names = "blank, dense, maze, room";
   for (const ScenarioKind& known : trials) names += ", " + known.name;
   throw InputError(fmt::format("kind: \"{}\", expected a map's file or one of {}", options.kind, names));

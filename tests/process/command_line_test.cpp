@@ -18,6 +18,9 @@ std::string coppice(const std::string& arguments) {
 std::string rooms() {
   return "'" + (test::scenarios() / "rooms-8.json").string() + "'";
 }
+std::string rooms_map() {
+  return "'" + (test::scenarios() / "rooms-8.map").string() + "'";
+}
 
 TEST(CommandLine, BadUsageIsToldWithTheOptionsName) {
   const std::vector<std::pair<std::string, std::string>> cases = {
@@ -34,6 +37,9 @@ TEST(CommandLine, BadUsageIsToldWithTheOptionsName) {
       {"plan " + rooms() + " --seed -3", "--seed"},
       {"run " + rooms() + " --domain 233", "--domain"},
       {"map castle out.json", "castle"},
+      {"map rooms out.json --width 900", "--width"},
+      {"map rooms out.json --max-speed 9", "--max-speed"},
+      {"map " + rooms_map() + " out.json --height 900", "--height"},
   };
   for (const auto& [arguments, named] : cases) {
     const test::Outcome outcome = test::shell(coppice(arguments));
