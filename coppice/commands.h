@@ -108,9 +108,8 @@ int simulate_command(const RunOptions& options, const Faults& faults);
 int plan_command(const RunOptions& options);
 
 struct MapOptions {
-  std::string kind;  ///< of map or scenario, or a map's file
-  std::optional<int>
-      width;  ///< cells, of a generated map (512); a file and a kind of scenario have their own
+  std::string kind;           ///< of map or scenario, or a map's file
+  std::optional<int> width;   ///< cells (512); files, and kinds of scenario, have their own
   std::optional<int> height;  ///< the same
   std::uint32_t seed = 1;
   std::optional<int> robots;        ///< as many as the kind is meant for
