@@ -69,8 +69,6 @@ Edge edge_along(Place to, Path path, Add&& add) {
   std::ranges::sort(edge.near);
   const auto [first, last] = std::ranges::unique(edge.near);
   edge.near.erase(first, last);
-  edge.near.shrink_to_fit();
-  edge.path.shrink_to_fit();
   return edge;
 }
 
@@ -182,7 +180,11 @@ void PackedPlaces::link_cells(const std::vector<Cell>& cells) {
     path.insert(path.end(), rest.begin(), rest.end());
     link(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
   }
-  for (Place from = 0; from < size(); ++from) packed_.own_edges(from).shrink_to_fit();
+  for (Place from = 0; from < size(); ++from) {  // they stay for as long as the map does
+    std::vector<Edge>& edges = packed_.own_edges(from);
+    edges.shrink_to_fit();
+    for (Edge& edge : edges) edge.near.shrink_to_fit();
+  }
 }
 
 void PackedPlaces::index_ways() {

@@ -19,23 +19,15 @@ struct Piece {
   double end;
 };
 
-/// The pieces of a move, but for edges that lie outside of the box. The move begins `along` metres along its
-/// robot's way; `along` moves on to its end.
+/// The pieces of a move, which begins `along` metres along its robot's way; `along` moves on to its end.
 template <class Fn>
-void for_each_piece(const Move& move, double radius, const Box<2>& box, double& along, Fn&& fn) {
+void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
   for (std::size_t k = 1; k < move.path.size(); ++k) {
-    const Point2& from = move.path[k - 1];
-    const Point2 edge = move.path[k] - from;
+    const Point2 edge = move.path[k] - move.path[k - 1];
     const double length = edge.norm();
-    const Box<2> around = extended(Box<2>{from, from}, move.path[k]);
-    if ((around.lower.array() > box.upper.array()).any() ||
-        (around.upper.array() < box.lower.array()).any()) {
-      along += length;
-      continue;
-    }
     const auto parts = std::max(1.0, std::ceil(length / (piece_radii * radius)));
     for (double part = 0; part < parts; ++part) {
-      fn(Piece{move.robot, from + edge * ((part + 0.5) / parts), along + length * part / parts,
+      fn(Piece{move.robot, move.path[k - 1] + edge * ((part + 0.5) / parts), along + length * part / parts,
                along + length * (part + 1) / parts});
     }
     along += length;
@@ -100,12 +92,20 @@ class PiecesAround {
   std::vector<Entry> pieces_;
 };
 
+Box<2> box_around(const Path& path) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box<2> box{Point2::Constant(infinity), Point2::Constant(-infinity)};
+  for (const Point2& p : path) box = extended(box, p);
+  return box;
+}
+
 Box<2> box_around_way(std::size_t robot, std::span<const Move> moves) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box<2> box{Point2::Constant(infinity), Point2::Constant(-infinity)};
   for (const Move& move : moves) {
     if (move.robot != robot) continue;
-    for (const Point2& p : move.path) box = extended(box, p);
+    const Box<2> part = box_around(move.path);
+    box = {box.lower.cwiseMin(part.lower), box.upper.cwiseMax(part.upper)};
   }
   return box;
 }
@@ -137,8 +137,7 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
   double along_own = 0;
   for (const Move& move : moves) {
     if (move.robot == robot)
-      for_each_piece(move, radii[robot], box, along_own,
-                     [&](const Piece& p) { around.mark_around(p.middle); });
+      for_each_piece(move, radii[robot], along_own, [&](const Piece& p) { around.mark_around(p.middle); });
   }
 
   std::vector<Gate> gates;
@@ -160,9 +159,16 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
               [](const Gate& a, const Gate& b) { return a.robot < b.robot; });
   };
   // In the plan's order: each piece of the own way finds those of earlier moves.
-  const Box<2> wide{box.lower.array() - nearest, box.upper.array() + nearest};
   for (const Move& move : moves) {
-    for_each_piece(move, radii[move.robot], wide, along[move.robot], [&](const Piece& piece) {
+    const Box<2> part = box_around(move.path);
+    const bool far = (part.lower.array() > box.upper.array() + nearest).any() ||
+                     (part.upper.array() < box.lower.array() - nearest).any();
+    if (far) {
+      for (std::size_t k = 1; k < move.path.size(); ++k)
+        along[move.robot] += (move.path[k] - move.path[k - 1]).norm();
+      continue;
+    }
+    for_each_piece(move, radii[move.robot], along[move.robot], [&](const Piece& piece) {
       if (piece.robot == robot) {
         add_gates(piece);
       } else {

@@ -82,15 +82,6 @@ class NeighbourRegion {
   Point2 at_expiry_;
 };
 
-/// Metres that a neighbour may be from where it was at its stamp, until `end`.
-double furthest_from_its_stamp(const Neighbour& n, double end) {
-  const Commitment& c = n.commitment;
-  const double committed = std::max(0.0, std::min(end, c.expiry) - c.stamp);
-  const double free = std::max(0.0, end - std::max(c.expiry, c.stamp));
-  const double pace = std::sqrt(std::max(c.velocity.squaredNorm(), c.next_velocity.squaredNorm()));
-  return pace * committed + n.limits.max_speed * (free + n.clock_error);
-}
-
 }  // namespace
 
 Point2 rest_after(const Commitment& commitment, const Limits& limits, double period) {
@@ -123,10 +114,11 @@ std::size_t first_in_the_way(const Point2& position, const Point2& velocity, dou
                              const Limits& limits, double period, std::span<const Neighbour> neighbours) {
   const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
   const int periods = 1 + braking_periods(velocity.norm(), limits, period);
-  const double end = from + periods * period;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& neighbour = neighbours[i];
-    const double far = radius + neighbour.radius + margin + travel + furthest_from_its_stamp(neighbour, end);
+    const double horizon = from + periods * period - neighbour.commitment.stamp;
+    const double far = radius + neighbour.radius + margin + travel +
+                       neighbour.limits.max_speed * (std::max(0.0, horizon) + neighbour.clock_error);
     if ((position - neighbour.commitment.position).squaredNorm() > far * far) continue;
 
     const NeighbourRegion region(neighbour, radius, period);

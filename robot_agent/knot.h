@@ -97,7 +97,7 @@ class Knot {
   std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
   std::uint32_t forgotten_ = 0;     ///< epoch
   Stage stage_ = Stage::free;
-  std::shared_ptr<const JointPlanMessage> plan_;  ///< of this knot; null: none yet
+  std::shared_ptr<const JointPlanMessage> plan_;  ///< of this knot, until it is taken up
   std::optional<double> holding_since_;
   std::optional<double> planned_since_;  ///< its leader holds no more
   std::optional<double> called_at_;
