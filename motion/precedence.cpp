@@ -34,7 +34,8 @@ void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
   }
 }
 
-/// The pieces of others that come near one robot's way, by the square of the plane that their middle lies in.
+/// The pieces of others that come near one robot's way and may still make for a gate, by the square of the
+/// plane that their middle lies in.
 class PiecesAround {
  public:
   PiecesAround(const Box<2>& box, double near)
@@ -59,13 +60,21 @@ class PiecesAround {
     pieces_.push_back({piece, first_[cell]});
     first_[cell] = static_cast<std::uint32_t>(pieces_.size() - 1);
   }
-  /// `p`: on the own way.
-  template <class Fn>
-  void for_each_within_a_cell(const Point2& p, Fn&& fn) const {
+  /// `p`: on the own way. Those for which `settled(piece)` holds are let go: it must hold from then on.
+  template <class Settled, class Fn>
+  void for_each_within_a_cell(const Point2& p, Settled&& settled, Fn&& fn) {
     const std::size_t cell = cell_of(p);
     for (const std::size_t row : {cell - columns_, cell, cell + columns_}) {
       for (std::size_t k = row - 1; k <= row + 1; ++k) {
-        for (std::uint32_t at = first_[k]; at != none; at = pieces_[at].next) fn(pieces_[at].piece);
+        for (std::uint32_t* at = &first_[k]; *at != none;) {
+          Entry& entry = pieces_[*at];
+          if (settled(entry.piece)) {
+            *at = entry.next;
+            continue;
+          }
+          fn(entry.piece);
+          at = &entry.next;
+        }
       }
     }
   }
@@ -144,13 +153,13 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
   std::vector<double> along(radii.size(), 0.0);
   std::vector<double> needed(radii.size(), 0.0);  // of each robot, by the gates so far
   std::vector<std::size_t> rising;                // those of which the piece at hand needs more
+  const auto settled = [&](const Piece& other) { return other.end <= needed[other.robot]; };
   const auto add_gates = [&](const Piece& piece) {
     const auto first_of_piece = static_cast<std::ptrdiff_t>(gates.size());
     rising.clear();
-    around.for_each_within_a_cell(piece.middle, [&](const Piece& other) {
+    around.for_each_within_a_cell(piece.middle, settled, [&](const Piece& other) {
       const double near = radii[robot] + radii[other.robot] + inflated;
-      if (other.end <= needed[other.robot] || (other.middle - piece.middle).squaredNorm() >= near * near)
-        return;
+      if ((other.middle - piece.middle).squaredNorm() >= near * near) return;
       if (std::ranges::find(rising, other.robot) == rising.end()) rising.push_back(other.robot);
       needed[other.robot] = other.end;
     });

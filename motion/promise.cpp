@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "motion/free_way.h"
 #include "motion/segments.h"
@@ -29,9 +30,10 @@ class NeighbourRegion {
     Point2 from = a0;
     for (const double cut : {n_.commitment.turn, n_.commitment.expiry, t1}) {
       const double end = std::clamp(cut, begin, t1);
-      const Point2 to = t1 > t0 ? Point2(a0 + (a1 - a0) * ((end - t0) / (t1 - t0))) : a1;
-      if (end > begin && !clear_part(from, to, begin, end)) return false;
-      begin = std::max(begin, end);
+      if (end == begin) continue;
+      const Point2 to = a0 + (a1 - a0) * ((end - t0) / (t1 - t0));
+      if (!clear_part(from, to, begin, end)) return false;
+      begin = end;
       from = to;
     }
     return true;
@@ -57,13 +59,13 @@ class NeighbourRegion {
       return closest_approach(a0, a1, from, committed(t1)) >= least;
     }
     const double since = t1 + e - c.expiry;
-    const double free_reach = n_.limits.max_speed * std::max(since, c.expiry - t0 + e);
-    if (closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach) return true;
     // Before its turn it may still have had its old velocity.
     const double before_turn = t0 < c.turn ? c.turn - c.stamp : std::min(e, c.turn - c.stamp);
     const double turned = e > 0 ? before_turn * (c.next_velocity - c.velocity).norm() : 0;
     const double drift = drift_within(since) + e * committed_speed + turned;
-    return closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift;
+    if (closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift) return true;
+    const double free_reach = n_.limits.max_speed * std::max(since, c.expiry - t0 + e);
+    return closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach;
   }
 
   Point2 committed(double t) const {
@@ -80,6 +82,30 @@ class NeighbourRegion {
   double reach_;
   Point2 at_turn_;
   Point2 at_expiry_;
+};
+
+/// What a robot can come to from a place at a time on, at a speed that it may have for one period.
+class Reach {
+ public:
+  Reach(const Point2& position, double speed, double from, double radius, const Limits& limits, double period)
+      : position_(position),
+        radius_(radius + margin + speed * period + braking_distance(speed, limits, period)),
+        periods_(1 + braking_periods(speed, limits, period)),
+        until_(from + periods_ * period) {}
+
+  /// Until it stands again.
+  int periods() const { return periods_; }
+  bool includes(const Neighbour& n) const {
+    const double horizon = std::max(0.0, until_ - n.commitment.stamp) + n.clock_error;
+    const double far = radius_ + n.radius + n.limits.max_speed * horizon;
+    return (position_ - n.commitment.position).squaredNorm() <= far * far;
+  }
+
+ private:
+  Point2 position_;
+  double radius_;
+  int periods_;
+  double until_;
 };
 
 }  // namespace
@@ -110,22 +136,28 @@ std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limi
   return rests;
 }
 
+std::vector<Neighbour> within_reach(const Point2& position, double speed, double from, double radius,
+                                    const Limits& limits, double period,
+                                    std::span<const Neighbour> neighbours) {
+  const Reach reach(position, speed, from, radius, limits, period);
+  std::vector<Neighbour> within;
+  std::ranges::copy_if(neighbours, std::back_inserter(within),
+                       [&](const Neighbour& n) { return reach.includes(n); });
+  return within;
+}
+
 std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
                              const Limits& limits, double period, std::span<const Neighbour> neighbours) {
-  const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
-  const int periods = 1 + braking_periods(velocity.norm(), limits, period);
+  const Reach reach(position, velocity.norm(), from, radius, limits, period);
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& neighbour = neighbours[i];
-    const double horizon = from + periods * period - neighbour.commitment.stamp;
-    const double far = radius + neighbour.radius + margin + travel +
-                       neighbour.limits.max_speed * (std::max(0.0, horizon) + neighbour.clock_error);
-    if ((position - neighbour.commitment.position).squaredNorm() > far * far) continue;
+    if (!reach.includes(neighbour)) continue;
 
     const NeighbourRegion region(neighbour, radius, period);
     Point2 here = position;
     Point2 v = velocity;
     double t = from;
-    for (int k = 0; k < periods; ++k) {
+    for (int k = 0; k < reach.periods(); ++k) {
       const Point2 next = here + period * v;
       if (!region.clear(here, next, t, t + period)) return i;
       here = next;

@@ -134,8 +134,8 @@ void RobotAgent::decide(double fleet_now) {
   fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
   if (fleet_.cut_off()) listen_anew(fleet_now);
   if (stands_as_newcomer(fleet_now) || waits_for_its_robot(fleet_now)) return;
-  const std::vector<Neighbour> others =
-      body_->bound_to_stand() ? std::vector<Neighbour>() : neighbours(fleet_now);
+  const std::span<const Neighbour> others =
+      body_->bound_to_stand() ? std::span<const Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
   if (!listens && status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
     knot_.hold(self(), fleet_, ground_->places, fleet_now);
@@ -293,11 +293,12 @@ bool RobotAgent::may_set_off(double fleet_now) {
 }
 
 /// All who may come near while this robot looks ahead, or brakes.
-std::vector<Neighbour> RobotAgent::neighbours(double fleet_now) {
+std::span<const Neighbour> RobotAgent::neighbours(double fleet_now) {
   const Limits& limits = body_->limits();
   const double horizon = std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * period;
   const double reach = body_->radius() + horizon * limits.max_speed;
-  return fleet_.neighbours(body_->position(), reach, horizon, fleet_now, ages_);
+  fleet_.collect_neighbours(body_->position(), reach, horizon, fleet_now, ages_, near_);
+  return near_;
 }
 
 FleetMember RobotAgent::self() const {

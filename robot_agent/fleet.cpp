@@ -11,8 +11,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double good_clock = 0.003;  // seconds: six centimetres' drive
-constexpr std::size_t usual_neighbours = 32;
+constexpr double good_clock = 0.003;    // seconds: six centimetres' drive
 constexpr double prompt_sample = 0.01;  // seconds
 constexpr double set_clock = 60;        // seconds: clocks are not set by more while a fleet drives
 constexpr double recent_echo = 0.8;     // seconds: less than it takes a robot to think that nobody hears it
@@ -149,10 +148,9 @@ void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& ne
   }
 }
 
-std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, double horizon, double now,
-                                         AgeCount& ages) {
-  std::vector<Neighbour> near;
-  near.reserve(usual_neighbours);
+void Fleet::collect_neighbours(const Point2& position, double reach, double horizon, double now,
+                               AgeCount& ages, std::vector<Neighbour>& near) {
+  near.clear();
   for (Peer& p : peers_) {
     if (now < p.away_until) continue;
     if (p.state && !p.dead) {
@@ -169,7 +167,6 @@ std::vector<Neighbour> Fleet::neighbours(const Point2& position, double reach, d
     }
     add_neighbours(p, now, near);
   }
-  return near;
 }
 
 FleetMember Fleet::member(const Peer& p) const {

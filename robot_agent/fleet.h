@@ -73,9 +73,10 @@ class Fleet {
   int copies() const { return copies_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
-  /// `position` and stays within `reach` of it. Counts how old what is known of them is.
-  std::vector<Neighbour> neighbours(const Point2& position, double reach, double horizon, double now,
-                                    AgeCount& ages);
+  /// `position` and stays within `reach` of it. Leaves them in `near`. Counts how old what is known of them
+  /// is.
+  void collect_neighbours(const Point2& position, double reach, double horizon, double now, AgeCount& ages,
+                          std::vector<Neighbour>& near);
 
   /// How often one was heard of that counted as dead.
   std::uint32_t returns() const { return returns_; }

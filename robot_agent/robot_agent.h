@@ -106,7 +106,7 @@ class RobotAgent {
   bool may_set_off(double fleet_now);
   bool all_free_around() const;
   void enter(Phase phase);
-  std::vector<Neighbour> neighbours(double fleet_now);
+  std::span<const Neighbour> neighbours(double fleet_now);
   FleetMember self() const;
   int periods_to_next_control() const;
   std::uint8_t copies() const;
@@ -137,8 +137,9 @@ class RobotAgent {
   std::uint32_t impossible_ = 0;            ///< messages that this map, or this time, contradicts
   std::uint32_t rejected_by_bus_ = 0;
   AgeCount ages_;
-  int periods_expected_ = 1;  ///< until the next decision
-  double late_ = 0;           ///< share of the last decisions that came late
+  std::vector<Neighbour> near_;  ///< those of the last decision
+  int periods_expected_ = 1;     ///< until the next decision
+  double late_ = 0;              ///< share of the last decisions that came late
   AgentLoad load_;
   Fleet fleet_;
 
