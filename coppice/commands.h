@@ -16,6 +16,12 @@
 
 namespace coppice {
 
+/// A recording that is to be made besides.
+struct NewRecording {
+  std::string file;    ///< empty: none
+  bool force = false;  ///< replaces what is there
+};
+
 struct FleetOptions {
   std::optional<int> domain;  ///< none: one of its own
   std::string discovery;      ///< as in bus/dds_bus.h
@@ -24,7 +30,7 @@ struct FleetOptions {
   bool standby = false;       ///< a second broker, that takes over if the first is gone
   bool restart = false;       ///< who ends early is started again
   bool watch = false;         ///< a monitor, and its page in a browser, too
-  std::string record;         ///< recording to be made of the run; empty: none
+  NewRecording record;
   RosOptions ros;
 };
 
@@ -102,7 +108,7 @@ int picture_command(const PictureOptions& options);
 int doctor_command(const FleetPlan& plan);
 
 /// All roles in this process, on a virtual clock, with faults. 1 also if anything touched.
-int simulate_command(const RunOptions& options, const Faults& faults);
+int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record);
 
 /// Algorithm 2 in this process: paths only, no bus and no motion.
 int plan_command(const RunOptions& options);
@@ -127,6 +133,7 @@ struct FuzzOptions {
   bool restarts = false;                ///< agents are killed and started anew, too
   std::optional<std::uint32_t> replay;  ///< only the case of this seed, with its files
   RunOptions files;                     ///< what a replay writes
+  NewRecording record;                  ///< the same
 };
 
 /// Scenarios and faults from consecutive seeds (simulation/fuzz.h). 1 if one failed.

@@ -4,6 +4,7 @@
 
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/simulation_recording.h"
 #include "files/report_file.h"
 #include "simulation/fuzz.h"
 
@@ -57,7 +58,9 @@ struct Sum {
 int replay(const FuzzOptions& options) {
   const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts);
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
+  SimulationRecording recording(simulation, options.record);
   simulation.run(go_on);
+  recording.finish();
   const FuzzResult result = judge(fuzz_case, simulation);
   const std::vector<NamedTrack>& tracks = simulation.tracks();
   const proto::Report report = simulation.service().report(in_parts(tracks));

@@ -41,8 +41,7 @@ int main(int argc, char** argv) {
                   "folder in which processes keep what they need to go on if they are started anew");
   run->add_flag("--standby", fleet.standby, "a second broker that takes over if the first is gone");
   run->add_flag("--restart", fleet.restart, "processes that end early are started again, and go on");
-  run->add_option("--record", fleet.record,
-                  "recording of all that the fleet says (MCAP), as coppice record makes");
+  add_recording_options(*run, fleet.record, "recording of all that the fleet says (MCAP)");
   run->add_flag("--watch", fleet.watch, "shows the fleet on a page, in a browser where there is one");
   add_ros_options(*run, fleet.ros, true, true);
   run->callback([&] { exit_code = run_command(options, fleet, "/proc/self/exe"); });
@@ -70,17 +69,20 @@ int main(int argc, char** argv) {
   add_run_options(*simulate, options);
   Faults faults;
   add_fault_options(*simulate, faults);
-  simulate->callback([&] { exit_code = simulate_command(options, faults); });
+  NewRecording record;
+  add_recording_options(*simulate, record, "recording of all that is said (MCAP), lost or not");
+  simulate->callback([&] { exit_code = simulate_command(options, faults, record); });
   FuzzOptions fuzz;
   auto* hunt = app.add_subcommand("fuzz", "simulate scenarios and faults drawn from consecutive seeds");
   hunt->add_option("--hours", fuzz.robot_hours, "robot-hours of fleet time to simulate")
       ->check(CLI::PositiveNumber);
   hunt->add_option("--seed", fuzz.first_seed, "the first one");
   hunt->add_flag("--restarts", fuzz.restarts, "agents are killed and started anew, too");
-  hunt->add_option("--replay", fuzz.replay, "only the case of this seed; writes its files");
-  hunt->add_option("--report", fuzz.files.report, "of the replay, JSON");
-  hunt->add_option("--trajectory", fuzz.files.trajectory, "of the replay, CSV");
-  hunt->add_option("--picture", fuzz.files.picture, "of the replay, SVG");
+  auto* again = hunt->add_option("--replay", fuzz.replay, "only the case of this seed; writes its files");
+  hunt->add_option("--report", fuzz.files.report, "of the replay, JSON")->needs(again);
+  hunt->add_option("--trajectory", fuzz.files.trajectory, "of the replay, CSV")->needs(again);
+  hunt->add_option("--picture", fuzz.files.picture, "of the replay, SVG")->needs(again);
+  add_recording_options(*hunt, fuzz.record, "of the replay, MCAP")->needs(again);
   hunt->callback([&] { exit_code = fuzz_command(fuzz); });
   auto* plan = app.add_subcommand("plan", "paths only: MA-RRdT* in one process");
   add_run_options(*plan, options);

@@ -7,8 +7,7 @@
 #include "bus/dds_bus.h"
 #include "bus/process.h"
 #include "coppice/commands.h"
-#include "files/binary_file.h"
-#include "monitor/recorder.h"
+#include "coppice/recording_file.h"
 
 namespace coppice {
 
@@ -35,27 +34,22 @@ void tell(const Recorder& recorder, const std::string& file, std::uint64_t bytes
 
 int record_command(const RecordOptions& options) {
   install_stop_signals();
-  using Existing = BinaryOutput::Existing;
   DdsBus bus(options.network, Role::observer, "recorder");
-  BinaryOutput file(options.file, options.force ? Existing::replace : Existing::refuse);
-  Recorder recorder;
-  const auto append = [&](const mcap::Bytes& bytes) {
-    if (!bytes.empty()) file.append(bytes);
-  };
+  RecordingFile file(options.file, options.force);
   const WallTime begin = wall_now();
   const WallTime end = begin + options.duration.value_or(std::numeric_limits<double>::infinity());
   WallTime now = begin;
   for (; !stop_requested() && now < end; now = wall_now()) {
-    append(recorder.step(now));
+    file.step(now);
     bus.wait(std::min(look_period, end - now));
-    recorder.on(bus.take());
+    file.on(bus.take());
   }
   // All that has come by now.
   const WallTime latest = now + longest_farewell;
   for (auto arrivals = bus.take(); !arrivals.empty() && wall_now() < latest; arrivals = bus.take())
-    recorder.on(std::move(arrivals));
-  append(recorder.finish());
-  tell(recorder, options.file, file.size(), now - begin);
+    file.on(std::move(arrivals));
+  file.finish();
+  tell(file.recorder(), options.file, file.size(), now - begin);
   return 0;
 }
 

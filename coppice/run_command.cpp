@@ -144,9 +144,11 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
     return whole;
   };
   std::vector<Process> all;
-  if (!fleet.record.empty())
-    all.push_back(
-        {recorder_name, on_network({"coppice", "record", fleet.record}, "observer", Role::observer)});
+  if (!fleet.record.file.empty()) {
+    Command record{"coppice", "record", fleet.record.file};
+    if (fleet.record.force) record.emplace_back("--force");
+    all.push_back({recorder_name, on_network(record, "observer", Role::observer)});
+  }
   if (fleet.watch)
     all.push_back({"monitor",
                    on_network({"coppice", "monitor", "--port", "0", "--open"}, "observer", Role::viewer),
@@ -201,9 +203,9 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(names_of(scenario));
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
-  if (!fleet_options.record.empty() && std::filesystem::exists(fleet_options.record))
-    throw InputError(
-        fmt::format("{}: is there already, and a recording replaces nothing", fleet_options.record));
+  const NewRecording& record = fleet_options.record;
+  if (!record.file.empty() && !record.force && std::filesystem::exists(record.file))
+    throw InputError(record.file + ": is there already (--force replaces it)");
   install_stop_signals();
   const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
   const TemporaryFolder run_folder;  // for logs and the report

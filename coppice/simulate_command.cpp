@@ -5,6 +5,7 @@
 
 #include "bus/process.h"
 #include "coppice/commands.h"
+#include "coppice/simulation_recording.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
 #include "planner_service/progress.h"
@@ -13,7 +14,7 @@
 
 namespace coppice {
 
-int simulate_command(const RunOptions& options, const Faults& faults) {
+int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record) {
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)
@@ -25,6 +26,7 @@ int simulate_command(const RunOptions& options, const Faults& faults) {
                                         .plan_budget = options.plan_budget.value_or(default_plan_budget),
                                         .lifelong = options.lifelong,
                                         .faults = faults});
+  SimulationRecording recording(simulation, record);
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;
   simulation.run([&](const PlannerService& service, double now) {
@@ -33,6 +35,7 @@ int simulate_command(const RunOptions& options, const Faults& faults) {
     return !stop_requested();
   });
   display.finish(last);
+  recording.finish();
   const PlannerService& service = simulation.service();
   const std::vector<NamedTrack>& tracks = simulation.tracks();
   const proto::Report report = service.report(in_parts(tracks));

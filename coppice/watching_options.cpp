@@ -94,6 +94,12 @@ void add_picture(CLI::App& app, PictureOptions& options, int& exit_code) {
 
 }  // namespace
 
+CLI::Option* add_recording_options(CLI::App& command, NewRecording& record, const char* of_what) {
+  auto* file = command.add_option("--record", record.file, of_what);
+  command.add_flag("--force", record.force, "a recording that is there is replaced")->needs(file);
+  return file;
+}
+
 void add_watching_commands(CLI::App& app, WatchingOptions& options, int& exit_code) {
   add_monitor(app, options.monitor, exit_code);
   add_top(app, options.top, exit_code);

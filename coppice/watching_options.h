@@ -7,6 +7,7 @@
 
 namespace CLI {
 class App;
+class Option;
 }  // namespace CLI
 
 namespace coppice {
@@ -19,6 +20,9 @@ struct WatchingOptions {
   ReplayOptions replay;
   PictureOptions picture;
 };
+
+/// --record, which it returns, and --force.
+CLI::Option* add_recording_options(CLI::App& command, NewRecording& record, const char* of_what);
 
 /// `options` and `exit_code` outlive the parsing; that runs the command.
 void add_watching_commands(CLI::App& app, WatchingOptions& options, int& exit_code);

@@ -74,7 +74,7 @@ Edge edge_along(Place to, Path path, Add&& add) {
 
 /// An edge there and one back.
 template <class Add>
-void link(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
+void add_edges(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
   graph.own_edges(a).push_back(edge_along(b, path, add));
   std::ranges::reverse(path);
   graph.own_edges(b).push_back(edge_along(a, std::move(path), add));
@@ -92,7 +92,8 @@ PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double sp
       grid_(field.bounds(), reach_),
       points_of_ways_(field.bounds(), reach_) {
   pack();
-  link_cells(grow_cells());
+  const Crossings found = crossings(grow_cells());
+  link(found);  // the cells take megabytes, and are gone by now
   index_ways();
 }
 
@@ -154,14 +155,9 @@ std::vector<PackedPlaces::Cell> PackedPlaces::grow_cells() {
   return cells;
 }
 
-/// Links the places whose cells touch, where they touch nearest to both.
-void PackedPlaces::link_cells(const std::vector<Cell>& cells) {
-  struct Crossing {
-    double length;
-    Lattice::Vertex a;
-    Lattice::Vertex b;
-  };
-  std::map<std::pair<Place, Place>, Crossing> crossings;
+/// Where cells touch nearest to both places.
+PackedPlaces::Crossings PackedPlaces::crossings(const std::vector<Cell>& cells) {
+  Crossings crossings;
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
     if (cells[v].place == nowhere) continue;
     lattice_.for_each_neighbour(
@@ -172,13 +168,18 @@ void PackedPlaces::link_cells(const std::vector<Cell>& cells) {
           if (!fresh && crossing.length < known->second.length) known->second = crossing;
         });
   }
+  return crossings;
+}
+
+/// The places whose cells touch.
+void PackedPlaces::link(const Crossings& crossings) {
   const auto add = [&](Edge& edge) { add_near(grid_, reach_, 0, {touching_, apart_}, edge); };
   for (const auto& [pair, crossing] : crossings) {
     Path path = way_to_its_place(crossing.a);
     std::ranges::reverse(path);
     const Path rest = way_to_its_place(crossing.b);
     path.insert(path.end(), rest.begin(), rest.end());
-    link(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
+    add_edges(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
   }
   for (Place from = 0; from < size(); ++from) {  // they stay for as long as the map does
     std::vector<Edge>& edges = packed_.own_edges(from);
@@ -283,7 +284,7 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
 
   const auto link_over = [&](Place a, Place b, Path path) {
     if (!passes(obstacles, path)) return;
-    link(graph, a, b, std::move(path), [&](Edge& edge) {
+    add_edges(graph, a, b, std::move(path), [&](Edge& edge) {
       add_near(grid_, reach_, 0, is_near, edge);
       add_near(grid_of_more, reach_, first, is_near, edge);
     });

@@ -43,12 +43,19 @@ class PackedPlaces {
     Place place = nowhere;
     float cost = 0;
   };
-  static constexpr Lattice::Direction here = 8;        ///< a place
-  static constexpr Lattice::Direction nowhere_to = 9;  ///< no place can be reached
+  struct Crossing {  ///< from one cell into another
+    double length;   ///< from place to place
+    Lattice::Vertex a;
+    Lattice::Vertex b;
+  };
+  using Crossings = std::map<std::pair<Place, Place>, Crossing>;  ///< by the places
+  static constexpr Lattice::Direction here = 8;                   ///< a place
+  static constexpr Lattice::Direction nowhere_to = 9;             ///< no place can be reached
 
   void pack();
   std::vector<Cell> grow_cells();
-  void link_cells(const std::vector<Cell>& cells);
+  Crossings crossings(const std::vector<Cell>& cells);
+  void link(const Crossings& crossings);
   void index_ways();
   template <class Fn>
   void for_each_way_near(const Point2& p, double distance, Fn&& fn) const;

@@ -80,6 +80,7 @@ void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock
   for (auto& said : participant.role.step(local)) {
     Outgoing outgoing(std::move(said));
     keeper.said(outgoing.message);
+    if (listener_) listener_(outgoing.message, now_);
     participant.port.publish(std::move(outgoing));
   }
   participant.earliest = now_ + step_duration;

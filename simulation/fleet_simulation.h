@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "bus/keep.h"
@@ -37,6 +38,9 @@ class FleetSimulation {
   FleetSimulation(const Scenario& scenario, const SimulationSettings& settings);
   FleetSimulation(const FleetSimulation&) = delete;
   FleetSimulation& operator=(const FleetSimulation&) = delete;
+
+  /// Before run(): who is told all that is said, lost or not, and at what virtual time.
+  void set_listener(std::function<void(const Message&, double)> listener) { listener_ = std::move(listener); }
 
   /// Runs to the end; `watch` is called about every tenth of a virtual second and may ask to stop by
   /// returning false.
@@ -83,6 +87,7 @@ class FleetSimulation {
 
   SimulatedBus bus_;
   std::shared_ptr<Grounds> grounds_ = std::make_shared<Grounds>();
+  std::function<void(const Message&, double)> listener_;  ///< empty: nobody
   double now_ = 0;
   Participant<PlannerService> service_;
   Participant<TreeBroker> broker_;
