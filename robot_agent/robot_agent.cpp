@@ -16,7 +16,7 @@ namespace {
 
 constexpr double period = control_period;
 constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for liveliness
-constexpr std::size_t track_batch = 20;  // points: one second of fleet time
+constexpr std::size_t track_batch = 10;  // points, half a second of fleet time: what a death loses
 constexpr std::size_t longest_batch = 10'000;
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr std::size_t most_places = 4'000;  // of its roadmap: some megabytes
@@ -351,10 +351,11 @@ void RobotAgent::say_track(std::vector<Outgoing>& out) {
 }
 
 /// Track points go out in batches, and all of them with a change of phase, so that the record is complete.
+/// Not with each beat, which is of the wall's clock: of a slow fleet that would be points one by one, and
+/// each message is kept for who comes late.
 void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
-  const bool beat = status_changed_ || now >= next_status_;
-  if (!track_.empty() && (beat || track_.size() >= track_batch)) say_track(out);
-  if (!beat) return;
+  if (!track_.empty() && (status_changed_ || track_.size() >= track_batch)) say_track(out);
+  if (!status_changed_ && now < next_status_) return;
   status_.rejected = rejected_by_bus_ + impossible_;
   load_.state_age_p50 = ages_.at_share(0.5);
   load_.state_age_p99 = ages_.at_share(0.99);

@@ -44,6 +44,23 @@ TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   EXPECT_EQ(points, last.track_points);
 }
 
+TEST(RobotAgent, OfASlowFleetSaysItsTrackInBatchesToo) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  for (Message message : map_and_missions(service)) {
+    if (auto* mission = std::get_if<Mission>(&message)) mission->clock.scale = 0.1;
+    agent.on(arrival_of(message, 0));
+  }
+  const auto said = run(agent, 0, 20);
+  EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::driving);
+  EXPECT_GT(of<AgentStatus>(said).size(), 30u) << "beats of the wall's clock";
+  const auto batches = of<TrackMessage>(said);
+  EXPECT_LE(batches.size(), 6u) << "for two seconds of fleet time, with two changes of phase";
+  EXPECT_GT(batches.back().first_index + batches.back().points.size(), 29u);
+}
+
 TEST(RobotAgent, ACancelledMissionStopsIt) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
