@@ -437,7 +437,7 @@ std::size_t MaRrdtStar<S>::active_trees() const {
   return count;
 }
 
-template <class S>
+template <Space S>
 template <class Fn>
 void MaRrdtStar<S>::for_each_active_edge(Fn&& fn) const {
   for (TreeIndex t = 0; t < trees_.tree_count(); ++t) {
