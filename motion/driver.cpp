@@ -64,13 +64,6 @@ bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours,
   return suspect == neighbours.size();
 }
 
-/// Those that may be in the way of a velocity that it can have next: several are tried.
-std::vector<Neighbour> Driver::within_reach(std::span<const Neighbour> neighbours) const {
-  const double fastest = velocity_.norm() + limits_.max_acceleration * period_ + rounding;
-  return coppice::within_reach(turn_position(), fastest, time_ + period_, radius_, limits_, period_,
-                               neighbours);
-}
-
 /// The velocity nearest to the preferred one that reciprocal velocity obstacles allow.
 Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                         const ClearanceField& field) const {
@@ -80,7 +73,6 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
   obstacle_half_planes(field, self.position, radius_, limits_.max_speed * obstacle_horizon, obstacle_horizon,
                        obstacles);
   std::vector<HalfPlane> robots;
-  robots.reserve(neighbours.size());
   for (const Neighbour& n : neighbours) {
     const Commitment& c = n.commitment;
     const bool rests = c.velocity.isZero(0) && c.next_velocity.isZero(0) && c.expiry > turn + 2 * period_;
@@ -101,9 +93,8 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   if (bound_to_stand()) return;
   const Point2 wanted = proposal(preferred, neighbours, field);
   next_velocity_ = within_limits(wanted, velocity_, limits_, period_);
-  const std::vector<Neighbour> near = within_reach(neighbours);
-  std::size_t suspect = near.size();
-  if (safe(next_velocity_, near, field, suspect)) return;
+  std::size_t suspect = neighbours.size();
+  if (safe(next_velocity_, neighbours, field, suspect)) return;
 
   std::vector<Point2> candidates{velocity_};
   const double reach = limits_.max_acceleration * period_;
@@ -116,7 +107,7 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   }
   std::ranges::sort(candidates, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
   const auto first =
-      std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, near, field, suspect); });
+      std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field, suspect); });
   // Braking in a straight line was shown to be clear when the current velocity was chosen.
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
 }
@@ -124,14 +115,13 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
 bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
                     const ClearanceField& field) {
   if (bound_to_stand()) return true;
-  const std::vector<Neighbour> near = within_reach(neighbours);
-  std::size_t suspect = near.size();
+  std::size_t suspect = neighbours.size();
   for (const double speed : speeds) {
     next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
-    if (safe(next_velocity_, near, field, suspect)) return true;
+    if (safe(next_velocity_, neighbours, field, suspect)) return true;
   }
   const bool nothing_stands_there =
-      safe(next_velocity_, {}, field, suspect) && std::ranges::all_of(near, [&](Neighbour n) {
+      safe(next_velocity_, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
         if (!n.commitment.velocity.isZero(0) || !n.commitment.next_velocity.isZero(0)) return true;
         n.commitment.expiry = std::numeric_limits<double>::max();
         return safe(next_velocity_, {&n, 1}, field, suspect);

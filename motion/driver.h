@@ -9,7 +9,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "motion/kinematics.h"
 #include "motion/promise.h"
@@ -59,13 +58,12 @@ class Driver {
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
-  static constexpr double rounding = 1e-6;  ///< of times and speeds
+  static constexpr double rounding = 1e-6;  ///< of times, seconds
 
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
             std::size_t& suspect) const;
-  std::vector<Neighbour> within_reach(std::span<const Neighbour> neighbours) const;
   Point2 turn_position() const { return position_ + period_ * velocity_; }
 
   Point2 position_;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "motion/free_way.h"
 #include "motion/segments.h"
@@ -84,29 +83,14 @@ class NeighbourRegion {
   Point2 at_expiry_;
 };
 
-/// What a robot can come to from a place at a time on, at a speed that it may have for one period.
-class Reach {
- public:
-  Reach(const Point2& position, double speed, double from, double radius, const Limits& limits, double period)
-      : position_(position),
-        radius_(radius + margin + speed * period + braking_distance(speed, limits, period)),
-        periods_(1 + braking_periods(speed, limits, period)),
-        until_(from + periods_ * period) {}
-
-  /// Until it stands again.
-  int periods() const { return periods_; }
-  bool includes(const Neighbour& n) const {
-    const double horizon = std::max(0.0, until_ - n.commitment.stamp) + n.clock_error;
-    const double far = radius_ + n.radius + n.limits.max_speed * horizon;
-    return (position_ - n.commitment.position).squaredNorm() <= far * far;
-  }
-
- private:
-  Point2 position_;
-  double radius_;
-  int periods_;
-  double until_;
-};
+/// Metres that a neighbour may be from where it was at its stamp, until `end`.
+double furthest_from_its_stamp(const Neighbour& n, double end) {
+  const Commitment& c = n.commitment;
+  const double committed = std::max(0.0, std::min(end, c.expiry) - c.stamp);
+  const double free = std::max(0.0, end - std::max(c.expiry, c.stamp));
+  const double pace = std::sqrt(std::max(c.velocity.squaredNorm(), c.next_velocity.squaredNorm()));
+  return pace * committed + n.limits.max_speed * (free + n.clock_error);
+}
 
 }  // namespace
 
@@ -136,28 +120,21 @@ std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limi
   return rests;
 }
 
-std::vector<Neighbour> within_reach(const Point2& position, double speed, double from, double radius,
-                                    const Limits& limits, double period,
-                                    std::span<const Neighbour> neighbours) {
-  const Reach reach(position, speed, from, radius, limits, period);
-  std::vector<Neighbour> within;
-  std::ranges::copy_if(neighbours, std::back_inserter(within),
-                       [&](const Neighbour& n) { return reach.includes(n); });
-  return within;
-}
-
 std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
                              const Limits& limits, double period, std::span<const Neighbour> neighbours) {
-  const Reach reach(position, velocity.norm(), from, radius, limits, period);
+  const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
+  const int periods = 1 + braking_periods(velocity.norm(), limits, period);
+  const double end = from + periods * period;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& neighbour = neighbours[i];
-    if (!reach.includes(neighbour)) continue;
+    const double far = radius + neighbour.radius + margin + travel + furthest_from_its_stamp(neighbour, end);
+    if ((position - neighbour.commitment.position).squaredNorm() > far * far) continue;
 
     const NeighbourRegion region(neighbour, radius, period);
     Point2 here = position;
     Point2 v = velocity;
     double t = from;
-    for (int k = 0; k < reach.periods(); ++k) {
+    for (int k = 0; k < periods; ++k) {
       const Point2 next = here + period * v;
       if (!region.clear(here, next, t, t + period)) return i;
       here = next;

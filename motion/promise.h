@@ -61,12 +61,7 @@ std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limi
 std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
                              const Limits& limits, double period, std::span<const Neighbour> neighbours);
 
-/// Those of the neighbours that may be in the way of some velocity of at most `speed`.
-std::vector<Neighbour> within_reach(const Point2& position, double speed, double from, double radius,
-                                    const Limits& limits, double period,
-                                    std::span<const Neighbour> neighbours);
-
-/// The same as first_in_the_way for obstacles: the straight line until standstill keeps `radius` clear.
+/// The same for obstacles: the straight line until standstill keeps `radius` clear.
 bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,
                         double period, const ClearanceField& field);
 
