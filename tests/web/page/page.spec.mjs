@@ -318,7 +318,7 @@ const mockChecks = {
   async 'a recording is steered'() {
     const mock = await mocked.startMock({recorded: true});
     const page = await openReady(mock.url);
-    assert(await page.locator('#scrubber').isVisible());
+    await page.locator('#scrubber').waitFor({timeout: 15_000});
     await page.keyboard.press(' ');
     await until(page, () => !window.coppice.playing);
     await pause(500);
@@ -373,7 +373,7 @@ const mockChecks = {
     const mock = await mocked.startMock({silent: true});
     const page = await open(mock.url);
     await page.locator('.pill.live').waitFor();
-    assert(await page.locator('#notice').isVisible());
+    await page.locator('#notice').waitFor({timeout: 15_000});
     assert.equal((await state(page)).ready, false);
     await shoot(page, 'empty');
     await close(page);

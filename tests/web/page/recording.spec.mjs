@@ -17,7 +17,7 @@ const until = (check, argument) => page.waitForFunction(check, argument, {timeou
 const time = () => page.evaluate(() => window.coppice.time);
 
 await until(() => window.coppice.ready && window.coppice.robots === 8 && window.coppice.time > 1);
-assert(await page.locator('#scrubber').isVisible());
+await page.locator('#scrubber').waitFor({timeout: 15_000});
 
 await page.keyboard.press(' ');
 await until(() => !window.coppice.playing);
