@@ -104,6 +104,15 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   return true;
 }
 
+void Fleet::expect(const RobotName& robot) const {
+  const auto known = index_.find(robot);
+  if (!known) return;
+  const Peer& p = peers_[*known];
+  __builtin_prefetch(&p.state);
+  __builtin_prefetch(&p.clock);
+  __builtin_prefetch(&p.robot);
+}
+
 /// New names cost memory and time for ever: past what a fleet may be, they are nobody's.
 bool Fleet::has_room_for(const RobotName& robot) const {
   return peers_.size() < most_robots || index_.find(robot).has_value();

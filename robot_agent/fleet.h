@@ -56,6 +56,9 @@ class Fleet {
   /// False if it is no news: older than what is known, or of this robot itself.
   bool hear(std::shared_ptr<const RobotState> state, WallTime arrived);
 
+  /// Asks memory for what is known of a robot whose state is about to be handed over.
+  void expect(const RobotName& robot) const;
+
   const std::optional<Mission>& own_mission() const { return own_mission_; }
   /// Tells the run that the missions are of from others; none before the first mission.
   std::optional<FleetClock> run() const { return has_clock_ ? std::optional(clock_) : std::nullopt; }

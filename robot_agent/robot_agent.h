@@ -43,6 +43,9 @@ class RobotAgent {
   /// Before anything else.
   void lead(const TrackingSettings& settings) { tracking_.emplace(settings); }
 
+  /// These will be handed over next. A hint for processes of many agents, which know more than the
+  /// processor's caches hold: so all of it comes from memory at once, and not one after the other.
+  void expect(std::span<const Arrival> arrivals) const;
   void on(const Arrival& arrival);
   /// The robot that follows was seen.
   void on(const Sighting& robot);

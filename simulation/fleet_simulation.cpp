@@ -71,7 +71,9 @@ template <class R, class K>
 void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock_offset) {
   if (participant.next_event(clock_offset) > now_) return;
   const WallTime local = now_ + clock_offset;
-  for (Arrival& arrival : participant.port.take()) {
+  std::vector<Arrival> arrivals = participant.port.take();
+  if constexpr (requires { participant.role.expect(arrivals); }) participant.role.expect(arrivals);
+  for (Arrival& arrival : arrivals) {
     arrival.at += clock_offset;
     keeper.heard(*arrival.message);
     participant.role.on(arrival);
