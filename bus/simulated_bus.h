@@ -1,8 +1,8 @@
 // The bus of the simulation: in memory, on a virtual clock, the same for the same seed.
 //
-// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end, late
-// joiners get what transient-local topics keep. Every sample takes `delay` seconds; what goes wrong beyond
-// that is BusFaults.
+// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end,
+// agents that join late get what transient-local topics keep (the other roles are there from the beginning).
+// Every sample takes `delay` seconds; what goes wrong beyond that is BusFaults.
 #pragma once
 
 #include <array>

@@ -92,6 +92,7 @@ void TrackRecord::append(std::size_t robot, const TrackPoint& point) {
   if (r.blocks.empty() || r.blocks.back().size == points_a_block) {
     if (!r.blocks.empty()) put_on_disk(r.blocks.back());
     r.blocks.push_back({.begin = point.time, .points = {}});
+    r.blocks.back().points.reserve(points_a_block);
   }
   r.blocks.back().points.push_back(point);
   ++r.blocks.back().size;

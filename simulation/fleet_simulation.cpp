@@ -11,6 +11,15 @@ namespace {
 constexpr double bus_delay = 0.001;      // seconds; a DDS sample takes a tenth of that, a busy machine more
 constexpr double step_duration = 0.001;  // seconds between two steps of one role
 constexpr double watch_period = 0.1;
+constexpr double longest_foreseen = 3600;  // seconds
+constexpr double ending = 10;              // seconds, about, until all stand when the time is over
+
+/// A lifelong run lasts for as long as it is told to: its tracks need not be moved as they grow.
+std::size_t points_foreseen(const SimulationSettings& settings) {
+  if (settings.lifelong <= 0) return 0;
+  const double seconds = std::min({settings.lifelong, settings.timeout, longest_foreseen});
+  return static_cast<std::size_t>((seconds + ending) / control_period);
+}
 
 }  // namespace
 
@@ -35,6 +44,7 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                        .next_kill = next_kill,
                        .kept = std::make_unique<KeptInMemory>()});
     tracks_.push_back({task.name, {task.radius, {}}});
+    tracks_.back().track.points.reserve(points_foreseen(settings));
     start(agents_.back());
   }
 }
