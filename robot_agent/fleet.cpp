@@ -272,11 +272,7 @@ double Fleet::crowd(const Point2& p, double near) const {
 }
 
 double Fleet::clock_error(double now) const {
-  double most = 0;
-  for (const Peer& p : peers_) {
-    if (p.clock.known() && !p.dead) most = std::max(most, p.clock.error(now));
-  }
-  return most;
+  return clock_error_ + clock_drift * (now - counted_at_);
 }
 
 bool Fleet::somebody_plans() const {

@@ -97,8 +97,8 @@ class Fleet {
   bool all_free(const Point2& p, double reach) const;
   /// How far from p the crowd extends that p is part of: everybody alive who is near one of it.
   double crowd(const Point2& p, double near) const;
-  /// The largest by which an alive robot's clock may be off from what is known; about what a sample takes to
-  /// come from it.
+  /// At most what an alive robot's clock was off from what was known of it at the last count of who is
+  /// silent, and may be since; about what a sample takes to come from it.
   double clock_error(double now) const;
   /// Somebody looks for its first path still.
   bool somebody_plans() const;
@@ -224,6 +224,8 @@ class Fleet {
   int copies_ = 1;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   Absences absences_;
+  double counted_at_ = 0;         ///< fleet time, these, and:
+  double clock_error_ = 0;        ///< the largest of the alive
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   std::uint32_t returns_ = 0;
   bool all_known_ = false;  ///< nobody has come since everybody's clock was known, or needed not to be

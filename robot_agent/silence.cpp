@@ -97,10 +97,12 @@ const Fleet::Absences& Fleet::absences(double now) {
 
 void Fleet::count_absences(double now) {
   absences_ = {};
+  counted_at_ = now;
+  clock_error_ = 0;
   all_settled_until_ = now + looks_at_silence * second();
   for (Peer& p : peers_) {
-    // Early rather than one after the other, so that it need not be done in each step.
-    if (now + looks_at_silence / 2 * second() >= p.settled_until) count_absence(p, now);
+    count_absence(p, now);
+    if (p.clock.known() && !p.dead) clock_error_ = std::max(clock_error_, p.clock.error(now));
     absences_.alive += p.state && !p.dead;
     all_settled_until_ = std::min(all_settled_until_, p.settled_until);
   }
