@@ -32,6 +32,8 @@ constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.3;
 constexpr double longest_lease = 2;
 constexpr double lease_for_delay = 4;
+constexpr double longest_delay =
+    5;  // whose clock seems further off, by its own fault or by a lie, may come late
 constexpr double fair_pace = 0.5;  // of the preferred speed
 constexpr double beside = 1.3;     // sums of radii between two that hinder each other
 constexpr double level = 0.1;      // the same, of the lead of one that is not ahead
@@ -229,7 +231,8 @@ void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> n
 }
 
 void RobotAgent::stand_for(double fleet_now, double seconds) {
-  body_->stay(body_->time() + seconds + lease_for_delay * fleet_.clock_error(fleet_now));
+  const double delay = std::min(fleet_.clock_error(fleet_now), longest_delay);
+  body_->stay(body_->time() + seconds + lease_for_delay * delay);
 }
 
 /// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way

@@ -37,7 +37,7 @@ inline std::uint32_t phase_of(const RobotName& robot) {
                                     standing_stride);
 }
 inline bool is_turn_of(std::uint32_t phase, std::uint32_t turn, int stride) {
-  return (turn + phase) % static_cast<std::uint32_t>(stride) == 0;
+  return ((turn + phase) & (static_cast<std::uint32_t>(stride) - 1)) == 0;  // strides are powers of two
 }
 
 }  // namespace coppice
