@@ -19,10 +19,6 @@ auto with_topic(const Message& message, Fn&& fn) {
 // A reliable sample that was lost is asked for again about so often, seconds.
 constexpr double resend_period = 0.1;
 
-bool may_be_read_late(const auto& topic) {
-  return topic.read_by(Role::agent) || topic.read_by(Role::claimant);
-}
-
 bool read_by(const Message& message, Role role) {
   return with_topic(message, [&](auto topic) { return topic.read_by(role); });
 }
@@ -54,7 +50,8 @@ void SimulatedBus::publish(const Port& sender, Outgoing outgoing) {
   const auto shared = std::make_shared<const Message>(std::move(outgoing.message));
   const Message& message = *shared;
   const TopicInfo info = with_topic(message, [&](auto topic) {
-    if (topic.info.durability != Durability::transient_local || !may_be_read_late(topic)) return topic.info;
+    if (topic.info.durability != Durability::transient_local) return topic.info;
+    if (late_ && !topic.read_by(*late_)) return topic.info;
     const std::string key = std::string(topic.info.name) + "/" + key_of(message);
     const auto [entry, fresh] = kept_index_.try_emplace(key, kept_.size());
     if (fresh) kept_.emplace_back(key, std::vector<Kept>{});

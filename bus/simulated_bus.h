@@ -1,8 +1,8 @@
 // The bus of the simulation: in memory, on a virtual clock, the same for the same seed.
 //
-// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end,
-// agents that join late get what transient-local topics keep (the other roles are there from the beginning).
-// Every sample takes `delay` seconds; what goes wrong beyond that is BusFaults.
+// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end, late
+// joiners get what transient-local topics keep. Every sample takes `delay` seconds; what goes wrong beyond
+// that is BusFaults.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -77,6 +78,9 @@ class SimulatedBus {
   /// `robot`: of an agent. `side`: of the partitions.
   Port& attach(Role role, const RobotName& robot = {}, int side = 0);
 
+  /// Nobody of another role joins from now on: what no one of this role reads is not kept.
+  void keep_for(Role late) { late_ = late; }
+
   /// Virtual time, seconds; never runs back.
   void set_time(double now) { now_ = now; }
 
@@ -98,6 +102,7 @@ class SimulatedBus {
   double now_ = 0;
   std::size_t lost_ = 0;
   std::size_t rejected_ = 0;
+  std::optional<Role> late_;  ///< none: anybody may join
   std::vector<std::unique_ptr<Port>> ports_;
   std::array<std::vector<Port*>, 7> by_role_;
   NameIndex robots_;

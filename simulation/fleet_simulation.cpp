@@ -33,6 +33,7 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                               0),
                bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
+  bus_.keep_for(Role::agent);
   Random random(scenario.seed + 1);
   for (const RobotTask& task : scenario.robots) {
     AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);

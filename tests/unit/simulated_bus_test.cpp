@@ -42,6 +42,23 @@ TEST(SimulatedBus, LateJoinersGetTheNewestOfEachKey) {
   EXPECT_EQ(std::get<Mission>(*got[1].message).robot, "r2");
 }
 
+TEST(SimulatedBus, KeepsOnlyWhatTheRoleReadsThatMayStillJoin) {
+  SimulatedBus bus(0.5);
+  auto& service = bus.attach(Role::service);
+  auto& agent = bus.attach(Role::agent);
+  bus.keep_for(Role::agent);
+  service.publish(mission("r1", 1));
+  agent.publish(AgentStatus{.robot = "r1", .reason = {}});  // services and monitors read it
+  auto& late = bus.attach(Role::agent);
+  auto& observer = bus.attach(Role::observer);
+  bus.set_time(1);
+  EXPECT_EQ(service.take().size(), 1u);
+  EXPECT_EQ(late.take().size(), 1u);
+  const std::vector<Arrival> seen = observer.take();
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<Mission>(*seen[0].message));
+}
+
 TEST(SimulatedBus, StatesAreNotKeptForLateJoiners) {
   SimulatedBus bus(0.5);
   bus.attach(Role::agent).publish(RobotState{.robot = "r1", .radius = 1});
