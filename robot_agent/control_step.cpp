@@ -32,11 +32,10 @@ constexpr double idle_lease = 1;
 constexpr double waiting_lease = 0.3;
 constexpr double longest_lease = 2;
 constexpr double lease_for_delay = 4;
-constexpr double longest_delay =
-    5;  // whose clock seems further off, by its own fault or by a lie, may come late
-constexpr double fair_pace = 0.5;  // of the preferred speed
-constexpr double beside = 1.3;     // sums of radii between two that hinder each other
-constexpr double level = 0.1;      // the same, of the lead of one that is not ahead
+constexpr double longest_delay = 5;  // seconds: whose clock seems further off is at fault, or lies
+constexpr double fair_pace = 0.5;    // of the preferred speed
+constexpr double beside = 1.3;       // sums of radii between two that hinder each other
+constexpr double level = 0.1;        // the same, of the lead of one that is not ahead
 // A process that slept longer than that, fleet seconds, or whose clock was set, does not live through each
 // period.
 constexpr double longest_sleep = 600;

@@ -224,8 +224,8 @@ class Fleet {
   int copies_ = 1;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   Absences absences_;
-  double counted_at_ = 0;         ///< fleet time, these, and:
-  double clock_error_ = 0;        ///< the largest of the alive
+  double counted_at_ = 0;         ///< fleet time: these, and
+  double clock_error_ = 0;        ///< the largest of those alive
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   std::uint32_t returns_ = 0;
   bool all_known_ = false;  ///< nobody has come since everybody's clock was known, or needed not to be

@@ -26,7 +26,6 @@ constexpr std::size_t most_tree_nodes = 4'000'000;  // as many as a broker grows
 
 }  // namespace
 
-/// States wait for the next control step; everything else is looked at when it comes.
 void RobotAgent::expect(std::span<const Arrival> arrivals) const {
   for (const Arrival& arrival : arrivals) __builtin_prefetch(arrival.message.get());
   for (const Arrival& arrival : arrivals) {
@@ -34,6 +33,7 @@ void RobotAgent::expect(std::span<const Arrival> arrivals) const {
   }
 }
 
+/// States wait for the next control step; everything else is looked at when it comes.
 void RobotAgent::on(const Arrival& arrival) {
   ++load_.samples_received;
   if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
