@@ -141,12 +141,12 @@ double number_field(const YAML::Node& yaml, const char* field, double least, dou
 
 Meaning read_meaning(const YAML::Node& yaml, const std::filesystem::path& path) {
   Meaning meaning;
-  if (yaml["mode"]) meaning.mode = yaml["mode"].as<std::string>();
+  if (yaml["mode"]) meaning.mode = yaml["mode"].Scalar();
   if (meaning.mode != "trinary" && meaning.mode != "scale" && meaning.mode != "raw") {
     fail(path, fmt::format("mode: \"{}\", expected trinary, scale or raw", meaning.mode));
   }
   if (yaml["negate"]) {
-    const std::string value = yaml["negate"].as<std::string>();
+    const std::string value = yaml["negate"].Scalar();
     if (value != "0" && value != "1" && value != "true" && value != "false")
       fail(path, "negate: expected 0 or 1");
     meaning.negate = value == "1" || value == "true";
