@@ -42,6 +42,7 @@ int Fleet::stride_to_strangers() const {
 
 /// A leader waits for all who hold, and these for it.
 bool Fleet::tells_about_knot(const Peer& p) const {
+  if (holds_in_.epoch == 0) return false;
   if (!leads_) return leader_ && &p == &peers_[*leader_];
   return p.state && (holds_in_.includes(p.place) || p.state->knot == holds_in_);
 }
@@ -60,7 +61,7 @@ int Fleet::stride_to(const Peer& p, double now) const {
 
 /// The same, looked at anew from time to time only.
 int Fleet::stride_at(Peer& p, std::uint32_t turn, double now) const {
-  if (p.is_witness || (holds_in_.epoch > 0 && tells_about_knot(p))) return 1;
+  if (p.is_witness || tells_about_knot(p)) return 1;
   if (turn < p.stride_until) return p.stride;
   p.stride = stride_to(p, now);
   p.stride_until = turn + static_cast<std::uint32_t>(p.stride / looks_a_stride);

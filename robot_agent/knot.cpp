@@ -49,7 +49,6 @@ void Knot::let_go() {
 
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
   note_epoch(state.knot.epoch);
-  if (stage_ != Stage::ordered && state.stage != Stage::holding) return;
   const bool called_on = calls_this(state.knot);
   const bool through = stage_ == Stage::ordered && state.stage == Stage::free && state.knot == id_;
   if (!called_on && !through) return;  // nearly all
