@@ -60,7 +60,8 @@ Scenario scenario_of_kind(const MapOptions& options) {
     return make_scenario(options.kind, options.robots.value_or(trial->robots), options.seed);
   }
   if (map_kind(options.kind)) return random_scenario(options);
-  if (std::filesystem::exists(options.kind)) {
+  std::error_code too_long;  // as a name
+  if (std::filesystem::exists(options.kind, too_long)) {
     refuse_size(options);
     return random_scenario(options);
   }

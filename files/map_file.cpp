@@ -97,7 +97,8 @@ OccupancyMap read_map(const std::filesystem::path& path) {
 
 OccupancyMap read_or_generate_map(const std::string& kind_or_file, int width, int height, Random& random) {
   if (const auto kind = map_kind(kind_or_file)) return generate_map(*kind, width, height, random);
-  if (std::filesystem::exists(kind_or_file)) return read_map(kind_or_file);
+  std::error_code too_long;  // as a name
+  if (std::filesystem::exists(kind_or_file, too_long)) return read_map(kind_or_file);
   throw InputError(
       fmt::format("{}: neither a file nor a kind of map (blank, dense, maze, room)", kind_or_file));
 }

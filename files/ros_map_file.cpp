@@ -197,7 +197,9 @@ OccupancyMap read_ros_map(const std::filesystem::path& path) {
   const Meaning meaning = read_meaning(yaml, path);
 
   const std::filesystem::path image = path.parent_path() / yaml["image"].as<std::string>();
-  if (!std::filesystem::exists(image)) fail(path, fmt::format("image: {} does not exist", image.string()));
+  std::error_code too_long;  // as a name
+  if (!std::filesystem::exists(image, too_long))
+    fail(path, fmt::format("image: {} does not exist", image.string()));
   const Picture picture = image.extension() == ".png" ? read_png(image) : read_pgm(image);
   map.width = picture.width;
   map.height = picture.height;
