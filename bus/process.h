@@ -63,9 +63,9 @@ void step_role(DdsBus& bus, R& role, K& keeper) {
 template <class R, class K>
 void run_role_once(DdsBus& bus, R& role, K& keeper) {
   bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
-  for (const Arrival& arrival : bus.take()) {
+  for (Arrival& arrival : bus.take()) {
     keeper.heard(*arrival.message);
-    role.on(arrival);
+    role.on(std::move(arrival));
   }
   step_role(bus, role, keeper);
 }

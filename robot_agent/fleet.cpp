@@ -99,6 +99,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.max_speed = p.state->max_speed;
   p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
+  p.said_again = false;
   p.away_until = 0;
   p.stride_until = 0;
   return true;

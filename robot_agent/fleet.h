@@ -145,15 +145,16 @@ class Fleet {
     double settled_until = 0;  ///< it cannot count as silent before
     int introductions = 0;     ///< echoes that it was sent since its clock is known
     bool said_dead = false;    ///< by the first who told of it
+    bool said_again = false;   ///< what it said last, by somebody who hears no more of it
 
     double echo_sent = 0;  ///< the newest stamp that was echoed
     RobotName robot{};
     std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
     std::unique_ptr<const Mission> mission{};
-    WallTime said_again_from = 0;  ///< its last state, again and again, by somebody who hears no more of it:
-    WallTime said_again_at = 0;    ///< first and last
-    double echoed = 0;             ///< the newest stamp of its own that others have heard, while somebody is
-    double echoed_at = 0;          ///< missing here; and when that was news
+    WallTime said_again_from = 0;  ///< its last state was said again and again: first and last
+    WallTime said_again_at = 0;
+    double echoed = 0;     ///< the newest stamp of its own that others have heard, while somebody is
+    double echoed_at = 0;  ///< missing here; and when that was news
   };
 
   struct Absences {
@@ -174,11 +175,14 @@ class Fleet {
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }
   double since(WallTime at, double now) const { return now - clock_.fleet_time(at); }
-  double gap(const Peer& peer) const;
-  double closing_speed(const Peer& peer) const;
+  double gap(const Peer& p) const { return (p.place - position_).norm() - own_mission_->radius - p.radius; }
+  double closing_speed(const Peer& p) const { return own_mission_->max_speed + p.max_speed; }
   int stride_to(const Peer& peer, double now) const;
   int stride_at(Peer& peer, std::uint32_t turn, double now) const;
-  int stride_from(const Peer& peer) const;
+  /// At most; it may think that it is closer.
+  int stride_from(const Peer& p) const {
+    return holds_in_.epoch > 0 && is_told_about_knot_by(p) ? 1 : stride_over(gap(p), closing_speed(p));
+  }
   bool acquainted(const Peer& peer) const;
   int stride_to_strangers() const;
   bool tells_about_knot(const Peer& peer) const;

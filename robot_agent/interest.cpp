@@ -10,25 +10,18 @@ namespace coppice {
 
 namespace {
 
-constexpr int looks_a_stride = 4;  // whether it is still right
+constexpr int looks_a_stride = 2;  // whether it is still right
 constexpr int turns_a_choice = 8;  // of the witnesses
 constexpr std::size_t echoes_a_state = 8;
 constexpr int turns_an_echo = 4;
-constexpr int rare = 8;  // a stride, of those who get an echo with every state
+constexpr int rare = 8;               // a stride, of those who get echoes of their own
+constexpr double between_echoes = 1;  // seconds, of each of these: clocks do not drift far in them
 // Until clocks are compared; for that, the other must hear of it.
 constexpr int most_introductions = 5;
 constexpr std::size_t strangers_a_turn = 8;  // each robot tells so many of itself, about
 constexpr int longest_stride_to_strangers = 32;
 
 }  // namespace
-
-double Fleet::gap(const Peer& p) const {
-  return (p.place - position_).norm() - own_mission_->radius - p.radius;
-}
-
-double Fleet::closing_speed(const Peer& p) const {
-  return own_mission_->max_speed + p.max_speed;
-}
 
 bool Fleet::acquainted(const Peer& p) const {
   return p.clock.known() && p.introductions >= most_introductions;
@@ -42,14 +35,13 @@ int Fleet::stride_to_strangers() const {
 
 /// A leader waits for all who hold, and these for it.
 bool Fleet::tells_about_knot(const Peer& p) const {
-  if (holds_in_.epoch == 0) return false;
   if (!leads_) return leader_ && &p == &peers_[*leader_];
   return p.state && (holds_in_.includes(p.place) || p.state->knot == holds_in_);
 }
 
 bool Fleet::is_told_about_knot_by(const Peer& p) const {
-  return holds_in_.epoch > 0 && p.state && p.state->stage == Stage::holding &&
-         (leads_ || holds_in_.leader == p.robot) && p.state->knot == holds_in_;
+  return p.state && p.state->stage == Stage::holding && (leads_ || holds_in_.leader == p.robot) &&
+         p.state->knot == holds_in_;
 }
 
 /// It may have come closer since it was heard of.
@@ -61,16 +53,11 @@ int Fleet::stride_to(const Peer& p, double now) const {
 
 /// The same, looked at anew from time to time only.
 int Fleet::stride_at(Peer& p, std::uint32_t turn, double now) const {
-  if (p.is_witness || tells_about_knot(p)) return 1;
+  if (p.is_witness || (holds_in_.epoch > 0 && tells_about_knot(p))) return 1;
   if (turn < p.stride_until) return p.stride;
   p.stride = stride_to(p, now);
   p.stride_until = turn + static_cast<std::uint32_t>(p.stride / looks_a_stride);
   return p.stride;
-}
-
-/// At most; it may think that it is closer.
-int Fleet::stride_from(const Peer& p) const {
-  return is_told_about_knot_by(p) ? 1 : stride_over(gap(p), closing_speed(p));
 }
 
 /// By a wide margin: it may think that this robot is further away.
@@ -110,8 +97,8 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
   return to;
 }
 
-/// For those who ask for one, or have none yet, and for those who will not hear of the next ones; from time
-/// to time whatever else is news.
+/// For those who ask for one, or have none yet, and now and then for those who will not hear of the next
+/// ones; from time to time whatever else is news.
 std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {
   std::vector<Echo> echoes;
   echoes.reserve(echoes_a_state);
@@ -121,8 +108,9 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
   };
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
     Peer* p = addressed[(turn + k) % addressed.size()];
-    const bool asks = p->state && p->state->wants_echo;
-    if (!p->state || (!asks && acquainted(*p) && p->stride < rare)) continue;
+    if (!p->state) continue;
+    const bool in_time = p->stride < rare || p->state->stamp - p->echo_sent < between_echoes;
+    if (in_time && acquainted(*p) && !p->state->wants_echo) continue;
     add(*p);
     p->introductions += p->clock.known();
   }

@@ -49,8 +49,9 @@ void Knot::let_go() {
 
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
   note_epoch(state.knot.epoch);
-  const bool called_on = calls_this(state.knot);
-  const bool through = stage_ == Stage::ordered && state.stage == Stage::free && state.knot == id_;
+  const bool same = state.knot == id_;
+  const bool called_on = !same && calls_this(state.knot);
+  const bool through = same && stage_ == Stage::ordered && state.stage == Stage::free;
   if (!called_on && !through) return;  // nearly all
   const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
   if (member != members_.end()) {

@@ -34,20 +34,20 @@ void RobotAgent::expect(std::span<const Arrival> arrivals) const {
 }
 
 /// States wait for the next control step; everything else is looked at when it comes.
-void RobotAgent::on(const Arrival& arrival) {
+void RobotAgent::on(Arrival arrival) {
   ++load_.samples_received;
   if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
     ++load_.states_received;
     const auto position = body_ ? std::optional(body_->position()) : std::nullopt;
-    if (fleet_.hear({arrival.message, state}, arrival.at)) knot_.hear(*state, position);
+    if (fleet_.hear({std::move(arrival.message), state}, arrival.at)) knot_.hear(*state, position);
     return;
   }
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
-    knot_.hear({arrival.message, plan});
+    knot_.hear({std::move(arrival.message), plan});
   } else {
     std::visit(
         [&](const auto& m) {
-          if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
+          if constexpr (requires { receive(m, WallTime{}); }) receive(m, arrival.at);
         },
         *arrival.message);
   }

@@ -46,7 +46,7 @@ class RobotAgent {
   /// These will be handed over next. A hint for processes of many agents, which know more than the
   /// processor's caches hold: so all of it comes from memory at once, and not one after the other.
   void expect(std::span<const Arrival> arrivals) const;
-  void on(const Arrival& arrival);
+  void on(Arrival arrival);
   /// The robot that follows was seen.
   void on(const Sighting& robot);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.

@@ -46,7 +46,8 @@ double time_to_rest(const RobotState& s) {
 /// The last state of one that others no longer hear, passed on.
 void Fleet::hear_again(Peer& p, WallTime arrived) {
   const bool paused = (arrived - p.said_again_at) * clock_.scale > relay_from * second();
-  if (p.said_again_at < p.heard_at || paused) p.said_again_from = arrived;
+  if (!p.said_again || paused) p.said_again_from = arrived;
+  p.said_again = true;
   p.said_again_at = arrived;
   p.settled_until = all_settled_until_ = 0;
 }
@@ -81,7 +82,7 @@ double Fleet::unheard(const Peer& p, double now) const {
 /// The same, or for so long those closer by have said that they hear no more of it.
 double Fleet::silence(const Peer& p, double now) const {
   const double here = unheard(p, now);
-  if (p.said_again_at < p.heard_at || p.said_again_at == 0) return here;
+  if (!p.said_again) return here;
   return std::max(here, relay_from * second() + (p.said_again_at - p.said_again_from) * clock_.scale);
 }
 

@@ -13,6 +13,7 @@ constexpr double step_duration = 0.001;  // seconds between two steps of one rol
 constexpr double watch_period = 0.1;
 constexpr double longest_foreseen = 3600;  // seconds
 constexpr double ending = 10;              // seconds, about, until all stand when the time is over
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A lifelong run lasts for as long as it is told to: its tracks need not be moved as they grow.
 std::size_t points_foreseen(const SimulationSettings& settings) {
@@ -47,11 +48,13 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
     tracks_.push_back({task.name, {task.radius, {}}});
     tracks_.back().track.points.reserve(points_foreseen(settings));
     start(agents_.back());
+    wakes_.emplace_back();
+    set_wake(agents_.back());
   }
 }
 
 void FleetSimulation::start(Agent& agent) {
-  const bool may_return = agent.faults.restart_after < std::numeric_limits<double>::infinity();
+  const bool may_return = agent.faults.restart_after < infinity;
   auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
   agent.process = std::make_unique<Participant<RobotAgent>>(RobotAgent(agent.name, grounds_), port);
   agent.process->role.recall(agent.kept->messages);
@@ -87,7 +90,7 @@ void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock
   for (Arrival& arrival : arrivals) {
     arrival.at += clock_offset;
     keeper.heard(*arrival.message);
-    participant.role.on(arrival);
+    participant.role.on(std::move(arrival));
   }
   if (participant.role.next_wake() - clock_offset > now_) return;  // as next_event has it, to the bit
   for (auto& said : participant.role.step(local)) {
@@ -126,10 +129,23 @@ void FleetSimulation::record(Agent& agent, double until) {
   }
 }
 
+double FleetSimulation::next_event(const Wake& wake) const {
+  const bool is_sent_something = wake.port && wake.port->next_delivery() < infinity;
+  return is_sent_something ? agents_[wake.agent].next_event() : wake.alone;
+}
+
 double FleetSimulation::next_event() const {
   double next = std::min(service_.next_event(), broker_.next_event());
-  for (const Agent& agent : agents_) next = std::min(next, agent.next_event());
+  for (const Wake& wake : wakes_) next = std::min(next, next_event(wake));
   return next;
+}
+
+void FleetSimulation::set_wake(const Agent& agent) {
+  Wake& wake = wakes_[agent.index];
+  wake = {.agent = agent.index, .alone = agent.next_event()};
+  if (!agent.process) return;
+  wake.kill = agent.next_kill;
+  wake.port = &agent.process->port;
 }
 
 void FleetSimulation::run(const std::function<bool(const PlannerService&, double)>& watch) {
@@ -139,7 +155,11 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
     bus_.set_time(now_);
     turn(service_, KeepsNothing{});
     turn(broker_, KeepsNothing{});
-    for (Agent& agent : agents_) turn(agent);
+    for (const Wake& wake : wakes_) {
+      if (now_ < wake.kill && now_ < next_event(wake)) continue;  // nearly always
+      turn(agents_[wake.agent]);
+      set_wake(agents_[wake.agent]);
+    }
     if (now_ < next_watch) continue;
     next_watch = now_ + watch_period;
     if (!watch(service_.role, now_)) service_.role.interrupt();

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -77,12 +78,22 @@ class FleetSimulation {
     double next_event() const;
   };
 
+  /// When an agent is to have its turn: most have none at most of the times at which something happens.
+  struct Wake {
+    std::size_t agent = 0;
+    double alone = 0;  ///< its next event, as of its last turn, if nothing is sent to it that wakes it
+    double kill = std::numeric_limits<double>::infinity();  ///< of its process
+    const SimulatedBus::Port* port = nullptr;               ///< of its process; null: killed
+  };
+
   template <class R, class K>
   void turn(Participant<R>& participant, K&& keeper, double clock_offset = 0);
   void turn(Agent& agent);
   void kill(Agent& agent);
   void start(Agent& agent);
   void record(Agent& agent, double until);
+  void set_wake(const Agent& agent);
+  double next_event(const Wake& wake) const;
   double next_event() const;
 
   SimulatedBus bus_;
@@ -92,6 +103,7 @@ class FleetSimulation {
   Participant<PlannerService> service_;
   Participant<TreeBroker> broker_;
   std::vector<Agent> agents_;
+  std::vector<Wake> wakes_;  ///< of these
   std::vector<NamedTrack> tracks_;
 };
 
