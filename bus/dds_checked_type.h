@@ -1,9 +1,12 @@
-// A generated type that no bytes can make throw: what fastddsgen makes passes on some of the exceptions of
-// Fast CDR (a boolean that is neither 0 nor 1, an unknown encapsulation), also in DDS's own threads, where
-// that ends the process.
+// A generated type as DDS may use it: what fastddsgen makes lets some of the exceptions of Fast CDR pass (a
+// boolean that is neither 0 nor 1, an unknown encapsulation), also in DDS's own threads, where that ends the
+// process; and it works keys out in a buffer of its own, which the threads that write and receive share.
 #pragma once
 
+#include <mutex>
+
 #include <fastcdr/exceptions/Exception.h>
+#include <fastdds/rtps/common/InstanceHandle.h>
 #include <fastdds/rtps/common/SerializedPayload.h>
 
 namespace coppice {
@@ -22,6 +25,15 @@ class CheckedType final : public Support {
     *static_cast<typename Support::type*>(data) = {};
     return true;
   }
+
+  /// One at a time: two at once would take each other's samples for their own.
+  bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* key, bool force_md5) override {
+    const std::lock_guard lock(key_);
+    return Support::getKey(data, key, force_md5);
+  }
+
+ private:
+  std::mutex key_;
 };
 
 }  // namespace coppice
