@@ -237,7 +237,7 @@ void RobotAgent::stand_for(double fleet_now, double seconds) {
 /// A robot has arrived when it stands at its goal with no more moves to make; one that is asked to give way
 /// is under way again.
 void RobotAgent::watch_arrival(double fleet_now) {
-  const bool at_goal = (body_->position() - mission_->goal).norm() <= mission_->goal_tolerance / 2;
+  const bool at_goal = (body_->position() - mission_->goal).norm() <= arrives_within(*mission_);
   if (status_.phase == Phase::arrived && !at_goal) {
     status_.arrival_time = 0;
     enter(Phase::driving);
@@ -248,7 +248,7 @@ void RobotAgent::watch_arrival(double fleet_now) {
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
     const bool is_there =
-        !tracking_ || (*tracking_->position() - mission_->goal).norm() <= mission_->goal_tolerance / 2;
+        !tracking_ || (*tracking_->position() - mission_->goal).norm() <= arrives_within(*mission_);
     if (!is_there) {
       last_gain_time_ = body_->time();  // it is on its way
       return;
@@ -308,6 +308,7 @@ FleetMember RobotAgent::self() const {
   return {.robot = name_,
           .position = body_->position(),
           .goal = wants_goal ? mission_->goal : body_->position(),
+          .arrives_within = wants_goal ? arrives_within(*mission_) : 0,
           .radius = body_->radius(),
           .stands = body_->stands(),
           .knot = knot_.id(),

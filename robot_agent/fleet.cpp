@@ -191,10 +191,12 @@ FleetMember Fleet::member(const Peer& p) const {
   }
   const RobotState& s = *p.state;
   const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
+  const bool has_goal = !p.dead && p.mission && wants_to_go_on(s.phase);
   return {.robot = p.robot,
           .position = p.place,
           .velocity = p.dead ? Point2::Zero() : s.velocity,
-          .goal = !p.dead && p.mission && wants_to_go_on(s.phase) ? p.mission->goal : p.place,
+          .goal = has_goal ? p.mission->goal : p.place,
+          .arrives_within = has_goal ? arrives_within(*p.mission) : 0,
           .radius = s.radius,
           .max_speed = s.max_speed,
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),

@@ -37,6 +37,7 @@ struct FleetMember {
   Point2 position = Point2::Zero();
   Point2 velocity = Point2::Zero();
   Point2 goal = Point2::Zero();  ///< its own place if it is there or wants to go nowhere
+  double arrives_within = 0;     ///< metres from its goal at which it has arrived
   double radius = 0;
   double max_speed = 0;
   double rests_until = 0;  ///< fleet time; if it stands it has bound itself to that, else when it said so

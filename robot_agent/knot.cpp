@@ -1,7 +1,9 @@
 #include "robot_agent/knot.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace coppice {
@@ -15,12 +17,39 @@ constexpr double longest_hold = 60;   // seconds without a joint plan: the leade
 constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
 constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
 constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
-constexpr double same_place = 0.01;   // metres between where a plan begins and where the robot stands
+constexpr int goal_rings = 9;         // about a goal that is covered
+constexpr int points_on_ring = 24;
+constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 
 /// Whether a disc there reaches into the map.
 bool is_on(const ClearanceField& field, const Point2& p, double radius) {
   const Box<2> box = field.bounds();
   return (p.array() >= box.lower.array() - radius).all() && (p.array() <= box.upper.array() + radius).all();
+}
+
+/// The goal of `m`; if an obstacle covers it, the nearest point found at which `m` has arrived as well, and
+/// which is in no other's way.
+Point2 uncovered_goal(const FleetMember& m, std::span<const JointTask> obstacles,
+                      std::span<const FleetMember> others, const ClearanceField& field) {
+  const auto covers = [&](const Point2& p) {
+    return [&](const JointTask& o) { return (o.position - p).norm() < m.radius + o.radius + standing_gap; };
+  };
+  const auto is_in_the_way = [&](const Point2& p) {
+    return std::ranges::any_of(others, [&](const FleetMember& o) {
+      return o.robot != m.robot && (o.goal - p).norm() < m.radius + o.radius + standing_gap;
+    });
+  };
+  if (std::ranges::none_of(obstacles, covers(m.goal))) return m.goal;
+  for (int ring = 1; ring <= goal_rings; ++ring) {
+    for (int k = 0; k < points_on_ring; ++k) {
+      const double angle = 2 * std::numbers::pi * k / points_on_ring;
+      const double distance = m.arrives_within * ring / (goal_rings + 1);
+      const Point2 p = m.goal + distance * Point2(std::cos(angle), std::sin(angle));
+      if (field.is_free(p, m.radius) && std::ranges::none_of(obstacles, covers(p)) && !is_in_the_way(p))
+        return p;
+    }
+  }
+  return m.goal;
 }
 
 }  // namespace
@@ -138,7 +167,8 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_) {
     const bool has_goal = is_on(places.field(), m.goal, 0);
-    tasks.push_back({m.position, has_goal ? m.goal : m.position, m.radius, true});
+    const Point2 goal = has_goal ? uncovered_goal(m, obstacles, led_, places.field()) : m.position;
+    tasks.push_back({m.position, goal, m.radius, true});
   }
   tasks.insert(tasks.end(), obstacles.begin(), obstacles.end());
   planner_ = std::make_unique<JointPlanner>(places, std::move(tasks), Random(id_.epoch));

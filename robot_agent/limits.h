@@ -13,6 +13,12 @@ inline Limits limits_of(const RobotState& state) {
   return {state.max_speed, state.max_acceleration};
 }
 
+/// Metres from its goal at which a robot has arrived: half of what the mission allows, for whoever sees it
+/// from elsewhere.
+inline double arrives_within(const Mission& mission) {
+  return mission.goal_tolerance / 2;
+}
+
 /// `clock_offset`: own clock minus the sender's, seconds.
 inline Commitment commitment_of(const RobotState& s, double clock_offset) {
   return {.stamp = s.stamp + clock_offset,

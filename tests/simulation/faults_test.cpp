@@ -13,12 +13,15 @@ struct Outcome {
   std::vector<std::string> broken;
 };
 
-Outcome simulate(const std::string& name, int robots, std::uint32_t seed, const Faults& faults) {
-  const Scenario scenario = make_scenario(name, robots, seed);
+Outcome simulate(const Scenario& scenario, const Faults& faults) {
   FleetSimulation simulation(scenario, {.timeout = 1000, .faults = faults});
   simulation.run([](const PlannerService&, double) { return true; });
   const std::vector<NamedTrack>& tracks = simulation.tracks();
   return {simulation.service().report(in_parts(tracks)), broken_invariants(scenario, tracks, control_period)};
+}
+
+Outcome simulate(const std::string& name, int robots, std::uint32_t seed, const Faults& faults) {
+  return simulate(make_scenario(name, robots, seed), faults);
 }
 
 void expect_all_arrive(const Outcome& outcome, const std::string& what) {
@@ -52,6 +55,25 @@ TEST(Faults, NothingTouchesARobotWhoseAgentIsKilled) {
     }
     EXPECT_GE(arrived, 15) << seed;
   }
+}
+
+// Two have to be sorted out in a corridor. A dead one covers the goal of one itself, but not all from which
+// it has arrived.
+TEST(Faults, AGoalThatADeadRobotCoversInPartIsReachedBesideIt) {
+  Scenario scenario = make_scenario("pocket-14", 2, 1);
+  const double y = scenario.robots[0].start.y();
+  scenario.robots[0].start.x() = 60;
+  scenario.robots[1].goal.x() = 40;
+  RobotTask dead = scenario.robots[0];
+  dead.name = "dead";
+  dead.start = {30.2, y};
+  dead.goal = {16, y};
+  scenario.robots.push_back(dead);
+  const Outcome outcome = simulate(scenario, {.kills = {{"dead", 0.1}}});
+  EXPECT_TRUE(outcome.broken.empty()) << outcome.broken.front();
+  EXPECT_TRUE(outcome.report.robots(0).arrived()) << outcome.report.robots(0).reason();
+  EXPECT_TRUE(outcome.report.robots(1).arrived()) << outcome.report.robots(1).reason();
+  EXPECT_FALSE(outcome.report.robots(2).arrived());
 }
 
 // Found by trying seeds: the last states of the robot that was killed were lost on their way to some, who
