@@ -25,6 +25,7 @@ constexpr WallTime longest_wait_for_tracks = 3;
 constexpr WallTime longest_wait_for_forest = 3;
 constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
 constexpr int most_goal_draws = 1000;
+constexpr double same_beginning = 0.01;                // fleet seconds
 constexpr double largest_clock_error = 3600;           // fleet seconds
 constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
 constexpr std::size_t most_root_nodes = 1'000'000;     // of a robot, for the picture
@@ -48,11 +49,11 @@ std::string content_id(const OccupancyMap& map) {
 
 /// By the record: stands at the end within the tolerance of the goal.
 bool PlannerService::Robot::at_goal(const std::optional<TrackPoint>& last) const {
-  return last && (last->position - task.goal).norm() <= task.goal_tolerance;
+  return !began_anew && last && (last->position - task.goal).norm() <= task.goal_tolerance;
 }
 
 bool PlannerService::Robot::done() const {
-  return lost || arrived() || (status && status->phase == Phase::no_path);
+  return lost || began_anew || arrived() || (status && status->phase == Phase::no_path);
 }
 
 PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now,
@@ -125,12 +126,25 @@ void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   const bool fits = batch.points.empty() || (batch.points.front().time >= -largest_clock_error &&
                                              batch.points.back().time <= fleet_now + largest_clock_error);
   if (!fits || record_.size(robot) + batch.points.size() > most_track_points) return;
+  if (batch.first_index == 0 && !batch.points.empty())
+    watch_beginning(known->second, batch.points.front().time);
+  if (known->second.began_anew) return;
   for (std::size_t i = 0; i < batch.points.size(); ++i) {
     // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in
     // the count.
     if (batch.first_index + i < record_.size(robot)) continue;
     record_.append(robot, {batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
   }
+}
+
+/// An agent that was started anew tells its track again, from its journal. One without begins another,
+/// elsewhere: that is not where its robot was, and it must not drive on.
+void PlannerService::watch_beginning(Robot& robot, double begins) {
+  if (!robot.track_begins) robot.track_begins = begins;
+  if (robot.began_anew || std::abs(begins - *robot.track_begins) < same_beginning) return;
+  robot.began_anew = true;
+  says_missions_again_ = true;
+  next_wake_ = begun_;
 }
 
 void PlannerService::receive(const RootNodes& batch, WallTime) {
@@ -175,7 +189,7 @@ Mission PlannerService::mission_of(const Robot& robot) const {
                   7919ull * (robot.mission - 1),
           .planner = settings_.planner,
           .plan_budget = settings_.plan_budget,
-          .cancelled = ended_.has_value(),
+          .cancelled = ended_ || robot.began_anew,
           .clock = clock_};
 }
 
@@ -375,7 +389,7 @@ bool PlannerService::run_is_over(WallTime now) {
 bool PlannerService::tracks_complete() const {
   return std::ranges::all_of(robots_, [&](const auto& entry) {
     const Robot& robot = entry.second;
-    return robot.lost || !robot.status ||
+    return robot.lost || robot.began_anew || !robot.status ||
            (robot.status->phase == Phase::stopped && record_.size(robot.index) >= robot.status->track_points);
   });
 }

@@ -96,6 +96,8 @@ class PlannerService {
     WallTime last_heard = 0;
     std::optional<std::uint32_t> trees_received;  ///< none: it has not appeared yet
     bool lost = false;
+    std::optional<double> track_begins;  ///< fleet time of its first point
+    bool began_anew = false;             ///< its agent was started anew and does not know where it was
     Path path;
     std::vector<RootNodes::Node> root_nodes;
     bool at_goal(const std::optional<TrackPoint>& last) const;
@@ -111,6 +113,7 @@ class PlannerService {
   void receive(const RootNodes& batch, WallTime now);
   void receive(const InactiveTreeMessage& tree, WallTime now);
 
+  void watch_beginning(Robot& robot, double begins);
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;

@@ -73,6 +73,8 @@ std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
 
 std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
   if (at_goal) return {};
+  if (robot.began_anew)
+    return "its agent was started anew without its journal (--state), and does not know where the robot was";
   if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
   if (!robot.status->reason.empty()) return robot.status->reason;
   if (record_.size(robot.index) < robot.status->track_points)

@@ -1,7 +1,10 @@
-// With libFuzzer: --target=NAME says which.
+// With libFuzzer: --target=NAME says which; --seeds=FOLDER writes what to begin with into a folder first.
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
 
 #include <spdlog/spdlog.h>
 
@@ -11,18 +14,34 @@ namespace {
 
 const coppice::fuzz::Target* target = nullptr;
 
+void write_seeds(const std::filesystem::path& folder) {
+  int number = 0;
+  for (const coppice::fuzz::Input& seed : target->seeds()) {
+    std::ofstream out(folder / ("seed-" + std::to_string(++number)), std::ios::binary);
+    out.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
+  }
+}
+
+/// Of an argument `option=value`; empty if it is another one.
+std::string_view value_of(std::string_view argument, std::string_view option) {
+  return argument.starts_with(option) ? argument.substr(option.size()) : std::string_view();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
-  constexpr const char* option = "--target=";
+  std::string_view seeds;
   for (int k = 1; k < *argc; ++k) {
-    if (std::strncmp((*argv)[k], option, std::strlen(option)) == 0)
-      target = coppice::fuzz::find_target((*argv)[k] + std::strlen(option));
+    const std::string_view argument = (*argv)[k];
+    if (const auto name = value_of(argument, "--target="); !name.empty())
+      target = coppice::fuzz::find_target(name);
+    if (const auto folder = value_of(argument, "--seeds="); !folder.empty()) seeds = folder;
   }
   if (target == nullptr) {
     std::fprintf(stderr, "expected --target=NAME of a target\n");
     std::exit(2);
   }
+  if (!seeds.empty()) write_seeds(seeds);
   spdlog::set_level(spdlog::level::off);
   return 0;
 }

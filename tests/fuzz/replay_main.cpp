@@ -1,6 +1,5 @@
-// Without libFuzzer: `fuzz_replay TARGET FOLDER` runs a target over the inputs in a folder, each of which
-// must come to its end; `fuzz_replay --targets` names all; `fuzz_replay --seeds TARGET FOLDER` writes what to
-// begin with.
+// Without libFuzzer: `fuzz_replay TARGET FOLDER` runs a target over its seeds and the inputs in a folder,
+// each of which must come to its end; `fuzz_replay --targets` names all targets.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +15,8 @@ namespace {
 using namespace coppice::fuzz;
 
 int replay(const Target& target, const std::filesystem::path& folder) {
+  const std::vector<Input> seeds = target.seeds();
+  for (const Input& seed : seeds) target.run(seed);
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
   std::ranges::sort(files);
@@ -25,18 +26,8 @@ int replay(const Target& target, const std::filesystem::path& folder) {
     const Input input{std::istreambuf_iterator<char>(in), {}};
     target.run(input);
   }
-  std::cout << files.size() << " inputs of " << target.name << '\n';
-  return files.empty() ? 1 : 0;
-}
-
-int write_seeds(const Target& target, const std::filesystem::path& folder) {
-  std::filesystem::create_directories(folder);
-  int number = 0;
-  for (const Input& seed : target.seeds()) {
-    std::ofstream out(folder / ("seed-" + std::to_string(++number)), std::ios::binary);
-    out.write(reinterpret_cast<const char*>(seed.data()), static_cast<std::streamsize>(seed.size()));
-  }
-  return 0;
+  std::cout << seeds.size() << " seeds and " << files.size() << " inputs of " << target.name << '\n';
+  return seeds.empty() || files.empty() ? 1 : 0;
 }
 
 }  // namespace
@@ -49,15 +40,14 @@ int main(int argc, char** argv) {
     }
     return 0;
   }
-  const bool seeds = !arguments.empty() && arguments[0] == "--seeds";
-  if (arguments.size() != (seeds ? 3u : 2u)) {
-    std::cerr << "expected TARGET FOLDER, --seeds TARGET FOLDER or --targets\n";
+  if (arguments.size() != 2) {
+    std::cerr << "expected TARGET FOLDER or --targets\n";
     return 2;
   }
-  const Target* const target = find_target(arguments[seeds ? 1 : 0]);
+  const Target* const target = find_target(arguments[0]);
   if (target == nullptr) {
     std::cerr << "no target of that name; --targets names them\n";
     return 2;
   }
-  return seeds ? write_seeds(*target, arguments[2]) : replay(*target, arguments[1]);
+  return replay(*target, arguments[1]);
 }

@@ -154,6 +154,33 @@ TEST(PlannerService, OneThatFallsSilentIsLostAndTheRunGoesOn) {
   EXPECT_FALSE(service.finished());
 }
 
+// Without its journal it takes its robot to stand at its start, and would drive what is elsewhere.
+TEST(PlannerService, AnAgentThatBeginsItsTrackAnewIsStoppedAndItsRobotHasNotArrived) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  const Point2 goal = two_robots().robots[0].goal;
+  live(service, {"a", "b"}, 0, 3);
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0.25, {20, 60}, {0, 0}}, {2, {60, 60}, {0, 0}}}}, 3));
+  // From its journal: the same once more, and how it went on.
+  service.on(arrival_of(
+      TrackMessage{"a", 1, 0, {{0.25, {20, 60}, {0, 0}}, {2, {60, 60}, {0, 0}}, {3, {70, 60}, {0, 0}}}}, 3));
+  EXPECT_TRUE(of<Mission>(service.step(3)).empty());
+  service.on(arrival_of(
+      TrackMessage{"a",
+                   1,
+                   0,
+                   {{3, {20, 60}, {0, 0}}, {4, {25, 60}, {0, 0}}, {5, {30, 60}, {0, 0}}, {6, goal, {0, 0}}}},
+      3));
+  const auto missions = of<Mission>(service.step(3.1));
+  ASSERT_EQ(missions.size(), 2u);
+  EXPECT_TRUE(missions[0].cancelled);
+  EXPECT_FALSE(missions[1].cancelled);
+  EXPECT_TRUE(of<Mission>(service.step(3.2)).empty());
+  const proto::Report report = service.report();
+  EXPECT_FALSE(report.robots(0).arrived());
+  EXPECT_NE(report.robots(0).reason().find("started anew without its journal"), std::string::npos);
+}
+
 TEST(PlannerService, AllWhoFallSilentAtOnceAreWaitedForLonger) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
