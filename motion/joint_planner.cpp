@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace {
 constexpr std::size_t configurations_a_step = 1000;
 constexpr std::size_t first_try = 5'000;  // configurations; hardly a search that finds anything needs more
 constexpr std::size_t most_configurations = 100'000;
+constexpr std::size_t intricate =
+    12;  // robots: with more the search for refuges takes long, and hardly finds what LaCAM has not
 constexpr double clinch = 2.2;      // radii between centres, and less
 constexpr double step_aside = 0.5;  // likewise
 constexpr int directions = 8;
@@ -36,7 +39,7 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
   const double radius = std::ranges::find_if(tasks_, &JointTask::movable)->radius;
   PackedPlaces& packed = places_.packed(radius);
   crowd_.reset();
-  plan_ = {};
+  shut_in_.clear();
   movable_.clear();
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
@@ -51,7 +54,7 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
     const JointTask& task = tasks_[i];
     if (!task.movable) {
       dead.push_back({task.position, task.radius});
-      if (task.position != task.goal) plan_.stranded.push_back(i);
+      if (task.position != task.goal) shut_in_.push_back(i);
       continue;
     }
     movable_.push_back(i);
@@ -66,7 +69,7 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
     const bool missed =
         !coarsest_route(places_.field(), radius, task.position, task.goal, dead, 1).path.empty();
     if (missed) return crowd_.reset();  // there is a way, but not over these places
-    plan_.stranded.push_back(movable_[k]);
+    shut_in_.push_back(movable_[k]);
   }
 }
 
@@ -95,8 +98,11 @@ std::vector<Point2> JointPlanner::elbow_room() const {
 
 bool JointPlanner::step() {
   if (crowd_) return search_crowd();
+  if (partial_ && movable_.size() > intricate) return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);
   if (!refuges_->step()) return false;
+  const bool better = !partial_ || refuges_->plan().stranded.size() <= partial_->stranded.size();
+  if (!better) return take_up(*std::move(partial_));
   plan_ = refuges_->plan();
   return true;
 }
@@ -104,29 +110,38 @@ bool JointPlanner::step() {
 bool JointPlanner::search_crowd() {
   const Lacam::Outcome outcome = crowd_->search(configurations_a_step);
   configurations_ += configurations_a_step;
-  if (outcome == Lacam::Outcome::solved) {
-    take_up_solution();
-    return true;
-  }
+  if (outcome == Lacam::Outcome::solved) return take_up(best_of_crowd());
   const bool ended = outcome != Lacam::Outcome::searching;
-  if ((ended || configurations_ >= first_try) && !std::exchange(second_try_, true)) {
-    const std::vector<Point2> room = elbow_room();
-    if (!room.empty()) {
-      set_up_crowd(room);
-      return false;
-    }
+  const bool tries_again = (ended || configurations_ >= first_try) && !std::exchange(second_try_, true);
+  std::vector<Point2> room;
+  if (tries_again) {
+    room = elbow_room();
+    std::ranges::copy(places_.packed(tasks_[movable_.front()].radius).sidings(), std::back_inserter(room));
   }
-  if (ended || configurations_ >= most_configurations) crowd_.reset();
+  const bool gives_up = !room.empty() || ended || configurations_ >= most_configurations;
+  if (!gives_up) return false;
+  JointPlan best = best_of_crowd();
+  if (!partial_ || best.stranded.size() < partial_->stranded.size()) partial_ = std::move(best);
+  crowd_.reset();
+  if (!room.empty()) set_up_crowd(room);
   return false;
 }
 
-void JointPlanner::take_up_solution() {
-  std::vector<Move> moves;
+/// Of a crowd that was not sorted out, the moves to where the fewest are under way.
+JointPlan JointPlanner::best_of_crowd() const {
+  JointPlan plan{.moves = {}, .stranded = shut_in_};
   for (const PlaceMove& move : crowd_->moves())
-    moves.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
+    plan.moves.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
+  for (const std::uint32_t k : crowd_->left_over()) plan.stranded.push_back(movable_[k]);
+  return plan;
+}
+
+bool JointPlanner::take_up(JointPlan plan) {
   crowd_.reset();  // of hundreds of robots it remembers megabytes, and straightening takes some of its own
   graph_ = {};
-  plan_.moves = straightened(places_.field(), tasks_, moves);
+  plan.moves = straightened(places_.field(), tasks_, std::exchange(plan.moves, {}));
+  plan_ = std::move(plan);
+  return true;
 }
 
 }  // namespace coppice

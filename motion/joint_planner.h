@@ -1,8 +1,10 @@
 // Looks for a joint plan (joint_plan.h): for robots of one size by LaCAM on places (lacam.h), which sorts out
 // crowds at once. Where that finds nothing in bounded time, robots may stand in a clinch: side by side, so
 // that neither can take a way to another place without touching the other. So it has a second try on more
-// places, a step away from robots that did not get away. Where that finds nothing either, and for robots of
-// several sizes, it is the slower search for refuges (push_and_rotate.h).
+// places: a step away from robots that did not get away, and sidings. Where that finds nothing either, and
+// for robots of several sizes, it is the slower search for refuges (push_and_rotate.h), unless the crowd is
+// too large for that: then it is what brings the most robots to their goals, and the others call again from
+// where they stand then.
 //
 // Metres in the map frame.
 #pragma once
@@ -40,7 +42,8 @@ class JointPlanner {
   bool search_crowd();
   bool in_a_clinch(const JointTask& task) const;
   std::vector<Point2> elbow_room() const;
-  void take_up_solution();
+  JointPlan best_of_crowd() const;
+  bool take_up(JointPlan plan);
 
   PlacesOfMap& places_;
   std::vector<JointTask> tasks_;
@@ -51,6 +54,8 @@ class JointPlanner {
   std::size_t configurations_ = 0;
   bool second_try_ = false;
   std::unique_ptr<PushAndRotate> refuges_;
+  std::optional<JointPlan> partial_;  ///< the best of the crowds that were not sorted out
+  std::vector<std::size_t> shut_in_;
   JointPlan plan_;
 };
 

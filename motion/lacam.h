@@ -54,7 +54,11 @@ class Lacam {
   /// Robots that are not at their goals in the configuration that it has come to; ascending.
   std::vector<std::uint32_t> under_way() const;
 
-  /// Once solved: one after the other, all others standing.
+  /// Robots that are not at their goals in the best configuration so far, which has the fewest of them;
+  /// ascending. None once solved.
+  std::vector<std::uint32_t> left_over() const { return under_way_in(nodes_[best_].at); }
+
+  /// To the best configuration: one after the other, all others standing.
   std::vector<PlaceMove> moves() const;
 
  private:
@@ -96,7 +100,7 @@ class Lacam {
   bool at_goal(std::uint32_t robot, Place place) const {
     return !tasks_[robot].goal || *tasks_[robot].goal == place;
   }
-  bool solves(const Configuration& at) const;
+  std::vector<std::uint32_t> under_way_in(const Configuration& at) const;
   std::size_t add(const Configuration& at, std::size_t parent);
   std::optional<std::size_t> known(const Configuration& at) const;
   std::vector<Forced> next_constraints(Node& node);
@@ -117,7 +121,8 @@ class Lacam {
   std::deque<Node> nodes_;
   std::vector<std::size_t> open_;
   std::unordered_multimap<std::uint64_t, std::size_t> known_;  ///< by the configuration's hash
-  std::size_t solution_ = 0;
+  std::size_t best_ = 0;
+  std::size_t least_under_way_ = 0;  ///< in the best
 
   std::vector<std::uint32_t> order_;  ///< of the robots of the node at hand, highest priority first
 

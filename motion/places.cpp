@@ -315,6 +315,48 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
   return graph;
 }
 
+/// By the place: whether a robot there is near an edge of others.
+std::vector<bool> PackedPlaces::in_the_way() const {
+  std::vector<bool> result(size(), false);
+  for (Place from = 0; from < size(); ++from) {
+    for (const Edge& edge : packed_.edges(from)) {
+      for (const Place near : edge.near) {
+        if (near != edge.to && near != from) result[near] = true;
+      }
+    }
+  }
+  return result;
+}
+
+/// Whether a robot at `p` is near no edge but those of `place`.
+bool PackedPlaces::is_siding(const Point2& p, Place place) const {
+  const Nearness is_near{touching_, apart_};
+  bool clear = true;
+  for_each_way_near(p, apart_, [&](Place a, Place b) {
+    if (!clear || a == place || b == place) return;
+    clear = !is_near(p, *std::ranges::find(packed_.edges(a), b, &Edge::to));
+  });
+  return clear;
+}
+
+const std::vector<Point2>& PackedPlaces::sidings() {
+  if (sidings_) return *sidings_;
+  const std::vector<bool> blocks = in_the_way();
+  const std::vector<Cell> cells = grow_cells();
+  std::map<Place, std::pair<float, Point2>> nearest;
+  for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
+    const Place place = cells[v].place;
+    if (place == nowhere || !blocks[place]) continue;
+    const auto known = nearest.find(place);
+    if (known != nearest.end() && known->second.first <= cells[v].cost) continue;
+    if (is_siding(lattice_.at(v), place))
+      nearest.insert_or_assign(place, std::pair(cells[v].cost, lattice_.at(v)));
+  }
+  sidings_.emplace();
+  for (const auto& [place, siding] : nearest) sidings_->push_back(siding.second);
+  return *sidings_;
+}
+
 PackedPlaces& PlacesOfMap::packed(double radius) {
   return by_radius_.try_emplace(radius, field_, radius, place_spacing * radius).first->second;
 }

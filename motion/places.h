@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -37,6 +38,11 @@ class PackedPlaces {
   PlaceGraph with(std::span<const Point2> more, std::span<const Disc> obstacles);
   std::size_t size() const { return packed_.size(); }
 
+  /// Sidings, in the cells of places at which a robot is in the way of those that pass by: where it is not.
+  /// Looked for when they are first asked for: packing looks for room, and a short branch of a corridor may
+  /// get its place in the mouth.
+  const std::vector<Point2>& sidings();
+
  private:
   static constexpr Place nowhere = ~Place{0};
   struct Cell {  ///< of a lattice vertex: whose Voronoi cell it lies in
@@ -61,6 +67,8 @@ class PackedPlaces {
   void for_each_way_near(const Point2& p, double distance, Fn&& fn) const;
   bool passes(std::span<const Disc> obstacles, const Path& path) const;
   void leave_out(std::span<const Disc> obstacles, PlaceGraph& graph) const;
+  std::vector<bool> in_the_way() const;
+  bool is_siding(const Point2& p, Place place) const;
   double cost(Lattice::Vertex v, double metres) const;
   Path way_to_its_place(Lattice::Vertex v) const;
   Path way_to_a_place(const Point2& p, Place& place);
@@ -77,6 +85,7 @@ class PackedPlaces {
   NeighbourGrid<2> grid_;                      ///< of the places
   NeighbourGrid<2> points_of_ways_;            ///< the points that each edge's path is sampled at
   std::vector<std::pair<Place, Place>> ways_;  ///< by such a point: the ends of the edge, the smaller first
+  std::optional<std::vector<Point2>> sidings_{};
 };
 
 /// The places of a map, packed when they are first asked for: that takes as long as many a joint plan.
