@@ -126,6 +126,38 @@ TEST(JointPlan, PocketLetsOnePass) {
 }
 
 // Each blocks the moves by which the other would make way: first somebody must step back.
+/// A corridor 14 wide and closed at its ends, with pockets 16 wide whose left walls are at `pockets`.
+OccupancyMap corridor_with_pockets(int length, std::initializer_list<int> pockets, int depth) {
+  OccupancyMap map = open_map(length, 60);
+  block(map, 0, 0, length, 60);
+  block(map, 10, 10, length - 10, 24, false);
+  for (const int x : pockets) block(map, x, 24, x + 16, 24 + depth, false);
+  return map;
+}
+
+// Of a pocket that is hardly deep enough, the place that packing gives it is in the way of who passes.
+TEST(JointPlan, APocketLetsOnePassWhereverItIs) {
+  for (const int depth : {10, 11, 16}) {
+    for (int x = 40; x <= 180; ++x) {
+      const OccupancyMap map = corridor_with_pockets(240, {x}, depth);
+      const JointPlan plan =
+          solve(map, {{{114.94, 15}, {224, 17}, 5, true}, {{125.06, 19}, {16, 17}, 5, true}});
+      EXPECT_TRUE(plan.stranded.empty()) << "pocket at " << x << ", " << depth << " deep";
+    }
+  }
+}
+
+TEST(JointPlan, TwoPocketsLetTwoPassTwo) {
+  for (const int depth : {12, 16, 24}) {
+    const OccupancyMap map = corridor_with_pockets(340, {120, 220}, depth);
+    const JointPlan plan = solve(map, {{{159.84, 15}, {310, 17}, 5, true},
+                                       {{146.82, 15}, {298, 17}, 5, true},
+                                       {{183.48, 19}, {32, 17}, 5, true},
+                                       {{170.33, 19}, {20, 17}, 5, true}});
+    EXPECT_TRUE(plan.stranded.empty()) << depth << " deep";
+  }
+}
+
 TEST(JointPlan, ClinchAtThePocketsMouth) {
   OccupancyMap map = open_map(240, 64);
   block(map, 0, 0, 240, 64);
