@@ -12,11 +12,24 @@ namespace coppice {
 
 CLI::Validator a_discovery() {
   const auto problem = [](const std::string& text) -> std::string {
-    static const std::regex known("multicast|static|[^:;]+:[0-9]{1,5}(;[^:;]+:[0-9]{1,5})*");
+    // Ports are from 1 to 65535.
+    static const std::string server(
+        "[^:;]+:0*([1-9][0-9]{0,3}|[1-5][0-9]{4}|6[0-4][0-9]{3}|65[0-4][0-9]{2}|655[0-2][0-9]|6553[0-5])");
+    static const std::regex known("multicast|static|" + server + "(;" + server + ")*");
     if (std::regex_match(text, known)) return {};
-    return text + " is no way to find others, expected multicast, static or HOST:PORT;...";
+    return text +
+           " is no way to find others, expected multicast, static or HOST:PORT;..., with ports from 1 to "
+           "65535";
   };
   return {problem, "multicast|static|HOST:PORT"};
+}
+
+CLI::Validator a_folder_name() {
+  return {[](const std::string& text) {
+            return text.empty() ? std::string("is empty, expected a folder: an unset variable?")
+                                : std::string();
+          },
+          "FOLDER"};
 }
 
 void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of_service) {
@@ -63,12 +76,14 @@ void add_process_options(CLI::App& app, ProcessOptions& options) {
                  "multicast, static, or discovery servers: HOST:PORT, several with ; between them")
       ->check(a_discovery());
   app.add_option("--security", options.network.security,
-                 "turns DDS-Security on: folder with this role's credentials");
+                 "turns DDS-Security on: folder with this role's credentials")
+      ->check(a_folder_name());
   app.add_option("--datagram", options.network.largest_datagram,
                  "largest UDP datagram, bytes: the default fits every network")
       ->check(CLI::Range(datagram_for_networks, datagram_for_one_host));
   app.add_option("--state", options.state,
-                 "folder in which it keeps what it needs to go on if it is started anew");
+                 "folder in which it keeps what it needs to go on if it is started anew")
+      ->check(a_folder_name());
   app.add_option("--alive", options.alive,
                  "file that is touched every second while all is well: for health checks");
   app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")

@@ -38,6 +38,8 @@ void check_ros(const RosOptions& options, const std::string& discovery, const st
 
 /// Of an option that says how processes find each other (DdsSettings::discovery).
 CLI::Validator a_discovery();
+/// Of an option that names a folder: not empty, as of a variable that is not set.
+CLI::Validator a_folder_name();
 
 /// Values out of range are usage errors.
 void add_process_options(CLI::App& app, ProcessOptions& options);

@@ -5,10 +5,18 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "files/number_check.h"
 
 namespace coppice {
 
 namespace {
+
+// More than that is no fault but another world, and its schedule takes for ever to draw.
+constexpr double most_an_hour = 3600;
+constexpr double shortest = 1e-3;  // seconds
+constexpr double longest = 1e5;    // likewise
 
 /// Two parts around the last `separator`; throws a usage error that names the option and what it expects.
 std::pair<std::string, std::string> split(const std::string& text, char separator, const std::string& option,
@@ -21,8 +29,9 @@ std::pair<std::string, std::string> split(const std::string& text, char separato
 double seconds(const std::string& text, const std::string& option) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0))
-    throw CLI::ValidationError(option, "'" + text + "' is not a number of seconds");
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= longest))
+    throw CLI::ValidationError(option,
+                               fmt::format("'{}' is not a number of seconds, up to {}", text, longest));
   return value;
 }
 
@@ -43,34 +52,38 @@ void add_fault_options(CLI::App& command, Faults& faults) {
     };
     command.add_option_function<std::vector<std::string>>(name, take_all, what)
         ->type_name(expected)
-        ->group(group);
+        ->group(group)
+        ->allow_extra_args(false);
   };
   number("--loss", faults.bus.loss, "share of the samples that are lost; reliable ones are sent again")
-      ->check(CLI::Range(0.0, 0.95));
-  number("--delay", faults.bus.delay, "of every sample, seconds")->check(CLI::Range(0.0, 60.0));
+      ->check(number_between(0, 0.95));
+  number("--delay", faults.bus.delay, "of every sample, seconds")->check(number_between(0, 60));
   number("--jitter", faults.bus.jitter, "by which a delay may differ either way, seconds")
-      ->check(CLI::Range(0.0, 60.0));
+      ->check(number_between(0, 60));
   number("--duplicate", faults.bus.duplicate, "share of the samples that arrive twice")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_between(0, 1));
   command.add_flag("--reorder", faults.bus.reorder, "samples of one sender may overtake each other")
       ->group(group);
   number("--kill-rate", faults.kill_rate, "agents killed, for each robot and hour")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_between(0, most_an_hour));
   pairs("--kill", '@', "ROBOT@SECONDS", "an agent to kill and when",
         [&faults](const std::string& robot, const std::string& time) {
           faults.kills.push_back({robot, seconds(time, "--kill")});
         });
   number("--restart-after", faults.restart_after,
          "seconds after which the process of a killed agent is started anew; without: never")
-      ->check(CLI::PositiveNumber);
+      ->check(number_between(shortest, longest));
   number("--pause-rate", faults.pause_rate, "agents that stop for a while, for each robot and hour")
-      ->check(CLI::NonNegativeNumber);
-  number("--pause", faults.pause, "how long, seconds")->check(CLI::PositiveNumber);
+      ->check(number_between(0, most_an_hour));
+  number("--pause", faults.pause, "how long, seconds")->check(number_between(shortest, longest));
   number("--clock-skew", faults.clock_skew, "by which an agent's clock may be wrong, seconds")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_between(0, longest));
   pairs("--partition", ':', "FROM:UNTIL", "a time in which the fleet is cut in two, seconds",
         [&faults](const std::string& from, const std::string& until) {
-          faults.bus.partitions.push_back({seconds(from, "--partition"), seconds(until, "--partition")});
+          const double begin = seconds(from, "--partition");
+          const double end = seconds(until, "--partition");
+          if (begin >= end) throw CLI::ValidationError("--partition", from + " is not before " + until);
+          faults.bus.partitions.push_back({begin, end});
         });
 }
 

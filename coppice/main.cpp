@@ -11,6 +11,7 @@
 #include "coppice/commands.h"
 #include "coppice/fault_options.h"
 #include "coppice/watching_options.h"
+#include "files/number_check.h"
 #include "files/run_options.h"
 #include "files/scenario_generator.h"
 #include "planning/quantities.h"
@@ -35,10 +36,12 @@ int main(int argc, char** argv) {
                   "endpoints: for large fleets); or discovery servers, several with ; between them")
       ->check(a_discovery());
   run->add_option(
-      "--security", fleet.security,
-      "turns DDS-Security on: folder with the credentials of all roles (deploy/security/make-keys)");
+         "--security", fleet.security,
+         "turns DDS-Security on: folder with the credentials of all roles (deploy/security/make-keys)")
+      ->check(a_folder_name());
   run->add_option("--state", fleet.state,
-                  "folder in which processes keep what they need to go on if they are started anew");
+                  "folder in which processes keep what they need to go on if they are started anew")
+      ->check(a_folder_name());
   run->add_flag("--standby", fleet.standby, "a second broker that takes over if the first is gone");
   run->add_flag("--restart", fleet.restart, "processes that end early are started again, and go on");
   add_recording_options(*run, fleet.record, "recording of all that the fleet says (MCAP)");
@@ -62,8 +65,10 @@ int main(int argc, char** argv) {
   doctor->add_option("--robots", plan_of_fleet.robots, "that are to run on this machine")
       ->check(CLI::Range(1, 100000));
   doctor->add_option("--domain", plan_of_fleet.domain, "DDS domain")->check(CLI::Range(0, 232));
-  doctor->add_option("--discovery", plan_of_fleet.discovery,
-                     "as the fleet will be told; through servers needs no multicast");
+  doctor
+      ->add_option("--discovery", plan_of_fleet.discovery,
+                   "as the fleet will be told; through servers needs no multicast")
+      ->check(a_discovery());
   doctor->callback([&] { exit_code = doctor_command(plan_of_fleet); });
   auto* simulate = app.add_subcommand("simulate", "the same roles in one process on a virtual clock");
   add_run_options(*simulate, options);
@@ -75,7 +80,7 @@ int main(int argc, char** argv) {
   FuzzOptions fuzz;
   auto* hunt = app.add_subcommand("fuzz", "simulate scenarios and faults drawn from consecutive seeds");
   hunt->add_option("--hours", fuzz.robot_hours, "robot-hours of fleet time to simulate")
-      ->check(CLI::PositiveNumber);
+      ->check(number_above_zero());
   hunt->add_option("--seed", fuzz.first_seed, "the first one");
   hunt->add_flag("--restarts", fuzz.restarts, "agents are killed and started anew, too");
   auto* again = hunt->add_option("--replay", fuzz.replay, "only the case of this seed; writes its files");
@@ -99,8 +104,8 @@ int main(int argc, char** argv) {
   generate->add_option("--height", map.height, "cells");
   generate->add_option("--seed", map.seed, "of every random choice");
   generate->add_option("--robots", map.robots, "robots")->check(CLI::Range(1, 100000));
-  generate->add_option("--radius", map.radius, "of the robots, metres")->check(CLI::PositiveNumber);
-  generate->add_option("--max-speed", map.max_speed, "of the robots, m/s")->check(CLI::PositiveNumber);
+  generate->add_option("--radius", map.radius, "of the robots, metres")->check(number_above_zero());
+  generate->add_option("--max-speed", map.max_speed, "of the robots, m/s")->check(number_above_zero());
   generate->callback([&] { exit_code = map_command(map); });
 
   BenchOptions bench;
@@ -114,16 +119,18 @@ int main(int argc, char** argv) {
   experiments->add_option("--robots", bench.robots, "numbers of robots")
       ->delimiter(',')
       ->check(CLI::Range(1, 1000));
-  experiments->add_option("--radius", bench.radius, "of the robots, metres")->check(CLI::PositiveNumber);
+  experiments->add_option("--radius", bench.radius, "of the robots, metres")->check(number_above_zero());
   experiments->add_option("--seeds", bench.seeds, "trials of each")->check(CLI::Range(1, 1000000));
   experiments->add_option("--seed", bench.first_seed, "the first one");
   experiments->add_option("--output", bench.output, "folder for the results")->check(CLI::ExistingDirectory);
   experiments
       ->add_option("--time-scale", bench.time_scale,
                    "of scale: fleet seconds a wall second, instead of 1 for up to 50 robots")
-      ->check(CLI::Range(least_quantity, largest_time_scale));
-  experiments->add_option("--discovery", bench.discovery, "of scale: as for coppice run");
-  experiments->add_option("--security", bench.security, "of scale: as for coppice run");
+      ->check(number_between(least_quantity, largest_time_scale));
+  experiments->add_option("--discovery", bench.discovery, "of scale: as for coppice run")
+      ->check(a_folder_name());
+  experiments->add_option("--security", bench.security, "of scale: as for coppice run")
+      ->check(a_folder_name());
   experiments->add_option("--report", bench.report, "of scale: write the results (JSON)");
   experiments->callback([&] { exit_code = bench_command(bench, "/proc/self/exe"); });
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bus/process_options.h"
+#include "files/number_check.h"
 #include "monitor/fleet_table.h"
 #include "planning/quantities.h"
 
@@ -17,7 +18,8 @@ constexpr double highest_frame_rate = 120;
 void add_network_options(CLI::App& command, DdsSettings& network, const std::string& role) {
   command.add_option("--domain", network.domain, "DDS domain")->check(CLI::Range(0, 232));
   command.add_option("--discovery", network.discovery, "as the fleet was told")->check(a_discovery());
-  command.add_option("--security", network.security, "folder with the " + role + "'s credentials");
+  command.add_option("--security", network.security, "folder with the " + role + "'s credentials")
+      ->check(a_folder_name());
 }
 
 void add_monitor(CLI::App& app, MonitorOptions& options, int& exit_code) {
@@ -53,7 +55,7 @@ void add_recordings(CLI::App& app, WatchingOptions& options, int& exit_code) {
   record->add_option("file", options.record.file, "recording to write")->required();
   add_network_options(*record, options.record.network, "observer");
   record->add_option("--duration", options.record.duration, "seconds; without: until it is told to stop")
-      ->check(CLI::PositiveNumber);
+      ->check(number_above_zero());
   record->add_flag("--force", options.record.force, "replaces a file that is there");
   record->callback([&] { exit_code = record_command(options.record); });
 
@@ -65,9 +67,9 @@ void add_recordings(CLI::App& app, WatchingOptions& options, int& exit_code) {
   replay->add_option("file", options.replay.file, "recording")->required();
   add_network_options(*replay, options.replay.network, "replayer");
   replay->add_option("--speed", options.replay.speed, "recorded seconds a second")
-      ->check(CLI::Range(least_quantity, largest_time_scale));
+      ->check(number_between(least_quantity, largest_time_scale));
   replay->add_option("--from", options.replay.from, "seconds after its beginning")
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_not_negative());
   replay->callback([&] { exit_code = replay_command(options.replay); });
 }
 
@@ -84,10 +86,10 @@ void add_picture(CLI::App& app, PictureOptions& options, int& exit_code) {
   picture->add_option("--until", options.until, "fleet seconds")->needs(movie);
   picture->add_option("--fps", options.frame_rate, "frames a second")
       ->needs(movie)
-      ->check(CLI::Range(least_quantity, highest_frame_rate));
+      ->check(number_between(least_quantity, highest_frame_rate));
   picture->add_option("--speed", options.speed, "fleet seconds a second")
       ->needs(movie)
-      ->check(CLI::Range(least_quantity, largest_time_scale));
+      ->check(number_between(least_quantity, largest_time_scale));
   picture->add_flag("--quiet", options.quiet, "says nothing");
   picture->callback([&] { exit_code = picture_command(options); });
 }

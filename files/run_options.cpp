@@ -1,54 +1,35 @@
 #include "files/run_options.h"
 
-#include <cmath>
-
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
+#include "files/number_check.h"
 #include "files/report_file.h"
 #include "planning/quantities.h"
 
 namespace coppice {
-
-namespace {
-
-/// Above 0 and finite: what radii, speeds, scales and times have in common.
-std::string problem_with_budget(std::string& text) {
-  double value = 0;
-  const bool fine = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
-  return fine ? std::string() : fmt::format("{} is not allowed, expected a number of at least 0", text);
-}
-const CLI::Validator not_negative(problem_with_budget, "NUMBER>=0");
-
-const CLI::Validator above_zero(
-    [](std::string& text) {
-      double value = 0;
-      const bool fine = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
-      return fine ? std::string() : fmt::format("{} is not allowed, expected a number above 0", text);
-    },
-    "NUMBER>0");
-
-}  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("scenario", options.scenario, "scenario (.json) or Moving AI scenario (.scen)")
       ->required();
   command.add_option("--robots", options.overrides.robots, "only the first N robots")
       ->check(CLI::Range(1, 100000));
-  command.add_option("--radius", options.overrides.radius, "of every robot, metres")->check(above_zero);
-  command.add_option("--max-speed", options.overrides.max_speed, "of every robot, m/s")->check(above_zero);
+  command.add_option("--radius", options.overrides.radius, "of every robot, metres")
+      ->check(number_above_zero());
+  command.add_option("--max-speed", options.overrides.max_speed, "of every robot, m/s")
+      ->check(number_above_zero());
   command.add_option("--seed", options.overrides.seed, "of every random choice");
   command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")
-      ->check(CLI::Range(least_quantity, largest_time_scale));
-  command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")->check(above_zero);
+      ->check(number_between(least_quantity, largest_time_scale));
+  command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")
+      ->check(number_above_zero());
   command
       .add_option("--lifelong", options.lifelong,
                   "fleet seconds in which every robot that arrives gets a new goal, drawn at random")
-      ->check(not_negative);
+      ->check(number_not_negative());
   command
       .add_option("--plan-budget", options.plan_budget,
                   "seconds to look for shorter paths after the first; 0: none")
-      ->check(not_negative);
+      ->check(number_not_negative());
   command.add_option("--report", options.report, "write the report (JSON)");
   command.add_option("--trajectory", options.trajectory, "write every control step (CSV)");
   command.add_option("--picture", options.picture, "write a picture (SVG)");

@@ -197,6 +197,8 @@ void mixed(Scenario& scenario, int robots, Random& random) {
     add_robot(scenario, start, goal, random.uniform(2, 8), random.uniform(5, 20));
 }
 
+constexpr int most_by_chance = 100'000;  // what there is room for turns out when they are drawn
+
 using Maker = std::function<void(Scenario&, int, Random&)>;
 struct Entry {
   ScenarioKind kind;
@@ -205,28 +207,29 @@ struct Entry {
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all{
-      {{"circle", 10, "circle swap"}, circle_swap},
-      {{"pocket-14", 2, "head-on in a corridor 14 wide, a pocket at its side"},
+      {{"circle", 10, 2000, "circle swap"}, circle_swap},
+      {{"pocket-14", 2, 2, "head-on in a corridor 14 wide, a pocket at its side"},
        [](Scenario& s, int, Random& r) { pocket(s, 14, r); }},
-      {{"pocket-18", 2, "the same, 18 wide"}, [](Scenario& s, int, Random& r) { pocket(s, 18, r); }},
-      {{"loop-14", 2, "head-on in a corridor 14 wide, a long way round"},
+      {{"pocket-18", 2, 2, "the same, 18 wide"}, [](Scenario& s, int, Random& r) { pocket(s, 18, r); }},
+      {{"loop-14", 2, 2, "head-on in a corridor 14 wide, a long way round"},
        [](Scenario& s, int, Random& r) { loop(s, 14, r); }},
-      {{"loop-18", 2, "the same, 18 wide"}, [](Scenario& s, int, Random& r) { loop(s, 18, r); }},
-      {{"corridor-24", 10, "half against half through a corridor 24 wide"},
+      {{"loop-18", 2, 2, "the same, 18 wide"}, [](Scenario& s, int, Random& r) { loop(s, 18, r); }},
+      {{"corridor-24", 10, 154, "half against half through a corridor 24 wide"},
        [](Scenario& s, int n, Random& r) { halls(s, n, 24, 160, r); }},
-      {{"corridor-40", 20, "the same, 40 wide"},
+      {{"corridor-40", 20, 154, "the same, 40 wide"},
        [](Scenario& s, int n, Random& r) { halls(s, n, 40, 160, r); }},
-      {{"door-14", 10, "half against half through a door 14 wide"},
+      {{"door-14", 10, 154, "half against half through a door 14 wide"},
        [](Scenario& s, int n, Random& r) { halls(s, n, 14, 4, r); }},
-      {{"door-20", 20, "the same, 20 wide"}, [](Scenario& s, int n, Random& r) { halls(s, n, 20, 4, r); }},
-      {{"crossing", 40, "four streams where two corridors 24 wide cross"}, crossing},
-      {{"rooms", 20, "rooms, anywhere to anywhere"},
+      {{"door-20", 20, 154, "the same, 20 wide"},
+       [](Scenario& s, int n, Random& r) { halls(s, n, 20, 4, r); }},
+      {{"crossing", 40, 128, "four streams where two corridors 24 wide cross"}, crossing},
+      {{"rooms", 20, most_by_chance, "rooms, anywhere to anywhere"},
        [](Scenario& s, int n, Random& r) { random_goals(s, MapKind::room, n, r); }},
-      {{"maze", 10, "a maze, anywhere to anywhere"},
+      {{"maze", 10, most_by_chance, "a maze, anywhere to anywhere"},
        [](Scenario& s, int n, Random& r) { random_goals(s, MapKind::maze, n, r); }},
-      {{"warehouse", 30, "aisles one robot wide, from slot to slot"}, warehouse},
-      {{"dead-end", 6, "a dead end that fills in the wrong order"}, dead_end},
-      {{"mixed", 30, "radii 2 to 8, speeds 5 to 20, dense obstacles"}, mixed},
+      {{"warehouse", 30, 80, "aisles one robot wide, from slot to slot"}, warehouse},
+      {{"dead-end", 6, 10, "a dead end that fills in the wrong order"}, dead_end},
+      {{"mixed", 30, most_by_chance, "radii 2 to 8, speeds 5 to 20, dense obstacles"}, mixed},
   };
   return all;
 }
@@ -245,6 +248,8 @@ const std::vector<ScenarioKind>& scenario_kinds() {
 Scenario make_scenario(const std::string& name, int robots, std::uint32_t seed) {
   const auto entry = std::ranges::find(entries(), name, [](const Entry& e) { return e.kind.name; });
   if (entry == entries().end()) throw InputError(fmt::format("there is no kind of scenario \"{}\"", name));
+  if (robots > entry->kind.most)
+    throw InputError(fmt::format("{} has room for {} robots, not for {}", name, entry->kind.most, robots));
   Random random(seed);
   Scenario scenario{.map_name = name + ".map", .map = {}, .seed = seed, .robots = {}};
   try {

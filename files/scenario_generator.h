@@ -12,10 +12,11 @@
 
 namespace coppice {
 
-/// The names that make_scenario knows, with the number of robots that each is meant for first.
+/// What make_scenario knows.
 struct ScenarioKind {
   std::string name;
-  int robots;
+  int robots;  ///< that it is meant for first
+  int most;    ///< robots that there is room for
   std::string what;
 };
 const std::vector<ScenarioKind>& scenario_kinds();

@@ -16,8 +16,9 @@ namespace {
 constexpr std::size_t configurations_a_step = 1000;
 constexpr std::size_t first_try = 5'000;  // configurations; hardly a search that finds anything needs more
 constexpr std::size_t most_configurations = 100'000;
-constexpr std::size_t intricate =
-    12;  // robots: with more the search for refuges takes long, and hardly finds what LaCAM has not
+// Robots that want to go somewhere: with more, the search for refuges takes long, and hardly finds what LaCAM
+// has not.
+constexpr std::ptrdiff_t intricate = 12;
 constexpr double clinch = 2.2;      // radii between centres, and less
 constexpr double step_aside = 0.5;  // likewise
 constexpr int directions = 8;
@@ -98,7 +99,9 @@ std::vector<Point2> JointPlanner::elbow_room() const {
 
 bool JointPlanner::step() {
   if (crowd_) return search_crowd();
-  if (partial_ && movable_.size() > intricate) return take_up(*std::move(partial_));
+  const auto wants_to_move = [](const JointTask& t) { return t.movable && t.position != t.goal; };
+  if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
+    return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);
   if (!refuges_->step()) return false;
   const bool better = !partial_ || refuges_->plan().stranded.size() <= partial_->stranded.size();

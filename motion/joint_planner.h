@@ -2,9 +2,9 @@
 // crowds at once. Where that finds nothing in bounded time, robots may stand in a clinch: side by side, so
 // that neither can take a way to another place without touching the other. So it has a second try on more
 // places: a step away from robots that did not get away, and sidings. Where that finds nothing either, and
-// for robots of several sizes, it is the slower search for refuges (push_and_rotate.h), unless the crowd is
-// too large for that: then it is what brings the most robots to their goals, and the others call again from
-// where they stand then.
+// for robots of several sizes, it is the slower search for refuges (push_and_rotate.h), unless too
+// many want to go somewhere: then it is what brings the most robots to their goals, and the others call again
+// from where they stand then.
 //
 // Metres in the map frame.
 #pragma once

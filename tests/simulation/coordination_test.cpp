@@ -85,6 +85,13 @@ TEST(Coordination, WhatCannotBeSortedOutIsTold) {
 TEST(Coordination, UnknownKindsAndTooManyRobotsAreErrors) {
   EXPECT_THROW(make_scenario("nothing", 2, 1), InputError);
   EXPECT_THROW(make_scenario("rooms", 100'000, 1), InputError);
+  for (const ScenarioKind& kind : scenario_kinds()) {
+    if (kind.most < 1000) {
+      EXPECT_EQ(make_scenario(kind.name, kind.most, 1).robots.size(), static_cast<std::size_t>(kind.most))
+          << kind.name;
+      EXPECT_THROW(make_scenario(kind.name, kind.most + 1, 1), InputError) << kind.name;
+    }
+  }
 }
 
 }  // namespace
