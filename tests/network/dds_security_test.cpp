@@ -65,7 +65,8 @@ class Security : public testing::Test {
     eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(separate);
     folder = std::make_unique<test::TemporaryFolder>();
     for (const char* keys : {"ours", "theirs"}) {
-      const test::Outcome made = test::shell(make_keys("'" + (folder->path() / keys).string() + "'"));
+      const test::Outcome made =
+          test::shell(make_keys("'" + (folder->path() / keys).string() + "' --with-replayer"));
       ASSERT_EQ(made.exit_code, 0) << made.output;
     }
   }

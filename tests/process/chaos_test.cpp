@@ -89,6 +89,12 @@ Use use_of(pid_t pid) {
   return use;
 }
 
+int count_of(const std::string& what, const std::string& text) {
+  int count = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
 /// Ids of all trees that an observer has by then.
 std::set<TreeId> trees_within(DdsBus& observer, std::chrono::milliseconds time, std::set<TreeId> known = {}) {
   const auto end = Clock::now() + time;
@@ -144,9 +150,11 @@ TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
     }
     trees =
         trees_within(observer, std::chrono::milliseconds(2000 + 1000 * random.index(3)), std::move(trees));
-    for (const auto& child : test::children_of(run.process.pid())) {
-      Use& most = (share() < 0.4 ? early : late)[child.name];
-      const Use now = use_of(child.pid);
+    auto all = test::children_of(run.process.pid());
+    all.push_back({.pid = run.process.pid(), .name = "coppice"});  // it lives all the time
+    for (const auto& process : all) {
+      Use& most = (share() < 0.4 ? early : late)[process.name];
+      const Use now = use_of(process.pid);
       most = {std::max(most.files, now.files), std::max(most.megabytes, now.megabytes)};
     }
   }
@@ -166,6 +174,10 @@ TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
   EXPECT_FALSE(trees.empty());
 
   EXPECT_EQ(run.process.wait(), 0) << run.log();
+  int killed = 0;
+  for (const auto& [role, count] : kills) killed += count;
+  EXPECT_EQ(count_of("ended early", run.log()), killed) << "somebody ended by itself\n" << run.log();
+  EXPECT_EQ(count_of("ended early, exit code 137", run.log()), killed) << run.log();
   const proto::Report report = read_report(run.file("report.json"));
   EXPECT_EQ(report.outcome(), "arrived");
   EXPECT_GT(report.missions(), 8u);

@@ -33,7 +33,7 @@ class SecurityFiles : public testing::Test {
   static void SetUpTestSuite() {
     folder = std::make_unique<test::TemporaryFolder>();
     for (const char* keys : {"ours", "theirs"})
-      ASSERT_EQ(make_keys("'" + (folder->path() / keys).string() + "'").exit_code, 0);
+      ASSERT_EQ(make_keys("'" + (folder->path() / keys).string() + "' --with-replayer").exit_code, 0);
   }
   static void TearDownTestSuite() { folder.reset(); }
 
@@ -63,6 +63,20 @@ TEST_F(SecurityFiles, BadArgumentsOfMakeKeysAreToldAndMakeNothing) {
         << arguments << ": " << outcome.output;
   }
   EXPECT_FALSE(fs::exists(out));
+}
+
+// It may write every topic.
+TEST_F(SecurityFiles, AReplayerGetsCredentialsOnlyIfAskedFor) {
+  const fs::path out = folder->path() / "fleet";
+  const std::string named = "'" + out.string() + "'";
+  ASSERT_EQ(make_keys(named).exit_code, 0);
+  EXPECT_TRUE(fs::exists(out / "observer"));
+  EXPECT_FALSE(fs::exists(out / "replayer"));
+  EXPECT_EQ(make_keys(named + " --renew replayer").exit_code, 2);
+  ASSERT_EQ(make_keys(named + " --renew all").exit_code, 0);
+  EXPECT_FALSE(fs::exists(out / "replayer"));
+  ASSERT_EQ(make_keys(named + " --with-replayer").exit_code, 0);
+  EXPECT_TRUE(fs::exists(out / "replayer" / "permissions.p7s"));
 }
 
 TEST_F(SecurityFiles, PrivateKeysAreTheOwnersAndThoseOfTheAuthoritiesStayWithThem) {
