@@ -16,7 +16,7 @@ constexpr float unreachable = std::numeric_limits<float>::infinity();
 constexpr double detour_for_a_free_way = 0.3;
 constexpr double indifference = 0.01;
 // Depth first it may lose itself in a corridor where who is to wait must first go far the other way: so it
-// goes on from any configuration now and then (as Okumura's Engineering LaCAM*, 2024, section 4, does).
+// goes on from any configuration now and then (as Okumura's Engineering LaCAM*, 2024, does).
 // Configurations.
 constexpr std::size_t before_it_is_stuck = 1000;
 constexpr std::size_t between_looks_back = 50;

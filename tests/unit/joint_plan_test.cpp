@@ -125,7 +125,6 @@ TEST(JointPlan, PocketLetsOnePass) {
   EXPECT_TRUE(plan.stranded.empty());
 }
 
-// Each blocks the moves by which the other would make way: first somebody must step back.
 /// A corridor 14 wide and closed at its ends, with pockets 16 wide whose left walls are at `pockets`.
 OccupancyMap corridor_with_pockets(int length, std::initializer_list<int> pockets, int depth) {
   OccupancyMap map = open_map(length, 60);
@@ -158,6 +157,7 @@ TEST(JointPlan, TwoPocketsLetTwoPassTwo) {
   }
 }
 
+// Each blocks the moves by which the other would make way: first somebody must step back.
 TEST(JointPlan, ClinchAtThePocketsMouth) {
   OccupancyMap map = open_map(240, 64);
   block(map, 0, 0, 240, 64);
@@ -174,6 +174,28 @@ TEST(JointPlan, NoPocketStrandsThem) {
   block(map, 0, 20, 200, 34, false);
   const JointPlan plan = solve(map, {{{10, 27}, {190, 27}, 5}, {{190, 27}, {10, 27}, 5}});
   EXPECT_EQ(plan.stranded.size(), 2u);
+}
+
+// Two can never pass each other; that keeps none of the others from its goal.
+TEST(JointPlan, ALargeCrowdIsSortedOutAsFarAsItGoes) {
+  OccupancyMap map = open_map(300, 300);
+  block(map, 0, 0, 300, 60);
+  block(map, 10, 20, 290, 34, false);
+  std::vector<JointTask> tasks{{{100, 27}, {200, 27}, 5}, {{200, 27}, {100, 27}, 5}};
+  for (int k = 0; k < 14; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 14;
+    const Point2 out = 80 * Point2(std::cos(angle), std::sin(angle));
+    tasks.push_back({Point2(150, 180) + out, Point2(150, 180) - out, 5});
+  }
+  const JointPlan plan = solve(map, tasks);
+  ASSERT_EQ(plan.stranded.size(), 1u);  // one makes room for the other
+  EXPECT_LE(plan.stranded.front(), 1u);
+  const ClearanceField field(map);
+  PlacesOfMap places(field);
+  JointPlanner planner(places, tasks, Random(1));
+  int steps = 1;
+  while (!planner.step()) ++steps;
+  EXPECT_LT(steps, 110);  // and nobody looks for refuges
 }
 
 TEST(JointPlan, FiveAgainstFiveInACorridor) {
