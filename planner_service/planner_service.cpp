@@ -20,7 +20,8 @@ constexpr WallTime agent_lease = 5;  // seconds without a status: the agent coun
 constexpr WallTime longest_split = 30;
 constexpr WallTime absence = 2;      // seconds without a status that are no chance
 constexpr WallTime longest_nap = 1;  // seconds between two steps: while it sleeps longer nobody is silent
-constexpr WallTime first_sign_lease = 30;  // seconds until an agent must have appeared at all
+// One that is lost may only be cut off, or paused, and come back: for so long a run does not end without it.
+constexpr WallTime longest_cut = 60;
 constexpr WallTime longest_wait_for_tracks = 3;
 constexpr WallTime longest_wait_for_forest = 3;
 constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
@@ -52,8 +53,9 @@ bool PlannerService::Robot::at_goal(const std::optional<TrackPoint>& last) const
   return !began_anew && last && (last->position - task.goal).norm() <= task.goal_tolerance;
 }
 
-bool PlannerService::Robot::done() const {
-  return lost || began_anew || arrived() || (status && status->phase == Phase::no_path);
+bool PlannerService::Robot::done(WallTime now) const {
+  const bool gone = lost && (!status || now - last_heard > longest_cut);
+  return gone || began_anew || arrived() || (status && status->phase == Phase::no_path);
 }
 
 PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now,
@@ -374,7 +376,7 @@ void PlannerService::watch_liveliness(WallTime now) {
   }
   const WallTime lease = absent > 1 ? longest_split : agent_lease;
   for (auto& [name, robot] : robots_) {
-    robot.lost = robot.lost || now - robot.last_heard > (robot.status ? lease : first_sign_lease);
+    robot.lost = robot.lost || now - robot.last_heard > (robot.status ? lease : longest_cut);
   }
 }
 
@@ -382,7 +384,7 @@ bool PlannerService::run_is_over(WallTime now) {
   if (settings_.waits_for_goals) return interrupted_;
   timed_out_ = missions_published_ && clock_.fleet_time(now) > settings_.timeout;
   return interrupted_ || timed_out_ ||
-         std::ranges::all_of(robots_, [](const auto& entry) { return entry.second.done(); });
+         std::ranges::all_of(robots_, [&](const auto& entry) { return entry.second.done(now); });
 }
 
 /// After the end every living agent says in its last status how many points there are in all.
