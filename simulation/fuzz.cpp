@@ -19,6 +19,7 @@ namespace {
 constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
 constexpr double max_speed = 20;
+constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as dead
 
 /// Any of the kinds that try coordination, or a random map with random tasks.
 Scenario draw_scenario(std::uint32_t seed, Random& random) {
@@ -61,6 +62,10 @@ Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
     const RobotTask& victim = scenario.robots[random.index(scenario.robots.size())];
     faults.kills.push_back({victim.name, random.uniform(0, 40)});
   }
+  if (random.uniform() < 0.3) {
+    const double from = random.uniform(0, 20);
+    faults.bus.partitions.push_back({from, from + random.uniform(0.5, longest_cut)});
+  }
   return faults;
 }
 
@@ -74,6 +79,8 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
   if (faults.kill_rate > 0)
     text +=
         fmt::format(", {:.0f} kills/h, started anew {:.2f} s later", faults.kill_rate, faults.restart_after);
+  for (const Partition& cut : faults.bus.partitions)
+    text += fmt::format(", in two pieces from {:.2f} to {:.2f} s", cut.from, cut.until);
   for (const Faults::Kill& kill : faults.kills)
     text += fmt::format(", {} killed at {:.2f} s", kill.robot, kill.time);
   return text;
@@ -160,7 +167,10 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
     if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
     const bool shut_in = somebody_died && !(*sorted_out)[i];
-    std::vector<std::string>& list = shut_in ? result.shut_in : result.failures;
+    // What it knew of the dead died with its own process, and with all others.
+    const bool ignorant = somebody_died && simulation.suffered().restarts > 0 &&
+                          robot.reason().find("nobody who is alive knows") != std::string::npos;
+    std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;
     list.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
   }
   return result;

@@ -27,7 +27,8 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts = false);
 
 struct FuzzResult {
   std::vector<std::string> failures;  ///< empty: survived
-  std::vector<std::string> shut_in;   ///< stuck, but no joint plan was found that brings it past the dead
+  /// Stuck, but no joint plan was found that brings it past the dead, or nobody knows where these are.
+  std::vector<std::string> shut_in;
   double robot_hours = 0;
   SufferedFaults suffered;
 };
