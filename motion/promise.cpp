@@ -53,8 +53,8 @@ class NeighbourRegion {
     if (t1 + e <= c.expiry) {
       const Point2 from = committed(t0);
       // One that stands may have been found to stand a hair too close: there is a way out.
-      const double least =
-          committed_speed > 0 ? reach_ + e * committed_speed : std::min(reach_, (a0 - from).norm());
+      const bool stands = committed_speed == 0 && !n_.doubtful;
+      const double least = stands ? std::min(reach_, (a0 - from).norm()) : reach_ + e * committed_speed;
       return closest_approach(a0, a1, from, committed(t1)) >= least;
     }
     const double since = t1 + e - c.expiry;

@@ -45,6 +45,8 @@ struct Neighbour {
   Limits limits;
   double clock_error =
       0;  ///< seconds by which the commitment's times may be off, either way; may be infinite
+  /// A smaller robot that may be anywhere within the radius: none who finds itself inside moves at all.
+  bool doubtful = false;
 };
 
 /// Where a robot stands in the end that brakes in a straight line after its commitment.

@@ -17,8 +17,10 @@ constexpr double period = control_period;
 constexpr WallTime own_silence = 1;
 constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
 constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
-constexpr std::uint32_t beats_between_news_of_the_dead = 4;
-constexpr double decisions_counted = 16;  // of those that may be late: a pause is one
+// Of one that was started anew about where somebody is; then it says that it is stuck.
+constexpr double longest_ignorance = 120;
+constexpr std::uint32_t beats_between_news = 2;  // of the silent
+constexpr double decisions_counted = 16;         // of those that may be late: a pause is one
 constexpr double share_of_overload = 0.25;
 constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;  // knots from one place, likewise
@@ -60,6 +62,8 @@ Point2 leaning_right(const Point2& v, double stalled) {
 void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   if (fleet_now < body_->time()) return;
   bool due = std::exchange(first_control_, false);
+  // Its journal begins with its first state, and so does its track.
+  if (due && fleet_now - body_->time() >= period) pass_over(fleet_now);
   if (fleet_now - body_->time() > grace()) listen_anew(fleet_now);
   // Where it wakes late it leaves out no number, if it drives, and no beat: gaps are what others have lost.
   const std::uint32_t next_beat = sequence_ - sequence_ % standing_stride + standing_stride;
@@ -108,17 +112,25 @@ void RobotAgent::pass_over(double fleet_now) {
 
 void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out) {
   for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
-  if (last_beat_ % beats_between_news_of_the_dead != 0) return;
-  const std::vector<RobotName> newcomers = fleet_.newcomers(fleet_now);
-  if (newcomers.empty()) return;
-  for (RobotState& dead : fleet_.states_of_the_dead()) out.emplace_back(Message(std::move(dead)), newcomers);
+  if (last_beat_ % beats_between_news != 0) return;
+  const std::vector<RobotName> to = fleet_.who_missed_the_news(fleet_now);
+  if (to.empty()) return;
+  for (RobotState& last : fleet_.states_of_the_silent(fleet_now))
+    out.emplace_back(Message(std::move(last)), to);
 }
 
 /// Others may be anywhere by now, and not where their missions begin.
 bool RobotAgent::stands_as_newcomer(double fleet_now) {
-  is_new_ = is_new_ && (fleet_now < heard_again_at_ || !may_set_off(fleet_now));
-  if (is_new_ && body_->stands()) stand_for(fleet_now, waiting_lease);
-  return is_new_;  // its body brakes
+  if (!is_new_) return false;
+  is_new_ = fleet_now < heard_again_at_ || !may_set_off(fleet_now);
+  if (!is_new_) {
+    hope_anew();
+    return false;
+  }
+  if (body_->stands()) stand_for(fleet_now, waiting_lease);
+  if (status_.phase == Phase::driving && fleet_now - mustering_since_ > longest_ignorance)
+    give_up("its agent was started anew, and nobody who is alive knows where all others are");
+  return true;  // its body brakes
 }
 
 /// As in a pause: nothing is decided, and so the body brakes where that is known to be clear.
@@ -191,7 +203,9 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     last_gain_time_ = fleet_now;
   }
   // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
-  if (fleet_now - last_gain_time_ > stall && all_free_around()) knot_.call(self(), fleet_, fleet_now);
+  const bool stalls = fleet_now - last_gain_time_ > stall && all_free_around();
+  if (stalls && !fleet_.doubts(body_->position(), around_radii * body_->radius()))
+    knot_.call(self(), fleet_, fleet_now);
 }
 
 /// Of two that drive side by side each fears that the other turns, and both slow down. The one that is
@@ -242,8 +256,9 @@ void RobotAgent::watch_arrival(double fleet_now) {
     status_.arrival_time = 0;
     enter(Phase::driving);
   }
-  if (fleet_.returns() != returns_) hope_anew();
-  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain)
+  if (fleet_.turns_for_the_better() != turns_for_the_better_) hope_anew();
+  const bool may_become_better = fleet_.doubts(body_->position(), everywhere);
+  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain && !may_become_better)
     return give_up("held up for good: no joint plan has moved it");
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
@@ -255,7 +270,7 @@ void RobotAgent::watch_arrival(double fleet_now) {
     }
     if (status_.arrival_time == 0) status_.arrival_time = body_->time();
     enter(Phase::arrived);
-  } else if (knot_.stranded() && fleet_.all_free(body_->position(), everywhere)) {
+  } else if (knot_.stranded() && !may_become_better && fleet_.all_free(body_->position(), everywhere)) {
     // Where the others are now, another attempt may succeed.
     if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
     give_up("the robots cannot be sorted out: no order of moves brings this one to its goal");
@@ -268,9 +283,9 @@ void RobotAgent::give_up(const char* reason) {
   enter(Phase::no_path);
 }
 
-/// One that counted as dead is back: what it closed may be open.
+/// One that counted as dead is back, or is known to be: what it closed may be open.
 void RobotAgent::hope_anew() {
-  returns_ = fleet_.returns();
+  turns_for_the_better_ = fleet_.turns_for_the_better();
   times_stranded_ = 0;
   knot_.hope_anew();
   if (!std::exchange(gave_up_, false) || status_.phase != Phase::no_path) return;

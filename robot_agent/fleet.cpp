@@ -83,7 +83,10 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     if (state->stamp == p.state->stamp && state->passed_on) hear_again(p, arrived);
     return false;
   }
-  if (std::exchange(p.across, false)) minority_ = false;
+  if (std::exchange(p.across, false)) minority_until_ = 0;
+  if (const double now = clock_.fleet_time(arrived);
+      own_mission_ && !state->passed_on && !state->is_new && was_away(p, now))
+    p.back_at = somebody_back_at_ = now;
   p.said_dead = !p.state && state->counts_as_dead;
   somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
   if (state->is_new) p.introductions = 0;
@@ -91,18 +94,27 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (std::exchange(p.dead, false)) {
     all_known_ = false;
     p.rests.clear();
-    ++returns_;
+    p.doubted_until = 0;
+    ++turns_for_the_better_;
   }
   p.state = std::move(state);
   p.place = p.state->position;
   p.radius = p.state->radius;
   p.max_speed = p.state->max_speed;
+  p.asks = p.state->wants_echo;
   p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
   p.said_again = false;
   p.away_until = 0;
   p.stride_until = 0;
   return true;
+}
+
+void Fleet::begin_anew(std::span<const Heard> silent, double now) {
+  begun_anew_ = true;
+  somebody_back_at_ = now;
+  for (const Heard& last : silent)
+    hear(std::make_shared<const RobotState>(last.state), clock_.wall_time(last.at));
 }
 
 void Fleet::expect(const RobotName& robot) const {
@@ -149,7 +161,9 @@ void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double no
 
 void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& near) const {
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
-  if (p.dead) {
+  if (p.dead && now < p.doubted_until) {
+    near.emplace_back(standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true);
+  } else if (p.dead) {
     for (const Point2& rest : p.rests) near.emplace_back(standing_for_ever_at(rest), p.radius, limits);
   } else if (p.state) {
     near.emplace_back(commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now));

@@ -49,6 +49,12 @@ struct FleetMember {
   double progress = 0;
 };
 
+/// The last state of one that fell silent, and when, at the latest, that was heard: fleet time.
+struct Heard {
+  RobotState state;
+  double at = 0;
+};
+
 class Fleet {
  public:
   explicit Fleet(RobotName self) : self_(std::move(self)) {}
@@ -56,6 +62,10 @@ class Fleet {
   void hear(const Mission& mission, WallTime arrived);
   /// False if it is no news: older than what is known, or of this robot itself.
   bool hear(std::shared_ptr<const RobotState> state, WallTime arrived);
+
+  /// Its process was started anew in mid-run: where others are that have said nothing since, only others
+  /// know, and these of whom it has kept the last states.
+  void begin_anew(std::span<const Heard> silent, double now);
 
   /// Asks memory for what is known of a robot whose state is about to be handed over.
   void expect(const RobotName& robot) const;
@@ -82,8 +92,10 @@ class Fleet {
   void collect_neighbours(const Point2& position, double reach, double horizon, double now, AgeCount& ages,
                           std::vector<Neighbour>& near);
 
-  /// How often one was heard of that counted as dead.
-  std::uint32_t returns() const { return returns_; }
+  /// How often one was heard of that counted as dead, or came to do so beyond doubt.
+  std::uint32_t turns_for_the_better() const { return turns_for_the_better_; }
+  /// One that counts as dead may only be cut off, and so be closer than `reach` to p; or be anywhere.
+  bool doubts(const Point2& p, double reach) const;
 
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
@@ -117,10 +129,10 @@ class Fleet {
   Address address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for, double now);
   /// The last states of those who have just fallen silent.
   std::vector<RobotState> last_words(double now) const;
-  /// Who was started anew in mid-run, and does not know where all others are; and for them the last states of
-  /// those who count as dead.
-  std::vector<RobotName> newcomers(double now) const;
-  std::vector<RobotState> states_of_the_dead() const;
+  /// Who was started anew in mid-run, or out of touch and is back: they may not know where all are, or have
+  /// been last. And what to tell them of those who are silent or count as dead.
+  std::vector<RobotName> who_missed_the_news(double now) const;
+  std::vector<RobotState> states_of_the_silent(double now) const;
 
  private:
   /// Another robot of which there was a state or a mission.
@@ -136,6 +148,7 @@ class Fleet {
     bool is_witness = false;                    ///< of this robot
     bool dead = false;                          ///< counts as dead
     bool waits_for_this = false;                ///< this robot
+    bool asks = false;                          ///< for an echo, and has not got it: it stands if none comes
     bool across = false;                        ///< the larger piece of a network in pieces
 
     // What hearing of it looks at comes second and fills another.
@@ -151,6 +164,9 @@ class Fleet {
     double echo_sent = 0;  ///< the newest stamp that was echoed
     RobotName robot{};
     std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
+    double doubted_until = 0;     ///< fleet time: it may only be cut off, and have driven on until it
+    double strays = 0;            ///< noticed: metres from where it stands else
+    double back_at = 0;           ///< fleet time: it was out of touch, and was heard of again
     std::unique_ptr<const Mission> mission{};
     WallTime said_again_from = 0;  ///< its last state was said again and again: first and last
     WallTime said_again_at = 0;
@@ -189,6 +205,7 @@ class Fleet {
   bool tells_about_knot(const Peer& peer) const;
   bool is_told_about_knot_by(const Peer& peer) const;
   bool tells_at_every_beat(const Peer& peer) const;
+  bool was_away(const Peer& peer, double now) const;
   double explained_silence(const Peer& peer) const;
   double unheard(const Peer& peer, double now) const;
   double silence(const Peer& peer, double now) const;
@@ -202,7 +219,11 @@ class Fleet {
   const Absences& absences(double now);
   void count_absences(double now);
   void count_absence(Peer& peer, double now);
+  bool is_alone(const Absences& count) const;
   bool unheard_by_all(const Absences& count, double now) const;
+  bool silent_alone(const Peer& lost, double now) const;
+  double age_of_last_sign(const Peer& peer, double now) const;
+  void stand_as_minority(bool several_fell_silent, double now);
   void give_up_the_lost(const Absences& count, double now, const ClearanceField& field);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
   void look_at_the_dead(double now);
@@ -210,6 +231,8 @@ class Fleet {
   void bury_who_is_said_to_be_dead(const Absences& count, double now, const ClearanceField& field);
   int unheard_states_of(const Peer& peer, const Absences& count) const;
   void bury(Peer& peer, int unheard, const ClearanceField& field, double now);
+  void doubt(Peer& lost, double now);
+  void end_doubts(double now);
   void add_neighbours(const Peer& peer, double now, std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer) const;
 
@@ -232,13 +255,17 @@ class Fleet {
   double counted_at_ = 0;         ///< fleet time: these, and
   double clock_error_ = 0;        ///< the largest of those alive
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
-  std::uint32_t returns_ = 0;
+  std::uint32_t turns_for_the_better_ = 0;
+  bool doubts_ = false;             ///< anybody
+  double somebody_back_at_ = -1e9;  ///< fleet time
   bool all_known_ = false;  ///< nobody has come since everybody's clock was known, or needed not to be
+  bool begun_anew_ = false;
   bool somebody_missing_ = false;
   bool somebody_said_dead_ = false;
   double next_look_at_the_dead_ = 0;
   bool cut_off_ = false;
-  bool minority_ = false;  ///< those who fell silent at once were more than those who are left
+  /// Fleet time: those who fell silent at once were more than those who are left.
+  double minority_until_ = 0;
 };
 
 }  // namespace coppice

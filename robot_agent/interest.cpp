@@ -53,7 +53,7 @@ int Fleet::stride_to(const Peer& p, double now) const {
 
 /// The same, looked at anew from time to time only.
 int Fleet::stride_at(Peer& p, std::uint32_t turn, double now) const {
-  if (p.is_witness || (holds_in_.epoch > 0 && tells_about_knot(p))) return 1;
+  if (p.is_witness || (holds_in_.epoch > 0 && tells_about_knot(p)) || p.asks) return 1;
   if (turn < p.stride_until) return p.stride;
   p.stride = stride_to(p, now);
   p.stride_until = turn + static_cast<std::uint32_t>(p.stride / looks_a_stride);
@@ -104,13 +104,14 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
   echoes.reserve(echoes_a_state);
   const auto add = [&](Peer& p) {
     p.echo_sent = p.state->stamp;
+    p.asks = false;
     echoes.push_back({p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)});
   };
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
     Peer* p = addressed[(turn + k) % addressed.size()];
     if (!p->state) continue;
     const bool in_time = p->stride < rare || p->state->stamp - p->echo_sent < between_echoes;
-    if (in_time && acquainted(*p) && !p->state->wants_echo) continue;
+    if (in_time && acquainted(*p) && !p->asks) continue;
     add(*p);
     p->introductions += p->clock.known();
   }

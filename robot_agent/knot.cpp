@@ -230,7 +230,8 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
     awaited_ = {waits_for_, waited_for->progress};
     awaited_since_ = now;
   }
-  const bool worth_waiting = waited_for && !waited_for->dead && now - awaited_since_ < longest_wait;
+  const bool worth_waiting = (waited_for && !waited_for->dead && now - awaited_since_ < longest_wait) ||
+                             fleet.doubts(self.position, crowd_radii * self.radius);
   if (follower_->progress() > last_progress_ || worth_waiting) {
     last_progress_ = follower_->progress();
     last_progress_time_ = now;

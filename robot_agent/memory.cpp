@@ -27,9 +27,12 @@ std::optional<Memory> memory_of(std::span<const Message> kept) {
   std::optional<Mission> mission;
   std::optional<Memory> memory;
   std::vector<TrackMessage::Point> seen;
+  std::map<RobotName, Heard> silent;
   for (const Message& message : kept) {
     if (const auto* heard = std::get_if<Mission>(&message)) {
       mission = *heard;
+    } else if (const auto* other = std::get_if<RobotState>(&message); other != nullptr && other->passed_on) {
+      if (memory) silent[other->robot] = {*other, memory->body.time()};
     } else if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && mission) {
       const Driver body(commitment_of(*state, 0), state->radius, limits_of(*state), control_period);
       if (!memory) memory.emplace(*mission, body);
@@ -51,6 +54,7 @@ std::optional<Memory> memory_of(std::span<const Message> kept) {
   if (memory) {
     memory->mission = *mission;
     memory->seen = std::move(seen);
+    for (auto& [robot, last] : silent) memory->silent.push_back(std::move(last));
   }
   return memory;
 }
@@ -68,12 +72,19 @@ Keep Remembrance::heard(const Message& message) {
   if (mission_ && mission->clock.epoch < mission_->clock.epoch) return Keep::nothing;  // of an earlier run
   const bool same_run = mission_ && mission_->clock == mission->clock;
   mission_ = *mission;
+  if (!same_run) passed_on_.clear();
   return same_run ? Keep::append : Keep::begin_anew;
 }
 
 Keep Remembrance::said(const Message& message) {
+  if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && state->passed_on) {
+    const auto [known, first] = passed_on_.try_emplace(state->robot, state->stamp);
+    if (!first && known->second >= state->stamp) return Keep::nothing;
+    known->second = state->stamp;
+    return Keep::append;
+  }
   if (const auto* state = std::get_if<RobotState>(&message))
-    return state->robot == robot_ && state->copy == 0 && !state->passed_on ? Keep::append : Keep::nothing;
+    return state->robot == robot_ && state->copy == 0 ? Keep::append : Keep::nothing;
   if (std::holds_alternative<TrackMessage>(message)) return leads_ ? Keep::append : Keep::nothing;
   const auto* status = std::get_if<AgentStatus>(&message);
   if (status == nullptr || (status_ && same_progress(*status_, *status))) return Keep::nothing;

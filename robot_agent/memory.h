@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "bus/keep.h"
 #include "bus/messages.h"
 #include "motion/driver.h"
+#include "robot_agent/fleet.h"
 
 namespace coppice {
 
@@ -27,6 +29,7 @@ struct Memory {
   std::uint32_t knot_epoch = 0;            ///< likewise
   Stage stage = Stage::free;               ///< likewise
   AgentStatus status;                      ///< the last one
+  std::vector<Heard> silent;  ///< the last states of others that fell silent, as they were passed on
 };
 
 /// From what was kept, in order; none if the robot had no body yet.
@@ -48,6 +51,7 @@ class Remembrance {
   bool leads_;
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
+  std::map<RobotName, double> passed_on_;  ///< the newest stamp of each
 };
 
 }  // namespace coppice

@@ -207,6 +207,7 @@ void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
   first_control_ = false;
   knot_.forget(memory.knot_epoch);
   is_new_ = true;
+  fleet_.begin_anew(memory.silent, fleet_now);
   has_left_knot_ = memory.stage != Stage::free;
   listen_anew(fleet_now);
   const AgentStatus& before = memory.status;

@@ -177,8 +177,8 @@ class RobotAgent {
   bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more
   double mustering_since_ = 0;  ///< fleet time
   int times_stranded_ = 0;
-  bool gave_up_ = false;       ///< as the others stood
-  std::uint32_t returns_ = 0;  ///< of dead robots, that it has reckoned with
+  bool gave_up_ = false;                    ///< as the others stood
+  std::uint32_t turns_for_the_better_ = 0;  ///< of what is known of the dead, that it has reckoned with
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;
   WallTime next_status_ = 0;

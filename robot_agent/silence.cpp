@@ -15,14 +15,23 @@ namespace {
 // time) after which a robot counts as dead: far longer than a pause of a process or a run of lost samples
 // lasts, for one that drives on unheard may touch those who think it dead.
 constexpr double death = 2;
-// The same where others fall silent with it: that looks like a network in pieces, which may heal.
-constexpr double longest_split = 30;
+// Who is silent for longer is not cut off, but dead: networks heal within that time.
+constexpr double longest_cut = 60;
 constexpr double driven_cut_off = 3;  // seconds that one may drive on until it notices
+// What was said last may have been lost, and what was heard last may have come late.
+constexpr double unheard_before = 1;
+constexpr double said_since = 0.5;
+constexpr double longest_delay = 5;
+// Who was out of touch may know more of the silent, and says so at every beat.
+constexpr double hears_the_news = 3;
+constexpr double lost_before_it_is_away = 4;
 // Without a state for so long a robot is missing: longer than samples are under way or a process pauses.
 constexpr double absence = 1;
 constexpr double long_absence = 1.5;
 // The same for all others at once, where one is alone: nobody else needs to pause for that.
 constexpr double loneliness = 0.6;
+// Nobody says to have heard of this one, though it asks for that (Fleet::echoed), and is answered at once.
+constexpr double longest_unheard = 1.8;
 // The same for one that was never heard of: its process may still have to start.
 constexpr double longest_muster = 10;
 // Who is far away sends less often: so many states in a row may be lost before that is silence.
@@ -72,6 +81,12 @@ bool Fleet::heard_elsewhere(const Peer& p, double now) const {
 /// For so long nothing needs to come from it, because of how far away it is.
 double Fleet::explained_silence(const Peer& p) const {
   return lost_in_a_row * std::max(0.0, control_period * stride_from(p) - slow_beat);
+}
+
+/// More is missing than some lost samples, though it may not be enough to count as silent.
+bool Fleet::was_away(const Peer& p, double now) const {
+  const double unheard_for = since(p.heard_at, now) - long_absence * second();
+  return p.state && unheard_for > 0 && unheard_for > lost_before_it_is_away * control_period * stride_from(p);
 }
 
 /// For so long nothing came that should have.
@@ -135,45 +150,72 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
   const Absences count = absences(now);
   if (std::exchange(somebody_said_dead_, false)) bury_who_is_said_to_be_dead(count, now, field);
   if (count.dead > 0 && now >= next_look_at_the_dead_) look_at_the_dead(now);
+  if (doubts_) end_doubts(now);
   if (count.never_came + count.absent > 0) give_up_the_lost(count, now, field);
   copies_ = count.alive > 0 ? loss_.copies_for(std::min(count.alive, sure_witnesses)) : 1;
   somebody_missing_ = count.absent + count.never_came + count.dead > 0;
-  const bool alone = count.alive > 1 && count.unheard == count.alive;
-  cut_off_ = minority_ || alone || unheard_by_all(count, now) || count.long_absent > 1 || count.elsewhere > 0;
+  cut_off_ = now < minority_until_ || is_alone(count) || unheard_by_all(count, now) ||
+             count.long_absent > 1 || count.elsewhere > 0;
 }
 
-/// Those who are closest say so first.
+/// Of two that miss each other the one with the first name goes on.
+bool Fleet::is_alone(const Absences& count) const {
+  if (count.alive == 0 || count.unheard < count.alive) return false;
+  return count.alive > 1 ||
+         std::ranges::any_of(peers_, [&](const Peer& p) { return p.state && !p.dead && p.robot < self_; });
+}
+
 bool Fleet::unheard_by_all(const Absences& count, double now) const {
-  const double silent = now - own_echo_;
-  if (count.alive == 0 || own_echo_ == 0 || silent <= long_absence * second()) return false;
-  double explained = std::numeric_limits<double>::infinity();
-  for (const Peer& p : peers_) {
-    if (p.state && !p.dead) explained = std::min(explained, explained_silence(p));
-  }
-  return silent > long_absence * second() + explained;
+  return count.alive > 0 && own_echo_ > 0 && now - own_echo_ > longest_unheard * second();
+}
+
+/// All others have said something since: so it is not part of a piece of the network, and if it is cut off,
+/// then from all.
+bool Fleet::silent_alone(const Peer& lost, double now) const {
+  const double since_then = silence(lost, now) - said_since * second();
+  return std::ranges::all_of(peers_, [&](const Peer& p) {
+    return &p == &lost || !p.state || p.dead || age_of_last_sign(p, now) < since_then;
+  });
+}
+
+/// Seconds, at most, since it said what it or somebody else was heard to say of it last.
+double Fleet::age_of_last_sign(const Peer& p, double now) const {
+  if (!p.clock.known()) return since(p.heard_at, now);
+  return now - std::max(p.state->stamp, p.echoed) - p.clock.estimate() + p.clock.error(now);
 }
 
 /// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
 /// the first is.
 void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceField& field) {
-  const double patience = count.absent > 1 ? longest_split : death;
+  const bool several = count.absent > 1;
   const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
-    return missing(p, patience, now) && silence(p, now) > time_to_rest(*p.state) && !heard_elsewhere(p, now);
+    return missing(p, several ? longest_cut : death, now) && silence(p, now) > time_to_rest(*p.state) &&
+           !heard_elsewhere(p, now) && (several || silent_alone(p, now));
   });
   std::vector<Peer*> lost;
   for (Peer& p : peers_) {
-    const bool never_came = !p.state && p.mission && silence(p, now) > longest_muster * second();
+    const bool never_came =
+        !p.state && p.mission && !begun_anew_ && silence(p, now) > longest_muster * second();
     const bool given_up = (never_came && !p.dead) || (over && missing(p, absence, now));
     if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
   }
+  if (lost.empty() || now - somebody_back_at_ < hears_the_news * second()) return;
   const std::size_t left = 1 + count.alive - count.absent;
-  const bool minority = over && is_minority(lost, left);
-  minority_ = minority_ || minority;
+  const bool minority = is_minority(lost, left);
+  if (minority) stand_as_minority(several, now);
   const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
   for (Peer* p : lost) {
     p->across = minority;
-    bury(*p, count.absent > 1 ? until_noticed : unheard_states_of(*p, count), field, now);
+    bury(*p, several ? until_noticed : unheard_states_of(*p, count), field, now);
+    if (p->state) doubt(*p, now);
   }
+}
+
+/// Many may have died at once, but not within the time that a network takes to heal. One robot may have, or
+/// many may never have been started.
+void Fleet::stand_as_minority(bool several_fell_silent, double now) {
+  minority_until_ =
+      several_fell_silent ? std::numeric_limits<double>::infinity() : now + longest_cut * second();
 }
 
 int Fleet::unheard_states_of(const Peer& p, const Absences& count) const {
@@ -188,9 +230,9 @@ void Fleet::bury_who_is_said_to_be_dead(const Absences& count, double now, const
   }
 }
 
-/// Of two pieces of equal size the one with the first name goes on. Of two robots both do.
+/// Of two pieces of equal size the one with the first name goes on.
 bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
-  if (lost.size() != left || left == 1) return lost.size() > left;
+  if (lost.size() != left) return lost.size() > left;
   return std::ranges::any_of(lost, [&](const Peer* other) {
     return other->robot < self_ && std::ranges::none_of(peers_, [&](const Peer& p) {
              return !p.dead && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
@@ -240,21 +282,62 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
   p.place = p.rests.front();
 }
 
-std::vector<RobotName> Fleet::newcomers(double now) const {
+/// If it is not dead, but cut off, it drives on until it notices that nobody hears it.
+void Fleet::doubt(Peer& p, double now) {
+  const Limits limits = limits_of(*p.state);
+  const double seconds =
+      (longest_unheard + unheard_before) * second() + std::min(p.clock.error(now), longest_delay);
+  p.strays = limits.max_speed * seconds + braking_distance(limits.max_speed, limits, control_period);
+  p.doubted_until = clock_.fleet_time(p.heard_at) + longest_cut * second();
+  doubts_ = true;
+}
+
+bool Fleet::doubts(const Point2& p, double reach) const {
+  return doubts_ && std::ranges::any_of(peers_, [&](const Peer& q) {
+           return q.doubted_until > 0 && (q.place - p).norm() < q.strays + q.radius + reach;
+         });
+}
+
+void Fleet::end_doubts(double now) {
+  doubts_ = false;
+  for (Peer& p : peers_) {
+    if (p.doubted_until == 0) continue;
+    if (now < p.doubted_until) {
+      doubts_ = true;
+      continue;
+    }
+    p.doubted_until = 0;
+    ++turns_for_the_better_;
+  }
+}
+
+std::vector<RobotName> Fleet::who_missed_the_news(double now) const {
   std::vector<RobotName> names;
   for (const Peer& p : peers_) {
-    if (p.state && p.state->is_new && !p.dead && since(p.heard_at, now) < absence * second())
-      names.push_back(p.robot);
+    const bool is_new = p.state && p.state->is_new && !p.dead && since(p.heard_at, now) < absence * second();
+    const bool is_back = p.back_at > 0 && now - p.back_at < hears_the_news * second();
+    if (is_new || is_back) names.push_back(p.robot);
   }
   return names;
 }
 
-std::vector<RobotState> Fleet::states_of_the_dead() const {
+/// Who never came stands where its mission begins.
+std::vector<RobotState> Fleet::states_of_the_silent(double now) const {
   std::vector<RobotState> states;
   for (const Peer& p : peers_) {
-    if (!p.state || !p.dead) continue;
-    states.push_back(*p.state);
-    states.back().passed_on = states.back().counts_as_dead = true;
+    if (!p.dead && !(p.state && unheard(p, now) > relay_from * second())) continue;
+    if (p.state) {
+      states.push_back(*p.state);
+    } else {
+      const Mission& m = *p.mission;
+      states.push_back({.robot = p.robot,
+                        .position = p.place,
+                        .radius = m.radius,
+                        .max_speed = m.max_speed,
+                        .max_acceleration = m.max_acceleration});
+    }
+    states.back().passed_on = true;
+    states.back().counts_as_dead = p.dead && p.doubted_until == 0;
   }
   return states;
 }

@@ -104,6 +104,19 @@ TEST(Faults, AFleetInTwoPiecesStandsUntilItHeals) {
   }
 }
 
+// Of few, one may be cut off all alone; of two, each takes the other for dead.
+TEST(Faults, PiecesOfAnySizeStandUntilTheyHeal) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    expect_all_arrive(simulate("loop-14", 2, seed, {.bus = {.partitions = {{3, 20}}}}), "loop-14");
+    const Faults lossy{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1, .partitions = {{4, 50}}}};
+    for (const int robots : {2, 3, 5}) {
+      expect_all_arrive(simulate("circle", robots, seed, {.bus = {.partitions = {{2, 15}}}}), "circle");
+      expect_all_arrive(simulate("circle", robots, seed, lossy), "circle");
+    }
+    expect_all_arrive(simulate("corridor-24", 10, seed, {.bus = {.partitions = {{4, 60}}}}), "corridor-24");
+  }
+}
+
 TEST(Faults, WrongClocksTouchNothing) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed) {
     expect_all_arrive(simulate("rooms", 8, seed, {.clock_skew = 1}), "rooms");

@@ -158,7 +158,8 @@ TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
   // The plan is there: it drives as ordered, and only that.
   agent.on(arrival_of(
       JointPlanMessage{other.knot, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}}, 2));
-  const auto after = run(agent, 2, 8);  // in between b falls silent, and counts as dead in the end
+  const auto after =
+      run(agent, 2, 70);  // in between b falls silent, and counts as dead beyond doubt in the end
   double nearest = 100;
   for (const RobotState& state : of<RobotState>(after)) {
     if (state.robot == "a") nearest = std::min(nearest, (state.position - Point2(20, 70)).norm());

@@ -194,7 +194,7 @@ TEST(Silence, WhoIsHeardByNobodyStands) {
     a.hear("b", now, {{"a", std::min(now, 5.0) - 0.01, now}});
     a.hear("c", now);
     a.judge(now);
-    EXPECT_EQ(a.cut_off(), now - 4.99 > 1.5) << now;
+    EXPECT_EQ(a.cut_off(), now - 4.99 > 1.8) << now;
   }
 }
 
@@ -209,15 +209,18 @@ TEST(Silence, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   };
   go_on_until(1, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
-  go_on_until(40, {"b"});
+  go_on_until(60, {"b"});
+  EXPECT_FALSE(a.dead("c"));
+  EXPECT_TRUE(a.cut_off());
+  go_on_until(65, {"b"});
   EXPECT_TRUE(a.dead("c"));
   EXPECT_TRUE(a.cut_off());
-  go_on_until(45, {});  // one of its own piece dies: that changes nothing
+  go_on_until(70, {});  // one of its own piece dies: that changes nothing
   EXPECT_TRUE(a.dead("b"));
   EXPECT_TRUE(a.cut_off());
-  go_on_until(46, {"b"});
+  go_on_until(71, {"b"});
   EXPECT_TRUE(a.cut_off());
-  go_on_until(47, {"b", "c", "d", "e"});
+  go_on_until(72, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
 }
 
