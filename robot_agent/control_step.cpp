@@ -124,10 +124,13 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   if (!is_new_) return false;
   is_new_ = fleet_now < heard_again_at_ || !may_set_off(fleet_now);
   if (!is_new_) {
+    if (status_.phase != Phase::no_path) status_.reason.clear();
     hope_anew();
     return false;
   }
   if (body_->stands()) stand_for(fleet_now, waiting_lease);
+  if (status_.phase == Phase::driving)
+    status_.reason = "its agent was started anew, and has not heard where all others are";
   if (status_.phase == Phase::driving && fleet_now - mustering_since_ > longest_ignorance)
     give_up("its agent was started anew, and nobody who is alive knows where all others are");
   return true;  // its body brakes

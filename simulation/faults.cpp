@@ -39,8 +39,11 @@ AgentFaults draw_faults(const Faults& faults, const std::string& robot, double h
     drawn.pauses.push_back(t);
   for (const Faults::Kill& kill : faults.kills) {
     if (kill.robot != robot) continue;
+    if (kill.for_good) {  // and not before, which would be for good as well
+      drawn.kills.clear();
+      drawn.restart_after = std::numeric_limits<double>::infinity();
+    }
     drawn.kills.push_back(kill.time);
-    if (kill.for_good) drawn.restart_after = std::numeric_limits<double>::infinity();
   }
   std::ranges::sort(drawn.kills);
   return drawn;
