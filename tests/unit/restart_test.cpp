@@ -253,13 +253,29 @@ struct AgentRun {
     keeper.heard(message);
     agent.on(arrival_of(message, now));
   }
-  void run(double from, double until) {
+  /// Another, that stands at its start, is heard until `b_dies`.
+  void run(double from, double until, double b_dies = 0) {
     for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
+      if (now < b_dies) hear(standing_b(now), now);
       for (Outgoing& one : agent.step(now)) {
         keeper.said(one.message);
         said.push_back(std::move(one.message));
       }
     }
+  }
+  RobotState standing_b(double now) const {
+    RobotState state{.robot = "b",
+                     .sequence = static_cast<std::uint32_t>(now / 0.05),
+                     .stamp = now,
+                     .position = {20, 20},
+                     .radius = 5,
+                     .max_speed = 20,
+                     .max_acceleration = 40,
+                     .promise = {now + 0.05, {0, 0}, now + 0.1},
+                     .knot = {},
+                     .echoes = {}};
+    if (!said.empty()) state.echoes.push_back({"a", now, now});
+    return state;
   }
   RobotAgent agent{"a"};
   KeptInMemory store{};
@@ -343,6 +359,41 @@ TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
     life = std::move(next);
   }
   EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
+}
+
+/// Two robots are in the run: b dies at 1 s, a's agent is killed at 3 and started anew at 5 s.
+AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on) {
+  Mission a = mission_of_a(0);
+  Mission b = a;
+  a.fleet_size = b.fleet_size = 2;
+  b.robot = "b";
+  b.start = b.goal = {20, 20};
+  AgentRun before;
+  for (const Mission& mission : {a, b}) before.hear(mission, 0);
+  before.hear(map_message(), 0);
+  before.run(0, 3, 1);
+  std::vector<Message> kept = before.store.messages;
+  if (!keeps_what_it_passed_on)
+    std::erase_if(kept, [](const Message& message) {
+      const auto* state = std::get_if<RobotState>(&message);
+      return state != nullptr && state->passed_on;
+    });
+  AgentRun after;
+  after.recall(kept);
+  for (const Mission& mission : {a, b}) after.hear(mission, 5);
+  after.hear(map_message(), 5);
+  after.run(5, 200);
+  return of<AgentStatus>(after.said).back();
+}
+
+TEST(RobotAgentAnew, WhoFellSilentBeforeIsInItsJournal) {
+  EXPECT_EQ(last_status_of_one_alone(true).phase, Phase::arrived);
+}
+
+TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
+  const AgentStatus status = last_status_of_one_alone(false);
+  EXPECT_EQ(status.phase, Phase::no_path);
+  EXPECT_EQ(status.reason, "its agent was started anew, and nobody who is alive knows where all others are");
 }
 
 TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {

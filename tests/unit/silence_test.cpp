@@ -158,6 +158,19 @@ class Listener {
   Point2 place(const RobotName& robot) const { return fleet_.find(robot)->position; }
   void judge(double now) { fleet_.judge_silence(now, {80, 80}, {}, field_); }
   bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
+  bool doubts(const Point2& p) const { return fleet_.doubts(p, 0); }
+  /// Metres around `robot` that are kept clear; none: 0.
+  double kept_clear_around(const RobotName& robot, double now) {
+    AgeCount ages;
+    std::vector<Neighbour> near;
+    fleet_.collect_neighbours({80, 80}, 100, 10, now, ages, near);
+    double radius = 0;
+    for (const Neighbour& n : near) {
+      if ((n.commitment.position - place(robot)).norm() < 1e-9) radius = std::max(radius, n.radius);
+    }
+    return radius;
+  }
+  std::vector<RobotName> who_missed_the_news(double now) const { return fleet_.who_missed_the_news(now); }
   bool cut_off() const { return fleet_.cut_off(); }
   std::vector<Disc> dead_seen_from(const Point2& position, double now) const {
     return fleet_.places_of_the_dead(position, now);
@@ -222,6 +235,81 @@ TEST(Silence, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   EXPECT_TRUE(a.cut_off());
   go_on_until(72, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
+}
+
+// It may only be cut off, and drives on until it misses the others.
+TEST(Silence, OfOneThatIsSilentAloneAllItMayReachIsKeptClearForAMinute) {
+  Listener a;
+  a.hear("b", 1);
+  const double braking = 20 * 20 / (2 * 40.0);
+  for (double now = 1; now < 70; now += period) {
+    a.hear("c", now, {}, Point2::Zero(), {20, 20});
+    a.judge(now);
+    if (now > 3.2 && now < 61) {
+      ASSERT_TRUE(a.dead("b")) << now;
+      ASSERT_TRUE(a.doubts({150, 100})) << now;
+      ASSERT_GT(a.kept_clear_around("b", now), 5 + 2 * 20 + braking) << now;
+    } else if (now > 61.1) {
+      ASSERT_FALSE(a.doubts({100, 100})) << now;
+      ASSERT_EQ(a.kept_clear_around("b", now), 5) << now;
+    }
+  }
+}
+
+// Another that is far away speaks rarely: it may have fallen silent with this one.
+TEST(Silence, NobodyIsSilentAloneBeforeAllOthersHaveSaidSomething) {
+  Listener a;
+  const Point2 far{1900, 1900};
+  for (double now = 0; now < 1; now += period) {
+    a.hear("b", now);
+    a.hear("c", now, {}, Point2::Zero(), far);
+    a.judge(now);
+  }
+  for (double now = 1; now < 4; now += period) a.judge(now);
+  EXPECT_FALSE(a.dead("b"));
+  a.hear("c", 4, {}, Point2::Zero(), far);
+  for (double now = 4; now < 5; now += period) a.judge(now);
+  EXPECT_TRUE(a.dead("b"));
+  EXPECT_FALSE(a.dead("c"));
+}
+
+TEST(Silence, OfTwoThatMissEachOtherTheLaterNameStandsForAMinute) {
+  Listener a({"A"});
+  Listener first({"b"});
+  for (double now = 0; now < 70; now += period) {
+    if (now < 1) a.hear("A", now);
+    if (now < 1) first.hear("b", now);
+    a.judge(now);
+    first.judge(now);
+    EXPECT_FALSE(first.cut_off()) << now;
+    const bool turning = (now > 1.5 && now < 1.7) || (now > 60 && now < 65);
+    if (!turning) {
+      EXPECT_EQ(a.cut_off(), now > 1.6 && now < 62) << now;
+    }
+  }
+}
+
+// It was not told what the others learnt meanwhile, nor they what it did.
+TEST(Silence, AfterSomebodyCameBackNobodyIsTakenForDeadUntilItHasHeardTheNews) {
+  Listener a;
+  double now = 0;
+  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
+    for (; now < end; now += period) {
+      for (const RobotName& robot : heard) a.hear(robot, now);
+      a.judge(now);
+    }
+  };
+  go_on_until(1, {"b", "c"});
+  go_on_until(9, {"c"});
+  EXPECT_TRUE(a.dead("b"));
+  EXPECT_TRUE(a.who_missed_the_news(now).empty());
+  go_on_until(10.5, {});
+  go_on_until(13, {"b"});  // c would be dead by now
+  EXPECT_FALSE(a.dead("c"));
+  EXPECT_EQ(a.who_missed_the_news(now), std::vector<RobotName>{"b"});
+  go_on_until(14, {"b"});
+  EXPECT_TRUE(a.dead("c"));
+  EXPECT_TRUE(a.who_missed_the_news(now).empty());
 }
 
 TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
