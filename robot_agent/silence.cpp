@@ -203,11 +203,15 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   const std::size_t left = 1 + count.alive - count.absent;
   const bool minority = is_minority(lost, left);
   if (minority) stand_as_minority(several, now);
+  // Who fell silent with others may have driven on with them.
+  const auto first_of_piece = std::stable_partition(lost.begin(), lost.end(), [&](const Peer* p) {
+    return !several || !p->state || silent_alone(*p, now);
+  });
   const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
-  for (Peer* p : lost) {
-    p->across = minority;
-    bury(*p, several ? until_noticed : unheard_states_of(*p, count), field, now);
-    if (p->state) doubt(*p, now);
+  for (auto p = lost.begin(); p != lost.end(); ++p) {
+    (*p)->across = minority;
+    bury(**p, p < first_of_piece ? unheard_states_of(**p, count) : until_noticed, field, now);
+    if ((*p)->state) doubt(**p, now);
   }
 }
 

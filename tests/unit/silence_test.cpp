@@ -273,6 +273,27 @@ TEST(Silence, NobodyIsSilentAloneBeforeAllOthersHaveSaidSomething) {
   EXPECT_FALSE(a.dead("c"));
 }
 
+// A cut would have silenced both: how far one drove on is asked of the later one alone.
+TEST(Silence, WhoFellSilentBeforeAnotherIsNotInAPieceWithIt) {
+  Listener a;
+  double now = 0;
+  for (; now < 1.8; now += period) {
+    if (now < 1) a.hear("b", now, {}, {10, 0}, {40 + 10 * now, 110});
+    a.hear("c", now, {}, {10, 0}, {40 + 10 * now, 50});
+    a.judge(now);
+  }
+  for (; now < 130; now += period) a.judge(now);
+  ASSERT_TRUE(a.dead("b") && a.dead("c"));
+  double furthest_b = 0;
+  double furthest_c = 0;
+  for (const Disc& disc : a.dead_seen_from({80, 80}, now)) {
+    double& furthest = disc.centre.y() > 80 ? furthest_b : furthest_c;
+    furthest = std::max(furthest, disc.centre.x());
+  }
+  EXPECT_LT(furthest_b, 40 + 10 * 1 + 20 * 1.5);
+  EXPECT_GT(furthest_c, 40 + 10 * 1.8 + 20 * 2.5);
+}
+
 TEST(Silence, OfTwoThatMissEachOtherTheLaterNameStandsForAMinute) {
   Listener a({"A"});
   Listener first({"b"});
