@@ -12,6 +12,7 @@
 #include "coppice/fault_options.h"
 #include "coppice/watching_options.h"
 #include "files/number_check.h"
+#include "files/output_check.h"
 #include "files/run_options.h"
 #include "files/scenario_generator.h"
 #include "planning/quantities.h"
@@ -84,9 +85,11 @@ int main(int argc, char** argv) {
   hunt->add_option("--seed", fuzz.first_seed, "the first one");
   hunt->add_flag("--restarts", fuzz.restarts, "agents are killed and started anew, too");
   auto* again = hunt->add_option("--replay", fuzz.replay, "only the case of this seed; writes its files");
-  hunt->add_option("--report", fuzz.files.report, "of the replay, JSON")->needs(again);
-  hunt->add_option("--trajectory", fuzz.files.trajectory, "of the replay, CSV")->needs(again);
-  hunt->add_option("--picture", fuzz.files.picture, "of the replay, SVG")->needs(again);
+  hunt->add_option("--report", fuzz.files.report, "of the replay, JSON")->check(output_file())->needs(again);
+  hunt->add_option("--trajectory", fuzz.files.trajectory, "of the replay, CSV")
+      ->check(output_file())
+      ->needs(again);
+  hunt->add_option("--picture", fuzz.files.picture, "of the replay, SVG")->check(output_file())->needs(again);
   add_recording_options(*hunt, fuzz.record, "of the replay, MCAP")->needs(again);
   hunt->callback([&] { exit_code = fuzz_command(fuzz); });
   auto* plan = app.add_subcommand("plan", "paths only: MA-RRdT* in one process");
@@ -131,7 +134,8 @@ int main(int argc, char** argv) {
       ->check(a_folder_name());
   experiments->add_option("--security", bench.security, "of scale: as for coppice run")
       ->check(a_folder_name());
-  experiments->add_option("--report", bench.report, "of scale: write the results (JSON)");
+  experiments->add_option("--report", bench.report, "of scale: write the results (JSON)")
+      ->check(output_file());
   experiments->callback([&] { exit_code = bench_command(bench, "/proc/self/exe"); });
 
   set_up_logging("coppice", "info");

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "files/number_check.h"
+#include "files/output_check.h"
 #include "files/report_file.h"
 #include "planning/quantities.h"
 
@@ -30,9 +31,10 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       .add_option("--plan-budget", options.plan_budget,
                   "seconds to look for shorter paths after the first; 0: none")
       ->check(number_not_negative());
-  command.add_option("--report", options.report, "write the report (JSON)");
-  command.add_option("--trajectory", options.trajectory, "write every control step (CSV)");
-  command.add_option("--picture", options.picture, "write a picture (SVG)");
+  command.add_option("--report", options.report, "write the report (JSON)")->check(output_file());
+  command.add_option("--trajectory", options.trajectory, "write every control step (CSV)")
+      ->check(output_file());
+  command.add_option("--picture", options.picture, "write a picture (SVG)")->check(output_file());
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")

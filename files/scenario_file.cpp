@@ -13,6 +13,7 @@
 #include "files/text_file.h"
 #include "planning/clearance_field.h"
 #include "planning/quantities.h"
+#include "planning/robot_name.h"
 #include "scenario.pb.h"
 
 namespace coppice {
@@ -24,7 +25,6 @@ constexpr double default_radius_cells = 5;
 constexpr double default_speed_cells = 20;
 constexpr double default_tolerance_cells = 1;
 constexpr double speeds_a_second = 2;  // default acceleration: full speed within half a second
-constexpr std::size_t longest_robot_name = 64;
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& field,
                        const std::string& problem) {
@@ -105,11 +105,7 @@ proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& h
 
 void check_name(const std::string& name, std::set<std::string>& names, const std::filesystem::path& path,
                 const std::string& field) {
-  const auto allowed = [](char c) { return c > ' ' && c < 127 && c != '/'; };
-  if (name.empty() || name.size() > longest_robot_name || !std::ranges::all_of(name, allowed)) {
-    fail(path, field,
-         fmt::format("expected 1 to {} printable characters without spaces and slashes", longest_robot_name));
-  }
+  if (!is_robot_name(name)) fail(path, field, fmt::format("expected {}", robot_name_rule));
   if (!names.insert(name).second)
     fail(path, field, fmt::format("\"{}\" is the name of another robot too", name));
 }

@@ -15,7 +15,7 @@
 #include "bus/keep.h"
 #include "bus/process.h"
 #include "bus/process_options.h"
-#include "bus/validation.h"
+#include "planning/robot_name.h"
 #include "robot_agent/memory.h"
 #include "robot_agent/nameless_agent.h"
 #include "robot_agent/robot_agent.h"
@@ -201,9 +201,8 @@ int main(int argc, char** argv) {
   add_ros_options(app, options.ros, true, false);
   try {
     app.parse(argc, argv);
-    if (app.count("--name") > 0 && (name.empty() || name.size() > longest_name)) {
-      throw CLI::ValidationError("--name", fmt::format("expected 1 to {} characters", longest_name));
-    }
+    if (app.count("--name") > 0 && !is_robot_name(name))
+      throw CLI::ValidationError("--name", fmt::format("expected {}", robot_name_rule));
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }

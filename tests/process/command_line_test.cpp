@@ -123,8 +123,30 @@ TEST(CommandLine, EveryProgramTellsItsVersion) {
   }
 }
 
+// Not after an hour's run.
+TEST(CommandLine, FilesThatCannotBeWrittenAreToldBeforeTheRun) {
+  const test::TemporaryFolder folder;
+  const std::string there = folder.path().string();
+  for (const std::string command : {"simulate", "run", "plan"}) {
+    for (const std::string option : {"--report", "--trajectory", "--picture"}) {
+      for (const std::string& file : {there + "/none/x", there, std::string("''")}) {
+        const test::Outcome outcome = test::shell(coppice(command + " scenario.json " + option + " " + file));
+        EXPECT_EQ(outcome.exit_code, 2) << command << option << file;
+        EXPECT_NE(outcome.output.find(option), std::string::npos) << outcome.output;
+        EXPECT_EQ(outcome.output.find("scenario.json"), std::string::npos) << outcome.output;
+      }
+    }
+  }
+  const test::Outcome outcome = test::shell(coppice("plan scenario.json --report " + there + "/none/x"));
+  EXPECT_NE(outcome.output.find("there is no folder " + there + "/none"), std::string::npos)
+      << outcome.output;
+}
+
 TEST(CommandLine, TheRolesRefuseBadUsage) {
-  EXPECT_EQ(test::shell("'" + test::program("robot_agent") + "' --domain 7 --name ''").exit_code, 2);
+  for (const std::string& name :
+       {std::string("''"), std::string("'two words'"), std::string("a/b"), std::string(65, 'x')}) {
+    EXPECT_EQ(test::shell("'" + test::program("robot_agent") + "' --domain 7 --name " + name).exit_code, 2);
+  }
   EXPECT_EQ(test::shell("'" + test::program("tree_broker") + "' --domain x").exit_code, 2);
   EXPECT_EQ(test::shell("'" + test::program("tree_broker") + "' --log-level loud").exit_code, 2);
   EXPECT_EQ(test::shell("'" + test::program("planner_service") + "' --domain 7 none.json").exit_code, 2);

@@ -1,0 +1,35 @@
+#include "files/output_check.h"
+
+#include <filesystem>
+#include <string>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace coppice {
+
+namespace {
+
+std::string problem_with_output(const std::string& text) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const fs::path file = text;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (text.empty()) return "expected the name of a file";
+  if (!file.has_filename() || fs::is_directory(file, ignored))
+    return fmt::format("{} is a folder, expected a file", text);
+  if (!fs::is_directory(folder, ignored))
+    return fmt::format("{} cannot be written: there is no folder {}", text, folder.string());
+  // It is written beside and renamed: so the folder decides, not a file that is there.
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    return fmt::format("{} cannot be written: no permission to write to {}", text, folder.string());
+  return {};
+}
+
+}  // namespace
+
+CLI::Validator output_file() {
+  return {[](std::string& text) { return problem_with_output(text); }, "FILE"};
+}
+
+}  // namespace coppice

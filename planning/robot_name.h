@@ -1,0 +1,18 @@
+// What a robot may be called: its name stands in files, topics and logs.
+#pragma once
+
+#include <algorithm>
+#include <string_view>
+
+namespace coppice {
+
+inline constexpr std::size_t longest_robot_name = 64;
+
+inline constexpr std::string_view robot_name_rule = "1 to 64 printable characters without spaces and slashes";
+
+inline bool is_robot_name(std::string_view name) {
+  const auto allowed = [](char c) { return c > ' ' && c < 127 && c != '/'; };
+  return !name.empty() && name.size() <= longest_robot_name && std::ranges::all_of(name, allowed);
+}
+
+}  // namespace coppice
