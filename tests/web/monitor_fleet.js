@@ -139,8 +139,9 @@ const ofScenes = heard("/robots").flatMap(({ at, message }) =>
   }),
 );
 check("/robots", ofScenes, trajectory, 300);
-// Subscribed one after the other: the first to come may have had a turn of its own. The last may be on its way.
-const bothSince = Math.max(heard("/poses")[0].at, heard("/tf")[0].at);
+// Subscribed one after the other: the first of either may have had a turn of its own. The last may be on its way.
+const timesOfTransforms = new Set(heard("/tf").map(({ at }) => at));
+const bothSince = heard("/poses").find(({ at }) => timesOfTransforms.has(at)).at;
 const [poses, transforms] = ["/poses", "/tf"].map((topic) => heard(topic).filter(({ at }) => at >= bothSince));
 assert.ok(Math.abs(poses.length - transforms.length) <= 1 && poses.length > 100, "poses and transforms come together");
 poses.slice(0, transforms.length).forEach(({ at, message }, k) => {
