@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "planning/geometry.h"
@@ -15,9 +16,9 @@ namespace coppice {
 
 struct JointTask {
   Point2 position = Point2::Zero();
-  Point2 goal = Point2::Zero();
+  std::optional<Point2> goal;  ///< none: anywhere
   double radius = 0;
-  bool movable = true;  ///< false: dead; it stays where it is
+  bool movable = true;  ///< false: dead; it stays where it is, and has no goal
 };
 
 struct Move {

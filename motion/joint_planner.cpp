@@ -55,12 +55,11 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
     const JointTask& task = tasks_[i];
     if (!task.movable) {
       dead.push_back({task.position, task.radius});
-      if (task.position != task.goal) shut_in_.push_back(i);
       continue;
     }
     movable_.push_back(i);
     const Place start = place_of(task.position);
-    crowd.push_back({start, place_of(task.goal)});
+    crowd.push_back({start, task.goal ? std::optional(place_of(*task.goal)) : std::nullopt});
   }
   for (const Point2& p : elbow_room) place_of(p);
   graph_ = packed.with(ends, dead);
@@ -68,7 +67,7 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
   for (const std::uint32_t k : crowd_->shut_in()) {
     const JointTask& task = tasks_[movable_[k]];
     const bool missed =
-        !coarsest_route(places_.field(), radius, task.position, task.goal, dead, 1).path.empty();
+        !coarsest_route(places_.field(), radius, task.position, *task.goal, dead, 1).path.empty();
     if (missed) return crowd_.reset();  // there is a way, but not over these places
     shut_in_.push_back(movable_[k]);
   }
@@ -99,7 +98,7 @@ std::vector<Point2> JointPlanner::elbow_room() const {
 
 bool JointPlanner::step() {
   if (crowd_) return search_crowd();
-  const auto wants_to_move = [](const JointTask& t) { return t.movable && t.position != t.goal; };
+  const auto wants_to_move = [](const JointTask& t) { return t.movable && t.goal && t.position != *t.goal; };
   if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
     return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);

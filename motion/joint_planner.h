@@ -27,7 +27,7 @@ namespace coppice {
 class JointPlanner {
  public:
   /// `places`, and their field, outlive it. A robot that could not even reach its goal alone is stranded from
-  /// the start; one that is not movable has its place as its goal.
+  /// the start.
   JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random);
 
   /// A bounded amount of work. True once the plan is there.

@@ -19,52 +19,9 @@ constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at: 
 }  // namespace
 
 PushAndRotate::PushAndRotate(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
-    : field_(field), tasks_(std::move(tasks)), random_(random) {
-  set_up();
+    : tasks_(std::move(tasks)), random_(random), finders_(field) {
+  direct_ = ways_alone(field, tasks_, finders_);
   begin_attempt();
-}
-
-RouteFinder& PushAndRotate::finder(std::size_t robot) {
-  const double radius = tasks_[robot].radius;
-  const auto known = finders_.find(radius);
-  if (known != finders_.end()) return known->second;
-  return finders_.try_emplace(radius, field_, radius, spacing_share_ * usual_spacing(radius)).first->second;
-}
-
-/// Who can reach its goal at all, past the dead, and on which way; the lattice becomes finer until all can,
-/// or it is as fine as it gets.
-void PushAndRotate::set_up() {
-  std::vector<Disc> dead;
-  for (const JointTask& task : tasks_) {
-    if (!task.movable) dead.push_back({task.position, task.radius});
-  }
-  hopeful_.assign(tasks_.size(), false);
-  direct_.assign(tasks_.size(), {});
-  for (std::size_t i = 0; i < tasks_.size(); ++i) {
-    const JointTask& task = tasks_[i];
-    if (!task.movable) continue;
-    direct_[i] = finder(i).route(task.position, task.goal, dead);
-    if (direct_[i].empty()) {
-      SpacedRoute finer =
-          coarsest_route(field_, task.radius, task.position, task.goal, dead, spacing_share_ / 2);
-      direct_[i] = std::move(finer.path);
-      if (!direct_[i].empty()) refine(finer.share);
-    }
-    hopeful_[i] = !direct_[i].empty();
-  }
-}
-
-/// From now on the lattices' spacing is this share of the usual one.
-void PushAndRotate::refine(double share) {
-  effort_before_ = effort();
-  spacing_share_ = share;
-  finders_.clear();
-}
-
-std::size_t PushAndRotate::effort() const {
-  std::size_t sum = effort_before_;
-  for (const auto& [radius, finder] : finders_) sum += finder.effort();
-  return sum;
 }
 
 void PushAndRotate::begin_attempt() {
@@ -110,16 +67,16 @@ void PushAndRotate::end_attempt() {
     if (!at_goal(i)) plan.stranded.push_back(i);
   }
   const bool nobody_without_need =
-      std::ranges::none_of(plan.stranded, [&](std::size_t i) { return static_cast<bool>(hopeful_[i]); });
+      std::ranges::none_of(plan.stranded, [&](std::size_t i) { return hopeful(i); });
   const std::size_t stranded = plan.stranded.size();
   if (!found_ || stranded < found_->stranded.size()) found_ = std::move(plan);
   ++attempts_;
-  done_ = nobody_without_need || attempts_ == most_attempts || effort() > most_effort;
+  done_ = nobody_without_need || attempts_ == most_attempts || finders_.effort() > most_effort;
   if (done_) {
     best_ = *std::move(found_);
     return;
   }
-  if (attempts_ % attempts_at_a_spacing == 0) refine(spacing_share_ / 2);
+  if (attempts_ % attempts_at_a_spacing == 0) finders_.refine(finders_.share() / 2);
   begin_attempt();
 }
 
@@ -173,7 +130,7 @@ bool PushAndRotate::move_directly() {
     if (!wants_to_move(i) || tried_[i]) continue;
     if (++routes > most_routes_a_step) return false;
     tried_[i] = true;
-    Path path = finder(i).route(at_[i], tasks_[i].goal, others(i));
+    Path path = finder(i).route(at_[i], *tasks_[i].goal, others(i));
     if (path.empty() || shuts_in(i)) continue;
     commit(i, std::move(path));
     return true;
@@ -183,7 +140,7 @@ bool PushAndRotate::move_directly() {
 
 /// Whether a robot at its goal would part another one from its own, those that are under way not counted.
 bool PushAndRotate::shuts_in(std::size_t robot) {
-  std::vector<Disc> standing{{tasks_[robot].goal, tasks_[robot].radius}};
+  std::vector<Disc> standing{{*tasks_[robot].goal, tasks_[robot].radius}};
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && !wants_to_move(i)) standing.push_back({at_[i], tasks_[i].radius});
   }
@@ -191,10 +148,10 @@ bool PushAndRotate::shuts_in(std::size_t robot) {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i == robot || !wants_to_move(i) || seen[i]) continue;
     RouteFinder& own = finder(i);
-    own.flood(tasks_[i].goal, standing);
+    own.flood(*tasks_[i].goal, standing);
     for (std::size_t k = i; k < tasks_.size(); ++k) {
       if (k == robot || !wants_to_move(k) || tasks_[k].radius != tasks_[i].radius) continue;
-      const bool goal = own.flooded(tasks_[k].goal);
+      const bool goal = own.flooded(*tasks_[k].goal);
       // Without the others that are under way: their place now says nothing about where they will be.
       if (!goal) continue;
       seen[k] = true;
@@ -216,7 +173,7 @@ bool PushAndRotate::clear_a_way() {
   for (const std::size_t i : priority_) {
     if (!wants_to_move(i)) continue;
     const Discs discs = discs_around(i, {});
-    Path way = finder(i).route_through(at_[i], tasks_[i].goal, discs.fixed, discs.movable);
+    Path way = finder(i).route_through(at_[i], *tasks_[i].goal, discs.fixed, discs.movable);
     if (way.empty()) continue;
     const double length =
         length_of(way) +
@@ -231,7 +188,7 @@ bool PushAndRotate::clear_a_way() {
     std::vector<std::size_t> waiting;
     if (clear(candidate.robot, candidate.way, keep_clear, waiting, 0)) {
       Path path = finder(candidate.robot)
-                      .route(at_[candidate.robot], tasks_[candidate.robot].goal, others(candidate.robot));
+                      .route(at_[candidate.robot], *tasks_[candidate.robot].goal, others(candidate.robot));
       if (!path.empty()) {
         commit(candidate.robot, std::move(path));
         return true;

@@ -10,20 +10,18 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <optional>
 #include <vector>
 
 #include "motion/joint_plan.h"
-#include "motion/route_finder.h"
+#include "motion/route_finders.h"
 #include "planning/random.h"
 
 namespace coppice {
 
 class PushAndRotate {
  public:
-  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start; one
-  /// that is not movable has its place as its goal.
+  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start.
   PushAndRotate(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
   /// A bounded amount of work: some tens of route searches. True once the plan is there.
@@ -38,14 +36,13 @@ class PushAndRotate {
     std::vector<std::size_t> movable_robot;
   };
 
-  RouteFinder& finder(std::size_t robot);
-  bool at_goal(std::size_t robot) const { return at_[robot] == tasks_[robot].goal; }
-  bool wants_to_move(std::size_t robot) const { return hopeful_[robot] && !at_goal(robot); }
+  RouteFinder& finder(std::size_t robot) { return finders_.of(tasks_[robot].radius); }
+  /// It can reach its goal when alone.
+  bool hopeful(std::size_t robot) const { return !direct_[robot].empty(); }
+  bool at_goal(std::size_t robot) const { return at_[robot] == tasks_[robot].goal.value_or(at_[robot]); }
+  bool wants_to_move(std::size_t robot) const { return hopeful(robot) && !at_goal(robot); }
   std::vector<Disc> others(std::size_t robot) const;
-  std::size_t effort() const;
   Discs discs_around(std::size_t robot, const std::vector<std::size_t>& fixed) const;
-  void set_up();
-  void refine(double share);
   void begin_attempt();
   void spread_out();
   void end_attempt();
@@ -58,16 +55,12 @@ class PushAndRotate {
                 int depth);
   void commit(std::size_t robot, Path path);
 
-  const ClearanceField& field_;
   std::vector<JointTask> tasks_;
   Random random_;
-  double spacing_share_ = 1;               ///< of the usual spacing
-  std::map<double, RouteFinder> finders_;  ///< by radius
-  std::vector<bool> hopeful_;              ///< can reach its goal when alone
-  std::vector<Path> direct_;               ///< each robot's way from its first position, alone
+  RouteFinders finders_;
+  std::vector<Path> direct_;  ///< each robot's way from its first position, alone; empty: it has none
 
   int attempts_ = 0;
-  std::size_t effort_before_ = 0;  ///< on finders that are no more
   bool done_ = false;
   std::vector<Point2> at_;
   std::vector<Path> stood_;  ///< where each robot has already been in this attempt

@@ -322,11 +322,10 @@ std::span<const Neighbour> RobotAgent::neighbours(double fleet_now) {
 }
 
 FleetMember RobotAgent::self() const {
-  const bool wants_goal = status_.phase == Phase::planning || status_.phase == Phase::driving;
   return {.robot = name_,
           .position = body_->position(),
-          .goal = wants_goal ? mission_->goal : body_->position(),
-          .arrives_within = wants_goal ? arrives_within(*mission_) : 0,
+          .goal = wanted_place(status_.phase, mission_->goal, body_->position()),
+          .arrives_within = wants_to_go_on(status_.phase) ? arrives_within(*mission_) : 0,
           .radius = body_->radius(),
           .stands = body_->stands(),
           .knot = knot_.id(),

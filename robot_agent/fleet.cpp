@@ -20,11 +20,16 @@ Commitment standing_for_ever_at(const Point2& position) {
   return {.position = position, .expiry = std::numeric_limits<double>::max()};
 }
 
+}  // namespace
+
 bool wants_to_go_on(Phase phase) {
   return phase == Phase::planning || phase == Phase::driving;
 }
 
-}  // namespace
+std::optional<Point2> wanted_place(Phase phase, const Point2& goal, const Point2& place) {
+  if (phase == Phase::no_path) return std::nullopt;
+  return wants_to_go_on(phase) ? goal : place;
+}
 
 Fleet::Peer& Fleet::peer(const RobotName& robot) {
   const auto [number, fresh] = index_.insert(robot);
@@ -209,7 +214,7 @@ FleetMember Fleet::member(const Peer& p) const {
   return {.robot = p.robot,
           .position = p.place,
           .velocity = p.dead ? Point2::Zero() : s.velocity,
-          .goal = has_goal ? p.mission->goal : p.place,
+          .goal = wanted_place(s.phase, has_goal ? p.mission->goal : p.place, p.place),
           .arrives_within = has_goal ? arrives_within(*p.mission) : 0,
           .radius = s.radius,
           .max_speed = s.max_speed,

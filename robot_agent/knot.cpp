@@ -17,7 +17,7 @@ constexpr double longest_hold = 60;   // seconds without a joint plan: the leade
 constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
 constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
 constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
-constexpr int goal_rings = 9;         // about a goal that is covered
+constexpr int goal_rings = 9;         // about a goal that is disputed
 constexpr int points_on_ring = 24;
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 
@@ -27,29 +27,26 @@ bool is_on(const ClearanceField& field, const Point2& p, double radius) {
   return (p.array() >= box.lower.array() - radius).all() && (p.array() <= box.upper.array() + radius).all();
 }
 
-/// The goal of `m`; if an obstacle covers it, the nearest point found at which `m` has arrived as well, and
-/// which is in no other's way.
-Point2 uncovered_goal(const FleetMember& m, std::span<const JointTask> obstacles,
-                      std::span<const FleetMember> others, const ClearanceField& field) {
-  const auto covers = [&](const Point2& p) {
-    return [&](const JointTask& o) { return (o.position - p).norm() < m.radius + o.radius + standing_gap; };
-  };
-  const auto is_in_the_way = [&](const Point2& p) {
-    return std::ranges::any_of(others, [&](const FleetMember& o) {
-      return o.robot != m.robot && (o.goal - p).norm() < m.radius + o.radius + standing_gap;
+/// The goal of one of the tasks. If another is to stand too close to that, the nearest point found at which
+/// the robot has arrived as well, and is in nobody's way.
+Point2 undisputed_goal(std::span<const JointTask> tasks, const JointTask& task, double arrives_within,
+                       const ClearanceField& field) {
+  const auto is_taken = [&](const Point2& p) {
+    return std::ranges::any_of(tasks, [&](const JointTask& o) {
+      const std::optional<Point2> end = o.movable ? o.goal : o.position;
+      return &o != &task && end && (*end - p).norm() < task.radius + o.radius + standing_gap;
     });
   };
-  if (std::ranges::none_of(obstacles, covers(m.goal))) return m.goal;
+  if (!is_taken(*task.goal)) return *task.goal;
   for (int ring = 1; ring <= goal_rings; ++ring) {
     for (int k = 0; k < points_on_ring; ++k) {
       const double angle = 2 * std::numbers::pi * k / points_on_ring;
-      const double distance = m.arrives_within * ring / (goal_rings + 1);
-      const Point2 p = m.goal + distance * Point2(std::cos(angle), std::sin(angle));
-      if (field.is_free(p, m.radius) && std::ranges::none_of(obstacles, covers(p)) && !is_in_the_way(p))
-        return p;
+      const double distance = arrives_within * ring / (goal_rings + 1);
+      const Point2 p = *task.goal + distance * Point2(std::cos(angle), std::sin(angle));
+      if (field.is_free(p, task.radius) && !is_taken(p)) return p;
     }
   }
-  return m.goal;
+  return *task.goal;
 }
 
 }  // namespace
@@ -158,19 +155,22 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
     if (!is_on(places.field(), m.position, 0)) continue;
     const bool holds = !m.dead && m.knot == id_ && m.stage == Stage::holding;
     if (holds) led_.push_back(m);
-    if (!holds && m.parked) obstacles.push_back({m.position, m.position, m.radius, false});
+    if (!holds && m.parked) obstacles.push_back({m.position, std::nullopt, m.radius, false});
   }
   for (const Disc& dead : fleet.places_of_the_dead(self.position, now)) {
     if (is_on(places.field(), dead.centre, dead.radius))
-      obstacles.push_back({dead.centre, dead.centre, dead.radius, false});
+      obstacles.push_back({dead.centre, std::nullopt, dead.radius, false});
   }
   std::vector<JointTask> tasks;
   for (const FleetMember& m : led_) {
-    const bool has_goal = is_on(places.field(), m.goal, 0);
-    const Point2 goal = has_goal ? uncovered_goal(m, obstacles, led_, places.field()) : m.position;
-    tasks.push_back({m.position, goal, m.radius, true});
+    const bool has_goal = m.goal && is_on(places.field(), *m.goal, 0);
+    tasks.push_back({m.position, has_goal ? m.goal : std::nullopt, m.radius});
   }
   tasks.insert(tasks.end(), obstacles.begin(), obstacles.end());
+  for (std::size_t i = 0; i < led_.size(); ++i) {
+    JointTask& task = tasks[i];
+    if (task.goal) task.goal = undisputed_goal(tasks, task, led_[i].arrives_within, places.field());
+  }
   planner_ = std::make_unique<JointPlanner>(places, std::move(tasks), Random(id_.epoch));
 }
 

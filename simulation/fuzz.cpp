@@ -99,12 +99,12 @@ std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const Flee
     const auto& points = track.track.points;
     const Point2 end = points.empty() ? task.start : points.back().position;  // killed before it had a body
     const bool killed = simulation.killed(track.robot);
-    ends.push_back({end, killed ? end : task.goal, task.radius, !killed});
+    ends.push_back({end, killed ? std::nullopt : std::optional(task.goal), task.radius, !killed});
   }
   return ends;
 }
 
-/// Whether a robot could have arrived, past the dead, from where it is.
+/// Whether a robot that is alive could have arrived, past the dead, from where it is.
 bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span<const JointTask> ends) {
   std::vector<Disc> dead;
   for (const JointTask& end : ends) {
@@ -112,7 +112,7 @@ bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span
   }
   // A gap that only a finer lattice finds is no way that anybody would miss.
   RouteFinder finder(field, robot.radius, usual_spacing(robot.radius) / 2);
-  return !finder.route(robot.position, robot.goal, dead).empty();
+  return !finder.route(robot.position, *robot.goal, dead).empty();
 }
 
 /// The same, with the others that live in its way as well. The dead may close the only place where two of

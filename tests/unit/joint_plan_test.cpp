@@ -57,7 +57,7 @@ JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   }
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const bool stranded = std::ranges::find(plan.stranded, i) != plan.stranded.end();
-    EXPECT_EQ(stranded, at[i] != tasks[i].goal);
+    EXPECT_EQ(stranded, at[i] != tasks[i].goal.value_or(at[i]));
   }
   testing::Test::RecordProperty("moves", std::to_string(plan.moves.size()));
   return plan;
@@ -70,7 +70,7 @@ int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   const ClearanceField field(map);
   const auto far = [&](const Point2& p) {
     return std::ranges::all_of(clinch, [&](const JointTask& task) {
-      return (p - task.position).norm() > 30 && (p - task.goal).norm() > 12;
+      return (p - task.position).norm() > 30 && (p - *task.goal).norm() > 12;
     });
   };
   std::vector<JointTask> tasks = clinch;
@@ -87,29 +87,30 @@ int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
 
 // Side by side in a door: neither has a straight way to any place that does not touch the other.
 TEST(JointPlan, SideBySideInADoor) {
-  EXPECT_LT(steps_for_a_clinch({{{12.989584488505946, 132.49301147580744}, {17.5, 131.5}, 5},
-                                {{22.99, 131.15}, {21.5, 405.5}, 5},
-                                {{20, 116}, {23.5, 121.5}, 5}}),
+  EXPECT_LT(steps_for_a_clinch({{{12.989584488505946, 132.49301147580744}, Point2(17.5, 131.5), 5},
+                                {{22.99, 131.15}, Point2(21.5, 405.5), 5},
+                                {{20, 116}, Point2(23.5, 121.5), 5}}),
             10);
 }
 
 // In a column along a wall: all ways to places further off pass too near to the next one.
 TEST(JointPlan, InAColumnAlongAWall) {
-  EXPECT_LT(steps_for_a_clinch({{{265.15224320524447, 240.93877724581463}, {358.5, 366.5}, 5},
-                                {{262.97262513854434, 231.05468795430218}, {129.5, 162.5}, 5},
-                                {{265.01492254613294, 250.97791153388519}, {415.5, 342.5}, 5}}),
+  EXPECT_LT(steps_for_a_clinch({{{265.15224320524447, 240.93877724581463}, Point2(358.5, 366.5), 5},
+                                {{262.97262513854434, 231.05468795430218}, Point2(129.5, 162.5), 5},
+                                {{265.01492254613294, 250.97791153388519}, Point2(415.5, 342.5), 5}}),
             10);
 }
 
 TEST(JointPlan, AloneItIsOneMove) {
-  const JointPlan plan = solve(open_map(100, 100), {{{10, 10}, {90, 90}, 5}});
+  const JointPlan plan = solve(open_map(100, 100), {{{10, 10}, Point2(90, 90), 5}});
   EXPECT_EQ(plan.moves.size(), 1u);
   EXPECT_TRUE(plan.stranded.empty());
   EXPECT_NEAR(length_of(plan.moves.front().path), std::hypot(80, 80), 2);
 }
 
 TEST(JointPlan, HeadOnInACorridorOneGoesBack) {
-  const JointPlan plan = solve(corridor(14), {{{180, 60}, {320, 60}, 5}, {{200, 60}, {40, 60}, 5}});
+  const JointPlan plan =
+      solve(corridor(14), {{{180, 60}, Point2(320, 60), 5}, {{200, 60}, Point2(40, 60), 5}});
   EXPECT_TRUE(plan.stranded.empty());
   double driven = 0;
   for (const Move& move : plan.moves) driven += length_of(move.path);
@@ -121,7 +122,7 @@ TEST(JointPlan, PocketLetsOnePass) {
   block(map, 0, 0, 200, 60);
   block(map, 0, 20, 200, 34, false);   // a corridor, closed at both ends
   block(map, 90, 34, 110, 50, false);  // with a pocket
-  const JointPlan plan = solve(map, {{{10, 27}, {190, 27}, 5}, {{190, 27}, {10, 27}, 5}});
+  const JointPlan plan = solve(map, {{{10, 27}, Point2(190, 27), 5}, {{190, 27}, Point2(10, 27), 5}});
   EXPECT_TRUE(plan.stranded.empty());
 }
 
@@ -140,7 +141,7 @@ TEST(JointPlan, APocketLetsOnePassWhereverItIs) {
     for (int x = 40; x <= 180; ++x) {
       const OccupancyMap map = corridor_with_pockets(240, {x}, depth);
       const JointPlan plan =
-          solve(map, {{{114.94, 15}, {224, 17}, 5, true}, {{125.06, 19}, {16, 17}, 5, true}});
+          solve(map, {{{114.94, 15}, Point2(224, 17), 5, true}, {{125.06, 19}, Point2(16, 17), 5, true}});
       EXPECT_TRUE(plan.stranded.empty()) << "pocket at " << x << ", " << depth << " deep";
     }
   }
@@ -149,10 +150,10 @@ TEST(JointPlan, APocketLetsOnePassWhereverItIs) {
 TEST(JointPlan, TwoPocketsLetTwoPassTwo) {
   for (const int depth : {12, 16, 24}) {
     const OccupancyMap map = corridor_with_pockets(340, {120, 220}, depth);
-    const JointPlan plan = solve(map, {{{159.84, 15}, {310, 17}, 5, true},
-                                       {{146.82, 15}, {298, 17}, 5, true},
-                                       {{183.48, 19}, {32, 17}, 5, true},
-                                       {{170.33, 19}, {20, 17}, 5, true}});
+    const JointPlan plan = solve(map, {{{159.84, 15}, Point2(310, 17), 5, true},
+                                       {{146.82, 15}, Point2(298, 17), 5, true},
+                                       {{183.48, 19}, Point2(32, 17), 5, true},
+                                       {{170.33, 19}, Point2(20, 17), 5, true}});
     EXPECT_TRUE(plan.stranded.empty()) << depth << " deep";
   }
 }
@@ -163,8 +164,8 @@ TEST(JointPlan, ClinchAtThePocketsMouth) {
   block(map, 0, 0, 240, 64);
   block(map, 10, 10, 230, 24, false);
   block(map, 121, 24, 141, 40, false);
-  const JointPlan plan =
-      solve(map, {{{118.574868, 18.999996}, {224, 17}, 5}, {{127.79216, 15.000015}, {16, 17}, 5}});
+  const JointPlan plan = solve(
+      map, {{{118.574868, 18.999996}, Point2(224, 17), 5}, {{127.79216, 15.000015}, Point2(16, 17), 5}});
   EXPECT_TRUE(plan.stranded.empty());
 }
 
@@ -172,7 +173,7 @@ TEST(JointPlan, NoPocketStrandsThem) {
   OccupancyMap map = open_map(200, 60);
   block(map, 0, 0, 200, 60);
   block(map, 0, 20, 200, 34, false);
-  const JointPlan plan = solve(map, {{{10, 27}, {190, 27}, 5}, {{190, 27}, {10, 27}, 5}});
+  const JointPlan plan = solve(map, {{{10, 27}, Point2(190, 27), 5}, {{190, 27}, Point2(10, 27), 5}});
   EXPECT_EQ(plan.stranded.size(), 2u);
 }
 
@@ -181,7 +182,7 @@ TEST(JointPlan, ALargeCrowdIsSortedOutAsFarAsItGoes) {
   OccupancyMap map = open_map(300, 300);
   block(map, 0, 0, 300, 60);
   block(map, 10, 20, 290, 34, false);
-  std::vector<JointTask> tasks{{{100, 27}, {200, 27}, 5}, {{200, 27}, {100, 27}, 5}};
+  std::vector<JointTask> tasks{{{100, 27}, Point2(200, 27), 5}, {{200, 27}, Point2(100, 27), 5}};
   for (int k = 0; k < 14; ++k) {
     const double angle = 2 * std::numbers::pi * k / 14;
     const Point2 out = 80 * Point2(std::cos(angle), std::sin(angle));
@@ -202,8 +203,8 @@ TEST(JointPlan, FiveAgainstFiveInACorridor) {
   for (const int width : {14, 24}) {
     std::vector<JointTask> tasks;
     for (int k = 0; k < 5; ++k) {
-      tasks.push_back({{130.0 + 12 * k, 60.0}, {390.0 - 12 * k, 60.0}, 5});
-      tasks.push_back({{270.0 - 12 * k, 60.0}, {10.0 + 12 * k, 60.0}, 5});
+      tasks.push_back({{130.0 + 12 * k, 60.0}, Point2(390.0 - 12 * k, 60.0), 5});
+      tasks.push_back({{270.0 - 12 * k, 60.0}, Point2(10.0 + 12 * k, 60.0), 5});
     }
     EXPECT_TRUE(solve(corridor(width), tasks).stranded.empty()) << width;
   }
@@ -216,9 +217,9 @@ TEST(JointPlan, DeadEndIsFilledFromItsEnd) {
   std::vector<JointTask> tasks;
   // The one that goes in deepest is the furthest away; two stand in the dead end already, the wrong way
   // round.
-  for (int k = 0; k < 4; ++k) tasks.push_back({{90.0 - 20 * k, 20.0}, {180.0 + 12 * k, 47.0}, 5});
-  tasks.push_back({{150, 47}, {160, 47}, 5});
-  tasks.push_back({{168, 47}, {148, 47}, 5});
+  for (int k = 0; k < 4; ++k) tasks.push_back({{90.0 - 20 * k, 20.0}, Point2(180.0 + 12 * k, 47.0), 5});
+  tasks.push_back({{150, 47}, Point2(160, 47), 5});
+  tasks.push_back({{168, 47}, Point2(148, 47), 5});
   EXPECT_TRUE(solve(map, tasks).stranded.empty());
 }
 
@@ -233,9 +234,22 @@ TEST(JointPlan, CircleSwapOfFifty) {
 }
 
 TEST(JointPlan, TheDeadStayWhereTheyAre) {
-  const JointPlan plan = solve(corridor(14), {{{100, 60}, {320, 60}, 5}, {{200, 60}, {40, 60}, 5, false}});
-  EXPECT_EQ(plan.stranded.size(), 2u);
+  const JointPlan plan =
+      solve(corridor(14), {{{100, 60}, Point2(320, 60), 5}, {{200, 60}, std::nullopt, 5, false}});
+  EXPECT_EQ(plan.stranded.size(), 1u);
   EXPECT_TRUE(plan.moves.empty());
+}
+
+// It need not return, as who stands at its goal must.
+TEST(JointPlan, WhoWantsToGoNowhereLeavesTheGoalOfAnother) {
+  for (const double radius : {5.0, 6.0}) {  // of one size, and not: searches of their own
+    const JointPlan plan =
+        solve(corridor(14), {{{100, 60}, Point2(200, 60), 5}, {{200, 60}, std::nullopt, radius}});
+    EXPECT_TRUE(plan.stranded.empty()) << radius;
+  }
+  const JointPlan plan =
+      solve(corridor(14), {{{100, 60}, Point2(200, 60), 5}, {{200, 60}, Point2(200, 60), 5}});
+  EXPECT_EQ(plan.stranded.size(), 1u);
 }
 
 TEST(JointPlan, RoomsAndMaze) {

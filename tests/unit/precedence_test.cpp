@@ -138,7 +138,7 @@ TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
     EXPECT_TRUE(all_there) << seed;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       const Point2 end = runners[i] ? runners[i]->position : tasks[i].position;
-      EXPECT_LT((end - tasks[i].goal).norm(), 0.1) << seed;
+      EXPECT_LT((end - *tasks[i].goal).norm(), 0.1) << seed;
     }
   }
 }

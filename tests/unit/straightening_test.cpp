@@ -22,7 +22,7 @@ double driven(const std::vector<Move>& moves, std::size_t robot) {
 
 TEST(Straightening, ADetourForNothingGoes) {
   const ClearanceField field(open_map());
-  const std::vector<JointTask> tasks{{{10, 10}, {90, 10}, 5}};
+  const std::vector<JointTask> tasks{{{10, 10}, Point2(90, 10), 5}};
   const std::vector<Move> moves{
       {0, {{10, 10}, {30, 30}}}, {0, {{30, 30}, {60, 5}}}, {0, {{60, 5}, {90, 10}}}};
   const std::vector<Move> straight = straightened(field, tasks, moves);
@@ -32,7 +32,7 @@ TEST(Straightening, ADetourForNothingGoes) {
 
 TEST(Straightening, ThereAndBackForNothingGoesToo) {
   const ClearanceField field(open_map());
-  const std::vector<JointTask> tasks{{{10, 10}, {10, 10}, 5}};
+  const std::vector<JointTask> tasks{{{10, 10}, Point2(10, 10), 5}};
   const std::vector<Move> moves{{0, {{10, 10}, {30, 30}}}, {0, {{30, 30}, {10, 10}}}};
   EXPECT_TRUE(straightened(field, tasks, moves).empty());
 }
@@ -40,7 +40,7 @@ TEST(Straightening, ThereAndBackForNothingGoesToo) {
 // The first makes room for the second: to stay would be in its way.
 TEST(Straightening, ARefugeIsKeptWhileItIsNeeded) {
   const ClearanceField field(open_map());
-  const std::vector<JointTask> tasks{{{50, 50}, {50, 50}, 5}, {{10, 50}, {190, 50}, 5}};
+  const std::vector<JointTask> tasks{{{50, 50}, Point2(50, 50), 5}, {{10, 50}, Point2(190, 50), 5}};
   const std::vector<Move> moves{
       {0, {{50, 50}, {50, 70}}}, {1, {{10, 50}, {190, 50}}}, {0, {{50, 70}, {50, 50}}}};
   const std::vector<Move> same = straightened(field, tasks, moves);
@@ -50,7 +50,7 @@ TEST(Straightening, ARefugeIsKeptWhileItIsNeeded) {
 
 TEST(Straightening, NobodyIsDrivenThrough) {
   const ClearanceField field(open_map());
-  const std::vector<JointTask> tasks{{{10, 50}, {190, 50}, 5}, {{100, 50}, {100, 50}, 5}};
+  const std::vector<JointTask> tasks{{{10, 50}, Point2(190, 50), 5}, {{100, 50}, Point2(100, 50), 5}};
   const std::vector<Move> moves{
       {0, {{10, 50}, {100, 80}}}, {0, {{100, 80}, {130, 70}}}, {0, {{130, 70}, {190, 50}}}};
   for (const Move& move : straightened(field, tasks, moves))
@@ -61,7 +61,7 @@ TEST(Straightening, ObstaclesAreKeptClearOf) {
   OccupancyMap map = open_map();
   for (int j = 0; j < 60; ++j) map.blocked[static_cast<std::size_t>(j * 200 + 100)] = 1;
   const ClearanceField field(map);
-  const std::vector<JointTask> tasks{{{50, 20}, {150, 20}, 5}};
+  const std::vector<JointTask> tasks{{{50, 20}, Point2(150, 20), 5}};
   const std::vector<Move> moves{
       {0, {{50, 20}, {70, 80}}}, {0, {{70, 80}, {130, 80}}}, {0, {{130, 80}, {150, 20}}}};
   for (const Move& move : straightened(field, tasks, moves)) {
