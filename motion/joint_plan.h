@@ -21,6 +21,10 @@ struct JointTask {
   bool movable = true;  ///< false: dead; it stays where it is, and has no goal
 };
 
+inline bool wants_to_move(const JointTask& task) {
+  return task.movable && task.goal && *task.goal != task.position;
+}
+
 struct Move {
   std::size_t robot = 0;  ///< index among those that the plan is for
   Path path;

@@ -98,7 +98,13 @@ std::vector<Point2> JointPlanner::elbow_room() const {
 
 bool JointPlanner::step() {
   if (crowd_) return search_crowd();
-  const auto wants_to_move = [](const JointTask& t) { return t.movable && t.goal && t.position != *t.goal; };
+  if (!dismantled_) {
+    if (!dismantling_) dismantling_ = std::make_unique<Dismantling>(places_.field(), tasks_, random_);
+    if (!dismantling_->step()) return false;
+    dismantled_ = true;
+    auto plan = std::exchange(dismantling_, nullptr)->take_plan();
+    if (plan) return take_up(*std::move(plan));
+  }
   if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
     return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);

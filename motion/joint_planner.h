@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "motion/dismantling.h"
 #include "motion/joint_plan.h"
 #include "motion/lacam.h"
 #include "motion/places.h"
@@ -53,6 +54,8 @@ class JointPlanner {
   std::optional<Lacam> crowd_;
   std::size_t configurations_ = 0;
   bool second_try_ = false;
+  std::unique_ptr<Dismantling> dismantling_;
+  bool dismantled_ = false;  ///< or that was tried in vain
   std::unique_ptr<PushAndRotate> refuges_;
   std::optional<JointPlan> partial_;  ///< the best of the crowds that were not sorted out
   std::vector<std::size_t> shut_in_;

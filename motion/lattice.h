@@ -81,13 +81,26 @@ class Lattice {
   /// Calls fn(vertex) for the vertices, free or not, nearer than `distance` to the segment from a to b.
   template <class Fn>
   void for_each_near(const Point2& a, const Point2& b, double distance, Fn&& fn) const {
-    const Point2 lower = (a.cwiseMin(b) - origin_).array() - distance;
-    const Point2 upper = (a.cwiseMax(b) - origin_).array() + distance;
     const auto cell = [&](double metres, int most) {
       return std::clamp(static_cast<int>(std::floor(metres / spacing_)), 0, most);
     };
-    for (int j = cell(lower.y(), rows_ - 1); j <= cell(upper.y() + spacing_, rows_ - 1); ++j) {
-      for (int i = cell(lower.x(), columns_ - 1); i <= cell(upper.x() + spacing_, columns_ - 1); ++i) {
+    const double least_y = std::min(a.y(), b.y()) - distance - origin_.y();
+    const double most_y = std::max(a.y(), b.y()) + distance - origin_.y();
+    for (int j = cell(least_y, rows_ - 1); j <= cell(most_y + spacing_, rows_ - 1); ++j) {
+      // Of the segment, only the part that is as near to the row matters.
+      const double row = origin_.y() + j * spacing_;
+      const auto clipped = [&](double y) {
+        return std::clamp(y, std::min(a.y(), b.y()), std::max(a.y(), b.y()));
+      };
+      const auto x_at = [&](double y) {
+        return a.x() + (b.x() - a.x()) * (clipped(y) - a.y()) / (b.y() - a.y());
+      };
+      const bool level = a.y() == b.y();
+      const double x0 = level ? a.x() : x_at(row - distance);
+      const double x1 = level ? b.x() : x_at(row + distance);
+      const double least_x = std::min(x0, x1) - distance - origin_.x();
+      const double most_x = std::max(x0, x1) + distance - origin_.x();
+      for (int i = cell(least_x, columns_ - 1); i <= cell(most_x + spacing_, columns_ - 1); ++i) {
         const Vertex v = vertex(i, j);
         if (point_segment_distance(at(v), a, b) < distance) fn(v);
       }

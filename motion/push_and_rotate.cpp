@@ -14,7 +14,7 @@ constexpr std::size_t moves_a_robot = 8;  // in one attempt, on average: beyond,
 constexpr int most_depth = 12;            // of robots that wait for each other to clear a way
 constexpr double elbow_room = 2.5;        // radii between two robots that are not in each other's way
 constexpr std::size_t most_routes_a_step = 24;
-constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at: some seconds
+constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at or marked: a few seconds
 
 }  // namespace
 
@@ -220,7 +220,8 @@ bool PushAndRotate::clear(std::size_t robot, const Path& way, std::vector<Sweep>
                   return evacuate(discs.movable_robot[b], keep_clear, waiting, depth);
                 });
     }
-    if (moves_.size() > moves_a_robot * (tasks_.size() + 2)) cleared = false;
+    if (moves_.size() > moves_a_robot * (tasks_.size() + 2) || finders_.effort() > most_effort)
+      cleared = false;
   }
   keep_clear.pop_back();
   waiting.pop_back();

@@ -63,6 +63,7 @@ void RouteFinder::mark(const Point2& a, const Point2& b, double distance, Mark w
   lattice_.for_each_near(a, b, distance, [&](Vertex v) {
     mark_[v] = static_cast<std::uint8_t>(marks(v) | what);
     marked_[v] = search_;
+    ++effort_;
   });
 }
 
@@ -139,7 +140,7 @@ Path RouteFinder::search(const Point2& from, const Goal& goal, std::span<const O
       if (cost >= best) break;
       if ((marks(v) & (swept | crossing)) == 0) {
         const double value = cost + ((marks(v) & avoided) != 0 ? goal.detour_of_avoided : 0);
-        if (value < best) {
+        if (value < best && (goal.wanted == nullptr || (*goal.wanted)(lattice_.at(v)))) {
           best = value;
           found = v;
         }
@@ -210,7 +211,16 @@ Path RouteFinder::refuge(const Point2& from, std::span<const Disc> discs, std::s
   return movable.empty() ? straightened(path, walls) : path;
 }
 
-void RouteFinder::flood(const Point2& from, std::span<const Disc> discs) {
+Path RouteFinder::to_nearest(const Point2& from, std::span<const Disc> discs,
+                             const std::function<bool(const Point2&)>& wanted) {
+  begin_search();
+  const std::vector<Obstacle> walls = obstacles(discs, from, std::nullopt);
+  for (const Obstacle& o : walls)
+    mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
+  return straightened(search(from, {.wanted = &wanted}, walls), walls);
+}
+
+std::size_t RouteFinder::flood(const Point2& from, std::span<const Disc> discs) {
   begin_search();
   std::vector<Obstacle> walls;
   for (const Disc& disc : discs) {
@@ -225,12 +235,14 @@ void RouteFinder::flood(const Point2& from, std::span<const Disc> discs) {
     open.push_back(v);
   };
   for_each_link(from, walls, reach);
-  while (!open.empty()) {
+  std::size_t reached = 0;
+  for (; !open.empty(); ++reached) {
     const Vertex v = open.back();
     open.pop_back();
-    ++effort_;
     for_each_neighbour(v, reach);
   }
+  effort_ += reached;
+  return reached;
 }
 
 bool RouteFinder::flooded(const Point2& place) {

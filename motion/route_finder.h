@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,7 +32,7 @@ class RouteFinder {
 
   double radius() const { return radius_; }
   double spacing() const { return lattice_.spacing(); }
-  /// Vertices that all searches have looked at.
+  /// Vertices that all searches have looked at, or marked.
   std::size_t effort() const { return effort_; }
 
   /// From one place to another, past discs that stand. Keeps a comfortable distance where the ends allow it.
@@ -47,8 +48,14 @@ class RouteFinder {
   Path refuge(const Point2& from, std::span<const Disc> discs, std::span<const Disc> movable,
               std::span<const Sweep> sweeps, std::span<const Sweep> avoid);
 
+  /// To the nearest place past discs that stand for which wanted() holds; it is asked about each once, the
+  /// nearest first.
+  Path to_nearest(const Point2& from, std::span<const Disc> discs,
+                  const std::function<bool(const Point2&)>& wanted);
+
   /// Whether places are connected past discs that stand: everything that can be reached from one place.
-  void flood(const Point2& from, std::span<const Disc> discs);
+  /// Returns how many vertices of the lattice that are.
+  std::size_t flood(const Point2& from, std::span<const Disc> discs);
   /// Whether the last flood came to `place`.
   bool flooded(const Point2& place);
 
@@ -69,8 +76,9 @@ class RouteFinder {
   };
   enum Mark : std::uint8_t { wall = 1, crossing = 2, swept = 4, avoided = 8 };
   struct Goal {
-    std::optional<Point2> place;  ///< none: the nearest vertex that no mark forbids
+    std::optional<Point2> place{};  ///< none: the nearest vertex that no mark forbids, and that is wanted
     double detour_of_avoided = 0;
+    const std::function<bool(const Point2&)>* wanted = nullptr;  ///< of such a vertex; null: any
   };
 
   std::uint8_t marks(Vertex v) const { return marked_[v] == search_ ? mark_[v] : 0; }

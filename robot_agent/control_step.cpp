@@ -322,10 +322,12 @@ std::span<const Neighbour> RobotAgent::neighbours(double fleet_now) {
 }
 
 FleetMember RobotAgent::self() const {
+  const bool has_given_up = status_.phase == Phase::no_path;
   return {.robot = name_,
           .position = body_->position(),
-          .goal = wanted_place(status_.phase, mission_->goal, body_->position()),
-          .arrives_within = wants_to_go_on(status_.phase) ? arrives_within(*mission_) : 0,
+          .goal = has_given_up ? std::nullopt : std::optional(mission_->goal),
+          .arrives_within = arrives_within(*mission_),
+          .arrived = status_.phase == Phase::arrived,
           .radius = body_->radius(),
           .stands = body_->stands(),
           .knot = knot_.id(),

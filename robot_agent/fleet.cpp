@@ -20,16 +20,11 @@ Commitment standing_for_ever_at(const Point2& position) {
   return {.position = position, .expiry = std::numeric_limits<double>::max()};
 }
 
-}  // namespace
-
 bool wants_to_go_on(Phase phase) {
   return phase == Phase::planning || phase == Phase::driving;
 }
 
-std::optional<Point2> wanted_place(Phase phase, const Point2& goal, const Point2& place) {
-  if (phase == Phase::no_path) return std::nullopt;
-  return wants_to_go_on(phase) ? goal : place;
-}
+}  // namespace
 
 Fleet::Peer& Fleet::peer(const RobotName& robot) {
   const auto [number, fresh] = index_.insert(robot);
@@ -210,12 +205,14 @@ FleetMember Fleet::member(const Peer& p) const {
   }
   const RobotState& s = *p.state;
   const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
-  const bool has_goal = !p.dead && p.mission && wants_to_go_on(s.phase);
+  const Mission* const mission = p.dead ? nullptr : p.mission.get();
+  const bool has_given_up = s.phase == Phase::no_path;
   return {.robot = p.robot,
           .position = p.place,
           .velocity = p.dead ? Point2::Zero() : s.velocity,
-          .goal = wanted_place(s.phase, has_goal ? p.mission->goal : p.place, p.place),
-          .arrives_within = has_goal ? arrives_within(*p.mission) : 0,
+          .goal = has_given_up ? std::nullopt : std::optional(mission ? mission->goal : p.place),
+          .arrives_within = mission ? arrives_within(*mission) : 0,
+          .arrived = s.phase == Phase::arrived,
           .radius = s.radius,
           .max_speed = s.max_speed,
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),

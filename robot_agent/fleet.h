@@ -36,9 +36,9 @@ struct FleetMember {
   RobotName robot;
   Point2 position = Point2::Zero();
   Point2 velocity = Point2::Zero();
-  std::optional<Point2>
-      goal{};                 ///< its own place if it is there, or its mission is not known; none: anywhere
-  double arrives_within = 0;  ///< metres from its goal at which it has arrived
+  std::optional<Point2> goal{};  ///< its own place if its mission is not known; none: it has given up
+  double arrives_within = 0;     ///< metres from its goal at which it has arrived
+  bool arrived = false;
   double radius = 0;
   double max_speed = 0;
   double rests_until = 0;  ///< fleet time; if it stands it has bound itself to that, else when it said so
@@ -49,12 +49,6 @@ struct FleetMember {
   Stage stage = Stage::free;
   double progress = 0;
 };
-
-bool wants_to_go_on(Phase phase);
-
-/// Where a joint plan is to bring a robot that stands at `place`; none: it has given up, and is not to stand
-/// in the way of others.
-std::optional<Point2> wanted_place(Phase phase, const Point2& goal, const Point2& place);
 
 /// The last state of one that fell silent, and when, at the latest, that was heard: fleet time.
 struct Heard {

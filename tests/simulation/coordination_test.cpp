@@ -5,6 +5,7 @@
 #include "files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
+#include "tests/unit/plans.h"
 
 namespace coppice {
 namespace {
@@ -46,6 +47,44 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Coordination,
                            std::ranges::replace(name, '-', '_');
                            return name;
                          });
+
+void expect_all_arrive(const Scenario& scenario) {
+  FleetSimulation simulation(scenario, {.timeout = 600});
+  simulation.run([](const PlannerService&, double) { return true; });
+  EXPECT_EQ(simulation.service().report().outcome(), "arrived");
+  EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
+}
+
+/// A robot of radius 5.
+RobotTask task(std::size_t number, const Point2& start, const Point2& goal) {
+  return {"r" + std::to_string(number + 1), start, goal, 5, 20, 40, 1};
+}
+
+// Whoever is there first stands in the way of those whose goals lie deeper.
+TEST(Coordination, AnAisleIsFilledWithRobotsThatAlmostTouch) {
+  for (const double distance : {10.0, 10.5, 12.0}) {
+    SCOPED_TRACE(distance);
+    OccupancyMap map = test::open_map(300, 100);
+    test::block(map, 100, 0, 300, 100);
+    test::block(map, 100, 43, 290, 57, false);
+    Scenario scenario{.map_name = "aisle", .map = map, .seed = 1, .robots = {}};
+    for (std::size_t k = 0; k < 6; ++k) {
+      const Point2 start(20 + 25 * static_cast<double>(k % 3), 20 + 25 * static_cast<double>(k / 3));
+      scenario.robots.push_back(task(k, start, {220 + distance * static_cast<double>(k), 50}));
+    }
+    expect_all_arrive(scenario);
+  }
+}
+
+// Who has arrived a little off its goal may take what room another needs.
+TEST(Coordination, GoalsMayTouch) {
+  Scenario scenario{.map_name = "open", .map = test::open_map(300, 200), .seed = 1, .robots = {}};
+  for (std::size_t k = 0; k < 8; ++k) {
+    const auto column = static_cast<double>(k);
+    scenario.robots.push_back(task(k, {30 + 20 * column, 30}, {100 + 10 * column, 150}));
+  }
+  expect_all_arrive(scenario);
+}
 
 // Each robot gets a new goal on arrival.
 TEST(Coordination, GoalsGoOnForALifelongFleet) {

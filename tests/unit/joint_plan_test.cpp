@@ -1,4 +1,3 @@
-// Plans of one move after the other, checked move by move with nothing but the clearance field and distances.
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -6,23 +5,15 @@
 #include <gtest/gtest.h>
 
 #include "motion/joint_planner.h"
-#include "motion/segments.h"
 #include "planning/map_generator.h"
+#include "tests/unit/plans.h"
 
 namespace coppice {
 namespace {
 
-OccupancyMap open_map(int width, int height) {
-  OccupancyMap map{.width = width, .height = height, .blocked = {}};
-  map.blocked.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
-  return map;
-}
-
-void block(OccupancyMap& map, int i0, int j0, int i1, int j1, bool blocked = true) {
-  for (int j = j0; j < j1; ++j) {
-    for (int i = i0; i < i1; ++i) map.blocked[static_cast<std::size_t>(j * map.width + i)] = blocked;
-  }
-}
+using test::block;
+using test::driven;
+using test::open_map;
 
 /// A corridor of `width` along x through a blocked map, between two open halls.
 OccupancyMap corridor(int width, int length = 160) {
@@ -40,21 +31,7 @@ JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   }
   JointPlan plan = planner.plan();
 
-  std::vector<Point2> at;
-  for (const JointTask& task : tasks) at.push_back(task.position);
-  for (const Move& move : plan.moves) {
-    const double radius = tasks[move.robot].radius;
-    EXPECT_TRUE(tasks[move.robot].movable);
-    EXPECT_EQ(move.path.front(), at[move.robot]);
-    for (std::size_t k = 1; k < move.path.size(); ++k) {
-      EXPECT_TRUE(field.segment_free(move.path[k - 1], move.path[k], radius));
-      for (std::size_t i = 0; i < tasks.size(); ++i) {
-        if (i == move.robot) continue;
-        EXPECT_GE(point_segment_distance(at[i], move.path[k - 1], move.path[k]), radius + tasks[i].radius);
-      }
-    }
-    at[move.robot] = move.path.back();
-  }
+  const std::vector<Point2> at = driven(map, tasks, plan);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const bool stranded = std::ranges::find(plan.stranded, i) != plan.stranded.end();
     EXPECT_EQ(stranded, at[i] != tasks[i].goal.value_or(at[i]));
@@ -196,7 +173,7 @@ TEST(JointPlan, ALargeCrowdIsSortedOutAsFarAsItGoes) {
   JointPlanner planner(places, tasks, Random(1));
   int steps = 1;
   while (!planner.step()) ++steps;
-  EXPECT_LT(steps, 110);  // and nobody looks for refuges
+  EXPECT_LT(steps, 300);  // and nobody looks for refuges, which takes thousands
 }
 
 TEST(JointPlan, FiveAgainstFiveInACorridor) {
