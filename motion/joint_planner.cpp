@@ -98,21 +98,26 @@ std::vector<Point2> JointPlanner::elbow_room() const {
 
 bool JointPlanner::step() {
   if (crowd_) return search_crowd();
-  if (!dismantled_) {
-    if (!dismantling_) dismantling_ = std::make_unique<Dismantling>(places_.field(), tasks_, random_);
-    if (!dismantling_->step()) return false;
-    dismantled_ = true;
-    auto plan = std::exchange(dismantling_, nullptr)->take_plan();
-    if (plan) return take_up(*std::move(plan));
-  }
+  if (second_try_ && !dismantled_) return dismantle();
   if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
     return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);
   if (!refuges_->step()) return false;
+  if (!refuges_->plan().stranded.empty() && !dismantled_) return dismantle();
   const bool better = !partial_ || refuges_->plan().stranded.size() <= partial_->stranded.size();
   if (!better) return take_up(*std::move(partial_));
   plan_ = refuges_->plan();
   return true;
+}
+
+/// Such a plan strands nobody without need.
+bool JointPlanner::dismantle() {
+  if (!dismantling_) dismantling_ = std::make_unique<Dismantling>(places_.field(), tasks_, random_);
+  if (!dismantling_->step()) return false;
+  dismantled_ = true;
+  auto plan = std::exchange(dismantling_, nullptr)->take_plan();
+  const bool is_best = plan && (!refuges_ || plan->stranded.size() < refuges_->plan().stranded.size());
+  return is_best && take_up(*std::move(plan));
 }
 
 bool JointPlanner::search_crowd() {

@@ -1,10 +1,11 @@
 // Looks for a joint plan (joint_plan.h): for robots of one size by LaCAM on places (lacam.h), which sorts out
 // crowds at once. Where that finds nothing in bounded time, robots may stand in a clinch: side by side, so
 // that neither can take a way to another place without touching the other. So it has a second try on more
-// places: a step away from robots that did not get away, and sidings. Where that finds nothing either, and
-// for robots of several sizes, it is the slower search for refuges (push_and_rotate.h), unless too
-// many want to go somewhere: then it is what brings the most robots to their goals, and the others call again
-// from where they stand then.
+// places: a step away from robots that did not get away, and sidings. Where that finds nothing either the
+// crowd is taken apart and put together again (dismantling.h). Where even that cannot be done it is the
+// slower search for refuges (push_and_rotate.h), unless too many want to go somewhere: then it is what brings
+// the most robots to their goals, and the others call again from where they stand then. For robots of several
+// sizes the search for refuges comes first, and what it does not sort out is taken apart.
 //
 // Metres in the map frame.
 #pragma once
@@ -40,6 +41,7 @@ class JointPlanner {
 
  private:
   void set_up_crowd(std::span<const Point2> elbow_room);
+  bool dismantle();
   bool search_crowd();
   bool in_a_clinch(const JointTask& task) const;
   std::vector<Point2> elbow_room() const;

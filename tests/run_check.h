@@ -139,15 +139,24 @@ inline std::map<std::string, std::vector<Sample>> read_trajectory_rows(const std
   return tracks;
 }
 
-/// Where a robot is that moves straight between samples, and stands before the first and after the last.
-inline Place at(const std::vector<Sample>& track, double time) {
-  const auto after = std::upper_bound(track.begin(), track.end(), time,
-                                      [](double t, const Sample& sample) { return t < sample.time; });
-  if (after == track.begin()) return track.front().place;
-  if (after == track.end()) return track.back().place;
-  const Sample& a = *(after - 1);
-  return between(a.place, after->place, (time - a.time) / (after->time - a.time));
-}
+/// Where a robot is that moves straight between samples, and stands before the first and after the last;
+/// asked for later and later times.
+class Follower {
+ public:
+  explicit Follower(const std::vector<Sample>& track) : track_(track) {}
+  Place at(double time) {
+    while (next_ < track_.size() && track_[next_].time <= time) ++next_;
+    if (next_ == 0) return track_.front().place;
+    if (next_ == track_.size()) return track_.back().place;
+    const Sample& a = track_[next_ - 1];
+    const Sample& b = track_[next_];
+    return between(a.place, b.place, (time - a.time) / (b.time - a.time));
+  }
+
+ private:
+  const std::vector<Sample>& track_;
+  std::size_t next_ = 0;
+};
 
 /// Least distance of two robots while both are on record; straight motion between all samples of either.
 inline double least_distance(const std::vector<Sample>& a, const std::vector<Sample>& b) {
@@ -157,14 +166,20 @@ inline double least_distance(const std::vector<Sample>& a, const std::vector<Sam
   }
   std::sort(times.begin(), times.end());
   const double end = std::min(a.back().time, b.back().time);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < times.size() && times[i + 1] <= end; ++i) {
-    const Place a0 = at(a, times[i]);
-    const Place a1 = at(a, times[i + 1]);
-    const Place b0 = at(b, times[i]);
-    const Place b1 = at(b, times[i + 1]);
-    least = std::min(
-        least, least_on_unit([&](double s) { return distance(between(a0, a1, s), between(b0, b1, s)); }));
+  Follower in_a(a);
+  Follower in_b(b);
+  Place a0 = in_a.at(times.front());
+  Place b0 = in_b.at(times.front());
+  double least = distance(a0, b0);
+  for (std::size_t i = 1; i < times.size() && times[i] <= end; ++i) {
+    const Place a1 = in_a.at(times[i]);
+    const Place b1 = in_b.at(times[i]);
+    // Nearly always they are too far from each other to come nearer than they were.
+    if (distance(a0, b0) - distance(a0, a1) - distance(b0, b1) < least)
+      least = std::min(
+          least, least_on_unit([&](double s) { return distance(between(a0, a1, s), between(b0, b1, s)); }));
+    a0 = a1;
+    b0 = b1;
   }
   return least;
 }
