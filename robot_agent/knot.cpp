@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
+
+#include "robot_agent/joint_tasks.h"
 
 namespace coppice {
 
@@ -17,72 +18,7 @@ constexpr double longest_hold = 60;   // seconds without a joint plan: the leade
 constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
 constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
 constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
-constexpr int goal_rings = 9;         // about a goal that is disputed
-constexpr int points_on_ring = 24;
-constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
-
-/// Whether a disc there reaches into the map.
-bool is_on(const ClearanceField& field, const Point2& p, double radius) {
-  const Box<2> box = field.bounds();
-  return (p.array() >= box.lower.array() - radius).all() && (p.array() <= box.upper.array() + radius).all();
-}
-
-/// Whether another of the tasks is to end too close to p for the one of a robot.
-bool is_taken(const Point2& p, std::span<const JointTask> tasks, const JointTask& own) {
-  return std::ranges::any_of(tasks, [&](const JointTask& o) {
-    const std::optional<Point2> end = o.movable ? o.goal : o.position;
-    return &o != &own && end && (*end - p).norm() < own.radius + o.radius + standing_gap;
-  });
-}
-
-/// The nearest point found to a robot's goal at which it has arrived as well, and is in nobody's way.
-std::optional<Point2> place_at_goal(const FleetMember& m, std::span<const JointTask> tasks,
-                                    const JointTask& own, const ClearanceField& field) {
-  for (int ring = 0; ring <= goal_rings; ++ring) {
-    for (int k = 0; k < (ring == 0 ? 1 : points_on_ring); ++k) {
-      const double angle = 2 * std::numbers::pi * k / points_on_ring;
-      const double distance = m.arrives_within * ring / (goal_rings + 1);
-      const Point2 p = *m.goal + distance * Point2(std::cos(angle), std::sin(angle));
-      if (field.is_free(p, own.radius) && !is_taken(p, tasks, own)) return p;
-    }
-  }
-  return std::nullopt;
-}
-
-/// What the members are to do: to drive to their goals, or beside them where two would stand too close to
-/// each other. Nothing if there is no room for that.
-struct Aims {
-  std::vector<JointTask> tasks;  ///< of the members, then of the obstacles
-  bool undisputed = true;
-};
-Aims aims_of(std::span<const FleetMember> members, std::span<const JointTask> obstacles,
-             const ClearanceField& field, bool arrived_stay) {
-  Aims aims;
-  for (const FleetMember& m : members) {
-    const bool has_goal = m.goal && is_on(field, *m.goal, 0);
-    const Point2 end = arrived_stay && m.arrived ? m.position : m.goal.value_or(m.position);
-    aims.tasks.push_back({m.position, has_goal ? std::optional(end) : std::nullopt, m.radius});
-  }
-  aims.tasks.insert(aims.tasks.end(), obstacles.begin(), obstacles.end());
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    JointTask& task = aims.tasks[i];
-    if (!task.goal || !is_taken(*task.goal, aims.tasks, task)) continue;
-    const bool stays = arrived_stay && members[i].arrived;
-    const auto place = stays ? std::nullopt : place_at_goal(members[i], aims.tasks, task, field);
-    aims.undisputed = aims.undisputed && place;
-    task.goal = place.value_or(*task.goal);
-  }
-  return aims;
-}
-
-/// Who has arrived stays where it is, unless others have no room then.
-std::vector<JointTask> tasks_of(std::span<const FleetMember> members, std::span<const JointTask> obstacles,
-                                const ClearanceField& field) {
-  Aims aims = aims_of(members, obstacles, field, true);
-  if (aims.undisputed) return std::move(aims.tasks);
-  Aims wider = aims_of(members, obstacles, field, false);
-  return std::move(wider.undisputed ? wider.tasks : aims.tasks);
-}
+constexpr double same_place = 0.01;   // metres between where a plan begins and where the robot stands
 
 }  // namespace
 
@@ -187,17 +123,17 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   led_ = {self};
   std::vector<JointTask> obstacles;
   for (const FleetMember& m : fleet.others()) {
-    if (!is_on(places.field(), m.position, 0)) continue;
+    if (!is_on_map(places.field(), m.position)) continue;
     const bool holds = !m.dead && m.knot == id_ && m.stage == Stage::holding;
     if (holds) led_.push_back(m);
     if (!holds && m.parked) obstacles.push_back({m.position, std::nullopt, m.radius, false});
   }
   for (const Disc& dead : fleet.places_of_the_dead(self.position, now)) {
-    if (is_on(places.field(), dead.centre, dead.radius))
+    if (is_on_map(places.field(), dead.centre, dead.radius))
       obstacles.push_back({dead.centre, std::nullopt, dead.radius, false});
   }
   planner_ =
-      std::make_unique<JointPlanner>(places, tasks_of(led_, obstacles, places.field()), Random(id_.epoch));
+      std::make_unique<JointPlanner>(places, joint_tasks(led_, obstacles, places.field()), Random(id_.epoch));
 }
 
 void Knot::publish(const FleetMember& self, double now) {
