@@ -38,10 +38,10 @@ std::optional<Point2> place_at_goal(const FleetMember& m, std::span<const JointT
 }
 
 /// What the members are to do: to drive to their goals, or beside them where two would stand too close to
-/// each other. Nothing if there is no room for that.
+/// each other.
 struct Aims {
   std::vector<JointTask> tasks;  ///< of the members, then of the obstacles
-  bool undisputed = true;
+  bool undisputed = false;       ///< there is room for all
 };
 Aims aims_of(std::span<const FleetMember> members, std::span<const JointTask> obstacles,
              const ClearanceField& field, bool arrived_stay) {
@@ -54,12 +54,13 @@ Aims aims_of(std::span<const FleetMember> members, std::span<const JointTask> ob
   aims.tasks.insert(aims.tasks.end(), obstacles.begin(), obstacles.end());
   for (std::size_t i = 0; i < members.size(); ++i) {
     JointTask& task = aims.tasks[i];
-    if (!task.goal || !is_taken(*task.goal, aims.tasks, task)) continue;
     const bool stays = arrived_stay && members[i].arrived;
-    const auto place = stays ? std::nullopt : place_at_goal(members[i], aims.tasks, task, field);
-    aims.undisputed = aims.undisputed && place;
-    task.goal = place.value_or(*task.goal);
+    if (!task.goal || stays || !is_taken(*task.goal, aims.tasks, task)) continue;
+    task.goal = place_at_goal(members[i], aims.tasks, task, field).value_or(*task.goal);
   }
+  aims.undisputed = std::ranges::none_of(
+      std::span(aims.tasks).first(members.size()),
+      [&](const JointTask& task) { return task.goal && is_taken(*task.goal, aims.tasks, task); });
   return aims;
 }
 
