@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "motion/segments.h"
 
@@ -12,15 +13,38 @@ namespace coppice {
 
 namespace {
 
-constexpr int goal_rings = 9;  // about a goal that is disputed
+constexpr double share_of_tolerance = 0.9;
+// Goals of many that are a little too close to each other are pushed apart, all together.
+constexpr int pushes = 100;
+constexpr double usual_gap = 0.02;  // metres: robots stop a little off their ends
+constexpr double beyond = 1e-3;     // likewise: so that they are soon apart
+// What remains disputed is looked for on rings about the goal.
+constexpr int goal_rings = 9;
 constexpr int points_on_ring = 24;
 
-/// Whether another of the tasks is to end too close to p for the one of a robot.
+std::optional<Point2> end_of(const JointTask& task) {
+  return task.movable ? task.goal : task.position;
+}
+
+/// What is between two robots at their ends.
+double gap_between(const JointTask& a, const Point2& end_a, const JointTask& b, const Point2& end_b) {
+  return (end_a - end_b).norm() - a.radius - b.radius;
+}
+
+/// Whether another is to end too close to p for the one of a task.
 bool is_taken(const Point2& p, std::span<const JointTask> tasks, const JointTask& own) {
   return std::ranges::any_of(tasks, [&](const JointTask& o) {
-    const std::optional<Point2> end = o.movable ? o.goal : o.position;
-    return &o != &own && end && (*end - p).norm() < own.radius + o.radius + standing_gap;
+    const std::optional<Point2> end = end_of(o);
+    return &o != &own && end && gap_between(own, p, o, *end) < standing_gap;
   });
+}
+
+/// To p, or as close to that as its robot has arrived.
+void move_end(JointTask& task, const FleetMember& m, const Point2& p, const ClearanceField& field) {
+  const Point2 off = p - *m.goal;
+  const double most = share_of_tolerance * m.arrives_within;
+  const Point2 end = off.norm() > most ? *m.goal + most / off.norm() * off : p;
+  if (field.is_free(end, task.radius)) task.goal = end;
 }
 
 /// The nearest point found to a robot's goal at which it has arrived as well, and is in nobody's way.
@@ -29,12 +53,36 @@ std::optional<Point2> place_at_goal(const FleetMember& m, std::span<const JointT
   for (int ring = 0; ring <= goal_rings; ++ring) {
     for (int k = 0; k < (ring == 0 ? 1 : points_on_ring); ++k) {
       const double angle = 2 * std::numbers::pi * k / points_on_ring;
-      const double distance = m.arrives_within * ring / (goal_rings + 1);
+      const double distance = share_of_tolerance * m.arrives_within * ring / goal_rings;
       const Point2 p = *m.goal + distance * Point2(std::cos(angle), std::sin(angle));
       if (field.is_free(p, own.radius) && !is_taken(p, tasks, own)) return p;
     }
   }
   return std::nullopt;
+}
+
+/// Ends that are a little too close to each other, pair by pair, until none are: those that yield().
+template <class Yields>
+void push_apart(std::span<const FleetMember> members, std::vector<JointTask>& tasks, Yields&& yields,
+                const ClearanceField& field) {
+  bool pushed = true;
+  for (int round = 0; round < pushes && pushed; ++round) {
+    pushed = false;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (!yields(i) && !yields(k)) continue;
+        const std::optional<Point2> a = end_of(tasks[i]);
+        const std::optional<Point2> b = end_of(tasks[k]);
+        const double gap = a && b ? gap_between(tasks[i], *a, tasks[k], *b) : usual_gap;
+        if (gap >= usual_gap || *a == *b) continue;
+        const Point2 away = (*a - *b).normalized();
+        const Point2 step = (usual_gap + beyond - gap) / (yields(i) && yields(k) ? 2 : 1) * away;
+        if (yields(i)) move_end(tasks[i], members[i], *tasks[i].goal + step, field);
+        if (yields(k)) move_end(tasks[k], members[k], *tasks[k].goal - step, field);
+        pushed = true;
+      }
+    }
+  }
 }
 
 /// What the members are to do: to drive to their goals, or beside them where two would stand too close to
@@ -52,11 +100,14 @@ Aims aims_of(std::span<const FleetMember> members, std::span<const JointTask> ob
     aims.tasks.push_back({m.position, has_goal ? std::optional(end) : std::nullopt, m.radius});
   }
   aims.tasks.insert(aims.tasks.end(), obstacles.begin(), obstacles.end());
+  const auto yields = [&](std::size_t i) {
+    return i < members.size() && aims.tasks[i].goal && !(arrived_stay && members[i].arrived);
+  };
+  push_apart(members, aims.tasks, yields, field);
   for (std::size_t i = 0; i < members.size(); ++i) {
     JointTask& task = aims.tasks[i];
-    const bool stays = arrived_stay && members[i].arrived;
-    if (!task.goal || stays || !is_taken(*task.goal, aims.tasks, task)) continue;
-    task.goal = place_at_goal(members[i], aims.tasks, task, field).value_or(*task.goal);
+    if (yields(i) && is_taken(*task.goal, aims.tasks, task))
+      task.goal = place_at_goal(members[i], aims.tasks, task, field).value_or(*task.goal);
   }
   aims.undisputed = std::ranges::none_of(
       std::span(aims.tasks).first(members.size()),

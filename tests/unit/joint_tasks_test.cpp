@@ -46,8 +46,8 @@ TEST(JointTasks, GoalsThatLeaveRoomStayAsTheyAre) {
 
 TEST(JointTasks, GoalsThatTouchAreMovedApart) {
   std::vector<FleetMember> members;
-  for (int k = 0; k < 9; ++k)
-    members.push_back(member({20, 20}, Point2(100 + 10 * (k % 3), 100 + 10 * (k / 3))));
+  for (int k = 0; k < 49; ++k)
+    members.push_back(member({20, 20}, Point2(100 + 10 * (k % 7), 100 + 10 * (k / 7))));
   expect_room_for_all(members, tasks_of(members));
 }
 
