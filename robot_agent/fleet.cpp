@@ -212,7 +212,7 @@ FleetMember Fleet::member(const Peer& p) const {
           .velocity = p.dead ? Point2::Zero() : s.velocity,
           .goal = has_given_up ? std::nullopt : std::optional(mission ? mission->goal : p.place),
           .arrives_within = mission ? arrives_within(*mission) : 0,
-          .arrived = s.phase == Phase::arrived,
+          .arrived = !wants_to_go_on(s.phase),
           .radius = s.radius,
           .max_speed = s.max_speed,
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
