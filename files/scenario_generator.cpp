@@ -12,6 +12,7 @@
 #include "planning/clearance_field.h"
 #include "planning/map_generator.h"
 #include "planning/random.h"
+#include "planning/shuffle.h"
 
 namespace coppice {
 
@@ -46,7 +47,7 @@ std::vector<Point2> places(const Point2& lower, const Point2& upper, double apar
   for (double y = lower.y(); y <= upper.y(); y += apart) {
     for (double x = lower.x(); x <= upper.x(); x += apart) result.emplace_back(x, y);
   }
-  for (std::size_t k = result.size(); k > 1; --k) std::swap(result[k - 1], result[random.index(k)]);
+  shuffle(result, random);
   return result;
 }
 
@@ -121,7 +122,7 @@ void crossing(Scenario& scenario, int robots, Random& random) {
   for (int k = 0; k < (robots + 3) / 4; ++k) order.push_back(k);
   const auto shuffled = [&] {
     std::vector<double> s = order;
-    for (std::size_t k = s.size(); k > 1; --k) std::swap(s[k - 1], s[random.index(k)]);
+    shuffle(s, random);
     return s;
   };
   // Two abreast, 12 m behind each other, from the arms' ends inwards.
@@ -172,9 +173,9 @@ void warehouse(Scenario& scenario, int robots, Random& random) {
     }
   }
   std::vector<Point2> goals = slots;
-  for (std::size_t k = goals.size(); k > 1; --k) std::swap(goals[k - 1], goals[random.index(k)]);
+  shuffle(goals, random);
   std::vector<Point2> starts = slots;
-  for (std::size_t k = starts.size(); k > 1; --k) std::swap(starts[k - 1], starts[random.index(k)]);
+  shuffle(starts, random);
   for (int k = 0; k < robots; ++k)
     add_robot(scenario, starts[static_cast<std::size_t>(k)], goals[static_cast<std::size_t>(k)]);
 }

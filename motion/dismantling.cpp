@@ -5,6 +5,7 @@
 #include <ranges>
 
 #include "motion/segments.h"
+#include "planning/shuffle.h"
 
 namespace coppice {
 
@@ -14,10 +15,6 @@ constexpr std::size_t most_effort = 20'000'000;  // lattice vertices looked at o
 constexpr int most_attempts = 6;
 constexpr int first_with_everybody = 1;  // also those who are at their goals are sent away
 constexpr int first_shuffled = 2;        // in other orders
-
-void shuffle(std::vector<std::size_t>& numbers, Random& random) {
-  for (std::size_t i = numbers.size(); i > 1; --i) std::swap(numbers[i - 1], numbers[random.index(i)]);
-}
 
 }  // namespace
 

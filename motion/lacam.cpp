@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "planning/shuffle.h"
+
 namespace coppice {
 
 namespace {
@@ -124,7 +126,7 @@ std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
     const std::uint32_t robot = order_[set.size()];
     std::vector<Place> ends{node.at[robot]};
     for (const PlaceGraph::Edge& edge : graph_.edges(node.at[robot])) ends.push_back(edge.to);
-    for (std::size_t k = ends.size(); k > 1; --k) std::swap(ends[k - 1], ends[random_.index(k)]);
+    shuffle(ends, random_);
     for (const Place end : ends) node.constraints.push_back({number, {robot, end}});
   }
   return set;

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "planning/shuffle.h"
+
 namespace coppice {
 
 namespace {
@@ -36,8 +38,7 @@ void PushAndRotate::begin_attempt() {
     // Whoever has the shortest way makes room first.
     std::ranges::stable_sort(priority_, std::less{}, [&](std::size_t i) { return length_of(direct_[i]); });
   } else {
-    for (std::size_t i = priority_.size(); i > 1; --i)
-      std::swap(priority_[i - 1], priority_[random_.index(i)]);
+    shuffle(priority_, random_);
     spread_out();
   }
 }

@@ -181,6 +181,29 @@ TEST(PlannerService, AnAgentThatBeginsItsTrackAnewIsStoppedAndItsRobotHasNotArri
   EXPECT_NE(report.robots(0).reason().find("started anew without its journal"), std::string::npos);
 }
 
+// Found by `coppice fuzz --replay 440082 --restarts`: it heard of another's mission that is cancelled before
+// its own was, and went on for a moment.
+TEST(PlannerService, WhyItDidNotArriveIsNotUnsaidAfterTheEnd) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  const auto says = [&](const char* robot, Phase phase, const char* reason) {
+    AgentStatus status;
+    status.robot = robot;
+    status.mission = 1;
+    status.phase = phase;
+    status.reason = reason;
+    service.on(arrival_of(status, 1));
+  };
+  says("a", Phase::no_path, "shut in");
+  says("b", Phase::no_path, "held up");
+  EXPECT_EQ(of<Mission>(service.step(1)).size(), 2u);
+  says("a", Phase::driving, "");
+  says("a", Phase::stopped, "");
+  says("b", Phase::stopped, "held up");
+  EXPECT_EQ(reason_of(service, 0), "shut in");
+  EXPECT_EQ(reason_of(service, 1), "held up");
+}
+
 TEST(PlannerService, AllWhoFallSilentAtOnceAreWaitedForLonger) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
