@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,11 @@ struct Row {
   std::string name;
   int robots;
 };
+
+/// How GoogleTest calls it.
+void PrintTo(const Row& row, std::ostream* out) {
+  *out << row.robots << ' ' << row.name;
+}
 
 test::Place place(const Point2& p) {
   return {p.x(), p.y()};

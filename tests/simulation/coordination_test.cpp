@@ -1,4 +1,6 @@
 // Fleets that only avoid each other would never end these: everybody arrives, and nobody touches anything.
+#include <ostream>
+
 #include <gtest/gtest.h>
 
 #include "files/input_error.h"
@@ -15,6 +17,11 @@ struct Trial {
   int robots;
   int seeds;
 };
+
+/// How GoogleTest calls it.
+void PrintTo(const Trial& trial, std::ostream* out) {
+  *out << trial.robots << ' ' << trial.name << ", " << trial.seeds << " seeds";
+}
 
 class Coordination : public testing::TestWithParam<Trial> {};
 
