@@ -94,11 +94,10 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   known->second.trees_received = status.trees_received;
   if (!missions_published_) next_wake_ = begun_;
   if (status.mission != known->second.mission) return;
+  AgentStatus latest = status;
   // Others whose missions are cancelled at the end may give it hope again for a moment.
-  const bool unsaid = ended_ && status.reason.empty() && known->second.status;
-  std::string reason = unsaid ? std::move(known->second.status->reason) : status.reason;
-  known->second.status = status;
-  known->second.status->reason = std::move(reason);
+  if (ended_ && latest.reason.empty() && known->second.status) latest.reason = known->second.status->reason;
+  known->second.status = std::move(latest);
   // An agent that was started anew tells less of its first path.
   const auto& first = known->second.first_status;
   const bool tells_less = first && first->path_time > 0 && status.path_time != first->path_time;

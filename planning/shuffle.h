@@ -12,7 +12,7 @@ namespace coppice {
 
 template <std::ranges::random_access_range Range>
 void shuffle(Range& range, Random& random) {
-  for (std::size_t k = std::size(range); k > 1; --k) std::swap(range[k - 1], range[random.index(k)]);
+  for (std::size_t k = std::ranges::size(range); k > 1; --k) std::swap(range[k - 1], range[random.index(k)]);
 }
 
 }  // namespace coppice
