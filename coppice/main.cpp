@@ -5,6 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#ifdef COPPICE_MIMALLOC
+#include <mimalloc.h>
+#endif
 
 #include "bus/process.h"
 #include "bus/process_options.h"
@@ -16,6 +19,18 @@
 #include "files/run_options.h"
 #include "files/scenario_generator.h"
 #include "planning/quantities.h"
+
+namespace {
+
+/// What the agents of a simulated fleet know is spread over more memory than the processor keeps addresses of
+/// in pages of 4 KiB.
+void use_huge_pages() {
+#ifdef COPPICE_MIMALLOC
+  mi_option_enable(mi_option_large_os_pages);
+#endif
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace coppice;
@@ -77,7 +92,10 @@ int main(int argc, char** argv) {
   add_fault_options(*simulate, faults);
   NewRecording record;
   add_recording_options(*simulate, record, "recording of all that is said (MCAP), lost or not");
-  simulate->callback([&] { exit_code = simulate_command(options, faults, record); });
+  simulate->callback([&] {
+    use_huge_pages();
+    exit_code = simulate_command(options, faults, record);
+  });
   FuzzOptions fuzz;
   auto* hunt = app.add_subcommand("fuzz", "simulate scenarios and faults drawn from consecutive seeds");
   hunt->add_option("--hours", fuzz.robot_hours, "robot-hours of fleet time to simulate")
@@ -91,7 +109,10 @@ int main(int argc, char** argv) {
       ->needs(again);
   hunt->add_option("--picture", fuzz.files.picture, "of the replay, SVG")->check(output_file())->needs(again);
   add_recording_options(*hunt, fuzz.record, "of the replay, MCAP")->needs(again);
-  hunt->callback([&] { exit_code = fuzz_command(fuzz); });
+  hunt->callback([&] {
+    use_huge_pages();
+    exit_code = fuzz_command(fuzz);
+  });
   auto* plan = app.add_subcommand("plan", "paths only: MA-RRdT* in one process");
   add_run_options(*plan, options);
   plan->callback([&] { exit_code = plan_command(options); });

@@ -73,8 +73,7 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
     robot.task = task;
     robot.last_heard = now;
     robot.index = order_.size();
-    robots_.emplace(task.name, std::move(robot));
-    order_.push_back(task.name);
+    order_.push_back(&robots_.emplace(task.name, std::move(robot)).first->second);
   }
 }
 
@@ -179,7 +178,6 @@ MapMessage PlannerService::map() const {
 }
 
 Mission PlannerService::mission_of(const Robot& robot) const {
-  const auto place = std::ranges::find(order_, robot.task.name) - order_.begin();
   return {.robot = robot.task.name,
           .number = robot.mission,
           .fleet_size = static_cast<std::uint32_t>(robots_.size()),
@@ -190,8 +188,7 @@ Mission PlannerService::mission_of(const Robot& robot) const {
           .max_speed = robot.task.max_speed,
           .max_acceleration = robot.task.max_acceleration,
           .goal_tolerance = robot.task.goal_tolerance,
-          .seed = scenario_.seed * 1'000'003ull + static_cast<std::uint64_t>(place) +
-                  7919ull * (robot.mission - 1),
+          .seed = scenario_.seed * 1'000'003ull + robot.index + 7919ull * (robot.mission - 1),
           .planner = settings_.planner,
           .plan_budget = settings_.plan_budget,
           .cancelled = ended_ || robot.began_anew,
@@ -199,18 +196,17 @@ Mission PlannerService::mission_of(const Robot& robot) const {
 }
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
-  for (const RobotName& name : order_) out.emplace_back(mission_of(robots_.at(name)));
+  for (const Robot* robot : order_) out.emplace_back(mission_of(*robot));
 }
 
 /// A new mission for everybody who has fulfilled the one before.
 void PlannerService::give_new_goals(std::vector<Message>& out) {
-  for (const RobotName& name : order_) {
-    Robot& robot = robots_.at(name);
-    if (!robot.arrived()) continue;
-    const auto goal = draw_goal(robot);
+  for (Robot* robot : order_) {
+    if (!robot->arrived()) continue;
+    const auto goal = draw_goal(*robot);
     if (!goal) continue;
-    begin_next_mission(robot, robot.task.goal, *goal);
-    out.emplace_back(mission_of(robot));
+    begin_next_mission(*robot, robot->task.goal, *goal);
+    out.emplace_back(mission_of(*robot));
   }
 }
 
@@ -247,14 +243,13 @@ const ClearanceField& PlannerService::field() {
 
 /// One that is still under way goes there from where it is.
 void PlannerService::give_wanted_goals(std::vector<Message>& out) {
-  for (const RobotName& name : order_) {
-    Robot& robot = robots_.at(name);
-    const auto goal = std::exchange(robot.wanted, std::nullopt);
+  for (Robot* robot : order_) {
+    const auto goal = std::exchange(robot->wanted, std::nullopt);
     if (!goal) continue;
-    const auto last = record_.last(robot.index);
-    const Point2 here = last ? last->position : robot.task.start;
-    begin_next_mission(robot, robot.arrived() ? robot.task.goal : here, *goal);
-    out.emplace_back(mission_of(robot));
+    const auto last = record_.last(robot->index);
+    const Point2 here = last ? last->position : robot->task.start;
+    begin_next_mission(*robot, robot->arrived() ? robot->task.goal : here, *goal);
+    out.emplace_back(mission_of(*robot));
   }
 }
 
@@ -421,9 +416,9 @@ TrackParts PlannerService::tracks() const {
   return [this](const std::function<void(const TrackPart&)>& fn) {
     record_.for_each_stretch([&](double from, double until) {
       TrackPart part{from, until, {}};
-      for (std::size_t i = 0; i < order_.size(); ++i)
+      for (const Robot* robot : order_)
         part.tracks.push_back(
-            {order_[i], {robots_.at(order_[i]).task.radius, record_.around(i, from, until)}});
+            {robot->task.name, {robot->task.radius, record_.around(robot->index, from, until)}});
       fn(part);
     });
   };

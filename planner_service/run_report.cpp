@@ -175,7 +175,7 @@ proto::Report PlannerService::report(const TrackParts& tracks) const {
   const Driven all = driven(tracks, order_.size(), ClearanceField(scenario_.map));
   proto::Report report;
   for (std::size_t i = 0; i < order_.size(); ++i) {
-    const Robot& robot = robots_.at(order_[i]);
+    const Robot& robot = *order_[i];
     proto::Report::Robot& row = *report.add_robots();
     row.set_arrived(robot.at_goal(all.last[i]));
     row.set_driven_length(all.length[i]);
@@ -198,7 +198,7 @@ PictureContent PlannerService::picture() const {
   PictureContent content{.map = scenario_.map, .edges = shared_edges_, .robots = {}};
   const std::vector<Path> driven = ways(tracks(), order_.size());
   for (std::size_t i = 0; i < order_.size(); ++i) {
-    const Robot& robot = robots_.at(order_[i]);
+    const Robot& robot = *order_[i];
     content.robots.push_back(
         {robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, driven[i]});
     for (const RootNodes::Node& node : robot.root_nodes) {

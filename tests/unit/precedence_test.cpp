@@ -58,7 +58,7 @@ TEST(Precedence, AWaitSaysHowFarTheOtherHasStillToCome) {
 /// The gates by their definition: pieces shorter than any that gates_of uses, all against all.
 TEST(Precedence, EveryPlaceWhereWaysComeNearHasAGateWhereverTheyLie) {
   Random random(1);
-  for (int round = 0; round < 30; ++round) {
+  for (int round = 0; round < 1000; ++round) {
     const double scale = std::pow(10, random.uniform(-1, 3));
     const auto anywhere = [&] {
       return Point2(random.uniform(-scale, scale), random.uniform(-scale, scale));
