@@ -31,10 +31,10 @@ int simulate_command(const RunOptions& options, const Faults& faults, const NewR
   Progress last;
   simulation.run([&](const PlannerService& service, double now) {
     last = service.progress(now);
-    display.show(last, wall_now());
+    if (!options.quiet) display.show(last, wall_now());
     return !stop_requested();
   });
-  display.finish(last);
+  if (!options.quiet) display.finish(last);
   recording.finish();
   const PlannerService& service = simulation.service();
   const std::vector<NamedTrack>& tracks = simulation.tracks();

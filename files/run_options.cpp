@@ -41,7 +41,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember(std::vector<std::string>(planner_names.begin(), planner_names.end())));
   command.add_flag_callback(
       "--no-sharing", [&options] { options.planner = planner_names[1]; }, "the same as --planner rrdt");
-  command.add_flag("--quiet", options.quiet, "do not print the report");
+  command.add_flag("--quiet", options.quiet, "print neither progress nor the report");
 }
 
 PlannerKind chosen_planner(const RunOptions& options) {

@@ -30,7 +30,7 @@ struct RunOptions {
   std::string report;                 ///< empty: not written
   std::string trajectory;
   std::string picture;
-  bool quiet = false;  ///< the report is not printed
+  bool quiet = false;  ///< neither progress nor the report is printed
 };
 
 /// Adds the options to a command; values out of range are usage errors.

@@ -118,11 +118,10 @@ void take_goals(DdsRosFleet& ros, PlannerService& service) {
   }
 }
 
-/// The service and its desk on one bus, until the run has ended.
+/// The service and its desk on one bus, until the run has ended. `display`: null: shows nothing.
 void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& desk,
-           Keeper<RunRecord, Journal>& keeper, Heartbeat& heart) {
+           Keeper<RunRecord, Journal>& keeper, Heartbeat& heart, ProgressDisplay* display) {
   KeepsNothing of_desk;
-  ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
     bus.wait(std::clamp(std::min(service.next_wake(), desk.next_wake()) - wall_now(), 0.0, longest_wait));
@@ -135,9 +134,9 @@ void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& de
     step_role(bus, service, keeper);
     step_role(bus, desk, of_desk);
     heart.beat(wall_now());
-    display.show(service.progress(wall_now()), wall_now());
+    if (display != nullptr) display->show(service.progress(wall_now()), wall_now());
   }
-  display.finish(service.progress(wall_now()));
+  if (display != nullptr) display->finish(service.progress(wall_now()));
 }
 
 /// Exit code: 0 if every robot arrived.
@@ -163,7 +162,8 @@ int run(const RunOptions& options, const ProcessOptions& process, const RosOptio
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
   Keeper keeper(journal ? go_on(service, *journal) : RunRecord(), journal ? &*journal : nullptr);
   heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
-  serve(bus, ros.get(), service, desk, keeper, heart);
+  ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
+  serve(bus, ros.get(), service, desk, keeper, heart, options.quiet ? nullptr : &display);
   const proto::Report report = service.report();
   write_results(options, report, service.tracks(), [&] { return service.picture(); });
   if (journal) std::filesystem::remove(journal->file());  // the run is over

@@ -147,6 +147,15 @@ TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
   EXPECT_EQ(shell(program("coppice") + " --version").exit_code, 0);
 }
 
+TEST(CoppiceSimulate, QuietlySaysNothing) {
+  const std::string command =
+      program("coppice") + " simulate " + (test::scenarios() / "rooms-8.json").string();
+  const Outcome quiet = shell(command + " --quiet");
+  EXPECT_EQ(quiet.exit_code, 0);
+  EXPECT_EQ(quiet.output, "");
+  EXPECT_NE(shell(command).output.find("arrived 8/8"), std::string::npos);
+}
+
 TEST(CoppiceSimulate, TwiceWithOneSeedWritesTheSameBytes) {
   const TemporaryFolder folder;
   const auto simulate = [&](const std::string& name) {
