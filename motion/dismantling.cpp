@@ -36,7 +36,7 @@ bool Dismantling::somebody_has_no_room() const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (!wants_to_move(tasks_[i])) continue;
     for (std::size_t k = 0; k < tasks_.size(); ++k) {
-      const std::optional<Point2> end = tasks_[k].movable ? tasks_[k].goal : tasks_[k].position;
+      const std::optional<Point2> end = end_of(tasks_[k]);
       const double touching = tasks_[i].radius + tasks_[k].radius + standing_gap;
       if (i != k && end && (*end - *tasks_[i].goal).norm() < touching) return true;
     }

@@ -21,6 +21,10 @@ struct JointTask {
   bool movable = true;  ///< false: dead; it stays where it is, and has no goal
 };
 
+/// Where it is to stand in the end; none: anywhere.
+inline std::optional<Point2> end_of(const JointTask& task) {
+  return task.movable ? task.goal : task.position;
+}
 inline bool wants_to_move(const JointTask& task) {
   return task.movable && task.goal && *task.goal != task.position;
 }

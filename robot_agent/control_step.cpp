@@ -327,7 +327,7 @@ FleetMember RobotAgent::self() const {
           .position = body_->position(),
           .goal = has_given_up ? std::nullopt : std::optional(mission_->goal),
           .arrives_within = arrives_within(*mission_),
-          .arrived = status_.phase == Phase::arrived,
+          .wants_to_stay = status_.phase == Phase::arrived,
           .radius = body_->radius(),
           .stands = body_->stands(),
           .knot = knot_.id(),

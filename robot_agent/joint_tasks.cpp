@@ -22,10 +22,6 @@ constexpr double beyond = 1e-3;     // likewise: so that they are soon apart
 constexpr int goal_rings = 9;
 constexpr int points_on_ring = 24;
 
-std::optional<Point2> end_of(const JointTask& task) {
-  return task.movable ? task.goal : task.position;
-}
-
 /// What is between two robots at their ends.
 double gap_between(const JointTask& a, const Point2& end_a, const JointTask& b, const Point2& end_b) {
   return (end_a - end_b).norm() - a.radius - b.radius;
@@ -96,12 +92,12 @@ Aims aims_of(std::span<const FleetMember> members, std::span<const JointTask> ob
   Aims aims;
   for (const FleetMember& m : members) {
     const bool has_goal = m.goal && is_on_map(field, *m.goal);
-    const Point2 end = arrived_stay && m.arrived ? m.position : m.goal.value_or(m.position);
+    const Point2 end = arrived_stay && m.wants_to_stay ? m.position : m.goal.value_or(m.position);
     aims.tasks.push_back({m.position, has_goal ? std::optional(end) : std::nullopt, m.radius});
   }
   aims.tasks.insert(aims.tasks.end(), obstacles.begin(), obstacles.end());
   const auto yields = [&](std::size_t i) {
-    return i < members.size() && aims.tasks[i].goal && !(arrived_stay && members[i].arrived);
+    return i < members.size() && aims.tasks[i].goal && !(arrived_stay && members[i].wants_to_stay);
   };
   push_apart(members, aims.tasks, yields, field);
   for (std::size_t i = 0; i < members.size(); ++i) {

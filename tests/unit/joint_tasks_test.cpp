@@ -13,7 +13,7 @@ FleetMember member(const Point2& at, std::optional<Point2> goal, bool arrived = 
   m.position = at;
   m.goal = goal;
   m.arrives_within = 0.5;
-  m.arrived = arrived;
+  m.wants_to_stay = arrived;
   m.radius = 5;
   return m;
 }
