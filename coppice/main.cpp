@@ -22,8 +22,7 @@
 
 namespace {
 
-/// What the agents of a simulated fleet know is spread over more memory than the processor keeps addresses of
-/// in pages of 4 KiB.
+/// The agents of a simulated fleet know more than a translation lookaside buffer reaches in pages of 4 KiB.
 void use_huge_pages() {
 #ifdef COPPICE_MIMALLOC
   mi_option_enable(mi_option_large_os_pages);

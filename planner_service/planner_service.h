@@ -50,8 +50,8 @@ class PlannerService {
   /// Hands out the map at once, and the missions when every agent has trees that cover it; fleet time is 0
   /// then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now, TrackRecord record = {});
-  PlannerService(PlannerService&&) = default;
-  PlannerService& operator=(PlannerService&&) = default;
+  PlannerService(const PlannerService&) = delete;  // it points into itself
+  PlannerService& operator=(const PlannerService&) = delete;
 
   /// Goes on with a run whose service was killed, by what that kept (run_record.h), at once or part by part.
   /// False, and nothing of use any more, if it is not a run of this scenario with these settings. Before
@@ -149,7 +149,7 @@ class PlannerService {
   FleetClock clock_;
   std::map<RobotName, Robot> robots_;
   TrackRecord record_;
-  std::vector<Robot*> order_;  ///< these, as in the scenario
+  std::vector<Robot*> order_;  ///< those of `robots_`, as in the scenario
   std::map<std::uint64_t, BrokerStatus> brokers_;
   std::vector<PictureContent::Edge> shared_edges_;
   std::set<TreeId> trees_seen_;

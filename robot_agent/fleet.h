@@ -38,7 +38,7 @@ struct FleetMember {
   Point2 velocity = Point2::Zero();
   std::optional<Point2> goal{};  ///< its own place if its mission is not known; none: it has given up
   double arrives_within = 0;     ///< metres from its goal at which it has arrived
-  bool wants_to_stay = false;    ///< where it is: it has arrived, given up, or been stopped
+  bool wants_to_stay = false;    ///< where it is: it neither plans nor drives
   double radius = 0;
   double max_speed = 0;
   double rests_until = 0;  ///< fleet time; if it stands it has bound itself to that, else when it said so

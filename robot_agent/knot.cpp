@@ -123,11 +123,12 @@ void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   led_ = {self};
   std::vector<JointTask> obstacles;
   for (const FleetMember& m : fleet.others()) {
-    if (!is_on_map(places.field(), m.position)) continue;
-    const bool holds = !m.dead && m.knot == id_ && m.stage == Stage::holding;
-    if (holds) led_.push_back(m);
-    if (!holds && !m.dead && m.wants_to_stay)
+    if (m.dead || !is_on_map(places.field(), m.position)) continue;
+    if (m.knot == id_ && m.stage == Stage::holding) {
+      led_.push_back(m);
+    } else if (m.wants_to_stay) {
       obstacles.push_back({m.position, std::nullopt, m.radius, false});
+    }
   }
   for (const Disc& dead : fleet.places_of_the_dead(self.position, now)) {
     if (is_on_map(places.field(), dead.centre, dead.radius))
