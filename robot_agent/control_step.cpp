@@ -16,6 +16,9 @@ constexpr double period = control_period;
 // others may have come to think it dead, and hear of it first.
 constexpr WallTime own_silence = 1;
 constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
+// The same of its part in a knot, to all in it. So many turns more, and in each as many copies as make it
+// certain that one of three listeners hears (Fleet::copies): so one listener hears one of three turns.
+constexpr std::uint32_t repeat_knot_news = 2;
 constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
 // Of one that was started anew about where somebody is; then it says that it is stuck.
 constexpr double longest_ignorance = 120;
@@ -352,7 +355,7 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   const bool rests = since_news_ > repeat_news;
   if (rests && !beat) return;
   const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
-  const KnotId* news = since_knot_ <= repeat_news ? &knot_.id() : nullptr;
+  const KnotId* news = since_knot_ <= repeat_knot_news ? &knot_.id() : nullptr;
   auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
   if (is_new_) return out.push_back(Outgoing(std::move(said)));  // to all
