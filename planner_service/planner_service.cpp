@@ -20,7 +20,8 @@ constexpr WallTime agent_lease = 5;  // seconds without a status: the agent coun
 constexpr WallTime longest_split = 30;
 constexpr WallTime absence = 2;      // seconds without a status that are no chance
 constexpr WallTime longest_nap = 1;  // seconds between two steps: while it sleeps longer nobody is silent
-// One that is lost may only be cut off, or paused, and come back: for so long a run does not end without it.
+// One that is lost may only be cut off, or paused, and come back: for so long a run does not end without it,
+// unless it said that it was told to stop.
 constexpr WallTime longest_cut = 60;
 constexpr WallTime longest_wait_for_tracks = 3;
 constexpr WallTime longest_wait_for_forest = 3;
@@ -54,7 +55,7 @@ bool PlannerService::Robot::at_goal(const std::optional<TrackPoint>& last) const
 }
 
 bool PlannerService::Robot::done(WallTime now) const {
-  const bool gone = lost && (!status || now - last_heard > longest_cut);
+  const bool gone = lost && (!status || was_told_to_stop() || now - last_heard > longest_cut);
   return gone || began_anew || arrived() || (status && status->phase == Phase::no_path);
 }
 
@@ -370,11 +371,12 @@ void PlannerService::watch_liveliness(WallTime now) {
   int absent = 0;
   for (auto& [name, robot] : robots_) {
     if (slept > longest_nap) robot.last_heard += slept;
-    absent += robot.status && !robot.lost && now - robot.last_heard > absence;
+    absent += robot.status && !robot.lost && !robot.was_told_to_stop() && now - robot.last_heard > absence;
   }
-  const WallTime lease = absent > 1 ? longest_split : agent_lease;
   for (auto& [name, robot] : robots_) {
-    robot.lost = robot.lost || now - robot.last_heard > (robot.status ? lease : longest_cut);
+    const bool in_a_piece = absent > 1 && !robot.was_told_to_stop();
+    const WallTime lease = !robot.status ? longest_cut : in_a_piece ? longest_split : agent_lease;
+    robot.lost = robot.lost || now - robot.last_heard > lease;
   }
 }
 

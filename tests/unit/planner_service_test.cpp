@@ -218,6 +218,22 @@ TEST(PlannerService, AllWhoFallSilentAtOnceAreWaitedForLonger) {
   EXPECT_TRUE(service.finished());
 }
 
+// They may be started anew at once; but a run does not wait for what nobody means to come.
+TEST(PlannerService, WhoWasToldToStopIsWaitedForAFewSecondsOnly) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  live(service, {"a", "b"}, 0, 3);
+  for (const char* robot : {"a", "b"}) {
+    AgentStatus last{.robot = robot, .mission = 1, .phase = Phase::stopped, .reason = "told to stop"};
+    service.on(arrival_of(last, 3));
+  }
+  live(service, {}, 3.5, 7.5);
+  EXPECT_FALSE(service.finished());
+  live(service, {}, 8, 12);
+  EXPECT_TRUE(service.finished());
+  EXPECT_EQ(reason_of(service, 0), "told to stop");
+}
+
 TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {
   PlannerService service(two_robots(), {.timeout = 1e6}, 0);
   map_and_missions(service);
