@@ -19,7 +19,7 @@ constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot th
 // The same of its part in a knot, to all in it. So many turns more, and in each as many copies as make it
 // certain that one of three listeners hears (Fleet::copies): so one listener hears one of three turns.
 constexpr std::uint32_t repeat_knot_news = 2;
-constexpr WallTime longest_muster = 10;   // seconds to wait for the others' missions before setting off
+constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
 // Of one that was started anew about where somebody is; then it says that it is stuck.
 constexpr double longest_ignorance = 120;
 constexpr std::uint32_t beats_between_news = 2;  // of the silent
