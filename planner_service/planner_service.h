@@ -104,7 +104,8 @@ class PlannerService {
     std::vector<RootNodes::Node> root_nodes;
     bool at_goal(const std::optional<TrackPoint>& last) const;
     bool arrived() const { return status && status->phase == Phase::arrived; }
-    bool was_told_to_stop() const { return status && status->phase == Phase::stopped; }  // before the end
+    /// Until the run has ended; then all are.
+    bool was_told_to_stop() const { return status && status->phase == Phase::stopped; }
     bool done(WallTime now) const;
     std::uint32_t missions_fulfilled(bool there) const { return mission - 1 - replaced + there; }
   };

@@ -16,9 +16,9 @@ constexpr double period = control_period;
 // others may have come to think it dead, and hear of it first.
 constexpr WallTime own_silence = 1;
 constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
-// The same of its part in a knot, to all in it. So many turns more, and in each as many copies as make it
-// certain that one of three listeners hears (Fleet::copies): so one listener hears one of three turns.
-constexpr std::uint32_t repeat_knot_news = 2;
+// The same of its part in a knot, to all in it: in as many turns as listeners share a state's copies
+// (Fleet::copies), so that each of them hears one.
+constexpr std::uint32_t repeat_knot_news = sure_witnesses - 1;
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
 // Of one that was started anew about where somebody is; then it says that it is stuck.
 constexpr double longest_ignorance = 120;

@@ -18,6 +18,8 @@ namespace coppice {
 inline constexpr int longest_stride = 128;
 /// So many of the nearest hear every state, so that its last decisions are known if it dies.
 inline constexpr std::size_t witnesses = 6;
+/// So many of them listen at any moment: the others may pause just then. Copies are counted for these.
+inline constexpr std::size_t sure_witnesses = 3;
 
 /// At every so many turns, a power of two. `gap`: metres between the two; `closing_speed`: the most at which
 /// it shrinks.

@@ -38,11 +38,10 @@ constexpr double longest_muster = 10;
 constexpr double lost_in_a_row = 10;
 constexpr double slow_beat = standing_stride * control_period;  // of one that stands close by
 constexpr double looks_at_silence = 0.5;                        // seconds between two
-constexpr double relay_until = 4;          // seconds in which the last states of the silent are passed on
-constexpr std::size_t sure_witnesses = 3;  // the others may pause just then
-constexpr double rests_clear = 0.9;        // of its radius: it may have turned a little
-constexpr double rests_radii = 0.25;       // between the places where a dead robot may stand
-constexpr double most_rests = 1e6;         // of one robot, whatever it says of its size and speed
+constexpr double relay_until = 4;     // seconds in which the last states of the silent are passed on
+constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
+constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
+constexpr double most_rests = 1e6;    // of one robot, whatever it says of its size and speed
 
 /// Until a robot stands that decides nothing more after this state.
 double time_to_rest(const RobotState& s) {
