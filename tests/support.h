@@ -53,7 +53,7 @@ inline Outcome shell(const std::string& command) {
 }
 
 inline std::string program(const std::string& name) {
-  return std::string(COPPICE_BIN_DIR) + "/" + name;
+  return COPPICE_BIN_DIR "/" + name;
 }
 /// Whether tests that take minutes, and show no more than shorter ones do but at full size, are to run.
 inline bool wants_long_tests() {
