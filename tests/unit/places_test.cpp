@@ -129,7 +129,7 @@ TEST(Places, NoEdgeLeadsThroughWhatStandsForEver) {
 // A wall of one cell: robots stand on both sides of it, closer to each other than packed places are.
 TEST(Places, AThinWallHasPlacesOnBothSides) {
   OccupancyMap map = corridor(21);
-  for (int i = 0; i < 200; ++i) map.blocked[static_cast<std::size_t>(50 * 200 + i)] = 1;
+  for (std::size_t i = 0; i < 200; ++i) map.blocked[50 * 200 + i] = 1;
   const ClearanceField field(map);
   PackedPlaces packed(field, radius, 1);
   const PlaceGraph graph = packed.with({}, {});
