@@ -168,7 +168,9 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
               [](const Gate& a, const Gate& b) { return a.robot < b.robot; });
   };
   // In the plan's order: each piece of the own way finds those of earlier moves.
-  for (const Move& move : moves) {
+  const auto own_last =
+      std::find_if(moves.rbegin(), moves.rend(), [&](const Move& m) { return m.robot == robot; });
+  for (const Move& move : moves.first(static_cast<std::size_t>(moves.rend() - own_last))) {
     const Box<2> part = box_around(move.path);
     const bool far = (part.lower.array() > box.upper.array() + nearest).any() ||
                      (part.upper.array() < box.lower.array() - nearest).any();

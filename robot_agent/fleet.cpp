@@ -26,14 +26,16 @@ bool wants_to_go_on(Phase phase) {
 
 }  // namespace
 
-Fleet::Peer& Fleet::peer(const RobotName& robot) {
+std::size_t Fleet::number_of(const RobotName& robot) {
   const auto [number, fresh] = index_.insert(robot);
   if (fresh) {
     peers_.push_back({.phase = phase_of(robot), .robot = robot});
+    away_until_.push_back(0);
+    told_from_.push_back(0);
     all_settled_until_ = 0;
     all_known_ = false;
   }
-  return peers_[number];
+  return number;
 }
 
 void Fleet::hear(const Mission& mission, WallTime arrived) {
@@ -51,7 +53,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     return;
   }
   if (!has_room_for(mission.robot)) return;
-  Peer& p = peer(mission.robot);
+  Peer& p = peers_[number_of(mission.robot)];
   if (!p.mission && !p.state) p.heard_at = arrived;
   if (!p.state) {
     p.radius = mission.radius;
@@ -62,8 +64,10 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
 }
 
 bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
-  if (state->robot == self_ || !has_room_for(state->robot)) return false;
-  Peer& p = peer(state->robot);
+  const bool is_stranger = !index_.find(state->robot);
+  if (is_stranger && (state->robot == self_ || peers_.size() >= most_robots)) return false;
+  const std::size_t number = number_of(state->robot);
+  Peer& p = peers_[number];
   if (state->passed_on && is_doubtful(*state, p, arrived)) return false;
   if (has_clock_) {
     const double now = clock_.fleet_time(arrived);
@@ -89,7 +93,10 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     p.back_at = somebody_back_at_ = now;
   p.said_dead = !p.state && state->counts_as_dead;
   somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
-  if (state->is_new) p.introductions = 0;
+  if (state->is_new) {
+    p.introductions = 0;
+    somebody_new_at_ = clock_.fleet_time(arrived);
+  }
   if (!p.state || p.dead) all_settled_until_ = 0;
   if (std::exchange(p.dead, false)) {
     all_known_ = false;
@@ -105,8 +112,9 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
   p.said_again = false;
-  p.away_until = 0;
   p.stride_until = 0;
+  away_until_[number] = 0;
+  told_from_[number] = 0;
   return true;
 }
 
@@ -123,7 +131,6 @@ void Fleet::expect(const RobotName& robot) const {
   const Peer& p = peers_[*known];
   __builtin_prefetch(&p.state);
   __builtin_prefetch(&p.clock);
-  __builtin_prefetch(&p.robot);
 }
 
 /// New names cost memory and time for ever: past what a fleet may be, they are nobody's.
@@ -175,8 +182,9 @@ void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& ne
 void Fleet::collect_neighbours(const Point2& position, double reach, double horizon, double now,
                                AgeCount& ages, std::vector<Neighbour>& near) {
   near.clear();
-  for (Peer& p : peers_) {
-    if (now < p.away_until) continue;
+  for (std::size_t k = 0; k < peers_.size(); ++k) {
+    if (now < away_until_[k]) continue;
+    const Peer& p = peers_[k];
     if (p.state && !p.dead) {
       const RobotState& s = *p.state;
       const double age = now - s.stamp - p.clock.estimate() + p.clock.error(now);
@@ -184,7 +192,7 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
       const double far = reach + s.radius + s.max_speed * (age + std::max(horizon, braking));
       const double distance = (s.position - position).norm();
       if (distance > far) {
-        p.away_until = now + (distance - far) / closing_speed(p);
+        away_until_[k] = now + (distance - far) / closing_speed(p);
         continue;
       }
       if (p.clock.known()) ages.add(now - s.stamp - p.clock.estimate());

@@ -135,44 +135,46 @@ class Fleet {
   std::vector<RobotState> states_of_the_silent(double now) const;
 
  private:
-  /// Another robot of which there was a state or a mission.
+  /// Another robot of which there was a state or a mission. A hundred agents of one process know ten thousand
+  /// of these, far more than caches hold: so each line of one (64 bytes) has what is asked for together.
   struct alignas(64) Peer {
-    // What each step looks at, of all, comes first and fills a cache line.
+    // Where it is, and whether it is silent.
     std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
     Point2 place = Point2::Zero();              ///< by that, or where its mission begins, or where it died
     WallTime heard_at = 0;                      ///< of the state, or else of the first mission
-    double away_until = 0;                      ///< it cannot come near before
-    std::uint32_t stride_until = 0;             ///< turn at which to look again at
-    int stride = 1;                             ///< that of this robot's states to it
-    std::uint32_t phase = 0;                    ///< of its turns
-    bool is_witness = false;                    ///< of this robot
-    bool dead = false;                          ///< counts as dead
-    bool waits_for_this = false;                ///< this robot
-    bool asks = false;                          ///< for an echo, and has not got it: it stands if none comes
-    bool across = false;                        ///< the larger piece of a network in pieces
-
-    // What hearing of it looks at comes second and fills another.
-    ClockOffset clock{};  ///< of fleet times
-    Received received{};
-    double radius = 0;  ///< by its state, or else its mission; and so
+    double radius = 0;                          ///< by its state, or else its mission; and so
     double max_speed = 0;
     double settled_until = 0;  ///< it cannot count as silent before
-    int introductions = 0;     ///< echoes that it was sent since its clock is known
-    bool said_dead = false;    ///< by the first who told of it
-    bool said_again = false;   ///< what it said last, by somebody who hears no more of it
 
-    double echo_sent = 0;  ///< the newest stamp that was echoed
+    // What it says to this robot, and is told by it.
+    ClockOffset clock{};  ///< of fleet times
+    Received received{};
+    double echo_sent = 0;            ///< the newest stamp that was echoed
+    int introductions = 0;           ///< echoes that it was sent since its clock is known
+    std::uint32_t phase = 0;         ///< of the turns at which it is told something
+    int stride = 1;                  ///< between these
+    std::uint32_t stride_until = 0;  ///< turn at which to look at that again
+    bool is_witness = false;         ///< of this robot
+    bool waits_for_this = false;     ///< robot
+    bool asks = false;               ///< for an echo, and has not got it: it stands if none comes
+    bool dead = false;               ///< counts as dead
+    bool said_dead = false;          ///< by the first who told of it
+    bool said_again = false;         ///< what it said last, by somebody who hears no more of it
+    bool across = false;             ///< the larger piece of a network in pieces
+
     RobotName robot{};
-    std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
-    double doubted_until = 0;     ///< fleet time: it may only be cut off, and have driven on until it
-    double strays = 0;            ///< noticed: metres from where it stands else
-    double back_at = 0;           ///< fleet time: it was out of touch, and was heard of again
     std::unique_ptr<const Mission> mission{};
+    std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
+
+    double doubted_until = 0;      ///< fleet time: it may only be cut off, and have driven on until it
+    double strays = 0;             ///< noticed: metres from where it stands else
+    double back_at = 0;            ///< fleet time: it was out of touch, and was heard of again
     WallTime said_again_from = 0;  ///< its last state was said again and again: first and last
     WallTime said_again_at = 0;
     double echoed = 0;     ///< the newest stamp of its own that others have heard, while somebody is
     double echoed_at = 0;  ///< missing here; and when that was news
   };
+  static_assert(sizeof(RobotName) != 32 || sizeof(Peer) == 4 * 64);
 
   struct Absences {
     std::size_t alive = 0;  ///< and heard of at some time
@@ -184,7 +186,7 @@ class Fleet {
     std::size_t dead = 0;
   };
 
-  Peer& peer(const RobotName& robot);
+  std::size_t number_of(const RobotName& robot);
   bool has_room_for(const RobotName& robot) const;
   bool is_doubtful(const RobotState& passed_on, const Peer& peer, WallTime arrived) const;
   bool is_from_the_future(double stamp, const Peer& peer, double now) const;
@@ -195,7 +197,7 @@ class Fleet {
   double gap(const Peer& p) const { return (p.place - position_).norm() - own_mission_->radius - p.radius; }
   double closing_speed(const Peer& p) const { return own_mission_->max_speed + p.max_speed; }
   int stride_to(const Peer& peer, double now) const;
-  int stride_at(Peer& peer, std::uint32_t turn, double now) const;
+  bool is_told(std::size_t number, std::uint32_t turn, double now);
   /// At most; it may think that it is closer.
   int stride_from(const Peer& p) const {
     return holds_in_.epoch > 0 && is_told_about_knot_by(p) ? 1 : stride_over(gap(p), closing_speed(p));
@@ -246,6 +248,9 @@ class Fleet {
   std::optional<Mission> own_mission_;
   std::vector<Peer> peers_;
   NameIndex index_;  ///< of `peers_`
+  // What each step asks of all of these, by number.
+  std::vector<double> away_until_;        ///< fleet time: it cannot come near before
+  std::vector<std::uint32_t> told_from_;  ///< turn: it is told nothing before, but of knots
   std::size_t next_echo_ = 0;
   std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
   LossCount loss_;
@@ -258,6 +263,7 @@ class Fleet {
   std::uint32_t turns_for_the_better_ = 0;
   bool doubts_ = false;             ///< anybody
   double somebody_back_at_ = -1e9;  ///< fleet time
+  double somebody_new_at_ = -1e9;   ///< fleet time at which somebody was heard of who was started anew
   bool all_known_ = false;  ///< nobody has come since everybody's clock was known, or needed not to be
   bool begun_anew_ = false;
   bool somebody_missing_ = false;

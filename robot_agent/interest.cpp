@@ -51,13 +51,17 @@ int Fleet::stride_to(const Peer& p, double now) const {
   return p.waits_for_this ? 1 : stride;
 }
 
-/// The same, looked at anew from time to time only.
-int Fleet::stride_at(Peer& p, std::uint32_t turn, double now) const {
-  if (p.is_witness || (holds_in_.epoch > 0 && tells_about_knot(p)) || p.asks) return 1;
-  if (turn < p.stride_until) return p.stride;
-  p.stride = stride_to(p, now);
-  p.stride_until = turn + static_cast<std::uint32_t>(p.stride / looks_a_stride);
-  return p.stride;
+/// In this turn. At every one, or else at those of its stride, which is looked at anew from time to time
+/// only.
+bool Fleet::is_told(std::size_t number, std::uint32_t turn, double now) {
+  Peer& p = peers_[number];
+  if (p.is_witness || (holds_in_.epoch > 0 && tells_about_knot(p)) || p.asks) return true;
+  if (turn >= p.stride_until) {
+    p.stride = stride_to(p, now);
+    p.stride_until = turn + static_cast<std::uint32_t>(p.stride / looks_a_stride);
+  }
+  told_from_[number] = std::min(p.stride_until, next_turn_of(p.phase, turn, p.stride));
+  return is_turn_of(p.phase, turn, p.stride);
 }
 
 /// By a wide margin: it may think that this robot is further away.
@@ -75,7 +79,10 @@ void Fleet::choose_witnesses() {
   }
   const std::size_t few = std::min(witnesses, alive.size());
   std::ranges::nth_element(alive, alive.begin() + static_cast<std::ptrdiff_t>(few));
-  for (std::size_t k = 0; k < few; ++k) alive[k].second->is_witness = true;
+  for (std::size_t k = 0; k < few; ++k) {
+    alive[k].second->is_witness = true;
+    told_from_[static_cast<std::size_t>(alive[k].second - peers_.data())] = 0;
+  }
   chosen_among_ = peers_.size();
 }
 
@@ -86,10 +93,13 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
   const auto awaited = index_.find(waits_for);
   std::vector<Peer*> addressed;
   addressed.reserve(peers_.size());
-  for (Peer& p : peers_) {
+  const bool tells_of_a_knot = news != nullptr || holds_in_.epoch > 0;
+  for (std::size_t k = 0; k < peers_.size(); ++k) {
+    const bool is_awaited = k == awaited;
+    if (turn < told_from_[k] && !tells_of_a_knot && !is_awaited) continue;  // nearly always
+    Peer& p = peers_[k];
     const bool in_knot = news != nullptr && p.state && (news->includes(p.place) || p.state->knot == *news);
-    const bool is_awaited = awaited && &p == &peers_[*awaited];
-    if (in_knot || is_awaited || is_turn_of(p.phase, turn, stride_at(p, turn, now))) addressed.push_back(&p);
+    if (in_knot || is_awaited || is_told(k, turn, now)) addressed.push_back(&p);
   }
   Address to{.agents = {}, .echoes = next_echoes(addressed, turn)};
   to.agents.reserve(addressed.size());
@@ -101,8 +111,8 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
 /// ones; from time to time whatever else is news.
 std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {
   std::vector<Echo> echoes;
-  echoes.reserve(echoes_a_state);
   const auto add = [&](Peer& p) {
+    if (echoes.empty()) echoes.reserve(echoes_a_state);  // most states have none, and are kept for long
     p.echo_sent = p.state->stamp;
     p.asks = false;
     echoes.push_back({p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)});

@@ -41,5 +41,10 @@ inline std::uint32_t phase_of(const RobotName& robot) {
 inline bool is_turn_of(std::uint32_t phase, std::uint32_t turn, int stride) {
   return ((turn + phase) & (static_cast<std::uint32_t>(stride) - 1)) == 0;  // strides are powers of two
 }
+/// The first after this one.
+inline std::uint32_t next_turn_of(std::uint32_t phase, std::uint32_t turn, int stride) {
+  const auto turns = static_cast<std::uint32_t>(stride);
+  return turn + turns - ((turn + phase) & (turns - 1));
+}
 
 }  // namespace coppice

@@ -38,6 +38,17 @@ TEST(Interest, InATurnOfItsStrideEverybodyIsSpokenToOnce) {
   }
 }
 
+TEST(Interest, TheNextTurnIsTheFirstOneAfterThisThatIsARobots) {
+  const std::uint32_t phase = phase_of("r17");
+  for (int stride = 1; stride <= longest_stride; stride *= 2) {
+    for (std::uint32_t turn = 1000; turn < 1000u + longest_stride; ++turn) {
+      std::uint32_t next = turn + 1;
+      while (!is_turn_of(phase, next, stride)) ++next;
+      EXPECT_EQ(next_turn_of(phase, turn, stride), next);
+    }
+  }
+}
+
 struct How {
   bool passed_on = false;
   bool wants_echo = false;
