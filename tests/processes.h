@@ -23,6 +23,7 @@
 namespace coppice::test {
 
 /// A command in the background, in a process group of its own; killed and reaped if it still runs at the end.
+/// What it keeps in temporary folders, and leaves when it is killed, lies in the one of its log.
 class Background {
  public:
   /// Standard output and error go to `log`; standard input is the file of number `input`, or this process's.
@@ -36,13 +37,14 @@ class Background {
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    command.insert(command.begin(), {"/usr/bin/env", "TMPDIR=" + log.parent_path().string()});
     std::vector<char*> arguments;
     for (std::string& argument : command) arguments.push_back(argument.data());
     arguments.push_back(nullptr);
     const int error = posix_spawn(&pid_, arguments[0], &actions, &attributes, arguments.data(), environ);
     posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw std::runtime_error(command[0] + " cannot be started");
+    if (error != 0) throw std::runtime_error(command[2] + " cannot be started");
   }
   ~Background() {
     if (reaped_) return;

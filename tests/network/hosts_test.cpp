@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <numeric>
 #include <set>
@@ -199,6 +200,7 @@ TEST_F(HostsTest, NothingOutlivesATestThatIsKilled) {
   const auto log = folder.path() / "log";
   const pid_t killed = fork();
   if (killed == 0) {
+    setenv("TMPDIR", folder.path().c_str(), 1);  // it leaves its own folder
     const Hosts hosts(2);
     const auto sleeper = hosts.start(1, {"/bin/sh", "-c", "echo there; exec sleep 100"}, log);
     while (true) pause();
