@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include <fastdds/rtps/common/LocatorList.hpp>
@@ -298,7 +301,11 @@ class SparingTransport final : public transport::ChainingTransport {
       return reader->transport_should_process && !reader->multicast.empty();
     });
     if (in_groups) return ChainingTransport::select_locators(selector);
-    std::set<rtps::Locator_t> chosen;
+    // Hundreds of addresses, hundreds of times: what is known of them stays on the stack.
+    std::array<std::byte, 16384> room;
+    std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
+    std::pmr::unordered_set<rtps::Locator_t, AddressHash> chosen(&memory);
+    chosen.reserve(readers.size());
     for (std::size_t i = 0; i < readers.size(); ++i) {
       rtps::LocatorSelectorEntry& reader = *readers[i];
       if (!reader.transport_should_process) continue;
@@ -337,7 +344,7 @@ class SparingTransport final : public transport::ChainingTransport {
   std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
   SparingTransportParts parts_;
   std::mutex opening_;
-  std::set<rtps::Locator_t> open_;  ///< channels go on until the participant ends
+  std::unordered_set<rtps::Locator_t, AddressHash> open_;  ///< channels go on until the participant ends
   std::mutex discovering_;
 };
 

@@ -24,6 +24,8 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -31,7 +33,7 @@
 #include <set>
 #include <span>
 #include <thread>
-#include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -44,6 +46,15 @@
 #include "bus/messages.h"
 
 namespace coppice {
+
+/// Of the octets in which IPv4 addresses of one fleet differ, and the port.
+struct AddressHash {
+  std::size_t operator()(const eprosima::fastrtps::rtps::Locator_t& address) const {
+    std::uint64_t host = 0;
+    std::memcpy(&host, address.address + sizeof(address.address) - sizeof(host), sizeof(host));
+    return static_cast<std::size_t>((host ^ address.port * 0x9e3779b97f4a7c15U) * 0xff51afd7ed558ccdU >> 32);
+  }
+};
 
 /// The agents to which this process's next states are sent, and at which addresses agents are.
 class Audience {
@@ -90,7 +101,7 @@ class Audience {
   };
   bool is_secure_;
   mutable std::mutex mutex_;  // DDS discovers in a thread of its own
-  std::map<Address, Agent> agent_at_;
+  std::unordered_map<Address, Agent, AddressHash> agent_at_;
   std::map<Guid, Announced> unproven_;  ///< only where it is secure, as the next
   std::set<Guid> authenticated_;
 };
@@ -149,13 +160,20 @@ class Announcements {
   };
   std::atomic<bool> begun_ = false;
   std::mutex mutex_;
-  std::map<std::pair<const eprosima::fastrtps::rtps::SenderResource*, eprosima::fastrtps::rtps::Locator_t>,
-           Told>
-      told_;
-  std::map<std::tuple<const eprosima::fastrtps::rtps::SenderResource*, eprosima::fastrtps::rtps::Locator_t,
-                      std::uint32_t>,
-           Beaten>
-      beaten_;
+  /// What about, and to where.
+  struct Way {
+    const eprosima::fastrtps::rtps::SenderResource* sender;
+    eprosima::fastrtps::rtps::Locator_t destination;
+    std::uint32_t writer = 0;  ///< of a heartbeat, else 0
+    bool operator==(const Way&) const = default;
+  };
+  struct WayHash {
+    std::size_t operator()(const Way& way) const {
+      return AddressHash{}(way.destination) ^ std::hash<const void*>{}(way.sender) ^ way.writer;
+    }
+  };
+  std::unordered_map<Way, Told, WayHash> told_;
+  std::unordered_map<Way, Beaten, WayHash> beaten_;
 };
 
 /// Whether an RTPS message is a step of an authentication between others than the participant that it is
