@@ -233,12 +233,12 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
 }
 
 bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
-                           const EndpointHeartbeat& heartbeat, Time now) {
+                           const EndpointHeartbeat& beat, Time now) {
   const std::scoped_lock lock(mutex_);
-  const auto [entry, fresh] = beaten_.try_emplace({sender, destination, heartbeat.writer});
+  const auto [entry, fresh] = beaten_.try_emplace({sender, destination, beat.writer});
   Beaten& beaten = entry->second;
-  if (!fresh && beaten.heartbeat == heartbeat && now - beaten.at < between_heartbeats) return false;
-  beaten = {heartbeat, now};
+  if (!fresh && beaten.heartbeat == beat && now - beaten.at < between_heartbeats) return false;
+  beaten = {beat, now};
   return true;
 }
 

@@ -145,7 +145,7 @@ class Announcements {
   /// Likewise of its endpoints. One that is left out is made up for by the next, at the latest by Fast DDS's
   /// periodic one.
   bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
-              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& heartbeat,
+              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& beat,
               Time now);
 
  private:

@@ -40,7 +40,7 @@ class AgeCount {
   static constexpr int shift = 23 - 4;
   static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(1.0F) >> shift;
 
-  std::array<std::uint64_t, 24 * bins_a_doubling> bins_{};  ///< up to half an hour
+  std::array<std::uint64_t, std::size_t{24} * bins_a_doubling> bins_{};  ///< up to half an hour
   std::uint64_t count_ = 0;
   double most_ = 0;
 };

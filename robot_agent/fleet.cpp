@@ -169,13 +169,13 @@ void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double no
 void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& near) const {
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
   if (p.dead && now < p.doubted_until) {
-    near.emplace_back(standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true);
+    near.push_back({standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true});
   } else if (p.dead) {
-    for (const Point2& rest : p.rests) near.emplace_back(standing_for_ever_at(rest), p.radius, limits);
+    for (const Point2& rest : p.rests) near.push_back({standing_for_ever_at(rest), p.radius, limits});
   } else if (p.state) {
-    near.emplace_back(commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now));
+    near.push_back({commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now)});
   } else {  // it stands where its mission begins
-    near.emplace_back(standing_for_ever_at(p.place), p.radius, limits);
+    near.push_back({standing_for_ever_at(p.place), p.radius, limits});
   }
 }
 

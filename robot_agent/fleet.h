@@ -174,7 +174,7 @@ class Fleet {
     double echoed = 0;     ///< the newest stamp of its own that others have heard, while somebody is
     double echoed_at = 0;  ///< missing here; and when that was news
   };
-  static_assert(sizeof(RobotName) != 32 || sizeof(Peer) == 4 * 64);
+  static_assert(sizeof(RobotName) != 32 || sizeof(Peer) == 256);
 
   struct Absences {
     std::size_t alive = 0;  ///< and heard of at some time
