@@ -34,7 +34,6 @@
 #include <span>
 #include <thread>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include <fastdds/rtps/common/Guid.h>

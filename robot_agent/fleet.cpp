@@ -64,8 +64,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
 }
 
 bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
-  const bool is_stranger = !index_.find(state->robot);
-  if (is_stranger && (state->robot == self_ || peers_.size() >= most_robots)) return false;
+  if (state->robot == self_ || !has_room_for(state->robot)) return false;
   const std::size_t number = number_of(state->robot);
   Peer& p = peers_[number];
   if (state->passed_on && is_doubtful(*state, p, arrived)) return false;

@@ -46,7 +46,6 @@ void Knot::let_go() {
 
 void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
   note_epoch(state.knot.epoch);
-  if (stage_ != Stage::ordered && state.stage != Stage::holding) return;  // nothing to join, or to end
   const bool same = state.knot == id_;
   const bool called_on = !same && calls_this(state.knot);
   const bool through = same && stage_ == Stage::ordered && state.stage == Stage::free;

@@ -316,6 +316,7 @@ void Fleet::end_doubts(double now) {
 
 std::vector<RobotName> Fleet::who_missed_the_news(double now) const {
   std::vector<RobotName> names;
+  static_assert(absence <= hears_the_news);
   if (now - std::max(somebody_new_at_, somebody_back_at_) > hears_the_news * second()) return names;
   for (const Peer& p : peers_) {
     const bool is_new = p.state && p.state->is_new && !p.dead && since(p.heard_at, now) < absence * second();
