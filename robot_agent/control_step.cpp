@@ -360,7 +360,9 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   RobotState said = state(fleet_now, std::move(echoes));
   if (is_new_) return out.push_back(Outgoing(std::move(said)));  // to all
   const int copies = std::max(said.copies, std::exchange(copies_promised_, said.copies));
-  for (; said.copy + 1 < copies; ++said.copy) out.emplace_back(said, agents);
+  const std::vector<RobotName> again =
+      copies > 1 ? fleet_.who_hears_copies(agents) : std::vector<RobotName>();
+  for (; said.copy + 1 < copies; ++said.copy) out.emplace_back(said, again);
   out.emplace_back(std::move(said), std::move(agents));
 }
 

@@ -127,6 +127,8 @@ class Fleet {
     std::vector<Echo> echoes;
   };
   Address address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for, double now);
+  /// For those of these a state is said more than once, if it is.
+  std::vector<RobotName> who_hears_copies(std::span<const RobotName> agents) const;
   /// The last states of those who have just fallen silent.
   std::vector<RobotState> last_words(double now) const;
   /// Who was started anew in mid-run, or out of touch and is back: they may not know where all are, or have

@@ -107,6 +107,17 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
   return to;
 }
 
+/// Strangers, of whom a fleet that begins has many, hear of it until they are none.
+std::vector<RobotName> Fleet::who_hears_copies(std::span<const RobotName> agents) const {
+  std::vector<RobotName> those;
+  those.reserve(agents.size());
+  for (const RobotName& robot : agents) {
+    const auto known = index_.find(robot);
+    if (known && (peers_[*known].is_witness || acquainted(peers_[*known]))) those.push_back(robot);
+  }
+  return those;
+}
+
 /// For those who ask for one, or have none yet, and now and then for those who will not hear of the next
 /// ones; from time to time whatever else is news.
 std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {

@@ -119,6 +119,24 @@ TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
   EXPECT_LT(all, 9 * turns);
 }
 
+TEST(Interest, CopiesAreForWitnessesAndForWhomItKnows) {
+  Row row(40);
+  std::vector<RobotName> all;
+  for (int k = 1; k <= 40; ++k) all.push_back(Row::name(k));
+  for (int turn = 0; turn < 10 * longest_stride; ++turn) {
+    const double now = turn * period;
+    for (int k = 1; k <= 40; ++k)
+      row.hear(k, now, now + 0.001,
+               k <= 20 ? std::vector<Echo>{{"a", now - period, now - period + 0.001}} : std::vector<Echo>{});
+    row.judge(now);
+    row.fleet().address(static_cast<std::uint32_t>(turn), nullptr, {}, now);
+    const auto again = row.fleet().who_hears_copies(all);
+    for (int k = 1; k <= 6; ++k) EXPECT_EQ(std::ranges::count(again, Row::name(k)), 1) << k;
+    for (int k = 21; k <= 40; ++k) EXPECT_EQ(std::ranges::count(again, Row::name(k)), 0) << k;
+  }
+  EXPECT_EQ(row.fleet().who_hears_copies(all).size(), 20u);
+}
+
 TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
   Row row(60);
   double now = 0;
