@@ -223,7 +223,8 @@ struct DdsBus::Implementation {
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
       : Implementation(role_of_process, !settings.security.empty()) {
     if (!settings.security.empty()) check_credentials(settings.security, role);
-    register_type_objects();
+    // A megabyte of them, for tools that see the endpoints.
+    if (discovery_of(settings) != static_discovery) register_type_objects();
     participant = disabled_participant(settings, sender);
     publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
     subscriber = required(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");

@@ -20,9 +20,7 @@ Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
   origin_ = box.lower;
   columns_ = static_cast<int>((box.upper.x() - box.lower.x()) / spacing_) + 1;
   rows_ = static_cast<int>((box.upper.y() - box.lower.y()) / spacing_) + 1;
-  const auto vertices = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
-  known_vertex_.assign(vertices, unknown);
-  known_edges_.assign(vertices, 0);
+  known_vertex_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), unknown);
 }
 
 Lattice::Known Lattice::look_at(Vertex v) const {
@@ -36,6 +34,7 @@ bool Lattice::edge_free(Vertex v, Vertex w, std::size_t direction) {
     std::swap(v, w);
     direction -= 4;
   }
+  if (known_edges_.empty()) known_edges_.assign(size(), 0);
   const auto shift = static_cast<int>(2 * direction);
   auto known = static_cast<Known>((known_edges_[v] >> shift) & 3);  // never wide
   if (known == unknown) {

@@ -50,10 +50,15 @@ class Lattice {
       if (i + di < 0 || i + di >= columns_ || j + dj < 0 || j + dj >= rows_) continue;
       const Vertex w = vertex(i + di, j + dj);
       if (!passable(w) || !vertex_free(w) || !edge_free(v, w, d)) continue;
-      fn(w, d % 2 == 0 ? spacing_ : spacing_ * std::numbers::sqrt2);
+      fn(w, length(static_cast<Direction>(d)));
     }
   }
 
+  /// What is known of edges takes a byte a vertex. They may be asked for again.
+  void forget_edges() { std::vector<std::uint8_t>().swap(known_edges_); }
+
+  /// Metres, of an edge.
+  double length(Direction d) const { return d % 2 == 0 ? spacing_ : spacing_ * std::numbers::sqrt2; }
   /// Of the edge from a vertex to one beside it.
   Direction direction(Vertex from, Vertex to) const {
     const Step step{static_cast<int>(to) % columns_ - static_cast<int>(from) % columns_,
@@ -130,7 +135,7 @@ class Lattice {
   int columns_;
   int rows_;
   std::vector<Known> known_vertex_;
-  std::vector<std::uint8_t> known_edges_;  ///< to E, NE, N, NW: 2 bits each
+  std::vector<std::uint8_t> known_edges_{};  ///< to E, NE, N, NW: 2 bits each; empty: nothing of any
 };
 
 }  // namespace coppice

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <queue>
 #include <utility>
@@ -92,21 +93,35 @@ PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double sp
       grid_(field.bounds(), reach_),
       points_of_ways_(field.bounds(), reach_) {
   pack();
-  const Crossings found = crossings(grow_cells());
-  link(found);  // the cells take megabytes, and are gone by now
+  grow_cells();
+  link(crossings());
+  lattice_.forget_edges();
   index_ways();
 }
 
-/// Those nearest to obstacles first; in layers, so that along a wall one follows the other.
+/// The free vertices, those nearest to obstacles first; in layers, so that along a wall one follows the
+/// other. On a large map they are a million: so they are counted, and not sorted.
+std::vector<Lattice::Vertex> PackedPlaces::in_layers() {
+  const auto for_each_free = [&](auto&& fn) {
+    for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
+      if (lattice_.vertex_free(v))
+        fn(v, static_cast<std::size_t>(2 * field_.lower_bound(lattice_.at(v)) / lattice_.spacing()));
+    }
+  };
+  std::vector<std::size_t> next{0};  // by layer: where it begins, and then where its next vertex goes
+  for_each_free([&](Lattice::Vertex, std::size_t layer) {
+    next.resize(std::max(next.size(), layer + 2));
+    ++next[layer + 1];
+  });
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<Lattice::Vertex> order(next.back());
+  for_each_free([&](Lattice::Vertex v, std::size_t layer) { order[next[layer]++] = v; });
+  return order;
+}
+
 void PackedPlaces::pack() {
-  std::vector<std::pair<int, Lattice::Vertex>> order;
-  for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
-    if (!lattice_.vertex_free(v)) continue;
-    order.emplace_back(static_cast<int>(2 * field_.lower_bound(lattice_.at(v)) / lattice_.spacing()), v);
-  }
-  std::ranges::sort(order);
   NeighbourGrid<2> grid(field_.bounds(), apart_);
-  for (const auto& [layer, v] : order) {
+  for (const Lattice::Vertex v : in_layers()) {
     const Point2 p = lattice_.at(v);
     bool taken = false;
     grid.for_each_near(p, [&](NodeId, const Point2& q) {
@@ -128,43 +143,65 @@ double PackedPlaces::cost(Lattice::Vertex v, double metres) const {
 }
 
 /// Dijkstra's search from all places at once.
-std::vector<PackedPlaces::Cell> PackedPlaces::grow_cells() {
+void PackedPlaces::grow_cells() {
   using Entry = std::pair<float, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  std::vector<Cell> cells(lattice_.size());
+  std::vector<float> cost_of(lattice_.size(), std::numeric_limits<float>::infinity());
   towards_.assign(lattice_.size(), nowhere_to);
   for (const auto& [v, place] : place_at_) {
-    cells[v] = {place, 0};
+    cost_of[v] = 0;
     towards_[v] = here;
     open.emplace(0.0F, v);
   }
   while (!open.empty()) {
     const auto [least, v] = open.top();
     open.pop();
-    if (least > cells[v].cost) continue;
+    if (least > cost_of[v]) continue;
     lattice_.for_each_neighbour(
         v, [](Lattice::Vertex) { return true; },
         [&](Lattice::Vertex w, double metres) {
           const float there = least + static_cast<float>(cost(w, metres));
-          if (cells[w].place != nowhere && cells[w].cost <= there) return;
-          cells[w] = {cells[v].place, there};
+          if (cost_of[w] <= there) return;
+          cost_of[w] = there;
           towards_[w] = lattice_.direction(w, v);
           open.emplace(there, w);
         });
   }
+}
+
+/// In whose Voronoi cell a vertex lies that is in one.
+Place PackedPlaces::cell(Lattice::Vertex v) const {
+  while (towards_[v] != here) v = lattice_.beside(v, towards_[v]);
+  return place_at_.at(v);
+}
+
+/// The same of all vertices, or nowhere.
+std::vector<Place> PackedPlaces::cells() const {
+  std::vector<Place> cells(lattice_.size(), nowhere);
+  for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
+    if (towards_[v] != nowhere_to) cells[v] = cell(v);
+  }
   return cells;
 }
 
+/// As the search for its cell has added it up.
+float PackedPlaces::cost_to_its_place(Lattice::Vertex v) const {
+  if (towards_[v] == here) return 0;
+  const Lattice::Vertex next = lattice_.beside(v, towards_[v]);
+  return cost_to_its_place(next) + static_cast<float>(cost(v, lattice_.length(towards_[v])));
+}
+
 /// Where cells touch nearest to both places.
-PackedPlaces::Crossings PackedPlaces::crossings(const std::vector<Cell>& cells) {
+PackedPlaces::Crossings PackedPlaces::crossings() {
+  const std::vector<Place> cell_of = cells();
   Crossings crossings;
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
-    if (cells[v].place == nowhere) continue;
+    if (cell_of[v] == nowhere) continue;
     lattice_.for_each_neighbour(
-        v, [&](Lattice::Vertex w) { return cells[w].place != nowhere && cells[v].place < cells[w].place; },
+        v, [&](Lattice::Vertex w) { return cell_of[w] != nowhere && cell_of[v] < cell_of[w]; },
         [&](Lattice::Vertex w, double metres) {
-          const Crossing crossing{cells[v].cost + metres + cells[w].cost, v, w};
-          const auto [known, fresh] = crossings.try_emplace({cells[v].place, cells[w].place}, crossing);
+          const Crossing crossing{cost_to_its_place(v) + metres + cost_to_its_place(w), v, w};
+          const auto [known, fresh] = crossings.try_emplace({cell_of[v], cell_of[w]}, crossing);
           if (!fresh && crossing.length < known->second.length) known->second = crossing;
         });
   }
@@ -342,15 +379,15 @@ bool PackedPlaces::is_siding(const Point2& p, Place place) const {
 const std::vector<Point2>& PackedPlaces::sidings() {
   if (sidings_) return *sidings_;
   const std::vector<bool> blocks = in_the_way();
-  const std::vector<Cell> cells = grow_cells();
   std::map<Place, std::pair<float, Point2>> nearest;
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
-    const Place place = cells[v].place;
-    if (place == nowhere || !blocks[place]) continue;
+    if (towards_[v] == nowhere_to) continue;
+    const Place place = cell(v);
+    if (!blocks[place]) continue;
+    const float cost = cost_to_its_place(v);
     const auto known = nearest.find(place);
-    if (known != nearest.end() && known->second.first <= cells[v].cost) continue;
-    if (is_siding(lattice_.at(v), place))
-      nearest.insert_or_assign(place, std::pair(cells[v].cost, lattice_.at(v)));
+    if (known != nearest.end() && known->second.first <= cost) continue;
+    if (is_siding(lattice_.at(v), place)) nearest.insert_or_assign(place, std::pair(cost, lattice_.at(v)));
   }
   sidings_.emplace();
   for (const auto& [place, siding] : nearest) sidings_->push_back(siding.second);

@@ -45,10 +45,6 @@ class PackedPlaces {
 
  private:
   static constexpr Place nowhere = ~Place{0};
-  struct Cell {  ///< of a lattice vertex: whose Voronoi cell it lies in
-    Place place = nowhere;
-    float cost = 0;
-  };
   struct Crossing {  ///< from one cell into another
     double length;   ///< from place to place
     Lattice::Vertex a;
@@ -58,9 +54,12 @@ class PackedPlaces {
   static constexpr Lattice::Direction here = 8;                   ///< a place
   static constexpr Lattice::Direction nowhere_to = 9;             ///< no place can be reached
 
+  std::vector<Lattice::Vertex> in_layers();
   void pack();
-  std::vector<Cell> grow_cells();
-  Crossings crossings(const std::vector<Cell>& cells);
+  void grow_cells();
+  Place cell(Lattice::Vertex v) const;
+  std::vector<Place> cells() const;
+  Crossings crossings();
   void link(const Crossings& crossings);
   void index_ways();
   template <class Fn>
@@ -70,6 +69,7 @@ class PackedPlaces {
   std::vector<bool> in_the_way() const;
   bool is_siding(const Point2& p, Place place) const;
   double cost(Lattice::Vertex v, double metres) const;
+  float cost_to_its_place(Lattice::Vertex v) const;
   Path way_to_its_place(Lattice::Vertex v) const;
   Path way_to_a_place(const Point2& p, Place& place);
 

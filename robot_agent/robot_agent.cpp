@@ -65,8 +65,11 @@ void RobotAgent::note(const BusCounts& counts, WallTime now) {
 
 void RobotAgent::receive(const MapMessage& message, WallTime) {
   if (map_ && map_->map_id == message.map_id) return;
-  map_ = message;
-  forget_trees([&](const InactiveTreeMessage& tree) { return tree.map_id != message.map_id; });
+  map_ = grounds_->of(message);
+  forget_trees([&](const InactiveTreeMessage& tree) { return tree.map_id != map_->map_id; });
+  const std::size_t before = trees_.size();
+  forget_trees([&](const InactiveTreeMessage& tree) { return !is_free(tree, map_->field); });
+  impossible_ += static_cast<std::uint32_t>(before - trees_.size());
 }
 
 void RobotAgent::forget_trees(const std::function<bool(const InactiveTreeMessage&)>& which) {
@@ -103,7 +106,7 @@ Mission RobotAgent::as_reference(Mission mission) const {
 /// Fleet time begins anew, and robots stand where their missions say. Map and trees stay.
 void RobotAgent::begin_run() {
   RobotAgent fresh(name_, grounds_);
-  fresh.map_ = std::move(map_);
+  fresh.map_ = map_;
   fresh.trees_ = std::move(trees_);
   fresh.tree_ids_ = std::move(tree_ids_);
   fresh.tree_nodes_ = tree_nodes_;
@@ -121,8 +124,7 @@ void RobotAgent::begin_run() {
 void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
   if (map_ && tree.map_id != map_->map_id) return;
   if (tree_ids_.contains(tree.tree)) return;
-  const bool is_known_map = ground_ && ground_->map_id == tree.map_id;
-  if (tree_nodes_ + tree.nodes.size() > most_tree_nodes || (is_known_map && !is_free(tree, ground_->field))) {
+  if (tree_nodes_ + tree.nodes.size() > most_tree_nodes || (map_ && !is_free(tree, map_->field))) {
     ++impossible_;
     return;
   }
@@ -144,14 +146,11 @@ void RobotAgent::begin_mission(WallTime now) {
   if (!map_ || mission.map_id != map_->map_id) return;
   if (mission.cancelled) return stop();
 
-  if (!ground_ || ground_->map_id != map_->map_id) {
+  if (ground_ != map_) {
     finder_.reset();  // it, and a joint planner, look at the old one
     knot_ = Knot(name_);
     improver_.reset();
-    ground_ = grounds_->of(*map_);
-    const std::size_t before = trees_.size();
-    forget_trees([&](const InactiveTreeMessage& tree) { return !is_free(tree, ground_->field); });
-    impossible_ += static_cast<std::uint32_t>(before - trees_.size());
+    ground_ = map_;
   }
   const double fleet_now = mission.clock.fleet_time(now);
   status_ = AgentStatus{.robot = name_,

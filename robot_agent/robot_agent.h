@@ -129,8 +129,8 @@ class RobotAgent {
   };
 
   RobotName name_;
-  std::optional<MapMessage> map_;
   std::shared_ptr<Grounds> grounds_;
+  std::shared_ptr<Ground> map_;                             ///< the newest
   std::shared_ptr<Ground> ground_;                          ///< of the mission's map
   std::unique_ptr<PathImprover<ClearanceField>> improver_;  ///< on the ground, for `improver_radius_`
   double improver_radius_ = 0;
