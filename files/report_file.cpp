@@ -1,6 +1,7 @@
 #include "files/report_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -84,7 +85,8 @@ std::string report_table(const proto::Report& report) {
   table += fmt::format("nodes {} valid, {} invalid; trees {} published, {} grafted\n", report.nodes_valid(),
                        report.nodes_invalid(), report.trees_published(), report.trees_grafted());
   const auto metres = [](bool there, double value) {
-    return there ? fmt::format("{:.3f} m", value) : std::string("-");
+    const double rounded = std::round(1e3 * value) / 1e3 + 0.0;  // no "-0.000"
+    return there ? fmt::format("{:.3f} m", rounded) : std::string("-");
   };
   table += fmt::format("collisions {}, least separation {}, least clearance {}\n\n", report.collisions(),
                        metres(report.has_least_separation(), report.least_separation()),

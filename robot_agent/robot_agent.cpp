@@ -133,7 +133,8 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
   trees_.push_back(tree);
   ++status_.trees_received;
   if (status_.phase == Phase::waiting) status_changed_ = true;  // the service waits for that
-  if (finder_ && status_.phase == Phase::planning) finder_->take(tree);
+  const bool is_of_mission = ground_ && ground_->map_id == tree.map_id;
+  if (is_of_mission && finder_ && status_.phase == Phase::planning) finder_->take(tree);
 }
 
 /// Takes up the mission once its map is there; a cancelled one ends what was going on.
@@ -256,7 +257,7 @@ void RobotAgent::look_for_a_path(Path known) {
   finder_ = std::make_unique<PathFinder>(ground_->field, improver(), *mission_, body_->position(),
                                          std::move(known));
   for (const InactiveTreeMessage& tree : trees_) {
-    if (tree.map_id == map_->map_id) finder_->take(tree);
+    if (tree.map_id == ground_->map_id) finder_->take(tree);
   }
 }
 

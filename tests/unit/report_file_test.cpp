@@ -45,6 +45,15 @@ TEST_F(ReportFile, IsReadAsItWasWritten) {
   }
 }
 
+TEST(ReportTable, ShowsNoDistanceBelowZeroThatRoundsToIt) {
+  proto::Report report = report_of(1);
+  report.set_least_separation(-3e-14);
+  report.set_least_clearance(-0.25);
+  EXPECT_NE(report_table(report).find("least separation 0.000 m, least clearance -0.250 m"),
+            std::string::npos)
+      << report_table(report);
+}
+
 TEST_F(ReportFile, SaysWhatIsZeroAndWhatIsEmpty) {
   google::protobuf::Struct json;
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(written(report_of(2)), &json).ok());
