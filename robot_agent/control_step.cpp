@@ -28,8 +28,11 @@ constexpr double share_of_overload = 0.25;
 constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;  // knots from one place, likewise
 constexpr double stall = 3;             // seconds without progress that make a robot call a knot
-constexpr double around_radii = 16;     // within these, others' joint plans concern a robot
-constexpr double stall_radii = 0.5;     // metres that count as progress, in radii
+// The same, however often it has bound itself to stand meanwhile: two that push each other back to and fro
+// let each other go first for ever.
+constexpr double longest_stall = 30;
+constexpr double around_radii = 16;  // within these, others' joint plans concern a robot
+constexpr double stall_radii = 0.5;  // metres that count as progress, in radii
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
 // It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
 // off.
@@ -196,22 +199,27 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   const double r = body_->radius();
   const bool open = ground_->field.lower_bound(next) >= open_radii * r;
   const bool leans = follower_->remaining(next) > end_radii * r;
-  Point2 wanted = leans ? leaning_right(preferred, open ? fleet_now - last_gain_time_ : 0) : preferred;
+  Point2 wanted = leans ? leaning_right(preferred, open ? stalled_for(fleet_now) : 0) : preferred;
   if (body_->velocity().norm() >= fair_pace * preferred.norm()) last_pace_time_ = fleet_now;
   if (fleet_now - last_pace_time_ > waiting_lease && lets_go_first(preferred)) {
     wanted = Point2::Zero();
     stand_for(fleet_now, waiting_lease);
   }
   body_->choose(wanted, neighbours, ground_->field);
-  if (body_->bound_to_stand()) last_gain_time_ = fleet_now;
+  if (body_->bound_to_stand()) last_bound_time_ = fleet_now;
   if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;
   }
   // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
-  const bool stalls = fleet_now - last_gain_time_ > stall && all_free_around();
-  if (stalls && !fleet_.doubts(body_->position(), around_radii * body_->radius()))
+  const bool stalls = stalled_for(fleet_now) > stall || fleet_now - last_gain_time_ > longest_stall;
+  if (stalls && all_free_around() && !fleet_.doubts(body_->position(), around_radii * body_->radius()))
     knot_.call(self(), fleet_, fleet_now);
+}
+
+/// Seconds; those in which it is bound to stand do not count.
+double RobotAgent::stalled_for(double fleet_now) const {
+  return fleet_now - std::max(last_gain_time_, last_bound_time_);
 }
 
 /// Of two that drive side by side each fears that the other turns, and both slow down. The one that is

@@ -102,6 +102,7 @@ class RobotAgent {
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double fleet_now, double seconds);
+  double stalled_for(double fleet_now) const;
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
   void give_up(const char* reason);
@@ -157,6 +158,7 @@ class RobotAgent {
   Knot knot_;
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time
+  double last_bound_time_ = 0;              ///< fleet time at which it last was bound to stand
   double last_pace_time_ = 0;               ///< fleet time at which it last drove about as fast as it liked
   bool lets_others_finish_ = false;         ///< its mission came while a joint plan was being driven
   double last_drive_time_ = 0;              ///< fleet time at which it last moved under orders

@@ -26,6 +26,9 @@ INSTANTIATE_TEST_SUITE_P(LateCrossing, FuzzSeeds, testing::Values(1100));  // 40
 INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
                          testing::Values(1095,  // with 0.24 s delay, robots under orders feared each other's
                                          1155));  // next move for ever: none bound itself to stand for long
+// Head-on in a corridor, each took the other, that it had just pushed back, for one that goes its way: they
+// let each other go first for ever, and no time in which one stands for that counted as without progress.
+INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
 
 // More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a
 // hair too close to where it might stand.
