@@ -307,7 +307,9 @@ bool Fleet::somebody_plans() const {
 
 bool Fleet::complete(std::size_t robots) {
   all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) {
-                 const bool done = p.mission && p.mission->cancelled;
+                 // One that never came is at its start; but of before this one was started anew it knows
+                 // nothing.
+                 const bool done = p.mission && p.mission->cancelled && (p.state || !begun_anew_);
                  return done || (p.state && p.clock.known()) || p.dead;
                });
   return all_known_ && peers_.size() + 1 >= robots;

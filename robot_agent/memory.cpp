@@ -33,6 +33,8 @@ std::optional<Memory> memory_of(std::span<const Message> kept) {
       mission = *heard;
     } else if (const auto* other = std::get_if<RobotState>(&message); other != nullptr && other->passed_on) {
       if (memory) silent[other->robot] = {*other, memory->body.time()};
+    } else if (other != nullptr && mission && other->robot != mission->robot) {
+      silent.erase(other->robot);  // it was heard of again
     } else if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && mission) {
       const Driver body(commitment_of(*state, 0), state->radius, limits_of(*state), control_period);
       if (!memory) memory.emplace(*mission, body);
@@ -66,7 +68,17 @@ void Remembrance::recall(std::span<const Message> kept) {
   }
 }
 
+/// Who was passed on as silent, and is heard of again, is not where it fell silent.
+bool Remembrance::is_back(const RobotState& state) {
+  const auto silent = passed_on_.find(state.robot);
+  if (silent == passed_on_.end() || state.passed_on || state.stamp <= silent->second) return false;
+  passed_on_.erase(silent);
+  return true;
+}
+
 Keep Remembrance::heard(const Message& message) {
+  if (const auto* state = std::get_if<RobotState>(&message))
+    return !passed_on_.empty() && is_back(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr || mission->robot != robot_ || mission_ == *mission) return Keep::nothing;
   if (mission_ && mission->clock.epoch < mission_->clock.epoch) return Keep::nothing;  // of an earlier run

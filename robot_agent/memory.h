@@ -29,7 +29,8 @@ struct Memory {
   std::uint32_t knot_epoch = 0;            ///< likewise
   Stage stage = Stage::free;               ///< likewise
   AgentStatus status;                      ///< the last one
-  std::vector<Heard> silent;  ///< the last states of others that fell silent, as they were passed on
+  /// The last states of others that fell silent, as they were passed on, and were not heard of since.
+  std::vector<Heard> silent;
 };
 
 /// From what was kept, in order; none if the robot had no body yet.
@@ -47,11 +48,13 @@ class Remembrance {
   Keep said(const Message& message);
 
  private:
+  bool is_back(const RobotState& state);
+
   RobotName robot_;
   bool leads_;
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
-  std::map<RobotName, double> passed_on_;  ///< the newest stamp of each
+  std::map<RobotName, double> passed_on_;  ///< the newest stamp of each that was not heard of since
 };
 
 }  // namespace coppice

@@ -7,14 +7,23 @@
 namespace coppice {
 namespace {
 
-class FuzzSeeds : public testing::TestWithParam<std::uint32_t> {};
-
-TEST_P(FuzzSeeds, AreSurvived) {
-  const FuzzCase fuzz_case = draw_fuzz_case(GetParam());
+void expect_survived(const FuzzCase& fuzz_case) {
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   simulation.run([](const PlannerService&, double) { return true; });
   for (const std::string& failure : judge(fuzz_case, simulation).failures)
     ADD_FAILURE() << fuzz_case.what << ": " << failure;
+}
+
+class FuzzSeeds : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(FuzzSeeds, AreSurvived) {
+  expect_survived(draw_fuzz_case(GetParam()));
+}
+
+class FuzzSeedsWithRestarts : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(FuzzSeedsWithRestarts, AreSurvived) {
+  expect_survived(draw_fuzz_case(GetParam(), true));
 }
 
 INSTANTIATE_TEST_SUITE_P(PastItsOwnGoal, FuzzSeeds,
@@ -29,6 +38,9 @@ INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
 // Head-on in a corridor, each took the other, that it had just pushed back, for one that goes its way: they
 // let each other go first for ever, and no time in which one stands for that counted as without progress.
 INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
+
+// The mission of one that died unseen had been cancelled: who was started anew took its place for known.
+INSTANTIATE_TEST_SUITE_P(DiedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));
 
 // More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a
 // hair too close to where it might stand.

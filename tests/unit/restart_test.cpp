@@ -390,6 +390,23 @@ TEST(RobotAgentAnew, WhoFellSilentBeforeIsInItsJournal) {
   EXPECT_EQ(last_status_of_one_alone(true).phase, Phase::arrived);
 }
 
+TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
+  AgentRun run;
+  run_until_killed_at(0.5, run);
+  RobotState b = run.standing_b(0.6);
+  b.passed_on = true;
+  run.keeper.said(b);
+  ASSERT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  run.hear(run.standing_b(0.55), 0.7);  // overtaken on its way
+  EXPECT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  run.hear(run.standing_b(0.8), 0.8);
+  EXPECT_TRUE(memory_of(run.store.messages)->silent.empty());
+  b.stamp = 0.8;
+  run.keeper.said(b);
+  ASSERT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  EXPECT_EQ(memory_of(run.store.messages)->silent[0].state.stamp, 0.8);
+}
+
 TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
   const AgentStatus status = last_status_of_one_alone(false);
   EXPECT_EQ(status.phase, Phase::no_path);
