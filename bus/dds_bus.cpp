@@ -114,8 +114,8 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
                              .traffic = traffic,
                              .largest_datagram = largest_datagram_of(settings),
                              .is_secure = !settings.security.empty()}));
-  qos.allocation().send_buffers = {.preallocated_number = 1,
-                                   .dynamic = true};  // else ten, as long as a datagram
+  // Otherwise ten from the beginning, each as long as a datagram.
+  qos.allocation().send_buffers = {.preallocated_number = 1, .dynamic = true};
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.

@@ -31,11 +31,11 @@ std::optional<Memory> memory_of(std::span<const Message> kept) {
   for (const Message& message : kept) {
     if (const auto* heard = std::get_if<Mission>(&message)) {
       mission = *heard;
-    } else if (const auto* other = std::get_if<RobotState>(&message); other != nullptr && other->passed_on) {
-      if (memory) silent[other->robot] = {*other, memory->body.time()};
-    } else if (other != nullptr && mission && other->robot != mission->robot) {
-      silent.erase(other->robot);  // it was heard of again
-    } else if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && mission) {
+    } else if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && state->passed_on) {
+      if (memory) silent[state->robot] = {*state, memory->body.time()};
+    } else if (state != nullptr && mission && state->robot != mission->robot) {
+      silent.erase(state->robot);
+    } else if (state != nullptr && mission) {
       const Driver body(commitment_of(*state, 0), state->radius, limits_of(*state), control_period);
       if (!memory) memory.emplace(*mission, body);
       drive_on(memory->body, state->stamp, *memory);
@@ -68,8 +68,8 @@ void Remembrance::recall(std::span<const Message> kept) {
   }
 }
 
-/// Who was passed on as silent, and is heard of again, is not where it fell silent.
-bool Remembrance::is_back(const RobotState& state) {
+/// Who is heard of again is not where it fell silent. False if it was not silent.
+bool Remembrance::end_silence(const RobotState& state) {
   const auto silent = passed_on_.find(state.robot);
   if (silent == passed_on_.end() || state.passed_on || state.stamp <= silent->second) return false;
   passed_on_.erase(silent);
@@ -78,7 +78,7 @@ bool Remembrance::is_back(const RobotState& state) {
 
 Keep Remembrance::heard(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message))
-    return !passed_on_.empty() && is_back(*state) ? Keep::append : Keep::nothing;
+    return end_silence(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr || mission->robot != robot_ || mission_ == *mission) return Keep::nothing;
   if (mission_ && mission->clock.epoch < mission_->clock.epoch) return Keep::nothing;  // of an earlier run

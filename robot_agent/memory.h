@@ -48,7 +48,7 @@ class Remembrance {
   Keep said(const Message& message);
 
  private:
-  bool is_back(const RobotState& state);
+  bool end_silence(const RobotState& state);
 
   RobotName robot_;
   bool leads_;

@@ -39,7 +39,8 @@ INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
 // let each other go first for ever, and no time in which one stands for that counted as without progress.
 INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
 
-// The mission of one that died unseen had been cancelled: who was started anew took its place for known.
+// One fell silent, was heard of again, and died elsewhere while the other was down: that one knew only of the
+// silence, and drove into it.
 INSTANTIATE_TEST_SUITE_P(DiedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));
 
 // More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a

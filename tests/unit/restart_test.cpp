@@ -362,7 +362,7 @@ TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
 }
 
 /// Two robots are in the run: b dies at 1 s, a's agent is killed at 3 and started anew at 5 s.
-AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on) {
+AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on, bool b_is_cancelled = false) {
   Mission a = mission_of_a(0);
   Mission b = a;
   a.fleet_size = b.fleet_size = 2;
@@ -380,6 +380,7 @@ AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on) {
     });
   AgentRun after;
   after.recall(kept);
+  b.cancelled = b_is_cancelled;
   for (const Mission& mission : {a, b}) after.hear(mission, 5);
   after.hear(map_message(), 5);
   after.run(5, 200);
@@ -411,6 +412,11 @@ TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
   const AgentStatus status = last_status_of_one_alone(false);
   EXPECT_EQ(status.phase, Phase::no_path);
   EXPECT_EQ(status.reason, "its agent was started anew, and nobody who is alive knows where all others are");
+}
+
+TEST(RobotAgentAnew, ACancelledMissionDoesNotTellWhereAnotherDied) {
+  EXPECT_EQ(last_status_of_one_alone(false, true).phase, Phase::no_path);
+  EXPECT_EQ(last_status_of_one_alone(true, true).phase, Phase::arrived);
 }
 
 TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
