@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "files/scenario_file.h"
+#include "files/scenario_generator.h"
 #include "planning/clearance_field.h"
 #include "tests/support.h"
 #include "tests/tracks.h"
@@ -84,6 +85,21 @@ TEST(FleetSimulation, UnreachableGoalIsReportedAndTheOthersArrive) {
   EXPECT_FALSE(result.figures.robots(0).planned());
   EXPECT_NE(result.figures.robots(0).reason().find("no path"), std::string::npos);
   EXPECT_TRUE(result.figures.robots(1).arrived());
+}
+
+/// Copies for those who do not know each other yet were a quarter of all: 44 states a control period.
+TEST(FleetSimulation, InAFleetThatBeginsNobodyHearsOfAllAgainAndAgain) {
+  FleetSimulation simulation(make_scenario("rooms", 50, 1), {.timeout = 5});
+  simulation.run([](const PlannerService&, double) { return true; });
+  double states = 0;
+  double periods = 0;
+  const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));
+  for (const auto& robot : report.robots()) {
+    states += robot.load().states_received();
+    periods += robot.load().periods();
+  }
+  ASSERT_GT(periods, 0);
+  EXPECT_LT(states / periods, 36);
 }
 
 }  // namespace
