@@ -57,23 +57,21 @@ Audience::Limit::~Limit() {
 }
 
 void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
-  const RobotName robot = robot_of(info.info.m_userData);
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   const Guid& participant = info.info.m_guid;
   const auto& addresses = info.info.default_locators.unicast;
+  const Announced announced{robot_of(info.info.m_userData), {addresses.begin(), addresses.end()}};
   const std::scoped_lock lock(mutex_);
   if (gone) {
     // By participant, and not by address: there may be its successor, after a restart.
     std::erase_if(agent_at_, [&](const auto& entry) { return entry.second.participant == participant; });
     unproven_.erase(participant);
     authenticated_.erase(participant);
-  } else if (robot.empty()) {
-    return;
-  } else if (is_secure_ && !authenticated_.contains(participant)) {
-    unproven_[participant] = {robot, {addresses.begin(), addresses.end()}};
   } else if (!is_secure_) {
-    place(participant, {robot, {addresses.begin(), addresses.end()}});
+    place(participant, announced);
+  } else if (!authenticated_.contains(participant)) {
+    unproven_[participant] = announced;
   }
 }
 
@@ -86,8 +84,14 @@ void Audience::authenticate(const Guid& participant) {
   unproven_.erase(announced);
 }
 
-void Audience::place(const Guid& participant, const Announced& agent) {
-  for (const Address& address : agent.addresses) agent_at_[address] = {agent.robot, participant};
+void Audience::place(const Guid& participant, const Announced& announced) {
+  for (const Address& address : announced.addresses) {
+    if (announced.robot.empty()) {
+      agent_at_.erase(address);  // of an agent that was killed there: DDS misses it much later
+    } else {
+      agent_at_[address] = {announced.robot, participant};
+    }
+  }
 }
 
 bool Audience::includes(const rtps::Locator_t& address) const {

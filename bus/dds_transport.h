@@ -87,10 +87,10 @@ class Audience {
   using Guid = eprosima::fastrtps::rtps::GUID_t;
   using Address = eprosima::fastrtps::rtps::Locator_t;
   struct Announced {
-    RobotName robot;
+    RobotName robot;  ///< empty: none
     std::vector<Address> addresses;
   };
-  void place(const Guid& participant, const Announced& agent);
+  void place(const Guid& participant, const Announced& announced);
 
   std::atomic<std::thread::id> limited_in_{};  ///< the thread; none: not
   std::vector<RobotName> agents_;              ///< sorted

@@ -7,11 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "bus/topics.h"
+#include "motion/precedence.h"
 
 namespace coppice {
 
@@ -103,6 +104,7 @@ Problem check(const Mission& m) {
 
 Problem check(const RootNodes& m) {
   if (!named(m.robot)) return "robot name is empty, too long or not printable";
+  if (!std::isfinite(m.run)) return "run has no time";
   for (std::size_t i = 0; i < m.nodes.size(); ++i) {
     const RootNodes::Node& node = m.nodes[i];
     if (!sane(node.position)) return "node position is not finite";
@@ -166,23 +168,11 @@ Problem check(const RobotState& m) {
         "too many echoes, or one without a name or a finite time"}});
 }
 
-/// Checked only where the parts are fine.
+/// Asked only where the parts are fine.
 bool fits_its_robots(const JointPlanMessage& m) {
-  double radius = largest_quantity;
-  for (const JointPlanMessage::Member& member : m.members) radius = std::min(radius, member.radius);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Point2 lower = Point2::Constant(infinity);
-  Point2 upper = -lower;
-  double length = 0;
-  for (const Move& move : m.moves) {
-    length += length_of(move.path);
-    for (const Point2& p : move.path) {
-      lower = lower.cwiseMin(p);
-      upper = upper.cwiseMax(p);
-    }
-  }
-  return m.moves.empty() ||
-         (length <= longest_joint_plan * radius && (upper - lower).maxCoeff() <= widest_joint_plan * radius);
+  std::vector<double> radii;
+  for (const JointPlanMessage::Member& member : m.members) radii.push_back(member.radius);
+  return pieces_of(m.moves, radii) <= most_plan_pieces;
 }
 
 Problem check(const JointPlanMessage& m) {
@@ -193,16 +183,20 @@ Problem check(const JointPlanMessage& m) {
     return move.robot < m.members.size() && !move.path.empty() &&
            std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
   };
-  return first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},
-                   {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
-                   {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
-                   {m.members.size() <= most_robots, "too many members"},
-                   {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"},
-                   {fits_its_robots(m), "ways are too long for robots that small"}});
+  Problem problem =
+      first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},
+                {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
+                {std::isfinite(m.run), "run has no time"},
+                {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
+                {m.members.size() <= most_robots, "too many members"},
+                {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"}});
+  if (!problem && !fits_its_robots(m)) problem = "ways are too long for robots that small";
+  return problem;
 }
 
 Problem check(const PathMessage& m) {
   return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
+                   {std::isfinite(m.run), "run has no time"},
                    {std::ranges::all_of(m.waypoints, [](const Point2& p) { return sane(p); }),
                     "waypoint is not finite"}});
 }
@@ -213,6 +207,7 @@ Problem check(const TrackMessage& m) {
   };
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
+       {std::isfinite(m.run), "run has no time"},
        {std::ranges::all_of(m.points, fine), "point is not finite"},
        {std::ranges::is_sorted(m.points, std::less{}, &TrackMessage::Point::time), "time runs back"}});
 }
@@ -220,6 +215,7 @@ Problem check(const TrackMessage& m) {
 Problem check(const AgentStatus& m) {
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
+       {std::isfinite(m.run), "run has no time"},
        {known(m.phase), "unknown phase"},
        {m.reason.size() <= longest_reason && printable(m.reason), "reason is too long or not printable"},
        {is_sane(m.mission_time) && is_sane(m.path_time) && is_sane(m.arrival_time) &&

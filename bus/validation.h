@@ -16,14 +16,11 @@ inline constexpr std::size_t longest_name = 64;
 inline constexpr std::size_t most_echoes = 32;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
-/// Robots of a fleet: as many as a joint plan may have members.
-inline constexpr std::size_t most_robots = 4096;
 /// Nobody binds itself for longer, seconds: who is silent would not count as dead before.
 inline constexpr double longest_promise = 600;
-/// The ways of a joint plan altogether, and the side of the square that they lie in, both in radii of its
-/// smallest robot: what takes it up cuts them into pieces of that size.
-inline constexpr double longest_joint_plan = 4e6;
-inline constexpr double widest_joint_plan = largest_map_side;
+/// Pieces of a joint plan (pieces_of, motion/precedence.h): who takes it up compares their places. Thirty
+/// times as many as in the largest that was seen, 312,479 for 250 robots on a circle.
+inline constexpr double most_plan_pieces = 1e7;
 
 /// What is wrong with the message, or nothing.
 std::optional<std::string> problem_with(const Message& message);

@@ -4,12 +4,20 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace coppice {
 
 namespace {
 
 constexpr double piece_radii = 0.15;  // length of the pieces that ways are cut into, in radii
+
+// What the gates of one robot may take, 16 and 50 times as much as any that were seen (a maze with 50 robots,
+// a circle of 250): ways that go to and fro beside each other, just too far away to touch, would be compared
+// piece by piece, each with each.
+constexpr std::size_t most_kept = 1 << 20;  // pieces: 32 MiB
+constexpr std::size_t most_looks = 30'000'000;
+constexpr double most_cells_a_side = 2048;  // larger cells then
 
 /// A short piece of a robot's way.
 struct Piece {
@@ -19,13 +27,17 @@ struct Piece {
   double end;
 };
 
+double parts_of(double length, double radius) {
+  return std::max(1.0, std::ceil(length / (piece_radii * radius)));
+}
+
 /// The pieces of a move, which begins `along` metres along its robot's way; `along` moves on to its end.
 template <class Fn>
 void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
   for (std::size_t k = 1; k < move.path.size(); ++k) {
     const Point2 edge = move.path[k] - move.path[k - 1];
     const double length = edge.norm();
-    const auto parts = std::max(1.0, std::ceil(length / (piece_radii * radius)));
+    const double parts = parts_of(length, radius);
     for (double part = 0; part < parts; ++part) {
       fn(Piece{move.robot, move.path[k - 1] + edge * ((part + 0.5) / parts), along + length * part / parts,
                along + length * (part + 1) / parts});
@@ -38,9 +50,16 @@ void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
 /// plane that their middle lies in.
 class PiecesAround {
  public:
+  struct Entry {
+    Point2 middle;
+    double end;
+    std::uint32_t robot;
+    std::uint32_t next;
+  };
+
   PiecesAround(const Box<2>& box, double near)
-      : lower_(box.lower.array() - 1.5 * near),
-        cell_(near),
+      : cell_(std::max(near, (box.upper - box.lower).maxCoeff() / most_cells_a_side)),
+        lower_(box.lower.array() - 1.5 * cell_),
         columns_(cells_over(box.upper.x() - box.lower.x())),
         near_(columns_ * cells_over(box.upper.y() - box.lower.y()), false),
         first_(near_.size(), none) {}
@@ -52,12 +71,15 @@ class PiecesAround {
       for (std::size_t k = row - 1; k <= row + 1; ++k) near_[k] = true;
     }
   }
+  /// From then on nothing more is kept.
+  bool exhausted() const { return pieces_.size() >= most_kept || looks_ >= most_looks; }
   void add(const Piece& piece) {
+    if (exhausted()) return;
     const Point2 at = (piece.middle - lower_) / cell_;
     if (!(at.x() >= 0 && at.y() >= 0 && at.x() < static_cast<double>(columns_))) return;
     const std::size_t cell = cell_of(piece.middle);
     if (cell >= near_.size() || !near_[cell]) return;
-    pieces_.push_back({piece, first_[cell]});
+    pieces_.push_back({piece.middle, piece.end, static_cast<std::uint32_t>(piece.robot), first_[cell]});
     first_[cell] = static_cast<std::uint32_t>(pieces_.size() - 1);
   }
   /// `p`: on the own way. Those for which `settled(piece)` holds are let go: it must hold from then on.
@@ -68,11 +90,12 @@ class PiecesAround {
       for (std::size_t k = row - 1; k <= row + 1; ++k) {
         for (std::uint32_t* at = &first_[k]; *at != none;) {
           Entry& entry = pieces_[*at];
-          if (settled(entry.piece)) {
+          ++looks_;
+          if (settled(entry)) {
             *at = entry.next;
             continue;
           }
-          fn(entry.piece);
+          fn(entry);
           at = &entry.next;
         }
       }
@@ -81,10 +104,6 @@ class PiecesAround {
 
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  struct Entry {
-    Piece piece;
-    std::uint32_t next;
-  };
 
   /// With one to spare on each side, and half of one for rounding.
   std::size_t cells_over(double length) const { return static_cast<std::size_t>(length / cell_) + 4; }
@@ -93,12 +112,13 @@ class PiecesAround {
            static_cast<std::size_t>((p.x() - lower_.x()) / cell_);
   }
 
-  Point2 lower_;
   double cell_;
+  Point2 lower_;
   std::size_t columns_;
   std::vector<bool> near_;            ///< by cell
   std::vector<std::uint32_t> first_;  ///< the same: the piece that came last
   std::vector<Entry> pieces_;
+  std::size_t looks_ = 0;
 };
 
 Box<2> box_around(const Path& path) {
@@ -135,6 +155,15 @@ std::vector<Path> legs_of(std::size_t robot, std::span<const Move> moves) {
   return legs;
 }
 
+double pieces_of(std::span<const Move> moves, std::span<const double> radii) {
+  double pieces = 0;
+  for (const Move& move : moves) {
+    for (std::size_t k = 1; k < move.path.size(); ++k)
+      pieces += parts_of((move.path[k] - move.path[k - 1]).norm(), radii[move.robot]);
+  }
+  return pieces;
+}
+
 std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii) {
   const double largest = *std::ranges::max_element(radii);
   // Half of each piece's length is what a middle may be away from the piece's points.
@@ -153,19 +182,25 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
   std::vector<double> along(radii.size(), 0.0);
   std::vector<double> needed(radii.size(), 0.0);  // of each robot, by the gates so far
   std::vector<std::size_t> rising;                // those of which the piece at hand needs more
-  const auto settled = [&](const Piece& other) { return other.end <= needed[other.robot]; };
+  const auto settled = [&](const auto& other) { return other.end <= needed[other.robot]; };
   const auto add_gates = [&](const Piece& piece) {
-    const auto first_of_piece = static_cast<std::ptrdiff_t>(gates.size());
     rising.clear();
-    around.for_each_within_a_cell(piece.middle, settled, [&](const Piece& other) {
+    around.for_each_within_a_cell(piece.middle, settled, [&](const auto& other) {
       const double near = radii[robot] + radii[other.robot] + inflated;
       if ((other.middle - piece.middle).squaredNorm() >= near * near) return;
-      if (std::ranges::find(rising, other.robot) == rising.end()) rising.push_back(other.robot);
+      rising.push_back(other.robot);
       needed[other.robot] = other.end;
     });
+    std::ranges::sort(rising);
+    rising.erase(std::unique(rising.begin(), rising.end()), rising.end());
     for (const std::size_t other : rising) gates.push_back({piece.begin, other, needed[other]});
-    std::sort(gates.begin() + first_of_piece, gates.end(),
-              [](const Gate& a, const Gate& b) { return a.robot < b.robot; });
+  };
+  const auto wait_for_all = [&](const Piece& piece) {
+    for (std::size_t other = 0; other < radii.size(); ++other) {
+      if (other == robot || along[other] <= needed[other]) continue;
+      needed[other] = along[other];
+      gates.push_back({piece.begin, other, along[other]});
+    }
   };
   // In the plan's order: each piece of the own way finds those of earlier moves.
   const auto own_last =
@@ -179,11 +214,14 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
         along[move.robot] += (move.path[k] - move.path[k - 1]).norm();
       continue;
     }
+    bool waits_for_all = false;
     for_each_piece(move, radii[move.robot], along[move.robot], [&](const Piece& piece) {
-      if (piece.robot == robot) {
-        add_gates(piece);
-      } else {
+      if (piece.robot != robot) {
         around.add(piece);
+      } else if (!around.exhausted()) {
+        add_gates(piece);
+      } else if (!std::exchange(waits_for_all, true)) {
+        wait_for_all(piece);
       }
     });
   }

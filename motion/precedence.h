@@ -31,7 +31,12 @@ struct Gate {
 /// Nobody strays further from its way than this, in radii.
 inline constexpr double stray_radii = 0.04;
 
+/// How many pieces ways are cut into, to see where they come near each other.
+double pieces_of(std::span<const Move> moves, std::span<const double> radii);
+
 /// The gates on the way of `robot`, first to last. Ways count as near where discs that stray might touch.
+/// If that takes too long to find out, it waits for all earlier moves from there on: of 10 million pieces at
+/// most half a second and 80 MB.
 std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii);
 
 }  // namespace coppice

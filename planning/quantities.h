@@ -1,11 +1,12 @@
-// What lengths, speeds and times may be: bounds within which the arithmetic of planning and driving is sound,
-// and no loop over cells, periods or pieces of a way is without end. Files and messages are checked against
-// them.
+// What lengths, speeds and times may be, and how many robots there may be: bounds within which the arithmetic
+// of planning and driving is sound, and no loop over cells, periods or pieces of a way is without end. Files
+// and messages are checked against them.
 //
 // Metres, seconds, metres per second.
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 namespace coppice {
 
@@ -17,6 +18,8 @@ inline constexpr double least_quantity = 1e-4;
 inline constexpr double longest_braking = 100;
 /// Fleet seconds a wall second: no process decides that often.
 inline constexpr double largest_time_scale = 1000;
+/// Robots of a fleet: as many as a joint plan may have members (idl/fleet.idl).
+inline constexpr std::size_t most_robots = 4096;
 
 /// False for NaN.
 inline bool is_sane(double x) {

@@ -82,7 +82,9 @@ class Knot {
     std::vector<std::size_t> at{};  ///< in the plan
   };
 
-  bool calls_this(const KnotId& knot) const { return knot.epoch > forgotten_ && knot.overrides(id_); }
+  bool calls_this(const KnotId& knot) const {
+    return is_later_epoch(knot.epoch, forgotten_) && knot.overrides(id_);
+  }
   void join(const KnotId& id);
   void note_epoch(std::uint32_t epoch);
   void begin(const FleetMember& self, double reach, double now);

@@ -290,5 +290,31 @@ TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
   EXPECT_TRUE(reaches(a));
 }
 
+TEST(Transport, WhoIsNoAgentHearsAllWhereAnAgentWasKilled) {
+  const auto a = address("10.0.0.1", 7411);
+  for (const bool is_secure : {false, true}) {
+    Audience audience(is_secure);
+    rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
+    const auto come = [&](const RobotName& robot, std::uint8_t id) {
+      audience.discover(info(data, robot, id, a));
+      if (is_secure) audience.authenticate(data.m_guid);
+    };
+    const auto reaches_a = [&] {
+      const Audience::Limit limit(audience, {"b"});
+      return audience.includes(a);
+    };
+    come("a", 1);
+    EXPECT_FALSE(reaches_a());
+    if (is_secure) {
+      audience.discover(info(data, "", 2, a));
+      EXPECT_FALSE(reaches_a()) << "a stranger may say so too";
+    }
+    come("", 3);
+    EXPECT_TRUE(reaches_a());
+    come("a", 4);
+    EXPECT_FALSE(reaches_a()) << "an agent again";
+  }
+}
+
 }  // namespace
 }  // namespace coppice

@@ -35,6 +35,7 @@ struct MayInclude {
 };
 
 const std::vector<MayInclude> layers = {
+    {"idl/.*", any({"<fastcdr/.*>", std::string(standard)})},
     {"planning/.*", any({from("planning"), "<Eigen/.*>", std::string(standard)})},
     {"motion/.*", any({from("planning|motion"), "<Eigen/.*>", std::string(standard)})},
     {"files/.*", any({from("planning|motion|files"), std::string(proto), "<.*>"})},
@@ -63,7 +64,7 @@ const std::string mains =
 const std::string commands = "|coppice/.*";
 
 const std::vector<Reserved> reserved = {
-    {"<(fastdds|fastrtps|fastcdr)/.*>|\"(fleet|ros2)[A-Za-z]*\\.h\"", "bus/dds_.*" + tests_and_benches,
+    {"<(fastdds|fastrtps|fastcdr)/.*>|\"(fleet|ros2)[A-Za-z]*\\.h\"", "(bus/dds_|idl/).*" + tests_and_benches,
      "DDS is known to the DDS bus alone"},
     {"\"bus/(dds_.*|process.*|journal\\.h)\"",
      "bus/(dds_|process|journal).*" + mains + commands + tests_and_benches,

@@ -85,6 +85,46 @@ TEST(Precedence, EveryPlaceWhereWaysComeNearHasAGateWhereverTheyLie) {
   }
 }
 
+/// A move to and fro, edges of one piece each at radius 1.
+Move shuttle(std::size_t robot, const Point2& at, std::size_t edges) {
+  Move move{robot, {at}};
+  for (std::size_t k = 0; k < edges; ++k) move.path.push_back(at + Point2(k % 2 == 0 ? 0.1 : 0, 0));
+  return move;
+}
+
+// Compared piece by piece, what a hostile leader may send would take its followers minutes.
+TEST(Precedence, WhereALookTakesTooLongItWaitsForAllThatMovesEarlier) {
+  const std::vector<double> radii{1, 1, 1};
+  const auto moves = [](std::size_t edges) {
+    // Beside each other, a little too far away to touch; the first move is there to span the second.
+    return std::vector<Move>{{1, {{0, 9}, {0, 0}}},
+                             shuttle(0, {0, 2.9}, edges),
+                             {2, {{50, 0}, {60, 0}}},
+                             shuttle(1, {0, 0}, edges),
+                             shuttle(0, {0, 2.9}, 10)};
+  };
+  EXPECT_TRUE(gates_of(1, moves(100), radii).empty());
+  const std::vector<Move> many = moves(10'000);
+  const std::vector<Gate> gates = gates_of(1, many, radii);
+  ASSERT_EQ(gates.size(), 2u);
+  EXPECT_GT(gates[0].at, 9) << "within the second of its moves";
+  for (const std::size_t k : {0u, 1u}) {
+    EXPECT_EQ(gates[k].at, gates[0].at);
+    EXPECT_EQ(gates[k].robot, 2 * k);
+    EXPECT_NEAR(gates[k].needed, length_of(many[k + 1].path), 1e-6) << "and no later move";
+  }
+}
+
+TEST(Precedence, WhoComesByAfterAMillionPiecesIsWaitedForToo) {
+  const std::vector<Move> moves{
+      {1, {{0, 9}, {0, 0}}}, shuttle(0, {0, 2.9}, 1'100'000), {2, {{-5, 0}, {5, 0}}}, {1, {{0, 0}, {0, -9}}}};
+  const std::vector<Gate> gates = gates_of(1, moves, std::vector<double>{1, 1, 1});
+  const auto last = std::ranges::find(gates, 2u, &Gate::robot);
+  ASSERT_NE(last, gates.end());
+  EXPECT_LE(last->at, 9 + 0.1);
+  EXPECT_NEAR(last->needed, 10, 1e-9);
+}
+
 TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);

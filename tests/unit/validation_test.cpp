@@ -125,12 +125,17 @@ TEST(Validation, JointPlans) {
       [](M& m) { m.members[0].radius = 1e-300; },
       // Pieces of the size of a robot would be without end: of a way there, or there and back.
       [](M& m) {
-        m.moves[0].path[1] = {1e6, 0};
+        m.moves[0].path[1] = {2e6, 0};
       },
       [](M& m) {
-        for (int k = 0; k < 1000; ++k) m.moves[0].path.insert(m.moves[0].path.end(), {{0, 0}, {9000, 0}});
+        for (int k = 0; k < 90; ++k) m.moves[0].path.insert(m.moves[0].path.end(), {{0, 0}, {9000, 0}});
       }};
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(plan(), spoilers[k])) << k;
+  const auto larger = [&](M& m) {
+    spoilers.back()(m);
+    m.members[0].radius = 2;
+  };
+  EXPECT_FALSE(problem<M>(plan(), larger)) << "its pieces are";
 }
 
 TEST(Validation, RootNodesTracksAndMaps) {

@@ -1,0 +1,41 @@
+// Samples from bytes that no honest process sends.
+#include "bus/dds_serialized.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "bus/messages.h"
+
+namespace coppice {
+namespace {
+
+long peak_memory() {  // KiB
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+// Each zero might be the beginning of a member: room for all of them is a hundred times as many bytes.
+TEST(Serialized, ASequenceOfMoreThanItsTypeHoldsIsGivenNoRoom) {
+  std::vector<std::uint8_t> bytes =
+      serialized(JointPlanMessage{.knot = {1, "a"}, .members = {}, .moves = {}});
+  // Behind the kind and the encapsulation: the leader, the epoch, place and reach.
+  constexpr std::size_t length_of_members = 1 + 4 + 40;
+  ASSERT_TRUE(deserialized(bytes).has_value());
+  constexpr std::size_t zeros = 17'000'000;
+  const std::array<std::uint8_t, 4> length{zeros & 0xff, zeros >> 8 & 0xff, zeros >> 16 & 0xff, zeros >> 24};
+  std::ranges::copy(length, bytes.begin() + length_of_members);
+  bytes.resize(bytes.size() + zeros);
+  const long before = peak_memory();
+  EXPECT_FALSE(deserialized(bytes).has_value());
+  EXPECT_LT(peak_memory() - before, 100'000);
+}
+
+}  // namespace
+}  // namespace coppice
