@@ -103,6 +103,7 @@ idl::RootNodes to_dds(const RootNodes& m) {
   idl::RootNodes d;
   d.robot(m.robot);
   d.mission(m.mission);
+  d.run(m.run);
   d.first_index(m.first_index);
   for (const RootNodes::Node& node : m.nodes) {
     idl::RootNode& n = d.nodes().emplace_back();
@@ -114,7 +115,11 @@ idl::RootNodes to_dds(const RootNodes& m) {
 }
 
 RootNodes from_dds(const idl::RootNodes& d) {
-  RootNodes m{.robot = text(d.robot()), .mission = d.mission(), .first_index = d.first_index(), .nodes = {}};
+  RootNodes m{.robot = text(d.robot()),
+              .mission = d.mission(),
+              .first_index = d.first_index(),
+              .nodes = {},
+              .run = d.run()};
   for (const idl::RootNode& n : d.nodes()) {
     m.nodes.push_back({static_cast<Side>(n.side()), from_dds(n.position()), n.parent()});
   }
@@ -232,6 +237,7 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
   d.epoch(m.knot.epoch);
   d.place(to_dds(m.knot.place));
   d.reach(m.knot.reach);
+  d.run(m.run);
   for (const JointPlanMessage::Member& member : m.members) {
     idl::JointPlanMember& to = d.members().emplace_back();
     to.robot(member.robot);
@@ -248,8 +254,10 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
 }
 
 JointPlanMessage from_dds(const idl::JointPlan& d) {
-  JointPlanMessage m{
-      .knot = {d.epoch(), text(d.leader()), from_dds(d.place()), d.reach()}, .members = {}, .moves = {}};
+  JointPlanMessage m{.knot = {d.epoch(), text(d.leader()), from_dds(d.place()), d.reach()},
+                     .members = {},
+                     .moves = {},
+                     .run = d.run()};
   for (const idl::JointPlanMember& member : d.members())
     m.members.push_back({text(member.robot()), member.radius(), member.stranded()});
   // A move that claims more points than there are gets fewer: validation sees one without any.
@@ -267,12 +275,13 @@ idl::Path to_dds(const PathMessage& m) {
   idl::Path d;
   d.robot(m.robot);
   d.mission(m.mission);
+  d.run(m.run);
   for (const Point2& p : m.waypoints) d.waypoints().push_back(to_dds(p));
   return d;
 }
 
 PathMessage from_dds(const idl::Path& d) {
-  PathMessage m{.robot = text(d.robot()), .mission = d.mission(), .waypoints = {}};
+  PathMessage m{.robot = text(d.robot()), .mission = d.mission(), .waypoints = {}, .run = d.run()};
   for (const idl::Position& p : d.waypoints()) m.waypoints.push_back(from_dds(p));
   return m;
 }
@@ -281,6 +290,7 @@ idl::Track to_dds(const TrackMessage& m) {
   idl::Track d;
   d.robot(m.robot);
   d.mission(m.mission);
+  d.run(m.run);
   d.first_index(m.first_index);
   for (const TrackMessage::Point& point : m.points) {
     idl::TrackPoint& p = d.points().emplace_back();
@@ -292,8 +302,11 @@ idl::Track to_dds(const TrackMessage& m) {
 }
 
 TrackMessage from_dds(const idl::Track& d) {
-  TrackMessage m{
-      .robot = text(d.robot()), .mission = d.mission(), .first_index = d.first_index(), .points = {}};
+  TrackMessage m{.robot = text(d.robot()),
+                 .mission = d.mission(),
+                 .first_index = d.first_index(),
+                 .points = {},
+                 .run = d.run()};
   for (const idl::TrackPoint& p : d.points()) {
     m.points.push_back({p.time(), from_dds(p.position()), from_dds(p.velocity())});
   }
@@ -304,6 +317,7 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
   idl::AgentStatus d;
   d.robot(m.robot);
   d.mission(m.mission);
+  d.run(m.run);
   d.phase(octet(m.phase));
   d.reason(m.reason);
   d.mission_time(m.mission_time);
@@ -361,7 +375,8 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
                    .state_age_p50 = d.state_age_p50(),
                    .state_age_p99 = d.state_age_p99(),
                    .state_age_max = d.state_age_max(),
-                   .processor_seconds = d.processor_seconds()}};
+                   .processor_seconds = d.processor_seconds()},
+          .run = d.run()};
 }
 
 idl::BrokerStatus to_dds(const BrokerStatus& m) {

@@ -51,7 +51,7 @@ struct Mission {
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   double plan_budget = 1;  ///< wall seconds to look for a shorter path after the first one
   bool cancelled = false;  ///< the run has ended: stop planning, brake and stand
-  FleetClock clock;
+  FleetClock clock;        ///< its epoch names the run: agents outlive it, and so does what they said in it
   bool operator==(const Mission&) const = default;
 };
 
@@ -71,6 +71,7 @@ struct RootNodes {
   };
   std::uint32_t first_index = 0;  ///< of nodes[0] among all that this agent sent for this mission
   std::vector<Node> nodes;
+  WallTime run = 0;  ///< which one its mission is of
   bool operator==(const RootNodes&) const = default;
 };
 
@@ -201,6 +202,7 @@ struct JointPlanMessage {
   };
   std::vector<Member> members;
   std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
+  WallTime run = 0;         ///< which one the leader's mission is of
   bool operator==(const JointPlanMessage&) const = default;
 };
 
@@ -208,7 +210,8 @@ struct JointPlanMessage {
 struct PathMessage {
   RobotName robot;
   std::uint32_t mission = 0;
-  Path waypoints;  ///< from start to goal; empty: none
+  Path waypoints;    ///< from start to goal; empty: none
+  WallTime run = 0;  ///< which one its mission is of
   bool operator==(const PathMessage&) const = default;
 };
 
@@ -222,8 +225,9 @@ struct TrackMessage {
     Point2 velocity = Point2::Zero();
     bool operator==(const Point&) const = default;
   };
-  std::uint32_t first_index = 0;  ///< of points[0] among all of this mission: gaps show
+  std::uint32_t first_index = 0;  ///< of points[0] among all of this run: gaps show
   std::vector<Point> points;
+  WallTime run = 0;  ///< which one its mission is of
   bool operator==(const TrackMessage&) const = default;
 };
 
@@ -263,14 +267,15 @@ struct AgentStatus {
   std::uint32_t track_points = 0;  ///< how many the agent has sent in all
   std::uint32_t rejected = 0;      ///< messages dropped as invalid
   AgentLoad load{};
+  WallTime run = 0;  ///< which one its mission is of; 0: none yet
   bool operator==(const AgentStatus&) const = default;
 };
 
 /// Nothing that the later one says is news but how far the robot has come.
 inline bool same_progress(const AgentStatus& earlier, const AgentStatus& later) {
-  return earlier.mission == later.mission && earlier.phase == later.phase && earlier.reason == later.reason &&
-         earlier.path_time == later.path_time && earlier.arrival_time == later.arrival_time &&
-         earlier.improve_seconds == later.improve_seconds;
+  return earlier.run == later.run && earlier.mission == later.mission && earlier.phase == later.phase &&
+         earlier.reason == later.reason && earlier.path_time == later.path_time &&
+         earlier.arrival_time == later.arrival_time && earlier.improve_seconds == later.improve_seconds;
 }
 
 /// broker_status: broker -> brokers, service, monitor.

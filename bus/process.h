@@ -45,11 +45,15 @@ bool set_up_logging(const std::string& name, const std::string& level, bool as_j
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;
 
+/// Seconds; no role that has something to do sleeps longer. A wake that is further off was chosen before the
+/// clock was set back.
+inline constexpr double longest_sleep_of_role = 2;
+
 /// Lets a role step if it has something to do.
 template <class R, class K>
 void step_role(DdsBus& bus, R& role, K& keeper) {
   const WallTime now = wall_now();
-  if (role.next_wake() > now) return;
+  if (role.next_wake() > now && role.next_wake() <= now + longest_sleep_of_role) return;
   if constexpr (requires { role.note(bus.counts(), now); }) role.note(bus.counts(), now);
   for (auto& said : role.step(now)) {
     const Outgoing outgoing(std::move(said));

@@ -132,7 +132,13 @@ void FleetView::receive(const Mission& mission, WallTime) {
   seen->mission = mission;
 }
 
+/// Agents outlive their runs, and what they said last is told to who comes late. Older recordings do not say.
+bool FleetView::is_of_earlier_run(WallTime run) const {
+  return clock_ && run != 0 && run < clock_->epoch;
+}
+
 void FleetView::receive(const RootNodes& batch, WallTime) {
+  if (is_of_earlier_run(batch.run)) return;
   const auto known = index_.find(batch.robot);
   if (!known) return;
   SeenRobot& seen = robots_[*known];
@@ -154,6 +160,7 @@ void FleetView::receive(const RobotState& state, WallTime at) {
 }
 
 void FleetView::receive(const PathMessage& path, WallTime) {
+  if (is_of_earlier_run(path.run)) return;
   SeenRobot* const seen = robot(path.robot);
   if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
   seen->path = path.waypoints;
@@ -161,6 +168,7 @@ void FleetView::receive(const PathMessage& path, WallTime) {
 }
 
 void FleetView::receive(const AgentStatus& status, WallTime at) {
+  if (is_of_earlier_run(status.run)) return;
   SeenRobot* const seen = robot(status.robot);
   if (seen == nullptr) return;
   const bool arrives = status.phase == Phase::arrived && status.mission > 0;

@@ -103,6 +103,7 @@ class FleetView {
  private:
   void receive(const MapMessage& map, WallTime at);
   void receive(const Mission& mission, WallTime at);
+  bool is_of_earlier_run(WallTime run) const;
   void receive(const RootNodes& batch, WallTime at);
   void receive(const RobotState& state, WallTime at);
   void receive(const PathMessage& path, WallTime at);

@@ -108,6 +108,7 @@ std::optional<Message> from(const recording::Mission& m) {
 void to(const RootNodes& m, recording::RootNodes* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
+  out->set_run(m.run);
   out->set_first_index(m.first_index);
   for (const RootNodes::Node& node : m.nodes) {
     auto* const added = out->add_nodes();
@@ -117,7 +118,11 @@ void to(const RootNodes& m, recording::RootNodes* out) {
   }
 }
 std::optional<Message> from(const recording::RootNodes& m) {
-  RootNodes all{.robot = m.robot(), .mission = m.mission(), .first_index = m.first_index(), .nodes = {}};
+  RootNodes all{.robot = m.robot(),
+                .mission = m.mission(),
+                .first_index = m.first_index(),
+                .nodes = {},
+                .run = m.run()};
   for (const auto& node : m.nodes())
     all.nodes.push_back(
         {octet<Side>(static_cast<std::uint32_t>(node.side())), from(node.position()), node.parent()});
@@ -228,6 +233,7 @@ std::optional<Message> from(const recording::RobotState& m) {
 
 void to(const JointPlanMessage& m, recording::JointPlan* out) {
   to(m.knot, out->mutable_knot());
+  out->set_run(m.run);
   for (const JointPlanMessage::Member& member : m.members) {
     auto* const added = out->add_members();
     added->set_robot(member.robot);
@@ -241,7 +247,7 @@ void to(const JointPlanMessage& m, recording::JointPlan* out) {
   }
 }
 std::optional<Message> from(const recording::JointPlan& m) {
-  JointPlanMessage plan{.knot = from(m.knot()), .members = {}, .moves = {}};
+  JointPlanMessage plan{.knot = from(m.knot()), .members = {}, .moves = {}, .run = m.run()};
   for (const auto& member : m.members())
     plan.members.push_back({member.robot(), member.radius(), member.stranded()});
   for (const auto& move : m.moves()) plan.moves.push_back({move.member(), path_in(move.path())});
@@ -251,15 +257,17 @@ std::optional<Message> from(const recording::JointPlan& m) {
 void to(const PathMessage& m, recording::Path* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
+  out->set_run(m.run);
   for (const Point2& p : m.waypoints) to(p, out->add_waypoints());
 }
 std::optional<Message> from(const recording::Path& m) {
-  return PathMessage{m.robot(), m.mission(), path_in(m.waypoints())};
+  return PathMessage{m.robot(), m.mission(), path_in(m.waypoints()), m.run()};
 }
 
 void to(const TrackMessage& m, recording::Track* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
+  out->set_run(m.run);
   out->set_first_index(m.first_index);
   for (const TrackMessage::Point& point : m.points) {
     auto* const added = out->add_points();
@@ -269,8 +277,11 @@ void to(const TrackMessage& m, recording::Track* out) {
   }
 }
 std::optional<Message> from(const recording::Track& m) {
-  TrackMessage track{
-      .robot = m.robot(), .mission = m.mission(), .first_index = m.first_index(), .points = {}};
+  TrackMessage track{.robot = m.robot(),
+                     .mission = m.mission(),
+                     .first_index = m.first_index(),
+                     .points = {},
+                     .run = m.run()};
   for (const auto& point : m.points())
     track.points.push_back({point.time(), from(point.position()), from(point.velocity())});
   return track;
@@ -310,6 +321,7 @@ AgentLoad from(const recording::AgentStatus::Load& load) {
 void to(const AgentStatus& m, recording::AgentStatus* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
+  out->set_run(m.run);
   out->set_phase(static_cast<recording::Phase>(number(m.phase)));
   out->set_reason(m.reason);
   out->set_mission_time(m.mission_time);
@@ -343,7 +355,8 @@ std::optional<Message> from(const recording::AgentStatus& m) {
                      .trees_grafted = m.trees_grafted(),
                      .track_points = m.track_points(),
                      .rejected = m.rejected(),
-                     .load = from(m.load())};
+                     .load = from(m.load()),
+                     .run = m.run()};
 }
 
 void to(const BrokerStatus& m, recording::BrokerStatus* out) {

@@ -86,6 +86,11 @@ void PlannerService::on(const Arrival& arrival) {
       *arrival.message);
 }
 
+/// Agents outlive the services that they drove for, and tell a new one what they said last.
+bool PlannerService::is_of_this_run(WallTime run) const {
+  return missions_published_ && run == clock_.epoch;
+}
+
 void PlannerService::receive(const AgentStatus& status, WallTime now) {
   const auto known = robots_.find(status.robot);
   if (known == robots_.end()) return;
@@ -93,7 +98,7 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   known->second.lost = false;
   known->second.trees_received = status.trees_received;
   if (!missions_published_) next_wake_ = begun_;
-  if (status.mission != known->second.mission) return;
+  if (!is_of_this_run(status.run) || status.mission != known->second.mission) return;
   AgentStatus latest = status;
   // Others whose missions are cancelled at the end may give it hope again for a moment.
   if (ended_ && latest.reason.empty() && known->second.status) latest.reason = known->second.status->reason;
@@ -115,7 +120,7 @@ void PlannerService::receive(const BrokerStatus& status, WallTime) {
 /// its goal: the report has the path from the start.
 void PlannerService::receive(const PathMessage& path, WallTime) {
   const auto known = robots_.find(path.robot);
-  if (known == robots_.end() || path.mission != known->second.mission) return;
+  if (known == robots_.end() || !is_of_this_run(path.run) || path.mission != known->second.mission) return;
   Path& last = known->second.path;
   const bool from_the_start = last.empty() || path.waypoints.empty() || path.waypoints[0] == last[0];
   if (from_the_start) last = path.waypoints;
@@ -123,7 +128,7 @@ void PlannerService::receive(const PathMessage& path, WallTime) {
 
 void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   const auto known = robots_.find(batch.robot);
-  if (known == robots_.end()) return;
+  if (known == robots_.end() || !is_of_this_run(batch.run)) return;
   const std::size_t robot = known->second.index;
   // The report looks at each second between the first and the last: agents whose clocks are that far off are
   // nothing that it could tell of.
@@ -135,9 +140,10 @@ void PlannerService::receive(const TrackMessage& batch, WallTime now) {
     watch_beginning(known->second, batch.points.front().time);
   if (known->second.began_anew) return;
   for (std::size_t i = 0; i < batch.points.size(); ++i) {
-    // Reliable delivery brings each once and in order; a repetition is passed over, a gap stays visible in
-    // the count.
-    if (batch.first_index + i < record_.size(robot)) continue;
+    // Reliable delivery brings each once and in order; a repetition, and what goes back in time, is passed
+    // over; a gap stays visible in the count.
+    const auto last = record_.last(robot);
+    if (batch.first_index + i < record_.size(robot) || (last && batch.points[i].time < last->time)) continue;
     record_.append(robot, {batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
   }
 }
@@ -154,7 +160,7 @@ void PlannerService::watch_beginning(Robot& robot, double begins) {
 
 void PlannerService::receive(const RootNodes& batch, WallTime) {
   const auto known = robots_.find(batch.robot);
-  if (known == robots_.end() || batch.mission != known->second.mission) return;
+  if (known == robots_.end() || !is_of_this_run(batch.run) || batch.mission != known->second.mission) return;
   auto& nodes = known->second.root_nodes;
   if (batch.first_index == nodes.size() && nodes.size() < most_root_nodes)
     nodes.insert(nodes.end(), batch.nodes.begin(), batch.nodes.end());
@@ -298,7 +304,8 @@ bool PlannerService::take_up(const Mission& mission, WallTime now) {
     return false;
   clock_ = mission.clock;
   missions_published_ = true;
-  if (mission.cancelled) ended_ = now;
+  // One whose agent does not know where it was is stopped while the others go on.
+  if (mission.cancelled && !robot.began_anew) ended_ = now;
   return true;
 }
 
@@ -360,6 +367,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
     ended_ = now;
     publish_missions(out);  // as cancelled
   }
+  if (ended_) ended_ = std::min(*ended_, now);  // likewise
   if (ended_) finished_ = tracks_complete() || now - *ended_ > longest_wait_for_tracks;
   next_wake_ = now + beat;
   return out;
@@ -371,6 +379,7 @@ void PlannerService::watch_liveliness(WallTime now) {
   int absent = 0;
   for (auto& [name, robot] : robots_) {
     if (slept > longest_nap) robot.last_heard += slept;
+    robot.last_heard = std::min(robot.last_heard, now);  // the clock may have been set back
     absent += robot.status && !robot.lost && !robot.was_told_to_stop() && now - robot.last_heard > absence;
   }
   for (auto& [name, robot] : robots_) {

@@ -110,6 +110,7 @@ class PlannerService {
     std::uint32_t missions_fulfilled(bool there) const { return mission - 1 - replaced + there; }
   };
 
+  bool is_of_this_run(WallTime run) const;
   void receive(const AgentStatus& status, WallTime now);
   void receive(const BrokerStatus& status, WallTime now);
   void receive(const PathMessage& path, WallTime now);

@@ -19,8 +19,17 @@ class RunRecord {
   Keep said(const Message& message);
 
  private:
+  struct KnownTrack {
+    std::size_t points = 0;
+    double begins = 0;  ///< fleet time
+  };
+
+  Keep choose(const TrackMessage& track);
+  Keep choose(const AgentStatus& status);
+
+  WallTime run_ = 0;  ///< the one that its missions are of; 0: none yet
   std::map<RobotName, AgentStatus> statuses_;
-  std::map<RobotName, std::size_t> track_points_;
+  std::map<RobotName, KnownTrack> tracks_;
 };
 
 }  // namespace coppice

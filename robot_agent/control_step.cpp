@@ -44,10 +44,7 @@ constexpr double longest_delay = 5;  // seconds: whose clock seems further off i
 constexpr double fair_pace = 0.5;    // of the preferred speed
 constexpr double beside = 1.3;       // sums of radii between two that hinder each other
 constexpr double level = 0.1;        // the same, of the lead of one that is not ahead
-// A process that slept longer than that, fleet seconds, or whose clock was set, does not live through each
-// period.
-constexpr double longest_sleep = 600;
-constexpr double crawl = 0.05;  // of the largest speed: what is slower is held up
+constexpr double crawl = 0.05;       // of the largest speed: what is slower is held up
 // Two robots that meet head-on see no reason to prefer a side; all lean a little to their right. Many that
 // meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
@@ -98,7 +95,10 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   const bool beat = beats != std::exchange(last_beat_, beats);
   speak(fleet_now, beat, out);
   if (beat) pass_on_last_words(fleet_now, out);
-  if (auto plan = knot_.take_own_plan()) out.emplace_back(*std::move(plan));
+  if (auto plan = knot_.take_own_plan()) {
+    plan->run = mission_->clock.epoch;
+    out.emplace_back(*std::move(plan));
+  }
   periods_expected_ = periods_to_next_control();
 }
 

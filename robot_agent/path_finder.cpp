@@ -113,7 +113,11 @@ std::optional<RootNodes> PathFinder::take_root_nodes() {
   if (mission_.planner != PlannerKind::ma_rrdt_star) return std::nullopt;
   const std::vector<NodeId> fresh = planner_.take_root_nodes(group_);
   if (fresh.empty()) return std::nullopt;
-  RootNodes batch{.robot = mission_.robot, .mission = mission_.number, .first_index = sent_, .nodes = {}};
+  RootNodes batch{.robot = mission_.robot,
+                  .mission = mission_.number,
+                  .first_index = sent_,
+                  .nodes = {},
+                  .run = mission_.clock.epoch};
   for (const NodeId n : fresh) {
     const Trees<2>& trees = planner_.trees();
     const Side side = trees.tree(trees.tree_of(n)).side == Root::start ? Side::start : Side::goal;

@@ -43,7 +43,8 @@ void RobotAgent::on(Arrival arrival) {
     return;
   }
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
-    knot_.hear({std::move(arrival.message), plan});
+    // One of the run before, which its leader's writer still tells who comes late, is of robots elsewhere.
+    if (mission_ && plan->run == mission_->clock.epoch) knot_.hear({std::move(arrival.message), plan});
   } else {
     std::visit(
         [&](const auto& m) {
@@ -159,7 +160,8 @@ void RobotAgent::begin_mission(WallTime now) {
                         .reason = {},
                         .mission_time = fleet_now,
                         .trees_received = static_cast<std::uint32_t>(trees_.size()),
-                        .track_points = status_.track_points};
+                        .track_points = status_.track_points,
+                        .run = mission.clock.epoch};
   mission_ = mission;
   mission_wall_ = now;
   mustering_since_ = fleet_now;
@@ -315,7 +317,7 @@ void RobotAgent::take_up(const PathFinder::Result& result, WallTime now, std::ve
 }
 
 void RobotAgent::follow(const Path& path, std::vector<Outgoing>& out) {
-  out.emplace_back(PathMessage{name_, mission_->number, path});
+  out.emplace_back(PathMessage{name_, mission_->number, path, status_.run});
   follower_.emplace(path, mission_->radius);
   last_gain_ = 0;
 }
@@ -349,7 +351,7 @@ void RobotAgent::improve(WallTime now, std::vector<Outgoing>& out) {
 void RobotAgent::say_track(std::vector<Outgoing>& out) {
   for (std::size_t from = 0; from < track_.size(); from += longest_batch) {
     const std::size_t to = std::min(track_.size(), from + longest_batch);
-    TrackMessage batch{name_, status_.mission, status_.track_points, {}};
+    TrackMessage batch{name_, status_.mission, status_.track_points, {}, status_.run};
     batch.points.assign(track_.begin() + static_cast<std::ptrdiff_t>(from),
                         track_.begin() + static_cast<std::ptrdiff_t>(to));
     status_.track_points += static_cast<std::uint32_t>(batch.points.size());
@@ -363,6 +365,7 @@ void RobotAgent::say_track(std::vector<Outgoing>& out) {
 /// each message is kept for who comes late.
 void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   if (!track_.empty() && (status_changed_ || track_.size() >= track_batch)) say_track(out);
+  next_status_ = std::min(next_status_, now + status_beat);  // the clock may have been set back
   if (!status_changed_ && now < next_status_) return;
   status_.rejected = rejected_by_bus_ + impossible_;
   load_.state_age_p50 = ages_.at_share(0.5);

@@ -37,7 +37,7 @@ class RobotAgent {
 
   /// What its predecessor kept (memory.h), if that was killed in mid-run. Before anything else. It is of use
   /// if the mission that comes is of the same run.
-  void recall(std::span<const Message> kept) { memory_ = memory_of(kept); }
+  void recall(std::optional<Memory> memory) { memory_ = std::move(memory); }
 
   /// Its robot is elsewhere and follows its body: it takes more room, and the track is that of the robot.
   /// Before anything else.

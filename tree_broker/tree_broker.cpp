@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "bus/validation.h"
+#include "planning/quantities.h"
 #include "planning/suggestions.h"
 
 namespace coppice {
@@ -118,8 +119,8 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
     }
     return;
   }
-  const auto known = groups_.find(mission.robot);
-  if (known != groups_.end() && known->second.mission == mission.number && !mission.cancelled) return;
+  const WallTime run = mission.clock.epoch;
+  if (group_of(mission.robot, run, mission.number) != nullptr && !mission.cancelled) return;
   end_group(mission.robot);
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
@@ -127,32 +128,39 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
     take_up_waiting_trees(arrived);
   }
   const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
-  groups_[mission.robot] = {mission.number, group, 0};
+  groups_[mission.robot] = {run, mission.number, group, 0};
   // The roots are known from here: where both see the forest, as the agent will find too, no tree need grow.
   forest_->planner.add_remote_node(group, Root::start, mission.start);
   forest_->planner.add_remote_node(group, Root::goal, mission.goal);
 }
 
+/// The one of that mission; null if it is over, or another one is under way.
+TreeBroker::Group* TreeBroker::group_of(const RobotName& robot, WallTime run, std::uint32_t mission) {
+  const auto known = groups_.find(robot);
+  if (known == groups_.end()) return nullptr;
+  Group& group = known->second;
+  return group.run == run && group.mission == mission ? &group : nullptr;
+}
+
 void TreeBroker::receive(const RootNodes& batch, WallTime) {
-  const auto known = groups_.find(batch.robot);
-  if (known == groups_.end() || known->second.mission != batch.mission) return;
+  Group* const group = group_of(batch.robot, batch.run, batch.mission);
+  if (group == nullptr) return;
   if (forest_->planner.trees().node_count() + batch.nodes.size() > most_nodes) {
     ++impossible_;
     return;
   }
   for (std::size_t i = 0; i < batch.nodes.size(); ++i) {
     // A batch that is delivered again brings nothing new.
-    if (batch.first_index + i < known->second.nodes_received) continue;
+    if (batch.first_index + i < group->nodes_received) continue;
     const RootNodes::Node& node = batch.nodes[i];
-    forest_->planner.add_remote_node(known->second.index, node.side == Side::start ? Root::start : Root::goal,
+    forest_->planner.add_remote_node(group->index, node.side == Side::start ? Root::start : Root::goal,
                                      node.position);
-    ++known->second.nodes_received;
+    ++group->nodes_received;
   }
 }
 
 void TreeBroker::receive(const AgentStatus& status, WallTime) {
-  const auto known = groups_.find(status.robot);
-  if (known == groups_.end() || known->second.mission != status.mission) return;
+  if (group_of(status.robot, status.run, status.mission) == nullptr) return;
   if (status.phase != Phase::waiting && status.phase != Phase::planning) end_group(status.robot);
 }
 
@@ -163,8 +171,17 @@ void TreeBroker::end_group(const RobotName& robot) {
   groups_.erase(known);
 }
 
+/// Nothing was heard later than now, and nothing is due later than it ever is.
+void TreeBroker::reckon_with_a_clock_set_back(WallTime now) {
+  for (auto& [id, other] : others_) other.heard_at = std::min(other.heard_at, now);
+  listens_until_ = std::min(listens_until_, now + first_listening);
+  next_status_ = std::min(next_status_, now + status_period);
+  next_active_trees_ = std::min(next_active_trees_, now + active_trees_period);
+}
+
 std::vector<Message> TreeBroker::step(WallTime now) {
   std::vector<Message> out;
+  reckon_with_a_clock_set_back(now);
   const bool led = leads();
   const bool may_lead = now >= listens_until_ && !another_leads(now);
   if (may_lead != led) leads_since_ = may_lead ? std::optional(now) : std::nullopt;

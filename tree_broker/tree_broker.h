@@ -66,6 +66,7 @@ class TreeBroker {
     WallTime heard_at = 0;
   };
   struct Group {
+    WallTime run = 0;
     std::uint32_t mission = 0;
     GroupIndex index = 0;
     std::uint32_t nodes_received = 0;
@@ -77,7 +78,9 @@ class TreeBroker {
   void receive(const InactiveTreeMessage& tree, WallTime arrived);
   void receive(const AgentStatus& status, WallTime arrived);
   void receive(const BrokerStatus& status, WallTime arrived);
+  Group* group_of(const RobotName& robot, WallTime run, std::uint32_t mission);
   void end_group(const RobotName& robot);
+  void reckon_with_a_clock_set_back(WallTime now);
   bool another_leads(WallTime now) const;
   bool grow();
   void take_up_waiting_trees(WallTime now);

@@ -44,12 +44,12 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
 
   const Message map = some_map(100);
   const Message mission = some_mission();
-  const Message nodes = RootNodes{"r1", 3, 7, {{Side::goal, {1, 2}, 5}, {Side::start, {3, 4}, -1}}};
+  const Message nodes = RootNodes{"r1", 3, 7, {{Side::goal, {1, 2}, 5}, {Side::start, {3, 4}, -1}}, 1.7e9};
   const Message tree = some_tree(1, 9);
-  const Message path = PathMessage{"r1", 3, {{0, 0}, {1, 2}, {5, 5}}};
+  const Message path = PathMessage{"r1", 3, {{0, 0}, {1, 2}, {5, 5}}, 1.7e9};
   const Message plan = JointPlanMessage{
-      {4, "r1"}, {{"r1", 5, false}, {"r2", 4.5, true}}, {{1, {{0, 0}, {1, 2}}}, {0, {{3, 4}}}}};
-  const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}};
+      {4, "r1"}, {{"r1", 5, false}, {"r2", 4.5, true}}, {{1, {{0, 0}, {1, 2}}}, {0, {{3, 4}}}}, 1.7e9};
+  const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}, 1.7e9};
   const Message status = AgentStatus{"r1",
                                      3,
                                      Phase::no_path,
@@ -66,7 +66,8 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
                                      10,
                                      11,
                                      12,
-                                     {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}};
+                                     {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11},
+                                     1.7e9};
   const Message broker_status = BrokerStatus{1ull << 50, true, 1.5, 2, 3, 4, 5, "some-map", 6};
   const Message claim = Claim{1ull << 60, 3, "r4"};
   const Message assignment = Assignment{"r4", 1ull << 60, 2};

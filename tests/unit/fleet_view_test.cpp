@@ -104,6 +104,20 @@ TEST_F(AFleetView, BeginsAnewWithAnotherRunOrMap) {
   EXPECT_TRUE(view.robots().empty());
 }
 
+TEST_F(AFleetView, ShowsNothingOfTheRunBefore) {
+  hear(mission_of("a", 1));
+  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}, 50});
+  hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}}, 50});
+  AgentStatus status{.robot = "a", .mission = 1, .phase = Phase::arrived};
+  status.run = 50;
+  hear(status);
+  EXPECT_TRUE(robot("a").path.empty());
+  EXPECT_TRUE(robot("a").root_nodes.empty());
+  EXPECT_FALSE(robot("a").status);
+  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}, 100});
+  EXPECT_EQ(robot("a").path.size(), 2u);
+}
+
 TEST_F(AFleetView, ShowsActiveTreesOfABrokerThatIsThere) {
   hear(map_named("m"));
   hear(BrokerStatus{.broker = 7}, 100);

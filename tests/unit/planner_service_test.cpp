@@ -50,7 +50,7 @@ TEST(PlannerService, DoesNotWaitLongForABrokerAndNotAtAllWithoutSharing) {
 
 TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
   PlannerService service(two_robots(), {}, 0);
-  service.step(0);
+  map_and_missions(service);
   const auto says = [&](const char* robot, Phase phase, std::uint32_t points) {
     AgentStatus status;
     status.robot = robot;
@@ -232,6 +232,54 @@ TEST(PlannerService, WhoWasToldToStopIsWaitedForAFewSecondsOnly) {
   live(service, {}, 8, 12);
   EXPECT_TRUE(service.finished());
   EXPECT_EQ(reason_of(service, 0), "told to stop");
+}
+
+// They outlive its service, and DDS tells the next one what they said last, and all of their tracks.
+TEST(PlannerService, WhatAgentsSaidInTheRunBeforeIsNotOfThisOne) {
+  PlannerService service(two_robots(), {}, 100);
+  const WallTime before = 50;
+  const auto says_what_it_said = [&](const char* robot, const Point2& start, const Point2& goal) {
+    AgentStatus status{.robot = robot, .mission = 1, .phase = Phase::arrived};
+    status.path_time = 3;
+    status.track_points = 2;
+    status.run = before;
+    service.on(
+        arrival_of(TrackMessage{robot, 1, 0, {{0.05, start, {0, 0}}, {9, goal, {0, 0}}}, before}, 101));
+    service.on(arrival_of(PathMessage{robot, 1, {start, goal}, before}, 101));
+    service.on(arrival_of(RootNodes{robot, 1, 0, {{Side::start, start, -1}}, before}, 101));
+    service.on(arrival_of(status, 101));
+  };
+  const auto all_say_it = [&] {
+    for (const RobotTask& task : two_robots().robots)
+      says_what_it_said(task.name.c_str(), task.start, task.goal);
+  };
+  service.step(100);
+  all_say_it();
+  EXPECT_EQ(of<Mission>(service.step(104)).size(), 2u);  // no broker came
+  all_say_it();
+  EXPECT_TRUE(of<Mission>(service.step(104.1)).empty());  // nobody has begun anew, and nothing is over
+  EXPECT_FALSE(service.finished());
+  EXPECT_EQ(service.progress(104.1).planned, 0);
+  EXPECT_EQ(service.progress(104.1).arrived, 0);
+  EXPECT_EQ(service.report().plan_time(), 0);
+  EXPECT_FALSE(service.report().has_least_clearance());  // there is no track
+
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0.05, {20, 60}, {0, 0}}}, 104}, 104.2));
+  EXPECT_EQ(test::all_points(service.tracks())[0].size(), 1u);
+}
+
+TEST(PlannerService, ItsClockMayBeSetBack) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  live(service, {"a", "b"}, 0, 1000);
+  live(service, {"a", "b"}, 100, 101);
+  live(service, {"a"}, 101.5, 110);
+  EXPECT_EQ(reason_of(service, 1), "the agent has fallen silent");
+  service.interrupt();
+  service.step(110.5);
+  service.step(50);
+  service.step(54);
+  EXPECT_TRUE(service.finished());
 }
 
 TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {

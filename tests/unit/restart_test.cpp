@@ -151,8 +151,8 @@ TEST(Brokers, ATreeThatOnlyOneThatCameBackKnowsIsPublished) {
 // --- the service ---
 
 struct ServiceRun {
-  explicit ServiceRun(double lifelong = 0)
-      : settings{.lifelong = lifelong}, service(one_robot(), settings, 0) {}
+  explicit ServiceRun(double lifelong = 0, const Scenario& scenario = one_robot())
+      : settings{.lifelong = lifelong}, service(scenario, settings, 0) {}
   std::vector<Message> step(double now) {
     auto all = service.step(now);
     for (const Message& message : all) kept.keeper.said(message);
@@ -167,8 +167,11 @@ struct ServiceRun {
   Kept<RunRecord> kept{};
 };
 
+constexpr WallTime begins = 4;  // of the missions: until then it waits for a broker
+
 AgentStatus arrived(std::uint32_t mission, std::uint32_t points) {
   AgentStatus status{.robot = "a", .mission = mission, .phase = Phase::arrived};
+  status.run = begins;
   status.arrival_time = 5;
   status.path_time = 0.5;
   status.nodes_valid = 10;
@@ -179,10 +182,10 @@ AgentStatus arrived(std::uint32_t mission, std::uint32_t points) {
 TEST(PlannerServiceAnew, GoesOnWithTheMissionsAndTheRecord) {
   ServiceRun before(20);
   before.step(0);
-  const auto first = of<Mission>(before.step(4));  // no broker came
+  const auto first = of<Mission>(before.step(begins));  // no broker came
   ASSERT_EQ(first.size(), 1u);
-  before.hear(PathMessage{"a", 1, {{20, 60}, {60, 15}, {100, 60}}}, 5);
-  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 9);
+  before.hear(PathMessage{"a", 1, {{20, 60}, {60, 15}, {100, 60}}, begins}, 5);
+  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}, begins}, 9);
   before.hear(arrived(1, 2), 9);
   const auto second = of<Mission>(before.step(9.1));
   ASSERT_EQ(second.size(), 1u);
@@ -199,15 +202,15 @@ TEST(PlannerServiceAnew, GoesOnWithTheMissionsAndTheRecord) {
   EXPECT_EQ(after.report().nodes_valid(), before.service.report().nodes_valid());
 
   // The agent says its track again: nothing is counted twice.
-  after.on(arrival_of(TrackMessage{"a", 2, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 11));
+  after.on(arrival_of(TrackMessage{"a", 2, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}, begins}, 11));
   EXPECT_EQ(test::all_points(after.tracks())[0].size(), 2u);
 }
 
 TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
   ServiceRun before;
   before.step(0);
-  before.step(4);
-  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}}, 9);
+  before.step(begins);
+  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}, begins}, 9);
   before.hear(arrived(1, 2), 9);
   EXPECT_TRUE(of<Mission>(before.step(9.1)).at(0).cancelled);
   PlannerService after(one_robot(), before.settings, 10);
@@ -216,6 +219,45 @@ TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
   after.step(13.1);
   EXPECT_TRUE(after.finished());
   EXPECT_TRUE(after.everybody_arrived());
+}
+
+// It is stopped, for it does not know where it was; the others go on, also under the next service.
+TEST(PlannerServiceAnew, OneRobotThatWasStoppedEndsNoRun) {
+  ServiceRun before(0, two_robots());
+  before.step(0);
+  before.step(begins);
+  const auto tells = [](const char* robot, double time, const Point2& place) {
+    return TrackMessage{robot, 1, 0, {{time, place, {0, 0}}}, begins};
+  };
+  before.hear(tells("a", 0.05, {20, 60}), 5);
+  before.hear(tells("b", 0.05, {20, 20}), 5);
+  before.hear(tells("a", 2, {20, 60}), 6);  // from its start once more
+  const auto stopped = of<Mission>(before.step(6));
+  ASSERT_EQ(stopped.size(), 2u);
+  EXPECT_TRUE(stopped[0].cancelled);
+  EXPECT_FALSE(stopped[1].cancelled);
+
+  PlannerService after(two_robots(), before.settings, 7);
+  ASSERT_TRUE(after.recall(before.kept.store.messages, 7));
+  const auto again = of<Mission>(after.step(7));
+  ASSERT_EQ(again.size(), 2u);
+  EXPECT_TRUE(again[0].cancelled);
+  EXPECT_FALSE(again[1].cancelled);
+  EXPECT_FALSE(after.finished());
+}
+
+TEST(RunRecord, KeepsNothingOfARunBefore) {
+  RunRecord record;
+  const auto track = [](WallTime run) { return TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}}, run}; };
+  AgentStatus status{.robot = "a", .mission = 1};
+  status.run = 50;
+  EXPECT_EQ(record.heard(track(50)), Keep::nothing);
+  Mission mission{.robot = "a", .map_id = {}, .clock = {100, 1}};
+  EXPECT_EQ(record.said(mission), Keep::append);
+  EXPECT_EQ(record.heard(track(50)), Keep::nothing);
+  EXPECT_EQ(record.heard(status), Keep::nothing);
+  EXPECT_EQ(record.heard(PathMessage{"a", 1, {}, 50}), Keep::nothing);
+  EXPECT_EQ(record.heard(track(100)), Keep::append);
 }
 
 TEST(PlannerServiceAnew, RefusesWhatIsOfAnotherRun) {
@@ -243,7 +285,7 @@ struct AgentRun {
   AgentRun() = default;
   AgentRun(const AgentRun&) = delete;
   void recall(const std::vector<Message>& kept) {
-    agent.recall(kept);
+    agent.recall(memory_of(kept));
     Remembrance remembrance("a");
     remembrance.recall(kept);
     store.messages = kept;
@@ -304,6 +346,15 @@ void run_until_killed_at(double time, AgentRun& before) {
   before.run(0, time);
 }
 
+std::vector<TrackMessage::Point> track_in(const std::vector<Message>& said) {
+  std::vector<TrackMessage::Point> track;
+  for (const TrackMessage& batch : of<TrackMessage>(said)) {
+    EXPECT_EQ(batch.first_index, track.size());
+    track.insert(track.end(), batch.points.begin(), batch.points.end());
+  }
+  return track;
+}
+
 TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
   AgentRun before;
   run_until_killed_at(3, before);
@@ -322,11 +373,7 @@ TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
   EXPECT_LT((first.position - last.position).norm(), 20 * 20 / (2 * 40) + 3);
 
   // The record goes from the start to the goal without a gap, as fast as a robot may.
-  std::vector<TrackMessage::Point> track;
-  for (const TrackMessage& batch : of<TrackMessage>(after.said)) {
-    ASSERT_EQ(batch.first_index, track.size());
-    track.insert(track.end(), batch.points.begin(), batch.points.end());
-  }
+  const std::vector<TrackMessage::Point> track = track_in(after.said);
   EXPECT_EQ(track.front().position, Point2(20, 60));
   EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
   for (std::size_t k = 1; k < track.size(); ++k) {
@@ -359,6 +406,42 @@ TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
     life = std::move(next);
   }
   EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
+}
+
+TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
+  AgentRun first;
+  run_until_killed_at(3, first);
+  ASSERT_GT(of<RobotState>(first.said).back().velocity.norm(), 5);  // it brakes, and then it stands
+  std::vector<Message> kept = first.store.messages;
+  std::vector<TrackMessage::Point> before = track_in(first.said);
+  for (const double woken : {700.0, 703.0}) {
+    AgentRun next;
+    next.recall(kept);
+    next.hear(map_message(), woken);
+    next.hear(mission_of_a(0), woken);
+    next.run(woken, woken + 2);
+    const std::vector<TrackMessage::Point> track = track_in(next.said);
+    ASSERT_GT(track.size(), before.size());
+    for (std::size_t k = 0; k < before.size(); ++k) ASSERT_EQ(track[k], before[k]) << k;
+    EXPECT_GT(track.back().time, woken);
+    EXPECT_LT(track.size(), 200u);
+    before = track;
+    kept = next.store.messages;
+  }
+}
+
+TEST(RobotAgentAnew, ItsTrackBeginsWithItsFirstState) {
+  AgentRun before;
+  before.hear(map_message(), 7.03);
+  before.hear(mission_of_a(0), 7.03);
+  before.run(7.13, 9);  // late
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 10);
+  after.hear(mission_of_a(0), 10);
+  after.run(10, 11);
+  EXPECT_EQ(track_in(before.said).front().time, of<RobotState>(before.said).front().stamp);
+  EXPECT_EQ(track_in(after.said).front(), track_in(before.said).front());
 }
 
 /// Two robots are in the run: b dies at 1 s, a's agent is killed at 3 and started anew at 5 s.
@@ -428,6 +511,37 @@ TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
   after.hear(mission_of_a(106), 106);
   after.run(106, 107);
   EXPECT_EQ(of<RobotState>(after.said).front().position, Point2(20, 60));
+}
+
+// The service's clock was set back, or it is another host's.
+TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
+  AgentRun before;
+  before.hear(map_message(), 1000);
+  before.hear(mission_of_a(1000), 1000);
+  before.run(1000, 1003);
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 106);
+  after.hear(mission_of_a(106), 106);
+  after.run(106, 109);
+  const RobotState last = of<RobotState>(after.said).back();
+  EXPECT_GT(last.position.x(), 25);
+  const std::optional<Memory> memory = memory_of(after.store.messages);
+  ASSERT_TRUE(memory.has_value());
+  EXPECT_EQ(memory->mission.clock.epoch, 106);
+  EXPECT_EQ(memory->track.front().position, Point2(20, 60));
+  EXPECT_EQ(memory->body.position(), last.position);
+}
+
+TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
+  Remembrance remembrance("a");
+  Mission of_another = mission_of_a(100);
+  of_another.robot = "b";
+  EXPECT_EQ(remembrance.heard(of_another), Keep::nothing);
+  EXPECT_EQ(remembrance.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::begin_anew);
+  EXPECT_EQ(remembrance.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::nothing);
 }
 
 TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {

@@ -122,5 +122,52 @@ TEST(TreeBroker, RootNodesForNobodyAndTwiceChangeNothing) {
   for (int k = 0; k < 3; ++k) broker.step(0.1 * k);
 }
 
+// It would take the last words of the run before, which DDS tells who comes late, for the end of this one.
+TEST(TreeBroker, GrowsForTheMissionOfThisRunAndNotOfTheOneBefore) {
+  OccupancyMap walled{.width = 120, .height = 80, .blocked = std::vector<std::uint8_t>(9600, 0)};
+  for (int j = 0; j < 80; ++j) walled.blocked[static_cast<std::size_t>(j * 120 + 60)] = 1;
+  TreeBroker broker(7, 1);
+  broker.on(arrival_of(MapMessage{"walled", walled, {}}, 0));
+  const auto begins = [&](WallTime run) {
+    broker.on(arrival_of(Mission{.robot = "a",
+                                 .number = 1,
+                                 .map_id = "walled",
+                                 .start = {20, 60},
+                                 .goal = {100, 60},
+                                 .radius = 5,
+                                 .clock = {run, 1}},
+                         run));
+  };
+  const auto has_a_path = [&](WallTime run, WallTime now) {
+    AgentStatus status{.robot = "a", .mission = 1, .phase = Phase::driving};
+    status.run = run;
+    broker.on(arrival_of(status, now));
+  };
+  const auto grows = [&](WallTime now) {
+    broker.step(now);
+    return broker.next_wake() == now;
+  };
+  begins(1);
+  EXPECT_TRUE(grows(1));
+  has_a_path(1, 2);
+  EXPECT_FALSE(grows(2));
+  begins(3);
+  has_a_path(1, 3);
+  EXPECT_TRUE(grows(3));
+  has_a_path(3, 4);
+  EXPECT_FALSE(grows(4));
+}
+
+TEST(TreeBroker, OneThatStandsByTakesOverThoughTheClockIsSetBack) {
+  TreeBroker broker(7, 1);
+  broker.on(arrival_of(BrokerStatus{.broker = 9, .leads = true, .leading_since = 900}, 1000));
+  broker.step(1000);
+  broker.step(500);
+  EXPECT_FALSE(broker.leads());
+  EXPECT_LE(broker.next_wake(), 501);
+  broker.step(501.6);
+  EXPECT_TRUE(broker.leads());
+}
+
 }  // namespace
 }  // namespace coppice
