@@ -67,12 +67,13 @@ std::vector<std::uint8_t> bytes_at(int descriptor, std::size_t place, std::size_
 
 }  // namespace
 
-Journal::Journal(std::filesystem::path file) : path_(std::move(file)) {
+Journal::Journal(std::filesystem::path file, const std::function<void()>& meanwhile)
+    : path_(std::move(file)) {
   descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0) fail(path_, fmt::format("cannot be opened for writing: {}", std::strerror(errno)));
   try {
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) fail(path_, "is in use by another process");
-    find_end();
+    find_end(meanwhile);
   } catch (...) {
     close(descriptor_);
     throw;
@@ -89,7 +90,7 @@ Journal::~Journal() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-void Journal::find_end() {
+void Journal::find_end(const std::function<void()>& meanwhile) {
   const std::vector<std::uint8_t> header = bytes_at(descriptor_, 0, header_size, path_);
   // One that was killed as it made the file has left a part of the first line.
   const std::size_t known = std::min(header.size(), magic.size());
@@ -97,12 +98,18 @@ void Journal::find_end() {
     fail(path_,
          fmt::format("is no journal of version {}: remove it, or name another folder", COPPICE_VERSION));
   if (header.size() < header_size) {
-    if (!begin_anew()) fail(path_, fmt::format("cannot be written: {}", std::strerror(errno)));
+    std::vector<std::uint8_t> begin(magic.begin(), magic.end());
+    begin.push_back(whole);
+    begin.push_back('\n');
+    if (!write_at_end(begin)) fail(path_, fmt::format("cannot be written: {}", std::strerror(errno)));
     return;
   }
   complete_ = header[magic.size()] == whole;
   end_ = header_size;
-  while (const auto record = record_at(end_)) end_ += frame_size + record->size();
+  while (const auto record = record_at(end_)) {
+    end_ += frame_size + record->size();
+    meanwhile();
+  }
   if (ftruncate(descriptor_, static_cast<off_t>(end_)) != 0) fail(path_, std::strerror(errno));
 }
 
@@ -136,13 +143,24 @@ std::vector<Message> Journal::messages() const {
   return all;
 }
 
+/// The first line stays: on a full disk there may be no room to write it again, and a file without one counts
+/// as new. And what is there goes before the mark does: with gaps it must never count as complete.
 bool Journal::begin_anew() {
-  complete_ = true;
-  end_ = 0;
-  std::vector<std::uint8_t> header(magic.begin(), magic.end());
-  header.push_back(whole);
-  header.push_back('\n');
-  return ftruncate(descriptor_, 0) == 0 && write_at_end(header);
+  if (ftruncate(descriptor_, static_cast<off_t>(header_size)) != 0) return false;
+  end_ = header_size;
+  complete_ = complete_ || mark(whole);
+  return complete_;
+}
+
+/// In place: that needs no room.
+bool Journal::mark(char as) {
+  const bool done = pwrite(descriptor_, &as, 1, static_cast<off_t>(magic.size())) == 1;
+  if (!done) spdlog::error("{}: cannot be marked: {}", path_.string(), std::strerror(errno));
+  return done;
+}
+
+void Journal::accept_gaps() {
+  complete_ = complete_ || mark(whole);
 }
 
 bool Journal::write_at_end(const std::vector<std::uint8_t>& bytes) {
@@ -173,9 +191,7 @@ void Journal::give_up() {
   spdlog::error("{}: cannot be written: {}; what comes from now on is not kept", path_.string(),
                 std::strerror(errno));
   complete_ = false;
-  // In place: that needs no room.
-  if (pwrite(descriptor_, &has_gaps, 1, static_cast<off_t>(magic.size())) != 1)
-    spdlog::error("{}: cannot be marked as incomplete: {}", path_.string(), std::strerror(errno));
+  mark(has_gaps);
 }
 
 void Journal::keep(Keep choice, const Message& message) {
@@ -183,7 +199,8 @@ void Journal::keep(Keep choice, const Message& message) {
   if (choice != Keep::nothing) append(message);
 }
 
-std::optional<Journal> journal_in(const std::string& folder, const std::string& process) {
+std::optional<Journal> journal_in(const std::string& folder, const std::string& process,
+                                  const std::function<void()>& meanwhile) {
   if (folder.empty()) return std::nullopt;
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
@@ -193,7 +210,7 @@ std::optional<Journal> journal_in(const std::string& folder, const std::string& 
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
     name += plain ? std::string(1, c) : fmt::format("%{:02x}", static_cast<unsigned char>(c));
   }
-  return Journal(std::filesystem::path(folder) / (name + ".journal"));
+  return Journal(std::filesystem::path(folder) / (name + ".journal"), meanwhile);
 }
 
 }  // namespace coppice

@@ -22,8 +22,10 @@ class Journal {
  public:
   /// Opens the file, or makes it; what follows after the first record that is torn is cut off. Throws
   /// std::runtime_error, which names the file, if it cannot be opened or written, is in use by another
-  /// process, is no journal, or was written by another version.
-  explicit Journal(std::filesystem::path file);
+  /// process, is no journal, or was written by another version. It reads the file once; `meanwhile` is called
+  /// after each record, for a long one takes seconds.
+  explicit Journal(
+      std::filesystem::path file, const std::function<void()>& meanwhile = [] {});
   ~Journal();
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
@@ -42,15 +44,19 @@ class Journal {
   void keep(Keep choice, const Message& message);
   /// False: the disk was full at some time since the file was begun, and what came then is missing.
   bool complete() const { return complete_; }
+  /// From now on it counts as complete, and takes more: for a process to which each message is of use without
+  /// the others.
+  void accept_gaps();
 
   const std::filesystem::path& file() const { return path_; }
 
  private:
   /// The record that begins there, if a whole one does.
   std::optional<std::vector<std::uint8_t>> record_at(std::size_t place) const;
-  void find_end();
+  void find_end(const std::function<void()>& meanwhile);
   bool begin_anew();
   void give_up();
+  bool mark(char as);
   bool write_at_end(const std::vector<std::uint8_t>& bytes);
 
   std::filesystem::path path_;
@@ -61,6 +67,7 @@ class Journal {
 
 /// The journal of a process in the folder that `--state` names, which is made if there is none; nothing if
 /// that is empty: then nothing is kept. Throws as Journal does.
-std::optional<Journal> journal_in(const std::string& folder, const std::string& process);
+std::optional<Journal> journal_in(
+    const std::string& folder, const std::string& process, const std::function<void()>& meanwhile = [] {});
 
 }  // namespace coppice

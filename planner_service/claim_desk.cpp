@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace coppice {
 
@@ -11,12 +12,13 @@ namespace {
 // before.
 constexpr WallTime settle = 2;
 constexpr WallTime beat = 0.1;
+constexpr WallTime longest_nap = 1;             // between two steps: while it sleeps longer nobody is silent
 constexpr WallTime patience = claim_lease / 2;  // who waits says so more often than that
 constexpr std::size_t most_waiting = 10'000;    // more are told nothing until these have gone
 
 }  // namespace
 
-ClaimDesk::ClaimDesk(const std::vector<RobotName>& robots, WallTime now) : next_wake_(now) {
+ClaimDesk::ClaimDesk(const std::vector<RobotName>& robots, WallTime now) : last_step_(now), next_wake_(now) {
   for (const RobotName& robot : robots) {
     seat_of_.emplace(robot, seats_.size());
     seats_.push_back({.robot = robot, .heard = now - claim_lease + settle});
@@ -29,6 +31,12 @@ void ClaimDesk::on(const Arrival& arrival) {
         if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
       },
       *arrival.message);
+}
+
+void ClaimDesk::recall(std::span<const Message> kept, WallTime now) {
+  for (const Message& message : kept) {
+    if (const auto* status = std::get_if<AgentStatus>(&message)) receive(*status, now);
+  }
 }
 
 void ClaimDesk::receive(const AgentStatus& status, WallTime now) {
@@ -92,7 +100,16 @@ ClaimDesk::Seat* ClaimDesk::free_seat(WallTime now) {
   return seat == seats_.end() ? nullptr : &*seat;
 }
 
+/// After a nap each robot was heard of so long ago as before; and where the clock was set back, none later
+/// than now.
+void ClaimDesk::follow_clock(WallTime now) {
+  const WallTime slept = now - std::exchange(last_step_, now);
+  for (Seat& seat : seats_) seat.heard = std::min(now, seat.heard + (slept > longest_nap ? slept : 0));
+  for (Waiting& claimant : waiting_) claimant.heard = std::min(now, claimant.heard);
+}
+
 std::vector<Message> ClaimDesk::step(WallTime now) {
+  follow_clock(now);
   std::erase_if(waiting_, [&](const Waiting& w) { return now - w.heard > patience; });
   while (!waiting_.empty()) {
     Seat* const seat = free_seat(now);

@@ -3,8 +3,8 @@
 // A robot is somebody's for as long as anything is heard of it, and for claim_lease longer: an agent that was
 // given it and says so, one that was started with its name, or one from before this service began. Agents
 // know that lease too, and count it from when they last spoke, which is earlier. So no two are the same
-// robot, and none is two. What the desk cannot see is an agent that lives where nothing of it is heard for
-// the whole lease: docs/deploy.md.
+// robot, and none is two. While the service sleeps, its robots are held for as long. What the desk cannot see
+// is an agent that lives where nothing of it is heard for the whole lease: docs/deploy.md.
 //
 // A state machine, beside the planner service: messages and the time go in, messages come out.
 #pragma once
@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "bus/bus.h"
@@ -24,7 +25,10 @@ class ClaimDesk {
   /// `robots`: in the order in which they are given away; each once.
   ClaimDesk(const std::vector<RobotName>& robots, WallTime now);
 
+  /// What a service before this one kept: whoever spoke as a robot then may still do so.
+  void recall(std::span<const Message> kept, WallTime now);
   void on(const Arrival& arrival);
+  /// At least once a second.
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
@@ -46,6 +50,7 @@ class ClaimDesk {
 
   void receive(const Claim& claim, WallTime now);
   void receive(const AgentStatus& status, WallTime now);
+  void follow_clock(WallTime now);
   void take_up(const Claim& claim, WallTime now);
   void wait(const Claim& claim, WallTime now);
   Seat* seat_given_to(std::uint64_t claimant);
@@ -54,6 +59,7 @@ class ClaimDesk {
   std::vector<Seat> seats_;
   std::map<RobotName, std::size_t> seat_of_;
   std::vector<Waiting> waiting_;  ///< in the order in which they came
+  WallTime last_step_;
   WallTime next_wake_;
 };
 

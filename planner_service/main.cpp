@@ -75,19 +75,22 @@ std::optional<Journal> journal_of_service(const std::string& folder) {
   if (journal && !journal->complete())
     throw InputError(
         journal->file().string() +
-        ": the disk was full when it was written, so that the run cannot go on from it: remove it");
+        ": the disk was full when it was written, so that the run cannot go on from it. Stop all agents, "
+        "stand the robots at the starts of the scenario, and remove it: a new run takes every robot to be "
+        "there");
   return journal;
 }
 
 /// Goes on with the run that was kept; message by message, for an hour of a large fleet is hundreds of
 /// megabytes.
-RunRecord go_on(PlannerService& service, const Journal& journal) {
+RunRecord go_on(PlannerService& service, ClaimDesk& desk, const Journal& journal) {
   RunRecord record;
   journal.for_each([&](const Message& message) {
     if (!service.recall({&message, 1}, wall_now()))
       throw InputError(journal.file().string() +
                        ": is of another run: end that one, remove the file, or name another folder");
     record.recall({&message, 1});
+    desk.recall({&message, 1}, wall_now());
   });
   return record;
 }
@@ -160,7 +163,7 @@ int run(const RunOptions& options, const ProcessOptions& process, const RosOptio
                           .waits_for_goals = in_ros.waits_for_goals,
                           .margin = in_ros.drives ? in_ros.tolerance : 0},
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
-  Keeper keeper(journal ? go_on(service, *journal) : RunRecord(), journal ? &*journal : nullptr);
+  Keeper keeper(journal ? go_on(service, desk, *journal) : RunRecord(), journal ? &*journal : nullptr);
   heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   serve(bus, ros.get(), service, desk, keeper, heart, options.quiet ? nullptr : &display);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace coppice {
 
@@ -47,7 +48,17 @@ bool Claimant::may_take(const Assignment& offer, WallTime now) const {
   return spoke == spoke_.end() || now - spoke->second > quiet;
 }
 
+void Claimant::count_silence(WallTime now) {
+  const WallTime silent_for = now - std::exchange(last_sign_, now).value_or(now);
+  lost_ = lost_ || (robot_ && silent_for > own_lease);
+  if (silent_for >= 0) return;
+  // The clock was set back: when it asked, and when others spoke, is known no more.
+  asked_.clear();
+  for (auto& [robot, at] : spoke_) at = now;
+}
+
 Claim Claimant::claim(WallTime now) {
+  count_silence(now);
   asked_.push_back({++number_, now});
   while (now - asked_.front().at > answer_counts) asked_.pop_front();
   return {.claimant = id_, .number = number_, .robot = robot_.value_or(RobotName())};
@@ -55,8 +66,7 @@ Claim Claimant::claim(WallTime now) {
 
 std::vector<Outgoing> Claimant::step(WallTime now) {
   std::vector<Outgoing> out;
-  if (robot_ && now - last_step_.value_or(now) > own_lease) lost_ = true;
-  last_step_ = now;
+  count_silence(now);
   if (robot_) return out;
   if (offer_ && may_take(*offer_, now)) {
     robot_ = offer_->robot;

@@ -4,7 +4,9 @@
 // It asks until it is given a robot that nobody speaks as. What it has been given is its own as long as it
 // does not fall silent for claim_lease, and nobody else is given it. It counts the lease itself, from when it
 // sent the claim that was answered, so that an answer that took long, or a process that was stopped for a
-// while, does no harm. A machine's clock that is set forward by as much ends it, too. A state machine.
+// while, does no harm. Whoever was silent for longer does not ask whether the robot is still its own: it is
+// lost, and a new claimant begins where its journal ends. A machine's clock that is set forward by as much
+// ends it, too. A state machine.
 #pragma once
 
 #include <cstdint>
@@ -24,11 +26,11 @@ class Claimant {
   explicit Claimant(std::uint64_t id) : id_(id) {}
 
   void on(const Arrival& arrival);
-  /// At least every two seconds, also when it has its robot: whoever does not is silent.
+  /// This, or `claim`, at least every two seconds, also when it has its robot: whoever does not is silent.
   std::vector<Outgoing> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
-  /// The next claim.
+  /// The next claim, which is to be sent unless the robot is lost by now.
   Claim claim(WallTime now);
 
   /// None: not yet.
@@ -39,6 +41,7 @@ class Claimant {
  private:
   void receive(const Assignment& assignment, WallTime now);
   void receive(const RobotState& state, WallTime now);
+  void count_silence(WallTime now);
   bool may_take(const Assignment& offer, WallTime now) const;
 
   struct Asked {
@@ -52,7 +55,7 @@ class Claimant {
   std::optional<Assignment> offer_;
   std::map<RobotName, WallTime> spoke_;  ///< when somebody was last heard as this robot
   std::optional<RobotName> robot_;
-  std::optional<WallTime> last_step_;
+  std::optional<WallTime> last_sign_;  ///< of life
   bool lost_ = false;
   WallTime next_wake_ = 0;
 };

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "bus/validation.h"
+#include "planning/quantities.h"
 #include "robot_agent/limits.h"
 
 namespace coppice {

@@ -27,6 +27,10 @@ namespace coppice {
 /// Seconds of fleet time between two decisions: 20 Hz. The same for the whole fleet.
 inline constexpr double control_period = 0.05;
 
+/// An agent that slept longer than that, fleet seconds, or whose clock was set, does not live through each
+/// period.
+inline constexpr double longest_sleep = 600;
+
 /// Who falls silent may have sent states that only some have heard: from so many seconds on they are passed
 /// on.
 inline constexpr double relay_from = 0.5;

@@ -1,5 +1,7 @@
 // robot_agent [--name NAME] --domain D: one robot, until it is told to stop.
 
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <random>
 #include <stdexcept>
@@ -42,24 +44,30 @@ struct AgentOptions {
 /// What is known of the robot from before, and where that goes on.
 struct Past {
   std::optional<Journal> journal;
+  Remembrance remembrance;
+  std::optional<Memory> memory{};
 
-  std::vector<Message> messages() const { return journal ? journal->messages() : std::vector<Message>(); }
-  Keeper<Remembrance, Journal> keeper(const RobotName& robot, bool leads) {
-    Remembrance remembrance(robot, leads);
-    remembrance.recall(messages());
-    return {std::move(remembrance), journal ? &*journal : nullptr};
-  }
+  Keeper<Remembrance, Journal> keeper() { return {std::move(remembrance), journal ? &*journal : nullptr}; }
 };
 
-Past past_of(const RobotName& robot, const std::string& folder) {
-  Past past{journal_in(folder, robot)};
-  if (past.journal && !past.journal->complete()) {
+/// `meanwhile`: called again and again, for a long journal takes seconds to read.
+Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
+  Past past{journal_in(options.process.state, robot, meanwhile), Remembrance(robot, options.ros.drives)};
+  if (!past.journal) return past;
+  if (!past.journal->complete()) {
     throw std::runtime_error(
         fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
                     "remove it once "
                     "the robot stands at the start of its mission",
                     past.journal->file().string()));
   }
+  Recollection recollection;
+  past.journal->for_each([&](const Message& message) {
+    past.remembrance.recall({&message, 1});
+    recollection.add(message);
+    meanwhile();
+  });
+  past.memory = std::move(recollection).memory();
   return past;
 }
 
@@ -111,14 +119,14 @@ void end(DdsBus& bus, Agent& agent, Listeners& listeners) {
 }
 
 int run_as(const RobotName& name, const AgentOptions& options, Heartbeat& heart) {
-  Past past = past_of(name, options.process.state);
+  Past past = past_of(name, options, [&] { heart.beat(wall_now()); });
   DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
-  Listeners listeners{past.keeper(name, options.ros.drives), ros_link(options.ros, bus, name)};
+  Listeners listeners{past.keeper(), ros_link(options.ros, bus, name)};
   RobotAgent agent(name);
   if (const auto tracking = options.tracking()) agent.lead(*tracking);
-  agent.recall(past.messages());
+  agent.recall(std::move(past.memory));
   spdlog::info("on domain {}", network.domain);
   while (!stop_requested()) {
     turn(bus, agent, listeners);
@@ -159,25 +167,35 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
   const RobotName robot = *agent.robot();
   set_up_logging("robot_agent " + robot, options.log_level, options.log_json);
   spdlog::info("is {}", robot);
-  Past past = past_of(robot, options.state);
-  agent.begin(past.messages(), all_options.tracking());
+  WallTime last_claim = wall_now();
+  const auto claim_again = [&](DdsBus& on) {
+    last_claim = wall_now();
+    const Claim claim = agent.claim(last_claim);
+    if (!agent.lost()) on.publish(claim);
+  };
+  const auto keep_the_claim = [&] {
+    if (std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
+  };
+  Past past = past_of(robot, all_options, [&] {
+    heart.beat(wall_now());
+    keep_the_claim();
+  });
+  agent.begin(std::move(past.memory), all_options.tracking());
   // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
   // service, the other one keeps the claim.
   DdsSettings network = options.network;
   network.robot = robot;
   DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-  Listeners listeners{past.keeper(robot, all_options.ros.drives), ros_link(all_options.ros, bus, robot)};
-  bus.publish(agent.claim(wall_now()));
-  WallTime next_claim = wall_now();
+  Listeners listeners{past.keeper(), ros_link(all_options.ros, bus, robot)};
+  claim_again(bus);
   while (!agent.lost() && !stop_requested()) {
     turn(bus, agent, listeners);
     heart.beat(wall_now());
     if (!asking) continue;
     if (bus.matched_readers<Claim>() > 0) {
       asking.reset();
-    } else if (wall_now() >= next_claim) {
-      asking->publish(agent.claim(wall_now()));
-      next_claim = wall_now() + claim_period;
+    } else {
+      keep_the_claim();
     }
   }
   if (!agent.lost()) {

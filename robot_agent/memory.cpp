@@ -12,9 +12,11 @@ namespace coppice {
 
 namespace {
 
-/// Every period until then, as the body drives by itself.
+/// Until then, as the body drives by itself; with the points that its agent has put into its track
+/// (RobotAgent::control).
 void drive_on(Driver& body, double until, Memory& memory) {
   while (body.time() + body.period() / 2 < until) {
+    if (body.stands() && until - body.time() > longest_sleep) return;
     memory.track.push_back({body.time(), body.position(), body.velocity()});
     memory.driven_length += body.period() * body.velocity().norm();
     body.advance();
@@ -23,42 +25,55 @@ void drive_on(Driver& body, double until, Memory& memory) {
 
 }  // namespace
 
+void Recollection::add(const Message& message) {
+  std::visit(
+      [&](const auto& m) {
+        if constexpr (requires { receive(m); }) receive(m);
+      },
+      message);
+}
+
+void Recollection::receive(const RobotState& state) {
+  if (!mission_) return;
+  if (state.passed_on) {
+    if (memory_) silent_[state.robot] = {state, memory_->body.time()};
+  } else if (state.robot != mission_->robot) {
+    silent_.erase(state.robot);
+  } else {
+    const Driver body(commitment_of(state, 0), state.radius, limits_of(state), control_period);
+    if (!memory_) memory_.emplace(*mission_, body);
+    drive_on(memory_->body, state.stamp, *memory_);
+    memory_->body = body;
+    memory_->sequence = state.sequence;
+    memory_->knot_epoch = state.knot.epoch;
+    memory_->stage = state.stage;
+  }
+}
+
+void Recollection::receive(const AgentStatus& status) {
+  if (memory_) memory_->status = status;
+}
+
+/// One that was started anew has said all of it again.
+void Recollection::receive(const TrackMessage& track) {
+  const std::size_t known = std::min<std::size_t>(
+      track.points.size(), seen_.size() - std::min<std::size_t>(seen_.size(), track.first_index));
+  seen_.insert(seen_.end(), track.points.begin() + static_cast<std::ptrdiff_t>(known), track.points.end());
+}
+
+std::optional<Memory> Recollection::memory() && {
+  if (memory_) {
+    memory_->mission = *std::move(mission_);
+    memory_->seen = std::move(seen_);
+    for (auto& [robot, last] : silent_) memory_->silent.push_back(std::move(last));
+  }
+  return std::move(memory_);
+}
+
 std::optional<Memory> memory_of(std::span<const Message> kept) {
-  std::optional<Mission> mission;
-  std::optional<Memory> memory;
-  std::vector<TrackMessage::Point> seen;
-  std::map<RobotName, Heard> silent;
-  for (const Message& message : kept) {
-    if (const auto* heard = std::get_if<Mission>(&message)) {
-      mission = *heard;
-    } else if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && state->passed_on) {
-      if (memory) silent[state->robot] = {*state, memory->body.time()};
-    } else if (state != nullptr && mission && state->robot != mission->robot) {
-      silent.erase(state->robot);
-    } else if (state != nullptr && mission) {
-      const Driver body(commitment_of(*state, 0), state->radius, limits_of(*state), control_period);
-      if (!memory) memory.emplace(*mission, body);
-      drive_on(memory->body, state->stamp, *memory);
-      memory->body = body;
-      memory->sequence = state->sequence;
-      memory->knot_epoch = state->knot.epoch;
-      memory->stage = state->stage;
-    } else if (const auto* status = std::get_if<AgentStatus>(&message); status != nullptr && memory) {
-      memory->status = *status;
-    } else if (const auto* track = std::get_if<TrackMessage>(&message)) {
-      // One that was started anew has said all of it again.
-      const std::size_t known = std::min<std::size_t>(
-          track->points.size(), seen.size() - std::min<std::size_t>(seen.size(), track->first_index));
-      seen.insert(seen.end(), track->points.begin() + static_cast<std::ptrdiff_t>(known),
-                  track->points.end());
-    }
-  }
-  if (memory) {
-    memory->mission = *mission;
-    memory->seen = std::move(seen);
-    for (auto& [robot, last] : silent) memory->silent.push_back(std::move(last));
-  }
-  return memory;
+  Recollection recollection;
+  for (const Message& message : kept) recollection.add(message);
+  return std::move(recollection).memory();
 }
 
 void Remembrance::recall(std::span<const Message> kept) {
@@ -66,6 +81,7 @@ void Remembrance::recall(std::span<const Message> kept) {
     heard(message);
     said(message);
   }
+  run_.reset();  // the agent has not heard of that one either
 }
 
 /// Who is heard of again is not where it fell silent. False if it was not silent.
@@ -80,8 +96,11 @@ Keep Remembrance::heard(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message))
     return end_silence(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
-  if (mission == nullptr || mission->robot != robot_ || mission_ == *mission) return Keep::nothing;
-  if (mission_ && mission->clock.epoch < mission_->clock.epoch) return Keep::nothing;  // of an earlier run
+  if (mission == nullptr) return Keep::nothing;
+  // The agent passes over runs that are earlier than one that it has heard of: not than the journal's.
+  if (run_ && mission->clock.epoch < *run_) return Keep::nothing;
+  run_ = mission->clock.epoch;
+  if (mission->robot != robot_ || mission_ == *mission) return Keep::nothing;
   const bool same_run = mission_ && mission_->clock == mission->clock;
   mission_ = *mission;
   if (!same_run) passed_on_.clear();

@@ -33,7 +33,26 @@ struct Memory {
   std::vector<Heard> silent;
 };
 
-/// From what was kept, in order; none if the robot had no body yet.
+/// Makes a memory of what was kept, a message at a time and in order: those of a long run do not fit into
+/// this process all at once.
+class Recollection {
+ public:
+  void add(const Message& message);
+  /// Of all that was added; none if the robot had no body yet.
+  std::optional<Memory> memory() &&;
+
+ private:
+  void receive(const Mission& mission) { mission_ = mission; }
+  void receive(const RobotState& state);
+  void receive(const AgentStatus& status);
+  void receive(const TrackMessage& track);
+
+  std::optional<Mission> mission_;
+  std::optional<Memory> memory_;
+  std::vector<TrackMessage::Point> seen_;
+  std::map<RobotName, Heard> silent_;
+};
+
 std::optional<Memory> memory_of(std::span<const Message> kept);
 
 /// Chooses what to keep.
@@ -42,7 +61,7 @@ class Remembrance {
   /// `leads`: another robot follows the body (tracking.h): where that was does not follow from the states.
   explicit Remembrance(RobotName robot, bool leads = false) : robot_(std::move(robot)), leads_(leads) {}
 
-  /// Goes on after what was kept before.
+  /// Goes on after what was kept before; all at once, or in pieces.
   void recall(std::span<const Message> kept);
   Keep heard(const Message& message);
   Keep said(const Message& message);
@@ -52,6 +71,7 @@ class Remembrance {
 
   RobotName robot_;
   bool leads_;
+  std::optional<WallTime> run_;  ///< epoch of the newest that this process has heard of
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
   std::map<RobotName, double> passed_on_;  ///< the newest stamp of each that was not heard of since

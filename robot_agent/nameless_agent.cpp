@@ -1,6 +1,7 @@
 #include "robot_agent/nameless_agent.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace coppice {
 
@@ -11,15 +12,19 @@ void NamelessAgent::on(const Arrival& arrival) {
 
 std::vector<Outgoing> NamelessAgent::step(WallTime now) {
   std::vector<Outgoing> out = claimant_.step(now);
-  if (!agent_ || lost() || agent_->next_wake() > now) return out;
+  if (!agent_ || lost()) return out;
   for (Outgoing& said : agent_->step(now)) out.push_back(std::move(said));
   return out;
 }
 
-void NamelessAgent::begin(std::span<const Message> kept, const std::optional<TrackingSettings>& tracking) {
+void NamelessAgent::note(const BusCounts& counts, WallTime now) {
+  if (agent_) agent_->note(counts, now);
+}
+
+void NamelessAgent::begin(std::optional<Memory> memory, const std::optional<TrackingSettings>& tracking) {
   agent_.emplace(*robot());
   if (tracking) agent_->lead(*tracking);
-  agent_->recall(kept);
+  agent_->recall(std::move(memory));
 }
 
 void NamelessAgent::retire() {

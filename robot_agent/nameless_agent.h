@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "robot_agent/claimant.h"
@@ -21,14 +20,14 @@ class NamelessAgent {
   WallTime next_wake() const;
 
   /// The same as a RobotAgent's. Who is no robot yet, or no more, stands and has nothing to say.
+  void note(const BusCounts& counts, WallTime now);
   void retire();
   bool stands() const { return !agent_ || lost() || agent_->stands(); }
   std::vector<Outgoing> last_words(WallTime now);
 
   /// Once it knows which robot it is: begins to be that one, and goes on from what was kept of it before
-  /// (memory.h).
-  /// `tracking`: of a robot that is elsewhere.
-  void begin(std::span<const Message> kept, const std::optional<TrackingSettings>& tracking = {});
+  /// (memory.h), if anything. `tracking`: of a robot that is elsewhere.
+  void begin(std::optional<Memory> memory, const std::optional<TrackingSettings>& tracking = {});
 
   /// From then on.
   RobotAgent& agent() { return *agent_; }
@@ -37,7 +36,8 @@ class NamelessAgent {
   const std::optional<RobotName>& robot() const { return claimant_.robot(); }
   /// It is that robot no more, and says nothing from now on.
   bool lost() const { return claimant_.lost(); }
-  /// Says again which robot it is.
+  /// Says again which robot it is. Who has a long journal to read does so meanwhile, at least every two
+  /// seconds: it is not silent then.
   Claim claim(WallTime now) { return claimant_.claim(now); }
 
  private:

@@ -57,7 +57,7 @@ void FleetSimulation::start(Agent& agent) {
   const bool may_return = agent.faults.restart_after < infinity;
   auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
   agent.process = std::make_unique<Participant<RobotAgent>>(RobotAgent(agent.name, grounds_), port);
-  agent.process->role.recall(agent.kept->messages);
+  agent.process->role.recall(memory_of(agent.kept->messages));
   Remembrance remembrance(agent.name);
   remembrance.recall(agent.kept->messages);
   agent.keeper.emplace(std::move(remembrance), may_return ? agent.kept.get() : nullptr);

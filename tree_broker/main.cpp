@@ -21,6 +21,11 @@ using namespace coppice;
 
 void run(const ProcessOptions& options, std::uint64_t seed) {
   auto journal = journal_in(options.state, "tree_broker");
+  if (journal && !journal->complete()) {
+    spdlog::warn("{}: the disk was full when it was written: some trees may be missing",
+                 journal->file().string());
+    journal->accept_gaps();
+  }
   ForestRecord record;
   if (journal) record.recall(journal->messages());
   Keeper keeper(std::move(record), journal ? &*journal : nullptr);

@@ -22,14 +22,26 @@ std::vector<Assignment> assignments(const std::vector<Message>& messages) {
   return all;
 }
 
-/// A desk that has been there for long enough.
+/// A desk that has been there for long enough, and is stepped as it wants to be.
 struct Desk {
-  explicit Desk(const std::vector<RobotName>& robots) : desk(robots, -100) {}
-  std::vector<Assignment> hears(const Message& message, double now) {
+  explicit Desk(const std::vector<RobotName>& robots) : desk(robots, -5) {}
+  std::vector<Assignment> hears(const Message& message, double at) {
+    while (now + 0.5 < at) EXPECT_TRUE(desk.step(now += 0.5).empty()) << now;
+    return hears_after_nap(message, at);
+  }
+  std::vector<Assignment> hears_after_nap(const Message& message, double at) {
+    now = at;
     desk.on(arrival_of(message, now));
     return assignments(desk.step(now));
   }
+  /// When a claimant that begins to ask then is given a robot.
+  double gives_one_to(std::uint64_t claimant, double from) {
+    std::uint32_t number = 0;
+    while (hears_after_nap(Claim{claimant, ++number}, from).empty() && from < now + 100) from += 0.5;
+    return now;
+  }
   ClaimDesk desk;
+  double now = -5;
 };
 
 TEST(ClaimDesk, GivesEachClaimantTheFirstRobotThatNobodyIs) {
@@ -43,7 +55,7 @@ TEST(ClaimDesk, GivesEachClaimantTheFirstRobotThatNobodyIs) {
 TEST(ClaimDesk, GivesNothingAwayBeforeItHasListened) {
   ClaimDesk desk({"a"}, 0);
   desk.on(arrival_of(Claim{7, 1}, 0));
-  EXPECT_TRUE(desk.step(1.9).empty());
+  for (const double now : {0.0, 1.0, 1.9}) EXPECT_TRUE(desk.step(now).empty());
   EXPECT_LE(desk.next_wake(), 2.1);
   EXPECT_EQ(assignments(desk.step(2.1)), (std::vector<Assignment>{{"a", 7, 1}}));
 }
@@ -73,8 +85,31 @@ TEST(ClaimDesk, WhoHasStoppedAskingIsGivenNothing) {
   Desk desk({"a"});
   desk.hears(AgentStatus{.robot = "a"}, 0);
   desk.hears(Claim{7, 1}, 0);
-  EXPECT_TRUE(assignments(desk.desk.step(claim_lease + 1)).empty());
   EXPECT_EQ(desk.hears(Claim{8, 1}, claim_lease + 1), (std::vector<Assignment>{{"a", 8, 1}}));
+}
+
+TEST(ClaimDesk, HoldsWhatALivingAgentIsWhileItSleepsItself) {
+  Desk desk({"a"});
+  desk.hears(AgentStatus{.robot = "a"}, 0);
+  EXPECT_NEAR(desk.gives_one_to(8, 60), 60 + claim_lease, 0.6);
+}
+
+TEST(ClaimDesk, WhenTheClockIsSetBackHoldsARobotForNoMoreThanItsLeaseAndNoLess) {
+  Desk silent({"a"});
+  silent.hears(AgentStatus{.robot = "a"}, 0);
+  silent.hears(Claim{7, 1}, 4);  // and is heard of no more
+  EXPECT_NEAR(silent.gives_one_to(8, -1000), -1000 + claim_lease, 0.6);
+  Desk alive({"a"});
+  alive.hears(AgentStatus{.robot = "a"}, 0);
+  alive.hears_after_nap(AgentStatus{.robot = "a"}, -1000);
+  EXPECT_NEAR(alive.gives_one_to(8, -999.5), -1000 + claim_lease, 0.6);
+}
+
+TEST(ClaimDesk, HoldsWhomItsPredecessorHeardOf) {
+  Desk desk({"a", "b"});
+  desk.hears(Claim{7, 9, "b"}, 0);
+  desk.desk.recall(std::vector<Message>{AgentStatus{.robot = "a"}}, 0);
+  EXPECT_NEAR(desk.gives_one_to(8, 0.5), claim_lease, 0.6);
 }
 
 TEST(ClaimDesk, LearnsWhoIsWhoFromThoseWhoKnow) {
@@ -163,6 +198,60 @@ TEST(Claimant, LosesItsRobotToAnotherAndBySilence) {
   EXPECT_TRUE(silent.lost());
 }
 
+TEST(Claimant, IsNotSilentWhoSaysWhichRobotItIsWhileItReadsALongJournal) {
+  Claimant claimant(7);
+  claimant.step(0);
+  claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.1));
+  claimant.step(0.1);
+  for (double now = 1; now <= 60; ++now) EXPECT_EQ(claimant.claim(now).robot, "a");
+  claimant.step(61);
+  EXPECT_FALSE(claimant.lost());
+  claimant.claim(61.1 + 0.8 * claim_lease);
+  EXPECT_TRUE(claimant.lost());
+}
+
+TEST(Claimant, AsksOnWhenTheClockIsSetBack) {
+  Claimant claimant(7);
+  claimant.step(1000);
+  claimant.on(arrival_of(RobotState{.robot = "a"}, 1000));
+  EXPECT_EQ(claims(claimant.step(10)), (std::vector<Claim>{{7, 2}}));
+  claimant.on(arrival_of(Assignment{"a", 7, 2}, 11.1));
+  claimant.step(11.1);
+  EXPECT_EQ(claimant.robot(), "a");
+}
+
+/// One that has just begun to be a robot, at 0.
+NamelessAgent agent_of_a() {
+  NamelessAgent agent(7);
+  agent.step(0);
+  agent.on(arrival_of(Assignment{"a", 7, 1}, 0));
+  agent.step(0);
+  agent.begin({});
+  return agent;
+}
+
+std::vector<AgentStatus> statuses(std::vector<Outgoing> said) {
+  std::vector<AgentStatus> all;
+  for (const Outgoing& one : said) all.push_back(std::get<AgentStatus>(one.message));
+  return all;
+}
+
+TEST(NamelessAgent, ReportsWhatItsBusHasCounted) {
+  NamelessAgent agent = agent_of_a();
+  agent.note({.rejected = 3, .agents = 5}, 0);
+  const auto said = statuses(agent.step(0));
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].rejected, 3u);
+  EXPECT_EQ(said[0].load.agents_matched, 5u);
+}
+
+TEST(NamelessAgent, GoesOnWhenTheClockIsSetBack) {
+  NamelessAgent agent = agent_of_a();
+  agent.step(0);
+  agent.step(-1000);
+  EXPECT_FALSE(statuses(agent.step(-999)).empty());
+}
+
 /// Agents and a desk on a bus that loses and delays, that are killed, stopped for a while, and started again.
 class ManyClaims {
  public:
@@ -241,7 +330,7 @@ class ManyClaims {
     if (!deaf) {
       for (const Arrival& arrival : port.take()) role.on(arrival);
     }
-    if (role.next_wake() > now_) return;
+    if (role.next_wake() > now_ && role.next_wake() <= now_ + 2) return;
     const bool had_none = has_no_robot(role);
     auto messages = role.step(now_);
     if (had_none && !has_no_robot(role)) begin(role);

@@ -111,26 +111,76 @@ TEST_F(AJournal, RefusesForeignFilesFoldersAndFilesInUseAndNamesThem) {
   EXPECT_NE(problem_with_opening(file).find("in use"), std::string::npos);
 }
 
-TEST_F(AJournal, WhereThereIsNoRoomKeepsWhatItHasAndSaysThatItIsIncomplete) {
-  // In a process of its own, whose files cannot grow beyond a limit.
+/// In a process of its own, whose files cannot grow beyond so many bytes.
+template <class Fn>
+void where_files_end_at(std::size_t bytes, Fn&& fn) {
   const pid_t child = fork();
   if (child == 0) {
     signal(SIGXFSZ, SIG_IGN);
-    Journal journal(file);
-    journal.append(status);
-    const rlimit limit{std::filesystem::file_size(file) + 20, RLIM_INFINITY};
+    const rlimit limit{bytes, RLIM_INFINITY};
     setrlimit(RLIMIT_FSIZE, &limit);
-    journal.append(tree);  // would be torn
-    const bool said = !journal.complete();
-    journal.append(status);
-    _exit(said ? 0 : 1);
+    fn();
+    _exit(0);
   }
   int result = 0;
   waitpid(child, &result, 0);
   EXPECT_TRUE(WIFEXITED(result) && WEXITSTATUS(result) == 0);
+}
+
+/// Holds the status, and had no room for the tree.
+void make_incomplete(const std::filesystem::path& file) {
+  Journal(file).append(status);
+  where_files_end_at(std::filesystem::file_size(file) + 20, [&] {
+    Journal journal(file);
+    journal.append(tree);  // would be torn
+    if (journal.complete()) _exit(1);
+    journal.append(status);
+  });
+}
+
+TEST_F(AJournal, WhereThereIsNoRoomKeepsWhatItHasAndSaysThatItIsIncomplete) {
+  make_incomplete(file);
   Journal journal(file);
   EXPECT_FALSE(journal.complete());
   EXPECT_EQ(journal.messages(), std::vector<Message>{status});
+}
+
+TEST_F(AJournal, BegunAnewWhereThereIsNoRoomIsIncompleteAndNotNew) {
+  const std::uintmax_t first_line = [&] {
+    const Journal journal(file);
+    return std::filesystem::file_size(file);
+  }();
+  Journal(file).append(status);
+  where_files_end_at(first_line - 1, [&] { Journal(file).keep(Keep::begin_anew, tree); });
+  Journal journal(file);
+  EXPECT_FALSE(journal.complete());
+  EXPECT_TRUE(journal.empty());
+}
+
+TEST_F(AJournal, ThatIsIncompleteIsCompleteOnceItHasBegunAnew) {
+  make_incomplete(file);
+  Journal(file).keep(Keep::begin_anew, tree);
+  EXPECT_TRUE(Journal(file).complete());
+  EXPECT_EQ(held_by(file), std::vector<Message>{tree});
+}
+
+TEST_F(AJournal, GoesOnInSpiteOfGapsThatAreAccepted) {
+  make_incomplete(file);
+  {
+    Journal journal(file);
+    journal.accept_gaps();
+    EXPECT_TRUE(journal.complete());
+    journal.append(track);
+  }
+  EXPECT_TRUE(Journal(file).complete());
+  EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
+}
+
+TEST_F(AJournal, LetsItsProcessDoOtherThingsWhileItIsOpened) {
+  for (int k = 0; k < 3; ++k) Journal(file).append(track);
+  int turns = 0;
+  const Journal journal(file, [&] { ++turns; });
+  EXPECT_EQ(turns, 3);
 }
 
 TEST_F(AJournal, IsNamedAfterItsProcessAndItsFolderIsMade) {

@@ -230,7 +230,7 @@ TEST(RosSide, ARestartedAgentHasTheTrackOfTheRobot) {
     if (remembrance.said(message) == Keep::append) kept.push_back(message);
   }
   Fleet after(mission_to({20, 20}), loose);
-  after.agent.recall(kept);
+  after.agent.recall(memory_of(kept));
   after.run(4, 16, [&](double now) { robot.follow(after, now); });
   const auto track = after.track();
   const auto earlier = before.track();
