@@ -81,9 +81,7 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
   discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
   if (!eprosima::fastdds::rtps::load_environment_server_info(servers, discovery.m_DiscoveryServers))
     throw std::runtime_error(
-        fmt::format("\"{}\" names no discovery servers, expected multicast, static or HOST:PORT, several "
-                    "with ; between them",
-                    servers));
+        fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
 }
 
 /// What is asked for, or what suits.
@@ -107,7 +105,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
   qos.user_data().data_vec(role == Role::replayer ? user_data_of_replayer() : user_data_of(settings.robot));
   qos.transport().use_builtin_transports = false;
   const std::string discovery = discovery_of(settings);
-  const bool by_servers = discovery != static_discovery && discovery != multicast_discovery;
+  const bool by_servers = are_servers(discovery);
   qos.transport().user_transports.push_back(
       sparing_udp_transport({.audience = audience,
                              .announcements = by_servers ? nullptr : &announcements,
@@ -388,6 +386,11 @@ struct DdsBus::Implementation {
 
 std::string dds_version() {
   return FASTRTPS_VERSION_STR;
+}
+
+bool have_addresses(const std::string& servers) {
+  eprosima::fastdds::rtps::RemoteServerList_t found;
+  return eprosima::fastdds::rtps::load_environment_server_info(servers, found);
 }
 
 DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender)

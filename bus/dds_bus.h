@@ -38,6 +38,9 @@ struct DdsSettings {
 /// Of Fast DDS, as "2.9.1".
 std::string dds_version();
 
+/// Whether discovery servers have addresses that processes can find. Asks the network where hosts are named.
+bool have_addresses(const std::string& servers);
+
 class DdsBus {
  public:
   /// `sender` names the participant to tools. Throws std::runtime_error if DDS refuses, or if the discovery

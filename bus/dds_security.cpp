@@ -160,15 +160,32 @@ void check_validity(const std::string& file, const std::string& content) {
   refuse(file, problem);
 }
 
+/// What stands within all elements of that name. Not by std::regex, which takes a stack as deep as that is
+/// long.
+std::vector<std::string_view> within(const std::string& element, std::string_view text) {
+  const std::string opening = "<" + element + ">";
+  const std::string closing = "</" + element + ">";
+  std::vector<std::string_view> all;
+  for (std::size_t at = text.find(opening); at != std::string_view::npos; at = text.find(opening, at)) {
+    at += opening.size();
+    const std::size_t end = text.find(closing, at);
+    if (end == std::string_view::npos) break;
+    all.push_back(text.substr(at, end - at));
+  }
+  return all;
+}
+
+std::string trimmed(std::string_view text) {
+  constexpr const char* space = " \t\r\n";
+  const std::size_t begin = std::min(text.find_first_not_of(space), text.size());
+  return std::string(text.substr(begin, text.find_last_not_of(space) + 1 - begin));
+}
+
 /// The topics, or patterns of topics, within all elements of that name.
 std::vector<std::string> topics_in(const std::string& element, const std::string& content) {
-  const std::regex section("<" + element + ">([^]*?)</" + element + ">");
-  static const std::regex topic(R"(<topic>\s*([^<\s]*)\s*</topic>)");
-  const std::sregex_iterator end;
   std::vector<std::string> all;
-  for (std::sregex_iterator s(content.begin(), content.end(), section); s != end; ++s) {
-    const std::string inside = (*s)[1];
-    for (std::sregex_iterator t(inside.begin(), inside.end(), topic); t != end; ++t) all.push_back((*t)[1]);
+  for (const std::string_view section : within(element, content)) {
+    for (const std::string_view topic : within("topic", section)) all.push_back(trimmed(topic));
   }
   return all;
 }

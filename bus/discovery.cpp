@@ -7,6 +7,10 @@
 
 namespace coppice {
 
+bool are_servers(const std::string& discovery) {
+  return !discovery.empty() && discovery != multicast_discovery && discovery != static_discovery;
+}
+
 std::string usual_discovery_servers() {
   const char* const servers = std::getenv("ROS_DISCOVERY_SERVER");
   return servers == nullptr ? "" : servers;

@@ -12,6 +12,11 @@ inline constexpr const char* static_discovery = "static";
 /// From so many robots on the latter suits, and the usual buffers of sockets do not.
 inline constexpr int large_fleet = 40;
 
+/// What may be asked for, for people.
+inline constexpr const char* discovery_rule = "multicast, static or HOST:PORT, several with ; between them";
+/// Whether servers are: it is neither empty nor one of the ways above.
+bool are_servers(const std::string& discovery);
+
 /// The servers of ROS_DISCOVERY_SERVER; empty if it names none.
 std::string usual_discovery_servers();
 

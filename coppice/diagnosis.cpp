@@ -39,10 +39,6 @@ bool allows(const SystemLimit& limit, std::uint64_t needed) {
   return !limit || *limit >= needed;
 }
 
-bool through_servers(const FleetPlan& plan) {
-  return plan.discovery.find(':') != std::string::npos;
-}
-
 Finding versions(const Machine& m, const FleetPlan&) {
   return {"versions", Verdict::ok, m.versions};
 }
@@ -109,6 +105,14 @@ Finding loopback(const Machine& m, const FleetPlan&) {
   return {"loopback", Verdict::fail, "no datagram arrives at 127.0.0.1", "ip link set lo up"};
 }
 
+Finding discovery(const Machine& m, const FleetPlan& plan) {
+  if (!are_servers(plan.discovery))
+    return {"discovery", Verdict::ok, plan.discovery.empty() ? multicast_discovery : plan.discovery};
+  if (m.servers_have_addresses) return {"discovery", Verdict::ok, "through " + plan.discovery};
+  return {"discovery", Verdict::fail, fmt::format("\"{}\" names no discovery servers", plan.discovery),
+          fmt::format("--discovery or ROS_DISCOVERY_SERVER: {}", discovery_rule)};
+}
+
 Finding multicast(const Machine& m, const FleetPlan& plan) {
   std::string working;
   std::string silent;
@@ -118,7 +122,7 @@ Finding multicast(const Machine& m, const FleetPlan& plan) {
   }
   Finding finding{"multicast", Verdict::ok, working.empty() ? "on no interface" : "on " + working};
   if (!silent.empty()) finding.found += ", not on " + silent;
-  if (through_servers(plan)) {
+  if (are_servers(plan.discovery)) {
     finding.found += "; not needed with discovery servers";
   } else if (working.empty()) {
     finding.verdict = Verdict::fail;
@@ -169,8 +173,9 @@ Finding shared_memory(const Machine&, const FleetPlan&) {
   return {"shared memory", Verdict::ok, "not used: /dev/shm may be of any size"};
 }
 
-constexpr std::array<Check, 11> checks{versions, cores,     memory, receive_buffer, open_files,   threads,
-                                       loopback, multicast, ports,  clock,          shared_memory};
+constexpr std::array<Check, 12> checks{versions,   cores,   memory,   receive_buffer,
+                                       open_files, threads, loopback, discovery,
+                                       multicast,  ports,   clock,    shared_memory};
 
 const char* text(Verdict verdict) {
   switch (verdict) {

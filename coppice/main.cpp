@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
   generate->add_option("--width", map.width, "cells");
   generate->add_option("--height", map.height, "cells");
   generate->add_option("--seed", map.seed, "of every random choice");
-  generate->add_option("--robots", map.robots, "robots")->check(CLI::Range(1, 100000));
+  generate->add_option("--robots", map.robots, "robots")->check(CLI::Range(1, static_cast<int>(most_robots)));
   generate->add_option("--radius", map.radius, "of the robots, metres")->check(number_above_zero());
   generate->add_option("--max-speed", map.max_speed, "of the robots, m/s")->check(number_above_zero());
   generate->callback([&] { exit_code = map_command(map); });

@@ -29,12 +29,15 @@ namespace coppice {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
 // All agents need what the broker and the service do; these come first where all share few processors.
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
 constexpr std::chrono::milliseconds grace_of_recorder{10000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
+constexpr std::chrono::milliseconds pause_before_asking_again{2000};
 
 /// Whether no process of this machine has joined the DDS domain: each participant listens at the domain's
 /// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which they share among themselves, but not with us.
@@ -195,6 +198,57 @@ double time_scale_for(std::size_t robots) {
   return scale;
 }
 
+/// Ctrl-C, told to the service: again and again, as it may be starting anew just then and hear nothing.
+class StopRequest {
+ public:
+  bool is_there() const { return since_.has_value(); }
+  bool is_older_than(std::chrono::milliseconds age) const { return since_ && Clock::now() - *since_ > age; }
+  void pass_on(ProcessFleet& fleet) {
+    if (!stop_requested() || Clock::now() < next_) return;
+    if (!since_) since_ = Clock::now();
+    next_ = Clock::now() + pause_before_asking_again;
+    fleet.terminate(service_name);
+  }
+
+ private:
+  std::optional<Clock::time_point> since_;
+  Clock::time_point next_;
+};
+
+/// Until the service has ended, and with it the run. Returns the exit code.
+int watch(ProcessFleet& fleet, bool restarts, std::chrono::milliseconds patience) {
+  std::multimap<Clock::time_point, std::string> to_start;
+  StopRequest stop;
+  while (true) {
+    stop.pass_on(fleet);
+    const auto ended = fleet.reap();
+    if (!ended && stop.is_older_than(patience)) {
+      std::cerr << "the planner service does not answer: ended without a report\n";
+      fleet.terminate_all(grace);
+      return 1;
+    }
+    if (!to_start.empty() && to_start.begin()->first <= Clock::now()) {
+      fleet.start_again(to_start.begin()->second);
+      to_start.erase(to_start.begin());
+    }
+    if (!ended) {
+      std::this_thread::sleep_for(poll_period);
+      continue;
+    }
+    const bool done = ended->name == service_name && ended->exit_code <= 2;
+    if (!done) tell_of_end(*ended);
+    // Bad usage does not get better, and a recording that was cut off is not to be replaced.
+    const bool may_go_on = ended->exit_code != 2 && ended->name != recorder_name;
+    if (restarts && !done && !stop.is_there() && may_go_on) {
+      to_start.emplace(Clock::now() + pause_before_restart, ended->name);
+    } else if (ended->name == service_name) {
+      fleet.terminate_all(grace, recorder_name);  // it is to hear of all that the others say
+      fleet.terminate_all(grace_of_recorder);
+      return done ? ended->exit_code : 1;
+    }
+  }
+}
+
 }  // namespace
 
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
@@ -216,40 +270,7 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   for (const Process& process : processes)
     fleet.start(process.name, process.command, process.output, process.niceness);
 
-  std::multimap<std::chrono::steady_clock::time_point, std::string> to_start;
-  std::optional<std::chrono::steady_clock::time_point> asked;
-  while (true) {
-    if (stop_requested() && !asked) {
-      fleet.terminate(service_name);
-      asked = std::chrono::steady_clock::now();
-    }
-    const auto ended = fleet.reap();
-    if (!ended && asked &&
-        std::chrono::steady_clock::now() - *asked > patience_with(scenario.robots.size())) {
-      std::cerr << "the planner service does not answer: ended without a report\n";
-      fleet.terminate_all(grace);
-      return 1;
-    }
-    if (!to_start.empty() && to_start.begin()->first <= std::chrono::steady_clock::now()) {
-      fleet.start_again(to_start.begin()->second);
-      to_start.erase(to_start.begin());
-    }
-    if (!ended) {
-      std::this_thread::sleep_for(poll_period);
-      continue;
-    }
-    const bool done = ended->name == service_name && ended->exit_code <= 2;
-    if (!done) tell_of_end(*ended);
-    // Bad usage does not get better, and a recording that was cut off is not to be replaced.
-    const bool may_go_on = ended->exit_code != 2 && ended->name != recorder_name;
-    if (fleet_options.restart && !done && !asked && may_go_on) {
-      to_start.emplace(std::chrono::steady_clock::now() + pause_before_restart, ended->name);
-    } else if (ended->name == service_name) {
-      fleet.terminate_all(grace, recorder_name);  // it is to hear of all that the others say
-      fleet.terminate_all(grace_of_recorder);
-      return done ? ended->exit_code : 1;
-    }
-  }
+  return watch(fleet, fleet_options.restart, patience_with(scenario.robots.size()));
 }
 
 }  // namespace coppice

@@ -18,6 +18,8 @@ namespace coppice {
 
 namespace {
 
+constexpr std::size_t largest_deflation = 1032;  // bytes that one deflated byte stands for, at most
+
 /// Shades from 0 (black) to 255 (white), row by row from the top.
 struct Picture {
   int width = 0;
@@ -100,15 +102,21 @@ Picture read_pgm(const std::filesystem::path& path) {
 }
 
 Picture read_png(const std::filesystem::path& path) {
+  const std::string data = read_file(path);
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
-  if (png_image_begin_read_from_file(&image, path.c_str()) == 0) {
+  if (png_image_begin_read_from_memory(&image, data.data(), data.size()) == 0) {
     fail(path, fmt::format("cannot be read as PNG: {}", image.message));
   }
   image.format = PNG_FORMAT_GA;
   std::vector<std::uint8_t> pixels;
   try {
     check_size(path, static_cast<long>(image.width), static_cast<long>(image.height));
+    // As for a PGM picture. A pixel has one bit at least.
+    const std::size_t least = std::size_t{image.width} * image.height / 8 / largest_deflation;
+    if (data.size() < least)
+      fail(path, fmt::format("truncated: {} x {} pixels need more than {} bytes, found {}", image.width,
+                             image.height, least, data.size()));
     pixels.resize(PNG_IMAGE_SIZE(image));
   } catch (...) {
     png_image_free(&image);

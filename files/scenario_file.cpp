@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
@@ -165,6 +166,10 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   const int count = options.robots.value_or(file.robots_size());
   if (count < 1 || count > file.robots_size()) {
     fail(path, "robots", fmt::format("{} were asked for, expected 1 to {}", count, file.robots_size()));
+  }
+  // An agent knows no more than these: who comes after them would be nobody to it.
+  if (std::cmp_greater(count, most_robots)) {
+    fail(path, "robots", fmt::format("{}, expected at most {}", count, most_robots));
   }
 
   const ClearanceField field(map);

@@ -11,6 +11,7 @@
 #include "files/input_error.h"
 #include "planning/clearance_field.h"
 #include "planning/map_generator.h"
+#include "planning/quantities.h"
 #include "planning/random.h"
 #include "planning/shuffle.h"
 
@@ -198,7 +199,7 @@ void mixed(Scenario& scenario, int robots, Random& random) {
     add_robot(scenario, start, goal, random.uniform(2, 8), random.uniform(5, 20));
 }
 
-constexpr int most_by_chance = 100'000;  // what there is room for turns out when they are drawn
+constexpr int most_by_chance = most_robots;  // what there is room for turns out when they are drawn
 
 using Maker = std::function<void(Scenario&, int, Random&)>;
 struct Entry {

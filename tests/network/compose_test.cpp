@@ -73,5 +73,19 @@ TEST(Deploy, TheSystemdUnitsAreValid) {
   EXPECT_GE(units, 4);
 }
 
+// Who is there from boot on may find the network not ready, which ends a program as a wrong option does.
+TEST(Deploy, TheUnitsOfABootAreStartedAgainWhateverEndedThem) {
+  int units = 0;
+  for (const auto& unit : std::filesystem::directory_iterator(deploy / "systemd")) {
+    const std::string text = test::contents(unit.path());
+    if (text.find("WantedBy=") == std::string::npos) continue;
+    for (const char* setting : {"\nRestart=on-failure\n", "\nRestartSec=5\n", "\nStartLimitIntervalSec=0\n"})
+      EXPECT_NE(text.find(setting), std::string::npos) << unit.path() << setting;
+    EXPECT_EQ(text.find("RestartPreventExitStatus"), std::string::npos) << unit.path();
+    ++units;
+  }
+  EXPECT_EQ(units, 3);
+}
+
 }  // namespace
 }  // namespace coppice

@@ -38,6 +38,7 @@ TEST(CommandLine, BadUsageIsToldWithTheOptionsName) {
       {"run " + rooms() + " --domain 233", "--domain"},
       {"map castle out.json", "castle"},
       {"map rooms out.json --width 900", "--width"},
+      {"map rooms out.json --robots 4097", "--robots"},
       {"map rooms out.json --max-speed 9", "--max-speed"},
       {"map " + rooms_map() + " out.json --height 900", "--height"},
   };

@@ -29,8 +29,9 @@ std::string row(const std::string& table, const std::string& check) {
 TEST(Doctor, ExaminesThisMachineAndExitsAsTheWorstFindingSays) {
   const test::Outcome outcome = doctor("", "--robots 2 --domain 140");
   EXPECT_EQ(outcome.exit_code, outcome.output.find("FAIL") == std::string::npos ? 0 : 1) << outcome.output;
-  for (const char* check : {"versions", "cores", "memory", "UDP receive buffer", "open files", "threads",
-                            "loopback", "multicast", "ports of the domain", "clock", "shared memory"}) {
+  for (const char* check :
+       {"versions", "cores", "memory", "UDP receive buffer", "open files", "threads", "loopback", "discovery",
+        "multicast", "ports of the domain", "clock", "shared memory"}) {
     EXPECT_FALSE(row(outcome.output, check).empty()) << check << "\n" << outcome.output;
   }
   EXPECT_TRUE(row(outcome.output, "loopback").starts_with("ok"))
@@ -76,6 +77,16 @@ TEST(Doctor, AHostWithoutANetworkNeedsLoopbackAndADiscoveryServerInsteadOfMultic
   const test::Outcome by_environment =
       doctor("ROS_DISCOVERY_SERVER=127.0.0.1:11811 " + up, "--robots 2 --domain 90");
   EXPECT_TRUE(row(by_environment.output, "multicast").starts_with("ok")) << by_environment.output;
+}
+
+TEST(Doctor, ServersMayLeaveTheirPortOutButMustBeServers) {
+  const std::string servers =
+      row(doctor("ROS_DISCOVERY_SERVER=10.0.0.1 ", "--domain 140").output, "multicast");
+  EXPECT_TRUE(servers.ends_with("not needed with discovery servers")) << servers;
+  const test::Outcome wrong = doctor("ROS_DISCOVERY_SERVER=10.0.0.1:99999 ", "--domain 140");
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_TRUE(row(wrong.output, "discovery").starts_with("FAIL")) << wrong.output;
+  EXPECT_NE(row(wrong.output, "discovery").find("10.0.0.1:99999"), std::string::npos) << wrong.output;
 }
 
 TEST(Doctor, BadUsageIsRefused) {

@@ -213,6 +213,16 @@ TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
   expect_nothing_left(run, children);
 }
 
+TEST(Fleet, CtrlCWhileTheServiceWaitsToBeStartedAgainEndsWithAReport) {
+  FleetRun run(test::scenarios() / "rooms-8.json", {"--restart"}, "2");
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  kill(run.first("planner_service"), SIGKILL);
+  ASSERT_TRUE(run.says("planner_service ended early")) << run.log();
+  run.process.send(SIGINT);
+  EXPECT_EQ(run.process.wait(), 1) << run.log();
+  EXPECT_EQ(run.report().outcome(), "interrupted");
+}
+
 TEST(Fleet, KilledItLeavesNothing) {
   FleetRun run(test::scenarios() / "rooms-8.json");
   ASSERT_TRUE(run.has_begun()) << run.log();

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "bus/dds_security.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -19,6 +21,9 @@ namespace fs = std::filesystem;
 test::Outcome make_keys(const std::string& arguments) {
   return test::shell("'" COPPICE_SOURCE_DIR "/deploy/security/make-keys' " + arguments);
 }
+
+const std::string signs =
+    "openssl smime -sign -text -signer ca/permissions_ca.cert.pem -inkey ca/permissions_ca.key.pem";
 
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> all;
@@ -121,6 +126,40 @@ TEST_F(SecurityFiles, RenewedAreTheRolesThatAreNamed) {
     EXPECT_EQ(after.at(file), before.at(file)) << file;
 }
 
+TEST_F(SecurityFiles, RevokedAreAllCertificatesThatTheRoleHasHad) {
+  const fs::path keys = copy("revoked");
+  fs::copy(keys / "agent" / "cert.pem", keys / "first.pem");
+  ASSERT_EQ(make_keys("'" + keys.string() + "' --renew agent").exit_code, 0);
+  fs::copy(keys / "agent" / "cert.pem", keys / "second.pem");
+  const test::Outcome revoked = make_keys("'" + keys.string() + "' --revoke agent");
+  ASSERT_EQ(revoked.exit_code, 0) << revoked.output;
+  const auto verdict = [&](const std::string& certificate) {
+    return test::shell("cd '" + keys.string() +
+                       "' && openssl verify -CAfile ca/identity_ca.cert.pem -crl_check -CRLfile "
+                       "broker/identity_crl.pem " +
+                       certificate);
+  };
+  for (const char* taken_back : {"first.pem", "second.pem"})
+    EXPECT_NE(verdict(taken_back).output.find("certificate revoked"), std::string::npos)
+        << taken_back << ": " << verdict(taken_back).output;
+  for (const char* good : {"agent/cert.pem", "broker/cert.pem", "observer/cert.pem"})
+    EXPECT_EQ(verdict(good).exit_code, 0) << verdict(good).output;
+}
+
+// Ten thousand topics more than the role needs: 300 KB.
+TEST_F(SecurityFiles, PermissionsMayBeLong) {
+  const fs::path keys = copy("long");
+  const test::Outcome changed = test::shell(
+      "cd '" + keys.string() +
+      "' && openssl smime -verify -text -noverify -in agent/permissions.p7s -out p.xml && "
+      "awk '{ print } /<publish>/ { for (k = 0; k < 10000; ++k) print \"<topic> another_one </topic>\" }' "
+      "p.xml >long.xml && " +
+      signs + " -in long.xml -out agent/permissions.p7s");
+  ASSERT_EQ(changed.exit_code, 0) << changed.output;
+  EXPECT_NO_THROW(check_credentials((keys / "agent").string(), Role::agent));
+  EXPECT_THROW(check_credentials((keys / "agent").string(), Role::broker), std::runtime_error);
+}
+
 /// The robots' credentials with something wrong, and what must be said of it.
 struct Bad {
   std::string name;
@@ -128,9 +167,6 @@ struct Bad {
   std::string file;
   std::string problem;
 };
-
-const std::string signs =
-    "openssl smime -sign -text -signer ca/permissions_ca.cert.pem -inkey ca/permissions_ca.key.pem";
 
 std::vector<Bad> bad_credentials(const fs::path& theirs) {
   std::vector<Bad> all = {

@@ -58,6 +58,7 @@ TEST(Diagnosis, EachFaultIsFoundByItsCheckAloneAndComesWithAdvice) {
       {"open files", Verdict::fail, [](Machine& m, FleetPlan&) { m.open_files_left = 200; }},
       {"threads", Verdict::fail, [](Machine& m, FleetPlan&) { m.threads_left = 100; }},
       {"loopback", Verdict::fail, [](Machine& m, FleetPlan&) { m.loopback_works = false; }},
+      {"discovery", Verdict::fail, [](Machine&, FleetPlan& p) { p.discovery = "nonsense"; }},
       {"multicast", Verdict::fail, [](Machine& m, FleetPlan&) { m.interfaces.clear(); }},
       {"multicast", Verdict::fail,
        [](Machine& m, FleetPlan&) {
@@ -88,8 +89,20 @@ TEST(Diagnosis, EachFaultIsFoundByItsCheckAloneAndComesWithAdvice) {
 TEST(Diagnosis, DiscoveryServersNeedNoMulticast) {
   Machine machine = sound();
   machine.interfaces.clear();
-  EXPECT_EQ(finding(machine, {.discovery = "10.0.0.1:11811"}, "multicast").verdict, Verdict::ok);
-  EXPECT_EQ(finding(machine, {.discovery = "static"}, "multicast").verdict, Verdict::fail);
+  for (const char* servers : {"10.0.0.1:11811", "10.0.0.1", "10.0.0.1;10.0.0.2"})
+    EXPECT_EQ(finding(machine, {.discovery = servers}, "multicast").verdict, Verdict::ok) << servers;
+  for (const char* way : {"", "static", "multicast"})
+    EXPECT_EQ(finding(machine, {.discovery = way}, "multicast").verdict, Verdict::fail) << way;
+}
+
+TEST(Diagnosis, ServersThatNobodyCanFindAreNamedWithWhereTheyAreSaid) {
+  const Finding lost = finding(sound(), {.discovery = "nonsense"}, "discovery");
+  EXPECT_NE(lost.found.find("\"nonsense\""), std::string::npos) << lost.found;
+  EXPECT_NE(lost.advice.find("ROS_DISCOVERY_SERVER"), std::string::npos) << lost.advice;
+  EXPECT_NE(lost.advice.find("HOST:PORT"), std::string::npos) << lost.advice;
+  Machine machine = sound();
+  machine.servers_have_addresses = true;
+  EXPECT_EQ(finding(machine, {.discovery = "here:11811"}, "discovery").verdict, Verdict::ok);
 }
 
 TEST(Diagnosis, WhatIsNeededGrowsWithTheRobots) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
+#include <zlib.h>
 
 #include "files/input_error.h"
 #include "tests/support.h"
@@ -108,6 +109,32 @@ TEST(MapFile, ReadsRosPng) {
   const OccupancyMap map =
       read_map(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
   EXPECT_EQ(map.blocked, (std::vector<std::uint8_t>{1, 0, 0, 1}));
+}
+
+std::string big_endian(std::uint32_t number) {
+  std::string bytes;
+  for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(number >> shift);
+  return bytes;
+}
+
+std::string png_chunk(const std::string& kind, const std::string& content) {
+  const std::string checked = kind + content;
+  const auto sum =
+      crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()));
+  return big_endian(static_cast<std::uint32_t>(content.size())) + checked +
+         big_endian(static_cast<std::uint32_t>(sum));
+}
+
+// It would take half a gigabyte before it turned out that there is nothing to decode.
+TEST(MapFile, APngPictureThatIsTooShortForItsSizeIsRefusedByItsHeader) {
+  const TemporaryFolder folder;
+  const std::string one_bit_grey("\1\0\0\0\0", 5);
+  folder.write("large.png", "\x89PNG\r\n\x1a\n" +
+                                png_chunk("IHDR", big_endian(16384) + big_endian(16384) + one_bit_grey) +
+                                png_chunk("IDAT", "abc"));
+  const std::string error =
+      error_of(folder.write("site.yaml", "image: large.png\nresolution: 1\norigin: [0, 0, 0]\n"));
+  EXPECT_NE(error.find("large.png: truncated: 16384 x 16384 pixels"), std::string::npos) << error;
 }
 
 TEST(MapFile, EveryMistakeInARosMapNamesTheField) {

@@ -4,6 +4,7 @@
 
 #include "files/input_error.h"
 #include "files/map_file.h"
+#include "planning/quantities.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -127,6 +128,17 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
 TEST(ScenarioFile, AskingForMoreRobotsThanThereAreIsAnError) {
   EXPECT_NE(error_of(scenario(two_robots), small_map, {.robots = 3}).find("robots: 3 were asked for"),
             std::string::npos);
+}
+
+TEST(ScenarioFile, NoMoreRobotsThanAFleetMayHaveAreDriven) {
+  std::string robots = R"("robots": [)";
+  for (std::size_t k = 0; k <= most_robots; ++k)
+    robots += (k == 0 ? "" : ",") + std::string(R"({"name": "a", "start": {"x": 1, "y": 1}})");
+  const std::string many = scenario(robots + "]");
+  EXPECT_NE(error_of(many).find("fleet.json: robots: 4097, expected at most 4096"), std::string::npos)
+      << error_of(many);
+  const std::string of_some = error_of(many, small_map, {.robots = 4096});
+  EXPECT_NE(of_some.find("robots[0].goal: is missing"), std::string::npos) << of_some;
 }
 
 TEST(ScenarioFile, MalformedScenNamesFileAndLine) {

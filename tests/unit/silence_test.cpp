@@ -5,6 +5,7 @@
 
 #include "bus/validation.h"
 #include "motion/promise.h"
+#include "planning/quantities.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/loss.h"
 
