@@ -184,7 +184,7 @@ TEST_F(ARecordedRun, IsReplayedFromAnyTimeOn) {
   test::within(30s, [&] {
     for (const Arrival& arrival : watcher.take()) {
       view.on(arrival.message, arrival.at);
-      if (first_time < 0 && view.robots().size() == 4) first_time = *view.fleet_time(wall_now());
+      if (first_time < 0 && view.robots().size() == 4) first_time = view.fleet_time(wall_now()).value_or(-1);
     }
     return test::has_ended(replay.pid());
   });
