@@ -28,7 +28,8 @@ class ClockOffset {
   /// The other says that a message of one's own, stamped `sent`, arrived there at `received` by its clock.
   void hear_echo(double sent, double received, double now) {
     loosen(now);
-    least_ = std::max(least_, sent - received);
+    // It may have been repeated for long.
+    least_ = std::max(least_, sent - received - clock_drift * std::max(0.0, now - sent));
     if (least_ > most_) most_ = infinity;
   }
 

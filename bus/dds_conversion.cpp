@@ -173,6 +173,7 @@ idl::RobotState to_dds(const RobotState& m) {
   d.robot(m.robot);
   d.sequence_number(m.sequence);
   d.stamp(m.stamp);
+  d.run(m.run);
   d.position(to_dds(m.position));
   d.velocity(to_dds(m.velocity));
   d.radius(m.radius);
@@ -228,7 +229,8 @@ RobotState from_dds(const idl::RobotState& d) {
           .counts_as_dead = d.counts_as_dead(),
           .is_new = d.is_new(),
           .wants_echo = d.wants_echo(),
-          .echoes = std::move(echoes)};
+          .echoes = std::move(echoes),
+          .run = d.run()};
 }
 
 idl::JointPlan to_dds(const JointPlanMessage& m) {

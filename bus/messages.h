@@ -188,6 +188,7 @@ struct RobotState {
       false;  ///< its process was started anew in mid-run: it does not know yet where all others are
   bool wants_echo = false;     ///< nobody has told it of late to have heard of it
   std::vector<Echo> echoes{};  ///< of some of the others, all in turn
+  WallTime run = 0;            ///< which one its mission is of
   bool operator==(const RobotState&) const = default;
 };
 

@@ -145,6 +145,7 @@ Problem check(const RobotState& m) {
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
        {is_sane(m.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry), "time is not finite"},
+       {std::isfinite(m.run), "run has no time"},
        {m.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry, "promise ends before it begins"},
        {m.promise.expiry - m.stamp <= longest_promise, "promise is too long"},
        {sane(m.position), "position is not finite"},

@@ -150,7 +150,7 @@ void FleetView::receive(const RootNodes& batch, WallTime) {
 }
 
 void FleetView::receive(const RobotState& state, WallTime at) {
-  if (state.passed_on) return;
+  if (state.passed_on || is_of_earlier_run(state.run)) return;
   SeenRobot* const seen = robot(state.robot);
   if (seen == nullptr) return;
   // Of an earlier run, or late.

@@ -180,6 +180,7 @@ void to(const RobotState& m, recording::RobotState* out) {
   out->set_robot(m.robot);
   out->set_sequence(m.sequence);
   out->set_stamp(m.stamp);
+  out->set_run(m.run);
   to(m.position, out->mutable_position());
   to(m.velocity, out->mutable_velocity());
   out->set_radius(m.radius);
@@ -226,7 +227,8 @@ std::optional<Message> from(const recording::RobotState& m) {
                    .passed_on = m.passed_on(),
                    .counts_as_dead = m.counts_as_dead(),
                    .is_new = m.is_new(),
-                   .wants_echo = m.wants_echo()};
+                   .wants_echo = m.wants_echo(),
+                   .run = m.run()};
   for (const auto& echo : m.echoes()) state.echoes.push_back({echo.robot(), echo.stamp(), echo.received()});
   return state;
 }

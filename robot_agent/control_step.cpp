@@ -136,9 +136,9 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   }
   if (body_->stands()) stand_for(fleet_now, waiting_lease);
   if (status_.phase == Phase::driving)
-    status_.reason = "its agent was started anew, and has not heard where all others are";
+    status_.reason = "its agent was started in mid-run, and has not heard where all others are";
   if (status_.phase == Phase::driving && fleet_now - mustering_since_ > longest_ignorance)
-    give_up("its agent was started anew, and nobody who is alive knows where all others are");
+    give_up("its agent was started in mid-run, and nobody who is alive knows where all others are");
   return true;  // its body brakes
 }
 
@@ -402,7 +402,8 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .copies = copies(),
           .is_new = is_new_,
           .wants_echo = !fleet_.echoed(fleet_now),
-          .echoes = std::move(echoes)};
+          .echoes = std::move(echoes),
+          .run = mission_->clock.epoch};
 }
 
 }  // namespace coppice

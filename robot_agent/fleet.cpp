@@ -46,6 +46,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     for (Peer& p : peers_) {
       p.clock = {};
       p.introductions = 0;
+      if (p.state && p.state->run != clock_.epoch) p = {.phase = p.phase, .robot = p.robot};
     }
   }
   if (mission.robot == self_) {
@@ -65,6 +66,8 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
 
 bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (state->robot == self_ || !has_room_for(state->robot)) return false;
+  // Its times would be those of the run before.
+  if (has_clock_ && state->run != clock_.epoch) return false;
   const std::size_t number = number_of(state->robot);
   Peer& p = peers_[number];
   if (state->passed_on && is_doubtful(*state, p, arrived)) return false;

@@ -67,8 +67,10 @@ class Fleet {
   /// False if it is no news: older than what is known, or of this robot itself.
   bool hear(std::shared_ptr<const RobotState> state, WallTime arrived);
 
-  /// Its process was started anew in mid-run: where others are that have said nothing since, only others
-  /// know, and these of whom it has kept the last states.
+  /// Whoever comes only now does not know where the others have gone, and which of them have died there.
+  bool is_under_way(double now) const;
+  /// Its process was started anew, or for the first time, in mid-run: where others are that have said nothing
+  /// since, only others know, and these of whom it has kept the last states.
   void begin_anew(std::span<const Heard> silent, double now);
 
   /// Asks memory for what is known of a robot whose state is about to be handed over.
@@ -81,6 +83,9 @@ class Fleet {
   /// Once in each control step, with where this robot is and what knot it holds in (none: no epoch): who has
   /// been silent for too long counts as dead from now on.
   void judge_silence(double now, const Point2& position, const KnotId& holds_in, const ClearanceField& field);
+  /// What counts as a second of silence, in fleet time: one of the wall's clock, and never less than states
+  /// take that come by fleet time.
+  double second() const { return std::max(1.0, clock_.scale); }
   /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
   /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
@@ -196,9 +201,6 @@ class Fleet {
   bool has_room_for(const RobotName& robot) const;
   bool is_doubtful(const RobotState& passed_on, const Peer& peer, WallTime arrived) const;
   bool is_from_the_future(double stamp, const Peer& peer, double now) const;
-  /// What counts as a second of silence, in fleet time: one of the wall's clock, and never less than states
-  /// take that come by fleet time.
-  double second() const { return std::max(1.0, clock_.scale); }
   double since(WallTime at, double now) const { return now - clock_.fleet_time(at); }
   double gap(const Peer& p) const { return (p.place - position_).norm() - own_mission_->radius - p.radius; }
   double closing_speed(const Peer& p) const { return own_mission_->max_speed + p.max_speed; }
@@ -231,6 +233,7 @@ class Fleet {
   bool unheard_by_all(const Absences& count, double now) const;
   bool silent_alone(const Peer& lost, double now) const;
   double age_of_last_sign(const Peer& peer, double now) const;
+  std::vector<Peer*> with_those_who_never_came(std::vector<Peer*> lost);
   void stand_as_minority(bool several_fell_silent, double now);
   void give_up_the_lost(const Absences& count, double now, const ClearanceField& field);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;

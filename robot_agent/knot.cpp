@@ -105,9 +105,9 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   const bool leaderless = !leader || leader->dead || leader->knot != id_;
   const bool planned = !leaderless && leader->stage != Stage::holding;
   if (planned && !planned_since_) planned_since_ = now;
-  if ((leaderless && now - *holding_since_ > 1) || now - *holding_since_ > longest_hold) {
+  if ((leaderless && now - *holding_since_ > fleet.second()) || now - *holding_since_ > longest_hold) {
     call(self, fleet, now);
-  } else if (planned && now - *planned_since_ > long_delay) {
+  } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     let_go();  // it came too late for the plan
   }
 }

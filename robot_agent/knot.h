@@ -53,6 +53,11 @@ class Knot {
 
   /// What did not help before may do so now.
   void hope_anew() { calls_in_vain_ = 0; }
+  /// It is to go elsewhere: that no plan could help it until now says nothing.
+  void forget_failures() {
+    calls_in_vain_ = 0;
+    stranded_ = false;
+  }
 
   /// `position`: of this robot, none before it has a body.
   void hear(const RobotState& state, const std::optional<Point2>& position);

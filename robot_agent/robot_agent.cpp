@@ -169,6 +169,7 @@ void RobotAgent::begin_mission(WallTime now) {
   found_.reset();
   times_stranded_ = 0;
   gave_up_ = false;
+  knot_.forget_failures();
   lets_others_finish_ = true;
   if (const char* const problem = problem_with_task()) {
     follower_.reset();
@@ -197,9 +198,16 @@ void RobotAgent::place_body(const Mission& mission, double fleet_now) {
     return go_on_from(*memory, fleet_now);
   const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
   body_.emplace(mission.start, begin, mission.radius, limits_of(mission), period);
+  if (fleet_.is_under_way(fleet_now)) join_late({}, fleet_now);
 }
 
 /// As after a pause, but that it knows nobody yet: it stands until it has heard of the others.
+void RobotAgent::join_late(std::span<const Heard> silent, double fleet_now) {
+  is_new_ = true;
+  fleet_.begin_anew(silent, fleet_now);
+  listen_anew(fleet_now);
+}
+
 void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
   body_ = memory.body;
   track_ = tracking_ ? memory.seen : memory.track;
@@ -208,10 +216,8 @@ void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
   last_beat_ = sequence_ / standing_stride;
   first_control_ = false;
   knot_.forget(memory.knot_epoch);
-  is_new_ = true;
-  fleet_.begin_anew(memory.silent, fleet_now);
+  join_late(memory.silent, fleet_now);
   has_left_knot_ = memory.stage != Stage::free;
-  listen_anew(fleet_now);
   const AgentStatus& before = memory.status;
   if (before.mission == mission_->number) {
     status_.mission_time = before.mission_time;

@@ -81,6 +81,7 @@ class RobotAgent {
   void begin_mission(WallTime now);
   void place_body(const Mission& mission, double fleet_now);
   void go_on_from(const Memory& memory, double fleet_now);
+  void join_late(std::span<const Heard> silent, double fleet_now);
   void forget_trees(const std::function<bool(const InactiveTreeMessage&)>& which);
   const char* problem_with_task() const;
   void stop();

@@ -82,10 +82,17 @@ double Fleet::explained_silence(const Peer& p) const {
   return lost_in_a_row * std::max(0.0, control_period * stride_from(p) - slow_beat);
 }
 
-/// More is missing than some lost samples, though it may not be enough to count as silent.
+/// Robots without which all have waited for long enough may have come, driven and died.
+bool Fleet::is_under_way(double now) const {
+  return now > longest_muster * second();
+}
+
+/// More is missing than some lost samples, though it may not be enough to count as silent; or it comes when
+/// the others are under way.
 bool Fleet::was_away(const Peer& p, double now) const {
+  if (!p.state) return is_under_way(now);
   const double unheard_for = since(p.heard_at, now) - long_absence * second();
-  return p.state && unheard_for > 0 && unheard_for > lost_before_it_is_away * control_period * stride_from(p);
+  return unheard_for > 0 && unheard_for > lost_before_it_is_away * control_period * stride_from(p);
 }
 
 /// For so long nothing came that should have.
@@ -200,18 +207,28 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   }
   if (lost.empty() || now - somebody_back_at_ < hears_the_news * second()) return;
   const std::size_t left = 1 + count.alive - count.absent;
-  const bool minority = is_minority(lost, left);
+  const std::vector<Peer*> missed = with_those_who_never_came(lost);
+  const bool minority = is_minority(missed, left);
   if (minority) stand_as_minority(several, now);
+  for (Peer* p : missed) p->across = minority;
   // Who fell silent with others may have driven on with them.
   const auto first_of_piece = std::stable_partition(lost.begin(), lost.end(), [&](const Peer* p) {
     return !several || !p->state || silent_alone(*p, now);
   });
   const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
   for (auto p = lost.begin(); p != lost.end(); ++p) {
-    (*p)->across = minority;
     bury(**p, p < first_of_piece ? unheard_states_of(**p, count) : until_noticed, field, now);
     if ((*p)->state) doubt(**p, now);
   }
+}
+
+/// A network may be in pieces from the beginning: then they are given up one by one, by when their missions
+/// came.
+std::vector<Fleet::Peer*> Fleet::with_those_who_never_came(std::vector<Peer*> lost) {
+  for (Peer& p : peers_) {
+    if (p.dead && !p.state) lost.push_back(&p);
+  }
+  return lost;
 }
 
 /// Many may have died at once, but not within the time that a network takes to heal. One robot may have, or
@@ -339,7 +356,8 @@ std::vector<RobotState> Fleet::states_of_the_silent(double now) const {
                         .position = p.place,
                         .radius = m.radius,
                         .max_speed = m.max_speed,
-                        .max_acceleration = m.max_acceleration});
+                        .max_acceleration = m.max_acceleration,
+                        .run = clock_.epoch});
     }
     states.back().passed_on = true;
     states.back().counts_as_dead = p.dead && p.doubted_until == 0;

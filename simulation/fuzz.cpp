@@ -174,7 +174,7 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     const bool shut_in = somebody_died && !(*sorted_out)[i];
     // What it knew of the dead died with its own process, and with all others.
     const bool ignorant = somebody_died && simulation.suffered().restarts > 0 &&
-                          robot.reason().find("its agent was started anew, and") != std::string::npos;
+                          robot.reason().find("its agent was started in mid-run, and") != std::string::npos;
     std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;
     list.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
   }

@@ -43,6 +43,10 @@ INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
 // silence, and drove into it.
 INSTANTIATE_TEST_SUITE_P(DiedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));
 
+// In pieces before they had heard of each other: each missed the others one by one, and never so many at once
+// that it took its own piece for the smaller one.
+INSTANTIATE_TEST_SUITE_P(InPiecesFromTheBeginning, FuzzSeedsWithRestarts, testing::Values(2100149));
+
 // More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a
 // hair too close to where it might stand.
 INSTANTIATE_TEST_SUITE_P(TooMuchKeptClear, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));

@@ -76,6 +76,18 @@ TEST(Faults, AGoalThatADeadRobotCoversInPartIsReachedBesideIt) {
   EXPECT_FALSE(outcome.report.robots(2).arrived());
 }
 
+// One dies on its way while the process of another has yet to start: that one must not take the dead one to
+// be where its mission began.
+TEST(Faults, WhoComesWhenTheOthersAreUnderWayLearnsWhereSomebodyDied) {
+  const OccupancyMap open{.width = 512, .height = 256, .blocked = std::vector<std::uint8_t>(512 * 256, 0)};
+  Scenario scenario{.map_name = "open", .map = open, .robots = {}};
+  scenario.robots = {{"a", {180, 130}, {215, 125}, 5, 20, 40, 1},
+                     {"b", {170, 100}, {450, 100}, 5, 20, 40, 1},
+                     {"c", {200, 60}, {320, 142.5}, 5, 20, 40, 1}};
+  const Outcome outcome = simulate(scenario, {.kills = {{"c", 0.01}, {"b", 14}}, .restart_after = 20});
+  expect_all_arrive(outcome, "one late, one dead for a while");
+}
+
 // Found by trying seeds: the last states of the robot that was killed were lost on their way to some, who
 // then took it to stand short of where it did.
 TEST(Faults, WhereADeadRobotStandsIsKnownToAllThoughItsLastStatesWereLost) {

@@ -36,6 +36,17 @@ TEST(ClockOffset, BoundsHoldTheTruthWhateverTheDelays) {
   }
 }
 
+TEST(ClockOffset, AnEchoThatIsRepeatedIsWorthWhatItsAgeLeavesOfIt) {
+  ClockOffset fresh;
+  fresh.hear(10, 10);
+  fresh.hear_echo(10, 10, 10);
+  EXPECT_DOUBLE_EQ(fresh.error(10), 0);
+  ClockOffset late;
+  late.hear(60, 60);
+  late.hear_echo(10, 10, 60);
+  EXPECT_DOUBLE_EQ(late.error(60), 50 * clock_drift / 2);
+}
+
 TEST(ClockOffset, LoosensWithTimeAndFollowsAClockThatIsSetAnew) {
   ClockOffset clock;
   clock.hear(10, 10.01);

@@ -39,5 +39,15 @@ TEST(Knot, WhoWasStartedAnewJoinsWhatIsLaterThanWhatItForgot) {
   }
 }
 
+TEST(Knot, WhatFailedOnTheWayToOneGoalSaysNothingOfTheNext) {
+  Knot knot("a");
+  const FleetMember here{.robot = "a", .radius = 1, .stands = true, .knot = {}};
+  for (int k = 0; k < 3; ++k) knot.call_everybody(here, k);
+  EXPECT_EQ(knot.calls_in_vain(), 3);
+  knot.forget_failures();
+  EXPECT_EQ(knot.calls_in_vain(), 0);
+  EXPECT_FALSE(knot.stranded());
+}
+
 }  // namespace
 }  // namespace coppice

@@ -334,6 +334,41 @@ TEST(Silence, AfterSomebodyCameBackNobodyIsTakenForDeadUntilItHasHeardTheNews) {
   EXPECT_TRUE(a.who_missed_the_news(now).empty());
 }
 
+TEST(Silence, WhoIsFirstHeardOfWhenTheOthersAreUnderWayIsToldOfTheDead) {
+  Listener a;
+  for (double now = 0; now < 12; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.who_missed_the_news(12).empty());
+  a.hear("b", 12);
+  EXPECT_EQ(a.who_missed_the_news(12.1), std::vector<RobotName>{"b"});
+}
+
+// Agents outlive runs: one may still speak of the last one when another has begun the next.
+TEST(Silence, WhatWasSaidInTheRunBeforeIsForgotten) {
+  Fleet fleet("a");
+  const auto says = [&](WallTime run, double stamp) {
+    return fleet.hear(std::make_shared<const RobotState>(RobotState{.robot = "b",
+                                                                    .stamp = stamp,
+                                                                    .position = {100, 100},
+                                                                    .radius = 5,
+                                                                    .promise = {stamp, Point2::Zero(), stamp},
+                                                                    .knot = {},
+                                                                    .run = run}),
+                      run + stamp);
+  };
+  EXPECT_TRUE(says(100, 300));  // which run it is in is not known yet
+  for (const char* robot : {"a", "b"})
+    fleet.hear(Mission{.robot = robot, .start = {70, 70}, .radius = 5, .max_speed = 20, .clock = {500, 1}},
+               500);
+  EXPECT_EQ(fleet.find("b")->position, Point2(70, 70));
+  EXPECT_FALSE(says(100, 400.1));
+  EXPECT_EQ(fleet.find("b")->position, Point2(70, 70));
+  EXPECT_TRUE(says(500, 0.1));
+  EXPECT_EQ(fleet.find("b")->position, Point2(100, 100));
+}
+
 TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
   Listener a;
   for (double now = 0; now < 9.5; now += period) {
