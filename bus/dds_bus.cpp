@@ -97,6 +97,15 @@ int largest_datagram_of(const DdsSettings& settings) {
                                    : std::max(settings.largest_datagram, datagram_for_credentials);
 }
 
+/// Servers tell everybody of everybody, whatever the domain is: what they find keeps to its own by partition.
+template <class Qos>
+Qos of_domain(const DdsSettings& settings) {
+  Qos qos;
+  if (are_servers(discovery_of(settings)))
+    qos.partition().push_back(fmt::format("domain-{}", settings.domain).c_str());
+  return qos;
+}
+
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role, const std::string& sender,
                                           Audience& audience, Announcements& announcements,
                                           Traffic& traffic) {
@@ -226,8 +235,10 @@ struct DdsBus::Implementation {
     // A megabyte of them, for tools that see the endpoints.
     if (discovery_of(settings) != static_discovery) register_type_objects();
     participant = disabled_participant(settings, sender);
-    publisher = required(participant->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher");
-    subscriber = required(participant->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "a subscriber");
+    publisher =
+        required(participant->create_publisher(of_domain<dds::PublisherQos>(settings)), "a publisher");
+    subscriber =
+        required(participant->create_subscriber(of_domain<dds::SubscriberQos>(settings)), "a subscriber");
     std::apply([&](auto&... ends) { (open(ends), ...); }, topics);
     if (participant->enable() != eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK)
       throw std::runtime_error(

@@ -1,11 +1,14 @@
 #include "bus/dds_discovery_server.h"
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
+#include <fastrtps/utils/IPFinder.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
 
@@ -16,6 +19,18 @@ namespace coppice {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
+
+namespace {
+
+/// Clients are told of it, and would look for the server elsewhere.
+bool is_of_this_host(const std::string& address) {
+  if (address == "0.0.0.0") return true;
+  std::vector<eprosima::fastrtps::rtps::IPFinder::info_IP> own;
+  eprosima::fastrtps::rtps::IPFinder::getIPs(&own, true);
+  return std::ranges::any_of(own, [&](const auto& ip) { return ip.name == address; });
+}
+
+}  // namespace
 
 struct DdsDiscoveryServer::Implementation {
   Audience audience{false};  // sends to all
@@ -39,6 +54,8 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
   if (!rtps::get_server_client_default_guidPrefix(place, qos.wire_protocol().prefix) ||
       !rtps::IPLocator::setIPv4(locator, address) || !rtps::IPLocator::setPhysicalPort(locator, port))
     throw std::runtime_error(fmt::format("{}:{} is no address for a discovery server", address, port));
+  if (!is_of_this_host(address))
+    throw std::runtime_error(fmt::format("{} is no address of this host, nor 0.0.0.0: all of them", address));
   builtin.metatrafficUnicastLocatorList.push_back(locator);
   implementation_->participant = dds::DomainParticipantFactory::get_instance()->create_participant(0, qos);
   if (implementation_->participant == nullptr)

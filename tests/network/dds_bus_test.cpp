@@ -370,9 +370,24 @@ TEST(DdsBus, ThroughADiscoveryServerThoseWhoKnowItFindEachOther) {
                   .empty());
 }
 
+TEST(DdsBus, ThroughADiscoveryServerFleetsOfTwoDomainsDoNotMeet) {
+  const DdsDiscoveryServer server("127.0.0.1", 23919, 0);
+  const std::string known = "127.0.0.1:23919";
+  DdsBus service({.domain = domain + 10, .discovery = known}, Role::service, "service");
+  DdsBus agent({.domain = domain + 10, .discovery = known}, Role::agent, "agent");
+  DdsBus of_another_fleet({.domain = domain + 11, .discovery = known}, Role::agent, "of another fleet");
+  const Message mission = some_mission();
+  service.publish(mission);
+  EXPECT_TRUE(holds(receive(agent, [&](const auto& all) { return holds(all, mission); }), mission));
+  EXPECT_TRUE(receive(
+                  of_another_fleet, [](const auto& all) { return !all.empty(); }, 1)
+                  .empty());
+}
+
 TEST(DdsBus, DiscoveryServersThatAreNoAddressesAreRefused) {
   EXPECT_THROW(DdsBus({.discovery = "nonsense"}, Role::agent, "agent"), std::runtime_error);
   EXPECT_THROW(DdsDiscoveryServer("300.1.1.1", 23918, 0), std::runtime_error);
+  EXPECT_THROW(DdsDiscoveryServer("203.0.113.1", 23918, 0), std::runtime_error);  // of no host (RFC 5737)
 }
 
 }  // namespace
