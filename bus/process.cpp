@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <iterator>
 #include <memory>
 #include <stdexcept>
@@ -93,6 +94,10 @@ void install_stop_signals() {
   action.sa_handler = on_stop_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  struct sigaction before {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool stop_requested() {
@@ -129,6 +134,16 @@ bool set_up_logging(const std::string& name, const std::string& level, bool as_j
   logger->set_level(known);
   spdlog::set_default_logger(std::move(logger));
   return true;
+}
+
+int exit_code_of(const std::function<int()>& program) {
+  try {
+    return program();
+  } catch (const std::exception& problem) {
+    spdlog::set_level(spdlog::level::err);  // it may be off
+    spdlog::error("{}", problem.what());
+    return 2;
+  }
 }
 
 }  // namespace coppice

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -16,8 +17,8 @@ inline WallTime wall_now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// SIGINT and SIGTERM ask a process to stop; asking again does no more than that. Call once, before other
-/// threads.
+/// SIGINT, SIGTERM and SIGHUP (unless that is ignored, as by nohup) ask a process to stop; asking again does
+/// no more than that. Who reads its output may go: SIGPIPE is ignored. Call once, before other threads.
 void install_stop_signals();
 bool stop_requested();
 
@@ -41,6 +42,10 @@ class Heartbeat {
 /// Logs to standard error at the level that is named (trace ... off); false for an unknown name. As lines of
 /// text, or of JSON: {"time":"...","level":"...","name":"...","message":"..."}.
 bool set_up_logging(const std::string& name, const std::string& level, bool as_json = false);
+
+/// Runs a program and returns its exit code: 2 if it throws, which is then the last line of its log, whatever
+/// the level of that.
+int exit_code_of(const std::function<int()>& program);
 
 /// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
 inline constexpr double longest_wait = 0.1;

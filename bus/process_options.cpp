@@ -70,6 +70,13 @@ void check_ros(const RosOptions& options, const std::string& discovery, const st
         "--ros goes without --discovery static: programs of ROS 2 would see none of the topics");
 }
 
+void add_log_options(CLI::App& app, LogOptions& options) {
+  app.add_option("--log-level", options.level, "trace, debug, info, warning, error or off")
+      ->check(CLI::IsMember(
+          std::vector<std::string>{"trace", "debug", "info", "warning", "error", "critical", "off"}));
+  app.add_flag("--log-json", options.json, "log lines of JSON");
+}
+
 void add_process_options(CLI::App& app, ProcessOptions& options) {
   app.add_option("--domain", options.network.domain, "DDS domain")->check(CLI::Range(0, 232));
   app.add_option("--discovery", options.network.discovery,
@@ -86,10 +93,7 @@ void add_process_options(CLI::App& app, ProcessOptions& options) {
       ->check(a_folder_name());
   app.add_option("--alive", options.alive,
                  "file that is touched every second while all is well: for health checks");
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warning, error or off")
-      ->check(CLI::IsMember(
-          std::vector<std::string>{"trace", "debug", "info", "warning", "error", "critical", "off"}));
-  app.add_flag("--log-json", options.log_json, "log lines of JSON");
+  add_log_options(app, options.log);
 }
 
 }  // namespace coppice

@@ -12,12 +12,17 @@ class Validator;
 
 namespace coppice {
 
+/// What is logged, and how (bus/process.h).
+struct LogOptions {
+  std::string level = "info";
+  bool json = false;
+};
+
 struct ProcessOptions {
   DdsSettings network;
   std::string state;  ///< folder for what it keeps for its successor; empty: nothing is kept
   std::string alive;  ///< file that is touched every second; empty: none
-  std::string log_level = "info";
-  bool log_json = false;
+  LogOptions log;
 };
 
 /// What a fleet does in ROS 2 (docs/ros.md).
@@ -40,6 +45,9 @@ void check_ros(const RosOptions& options, const std::string& discovery, const st
 CLI::Validator a_discovery();
 /// Of an option that names a folder: not empty, as of a variable that is not set.
 CLI::Validator a_folder_name();
+
+/// --log-level and --log-json.
+void add_log_options(CLI::App& app, LogOptions& options);
 
 /// Values out of range are usage errors.
 void add_process_options(CLI::App& app, ProcessOptions& options);

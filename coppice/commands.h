@@ -26,10 +26,12 @@ struct FleetOptions {
   std::optional<int> domain;  ///< none: one of its own
   std::string discovery;      ///< as in bus/dds_bus.h
   std::string security;       ///< folder with a folder of credentials for each role; empty: none
-  std::string state;          ///< folder for what processes keep for their successors; empty: one of its own
+  std::string state;          ///< folder for what processes keep for their successors; empty: see `restart`
   bool standby = false;       ///< a second broker, that takes over if the first is gone
-  bool restart = false;       ///< who ends early is started again
+  bool restart = false;       ///< who ends early is started again; `state` is then a folder of its own
   bool watch = false;         ///< a monitor, and its page in a browser, too
+  LogOptions log;             ///< of all processes
+  std::string logs;           ///< folder for those that are not on the terminal; empty: they are not kept
   NewRecording record;
   RosOptions ros;
 };
@@ -42,6 +44,7 @@ struct DiscoveryOptions {
   std::uint16_t port = 11811;
   int place = 0;      ///< in the list of servers that the fleet is given
   std::string alive;  ///< file that is touched every second; empty: none
+  LogOptions log;
 };
 
 /// A discovery server, until it is told to stop.
@@ -52,6 +55,7 @@ struct RecordOptions {
   DdsSettings network;
   std::optional<double> duration;  ///< seconds; none: until it is told to stop
   bool force = false;              ///< replaces what is there
+  LogOptions log;
 };
 
 /// Writes what a fleet says to a file (monitor/recording.h).
@@ -75,6 +79,7 @@ struct MonitorOptions {
   std::string recording;  ///< shows that; empty: a fleet that drives
   WebSettings web;
   bool open = false;  ///< a browser, too
+  LogOptions log;
 };
 
 /// Shows a fleet that drives, or a recording, to pages, Foxglove and Prometheus, until it is told to stop.

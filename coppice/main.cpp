@@ -61,20 +61,28 @@ int main(int argc, char** argv) {
   run->add_flag("--restart", fleet.restart, "processes that end early are started again, and go on");
   add_recording_options(*run, fleet.record, "recording of all that the fleet says (MCAP)");
   run->add_flag("--watch", fleet.watch, "shows the fleet on a page, in a browser where there is one");
+  add_log_options(*run, fleet.log);
+  run->add_option("--logs", fleet.logs, "folder for the processes' logs, NAME.log, made if it is missing")
+      ->check(a_folder_name());
   add_ros_options(*run, fleet.ros, true, true);
   run->callback([&] { exit_code = run_command(options, fleet, "/proc/self/exe"); });
   WatchingOptions watching;
   add_watching_commands(app, watching, exit_code);
   DiscoveryOptions server;
   auto* discovery = app.add_subcommand("discovery", "a discovery server, for networks without multicast");
-  discovery->add_option("--address", server.address, "IPv4 address of this host to listen at");
+  discovery->add_option("--address", server.address,
+                        "IPv4 address of this host that clients are told; it listens at all");
   discovery->add_option("--port", server.port, "UDP port")->check(CLI::Range(1, 65535));
   discovery
       ->add_option("--place", server.place, "in the list of servers that the fleet is given, 0 for the first")
       ->check(CLI::Range(0, 255));
   discovery->add_option("--alive", server.alive,
                         "file that is touched every second while all is well: for health checks");
-  discovery->callback([&] { exit_code = discovery_command(server); });
+  add_log_options(*discovery, server.log);
+  discovery->callback([&] {
+    set_up_logging("coppice discovery", server.log.level, server.log.json);
+    exit_code = exit_code_of([&] { return discovery_command(server); });
+  });
   FleetPlan plan_of_fleet;
   auto* doctor = app.add_subcommand("doctor", "does this machine have what a fleet needs? what to change");
   doctor->add_option("--robots", plan_of_fleet.robots, "that are to run on this machine")
@@ -151,7 +159,7 @@ int main(int argc, char** argv) {
                    "of scale: fleet seconds a wall second, instead of 1 for up to 50 robots")
       ->check(number_between(least_quantity, largest_time_scale));
   experiments->add_option("--discovery", bench.discovery, "of scale: as for coppice run")
-      ->check(a_folder_name());
+      ->check(a_discovery());
   experiments->add_option("--security", bench.security, "of scale: as for coppice run")
       ->check(a_folder_name());
   experiments->add_option("--report", bench.report, "of scale: write the results (JSON)")

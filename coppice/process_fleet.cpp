@@ -5,10 +5,10 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -22,17 +22,22 @@ namespace {
 
 constexpr std::chrono::milliseconds last_grace{2000};
 constexpr std::chrono::milliseconds poll_period{10};
-constexpr std::size_t last_words_length = 300;  // characters
+constexpr std::streamoff last_words_length = 300;  // characters
 
-[[noreturn]] void become(const std::vector<std::string>& command, const std::string& log, int niceness,
-                         pid_t parent) {
+using Clock = std::chrono::steady_clock;
+
+/// `log`: empty for none; `log_mode`: whether it begins anew (O_TRUNC) or goes on (O_APPEND).
+[[noreturn]] void become(const std::vector<std::string>& command, const std::string& log, int log_mode,
+                         int niceness, pid_t parent) {
   // The child's own: dies with the parent, is not ended by the terminal's Ctrl-C before the parent decides.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // the parent was gone before the wish was known
   setpgid(0, 0);
+  // Programs of others may count on it.
+  std::signal(SIGPIPE, SIG_DFL);
   nice(niceness);  // if it is refused, it is no worse than without
   if (!log.empty()) {
-    const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    const int file = open(log.c_str(), O_WRONLY | O_CREAT | log_mode, 0644);
     if (file >= 0) {
       dup2(file, STDOUT_FILENO);
       dup2(file, STDERR_FILENO);
@@ -61,10 +66,11 @@ pid_t ProcessFleet::start(const std::string& name, const std::vector<std::string
         fmt::format("{}: {} cannot be started: {}", name, command.front(), std::strerror(errno)));
   }
   const std::string log = output == Output::log ? (log_folder_ / (name + ".log")).string() : std::string();
+  const int log_mode = starts_.contains(name) ? O_APPEND : O_TRUNC;
   const pid_t parent = getpid();
   const pid_t pid = fork();
   if (pid < 0) throw std::runtime_error(fmt::format("{}: no new process: {}", name, std::strerror(errno)));
-  if (pid == 0) become(command, log, niceness, parent);
+  if (pid == 0) become(command, log, log_mode, niceness, parent);
   running_.push_back({name, pid});
   starts_.insert_or_assign(name, Start{command, output, niceness});
   return pid;
@@ -93,27 +99,31 @@ void ProcessFleet::terminate(const std::string& name) {
   }
 }
 
-void ProcessFleet::terminate_all(std::chrono::milliseconds grace, const std::string& but) {
+std::vector<ProcessFleet::Ended> ProcessFleet::terminate_all(std::chrono::milliseconds grace,
+                                                             const std::string& but) {
   const auto stays = [&](const Child& child) { return child.name == but; };
-  for (const Child& child : running_) {
-    if (!stays(child)) kill(child.pid, SIGTERM);
-  }
-  const auto end = std::chrono::steady_clock::now() + grace;
-  while (!std::ranges::all_of(running_, stays) && std::chrono::steady_clock::now() < end) {
-    if (!reap()) std::this_thread::sleep_for(poll_period);
-  }
-  for (const Child& child : running_) {
-    if (stays(child)) continue;
-    kill(child.pid, SIGKILL);
-    waitpid(child.pid, nullptr, 0);
-  }
-  std::erase_if(running_, std::not_fn(stays));
+  std::vector<Ended> gone;
+  const auto end_them = [&](int signal, Clock::time_point latest) {
+    for (const Child& child : running_) {
+      if (!stays(child)) kill(child.pid, signal);
+    }
+    while (!std::ranges::all_of(running_, stays) && Clock::now() < latest) {
+      if (auto ended = reap()) {
+        gone.push_back(std::move(*ended));
+      } else {
+        std::this_thread::sleep_for(poll_period);
+      }
+    }
+  };
+  end_them(SIGTERM, Clock::now() + grace);
+  end_them(SIGKILL, Clock::time_point::max());
+  return gone;
 }
 
 std::string ProcessFleet::last_words_of(const std::string& name) const {
-  std::ifstream log(log_folder_ / (name + ".log"));
-  const std::string all{std::istreambuf_iterator<char>(log), {}};
-  return all.size() > last_words_length ? all.substr(all.size() - last_words_length) : all;
+  std::ifstream log(log_folder_ / (name + ".log"), std::ios::ate);
+  log.seekg(std::max<std::streamoff>(0, log.tellg() - last_words_length));
+  return {std::istreambuf_iterator<char>(log), {}};
 }
 
 }  // namespace coppice

@@ -14,7 +14,7 @@ namespace coppice {
 
 class ProcessFleet {
  public:
-  /// Standard output and error of quiet children go to `log_folder`/NAME.log, which exists.
+  /// Standard output and error of quiet children go to `log_folder`/NAME.log; the folder exists.
   explicit ProcessFleet(std::filesystem::path log_folder);
   /// Ends and reaps whatever still runs.
   ~ProcessFleet();
@@ -28,7 +28,7 @@ class ProcessFleet {
   pid_t start(const std::string& name, const std::vector<std::string>& command, Output output,
               int niceness = 0);
 
-  /// The same again, of a child that has ended.
+  /// The same again, of a child that has ended; its log goes on.
   void start_again(const std::string& name);
 
   struct Ended {
@@ -41,8 +41,9 @@ class ProcessFleet {
 
   /// Sends SIGTERM to the child, if it still runs.
   void terminate(const std::string& name);
-  /// SIGTERM to all but the one of that name, SIGKILL to who is not gone after `grace`; all these are reaped.
-  void terminate_all(std::chrono::milliseconds grace, const std::string& but = {});
+  /// SIGTERM to all but the one of that name, SIGKILL to who is not gone after `grace`. Returns how these
+  /// have ended, and that one if it has meanwhile.
+  std::vector<Ended> terminate_all(std::chrono::milliseconds grace, const std::string& but = {});
 
  private:
   struct Start {

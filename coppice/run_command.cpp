@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -68,6 +72,11 @@ int own_domain() {
 
 using Command = std::vector<std::string>;
 
+Command joined(Command command, const Command& more) {
+  command.insert(command.end(), more.begin(), more.end());
+  return command;
+}
+
 Command service_command(const RunOptions& options, const std::string& program, bool serves) {
   Command command{program, options.scenario};
   const auto add = [&](const std::string& name, const std::string& value) {
@@ -90,6 +99,34 @@ Command service_command(const RunOptions& options, const std::string& program, b
   return command;
 }
 
+/// Of a fleet on one host, once: each process would say the same.
+void check_servers(const FleetOptions& options) {
+  const std::string servers = options.discovery.empty() ? usual_discovery_servers() : options.discovery;
+  if (!are_servers(servers)) return;
+  if (!options.security.empty())
+    throw InputError(fmt::format(
+        "--security goes without discovery servers (\"{}\"): those of this Fast DDS authenticate nobody",
+        servers));
+  if (!have_addresses(servers))
+    throw InputError(fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
+}
+
+/// That folder, made if it is missing. Throws InputError if nothing can be written there.
+std::filesystem::path made_folder(const std::string& name) {
+  std::error_code problem;
+  std::filesystem::create_directories(name, problem);
+  if (problem) throw InputError(fmt::format("{}: cannot be made: {}", name, problem.message()));
+  if (access(name.c_str(), W_OK | X_OK) != 0)
+    throw InputError(fmt::format("{}: no permission to write to it", name));
+  return name;
+}
+
+/// Where processes keep what those need that are started in their place; empty: nobody will be.
+std::filesystem::path state_folder(const FleetOptions& options, const std::filesystem::path& run_folder) {
+  if (!options.state.empty()) return made_folder(options.state);
+  return options.restart ? run_folder / "state" : std::filesystem::path();
+}
+
 /// Where nothing else is asked for, large fleets find each other in the way that suits them.
 std::string discovery_of(const FleetOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || !usual_discovery_servers().empty();
@@ -100,10 +137,16 @@ std::string discovery_of(const FleetOptions& options, std::size_t robots) {
 /// The options by which the processes of a run find each other. All are on one host.
 Command network_of(const FleetOptions& options, std::size_t robots) {
   const int domain = options.domain ? *options.domain : options.ros.on ? usual_ros_domain() : own_domain();
-  Command network{"--domain", std::to_string(domain)};
+  const Command network{"--domain", std::to_string(domain)};
   const std::string discovery = discovery_of(options, robots);
-  if (!discovery.empty()) network.insert(network.end(), {"--discovery", discovery});
-  return network;
+  return discovery.empty() ? network : joined(network, {"--discovery", discovery});
+}
+
+/// What all processes are told of their log.
+Command log_of(const LogOptions& options) {
+  Command log{"--log-level", options.level};
+  if (options.json) log.emplace_back("--log-json");
+  return log;
 }
 
 /// What all who speak ROS are told of it.
@@ -116,6 +159,11 @@ Command ros_of(const RosOptions& options) {
 constexpr const char* service_name = "planner_service";
 constexpr const char* recorder_name = "recorder";
 
+/// No other process is called that, whatever the robot is.
+std::string name_of_agent(const RobotName& robot) {
+  return "robot-" + robot;
+}
+
 /// The processes of a run, in the order in which they start.
 struct Process {
   std::string name;
@@ -124,27 +172,25 @@ struct Process {
   int niceness = 0;
 };
 
-/// `programs`: where the roles' lie. `state`: what they keep goes there. Throws if credentials are bad.
+/// `programs`: where the roles' lie. `state`: what they keep goes there; empty: nothing. Throws if
+/// credentials are bad.
 std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& options,
                                   const FleetOptions& fleet, const std::filesystem::path& programs,
                                   const std::filesystem::path& state) {
-  const Command network = network_of(fleet, scenario.robots.size());
+  const Command all_are_told = joined(network_of(fleet, scenario.robots.size()), log_of(fleet.log));
   const auto on_network = [&](Command command, const std::string& role_name, Role role) {
     command[0] = (programs / command[0]).string();
-    command.insert(command.end(), network.begin(), network.end());
-    if (!fleet.security.empty()) {
-      const std::string credentials = fleet.security + "/" + role_name;
-      check_credentials(credentials, role);
-      command.insert(command.end(), {"--security", credentials});
-    }
-    return command;
+    command = joined(std::move(command), all_are_told);
+    if (fleet.security.empty()) return command;
+    const std::string credentials = fleet.security + "/" + role_name;
+    check_credentials(credentials, role);
+    return joined(std::move(command), {"--security", credentials});
   };
   const auto with = [&](const Command& command, const std::string& role_name, Role role,
                         const std::filesystem::path& keeps_in) {
-    Command whole = on_network(command, role_name, role);
-    whole.insert(whole.end(),
-                 {"--datagram", std::to_string(datagram_for_one_host), "--state", keeps_in.string()});
-    return whole;
+    const Command whole =
+        joined(on_network(command, role_name, role), {"--datagram", std::to_string(datagram_for_one_host)});
+    return state.empty() ? whole : joined(whole, {"--state", keeps_in.string()});
   };
   std::vector<Process> all;
   if (!fleet.record.file.empty()) {
@@ -160,18 +206,16 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   const Command broker{"tree_broker", "--seed", std::to_string(scenario.seed)};
   all.push_back({"tree_broker", with(broker, "broker", Role::broker, state)});
   if (fleet.standby)
-    all.push_back({"standby broker", with(broker, "broker", Role::broker, state / "standby")});
+    all.push_back({"standby_broker", with(broker, "broker", Role::broker, state / "standby")});
   for (const RobotTask& robot : scenario.robots) {
-    Command agent{"robot_agent", "--name", robot.name};
-    agent.insert(agent.end(), ros.begin(), ros.end());
+    Command agent = joined({"robot_agent", "--name", robot.name}, ros);
     if (fleet.ros.drives)
-      agent.insert(agent.end(), {"--odom-timeout", fmt::format("{}", fleet.ros.patience)});
-    all.push_back({.name = robot.name,
+      agent = joined(std::move(agent), {"--odom-timeout", fmt::format("{}", fleet.ros.patience)});
+    all.push_back({.name = name_of_agent(robot.name),
                    .command = with(agent, "agent", Role::agent, state),
                    .niceness = niceness_of_agents});
   }
-  Command service = service_command(options, service_name, fleet.ros.waits_for_goals);
-  service.insert(service.end(), ros.begin(), ros.end());
+  Command service = joined(service_command(options, service_name, fleet.ros.waits_for_goals), ros);
   if (fleet.ros.waits_for_goals) service.emplace_back("--serve");
   all.push_back(
       {service_name, with(service, "service", Role::service, state), ProcessFleet::Output::terminal});
@@ -215,10 +259,21 @@ class StopRequest {
   Clock::time_point next_;
 };
 
+/// The recorder last, for it is to hear of all that the others say. False: it has not written all of that.
+bool end_all(ProcessFleet& fleet) {
+  std::vector<ProcessFleet::Ended> gone = fleet.terminate_all(grace, recorder_name);
+  std::ranges::move(fleet.terminate_all(grace_of_recorder), std::back_inserter(gone));
+  const auto recorder = std::ranges::find(gone, recorder_name, &ProcessFleet::Ended::name);
+  if (recorder == gone.end() || recorder->exit_code == 0) return true;
+  tell_of_end(*recorder);
+  return false;
+}
+
 /// Until the service has ended, and with it the run. Returns the exit code.
 int watch(ProcessFleet& fleet, bool restarts, std::chrono::milliseconds patience) {
   std::multimap<Clock::time_point, std::string> to_start;
   StopRequest stop;
+  bool recorded = true;
   while (true) {
     stop.pass_on(fleet);
     const auto ended = fleet.reap();
@@ -237,14 +292,14 @@ int watch(ProcessFleet& fleet, bool restarts, std::chrono::milliseconds patience
     }
     const bool done = ended->name == service_name && ended->exit_code <= 2;
     if (!done) tell_of_end(*ended);
+    if (ended->name == recorder_name) recorded = false;
     // Bad usage does not get better, and a recording that was cut off is not to be replaced.
     const bool may_go_on = ended->exit_code != 2 && ended->name != recorder_name;
     if (restarts && !done && !stop.is_there() && may_go_on) {
       to_start.emplace(Clock::now() + pause_before_restart, ended->name);
     } else if (ended->name == service_name) {
-      fleet.terminate_all(grace, recorder_name);  // it is to hear of all that the others say
-      fleet.terminate_all(grace_of_recorder);
-      return done ? ended->exit_code : 1;
+      recorded = end_all(fleet) && recorded;
+      return done ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;
     }
   }
 }
@@ -256,17 +311,19 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
       read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(names_of(scenario));
-  if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
+  check_servers(fleet_options);
   const NewRecording& record = fleet_options.record;
   if (!record.file.empty() && !record.force && std::filesystem::exists(record.file))
     throw InputError(record.file + ": is there already (--force replaces it)");
   install_stop_signals();
   const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
-  const TemporaryFolder run_folder;  // for logs and the report
-  const std::filesystem::path state =
-      fleet_options.state.empty() ? run_folder.path() / "state" : std::filesystem::path(fleet_options.state);
+  const TemporaryFolder run_folder;
+  const std::filesystem::path state = state_folder(fleet_options, run_folder.path());
+  const std::filesystem::path logs =
+      fleet_options.logs.empty() ? run_folder.path() : made_folder(fleet_options.logs);
+  if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
   const std::vector<Process> processes = processes_of(scenario, options, fleet_options, programs, state);
-  ProcessFleet fleet(run_folder.path());
+  ProcessFleet fleet(logs);
   for (const Process& process : processes)
     fleet.start(process.name, process.command, process.output, process.niceness);
 

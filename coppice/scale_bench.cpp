@@ -22,6 +22,7 @@
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/process_fleet.h"
+#include "coppice/temporary_folder.h"
 #include "coppice/time_scale.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
@@ -242,9 +243,7 @@ const std::vector<std::string> columns{"robots",
 
 void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings,
                  const std::string& program) {
-  std::string name = (std::filesystem::temp_directory_path() / "coppice-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder can be made");
-  const std::filesystem::path folder = name;
+  const TemporaryFolder folder;
   const std::string executable = std::filesystem::canonical(program).string();
   Table table{columns, {}};
   Series states{"states of others", {}, {}, {}};
@@ -256,8 +255,8 @@ void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
     options.tell(fmt::format("{} robots, {} fleet seconds at time scale {:g}", robots, settings.fleet_seconds,
                              time_scale));
     const std::string scenario =
-        scenario_of(options.maps.front(), robots, options.first_seed, options.radius, folder);
-    const Run run = run_fleet(executable, scenario, time_scale, settings, folder, options);
+        scenario_of(options.maps.front(), robots, options.first_seed, options.radius, folder.path());
+    const Run run = run_fleet(executable, scenario, time_scale, settings, folder.path(), options);
     table.rows.push_back(row_of(run, time_scale));
     const auto number = [&](std::size_t column) { return std::stod(table.rows.back()[column]); };
     states.x.push_back(robots);
@@ -265,8 +264,6 @@ void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
     samples.x.push_back(robots);
     samples.y.push_back(number(6));
   }
-  std::error_code ignored;
-  std::filesystem::remove_all(folder, ignored);
   write_experiment(options, "scale", table, table,
                    {{"received by an agent", "robots", "a fleet second", false, {states, samples}}}, 1);
   if (!settings.report.empty()) write_file(std::filesystem::path(settings.report), as_json(table));

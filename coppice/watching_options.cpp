@@ -4,8 +4,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "bus/process.h"
 #include "bus/process_options.h"
 #include "files/number_check.h"
+#include "files/output_check.h"
 #include "monitor/fleet_table.h"
 #include "planning/quantities.h"
 
@@ -38,7 +40,11 @@ void add_monitor(CLI::App& app, MonitorOptions& options, int& exit_code) {
       "--allow-origin", options.web.origins,
       "pages of this origin (https://HOST) may connect as Foxglove, as https://app.foxglove.dev may");
   monitor->add_flag("--open", options.open, "opens the page in a browser");
-  monitor->callback([&] { exit_code = monitor_command(options); });
+  add_log_options(*monitor, options.log);
+  monitor->callback([&] {
+    set_up_logging("coppice monitor", options.log.level, options.log.json);
+    exit_code = monitor_command(options);
+  });
 }
 
 void add_top(CLI::App& app, TopOptions& options, int& exit_code) {
@@ -52,12 +58,16 @@ void add_top(CLI::App& app, TopOptions& options, int& exit_code) {
 
 void add_recordings(CLI::App& app, WatchingOptions& options, int& exit_code) {
   auto* record = app.add_subcommand("record", "writes all that a fleet says to a file (MCAP)");
-  record->add_option("file", options.record.file, "recording to write")->required();
+  record->add_option("file", options.record.file, "recording to write")->required()->check(output_file());
   add_network_options(*record, options.record.network, "observer");
   record->add_option("--duration", options.record.duration, "seconds; without: until it is told to stop")
       ->check(number_above_zero());
   record->add_flag("--force", options.record.force, "replaces a file that is there");
-  record->callback([&] { exit_code = record_command(options.record); });
+  add_log_options(*record, options.record.log);
+  record->callback([&] {
+    set_up_logging("coppice record", options.record.log.level, options.record.log.json);
+    exit_code = record_command(options.record);
+  });
 
   auto* info = app.add_subcommand("info", "what a recording holds, and whether it is whole");
   info->add_option("file", options.recording, "recording")->required();
@@ -97,7 +107,7 @@ void add_picture(CLI::App& app, PictureOptions& options, int& exit_code) {
 }  // namespace
 
 CLI::Option* add_recording_options(CLI::App& command, NewRecording& record, const char* of_what) {
-  auto* file = command.add_option("--record", record.file, of_what);
+  auto* file = command.add_option("--record", record.file, of_what)->check(output_file());
   command.add_flag("--force", record.force, "a recording that is there is replaced")->needs(file);
   return file;
 }

@@ -1,7 +1,10 @@
 #include "files/run_options.h"
 
+#include <exception>
+
 #include <CLI/CLI.hpp>
 
+#include "files/input_error.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/report_file.h"
@@ -50,9 +53,19 @@ PlannerKind chosen_planner(const RunOptions& options) {
 
 void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,
                    const std::function<PictureContent()>& picture) {
-  if (!options.report.empty()) write_report(options.report, report);
-  if (!options.trajectory.empty()) write_trajectory(options.trajectory, tracks);
-  if (!options.picture.empty()) write_picture(options.picture, picture());
+  std::string problems;
+  const auto attempt = [&](const std::string& file, const auto& write) {
+    if (file.empty()) return;
+    try {
+      write(file);
+    } catch (const std::exception& problem) {
+      problems += (problems.empty() ? "" : "; ") + std::string(problem.what());
+    }
+  };
+  attempt(options.report, [&](const std::string& file) { write_report(file, report); });
+  attempt(options.trajectory, [&](const std::string& file) { write_trajectory(file, tracks); });
+  attempt(options.picture, [&](const std::string& file) { write_picture(file, picture()); });
+  if (!problems.empty()) throw InputError(problems);
 }
 
 }  // namespace coppice

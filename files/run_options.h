@@ -41,8 +41,8 @@ inline constexpr double default_plan_budget = 1;
 
 PlannerKind chosen_planner(const RunOptions& options);
 
-/// Writes the files that were asked for; `picture()` makes the content of one. Throws InputError if one
-/// cannot be written.
+/// Writes the files that were asked for; `picture()` makes the content of one. Throws InputError, which names
+/// them all, if some cannot be written; the others are.
 void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,
                    const std::function<PictureContent()>& picture);
 

@@ -168,9 +168,9 @@ int run(const RunOptions& options, const ProcessOptions& process, const RosOptio
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   serve(bus, ros.get(), service, desk, keeper, heart, options.quiet ? nullptr : &display);
   const proto::Report report = service.report();
+  if (!options.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options, report, service.tracks(), [&] { return service.picture(); });
   if (journal) std::filesystem::remove(journal->file());  // the run is over
-  if (!options.quiet) std::cout << '\n' << report_table(report);
   return service.everybody_arrived() ? 0 : 1;
 }
 
@@ -190,12 +190,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  set_up_logging("planner_service", process.log_level, process.log_json);
+  set_up_logging("planner_service", process.log.level, process.log.json);
   install_stop_signals();
-  try {
-    return run(options, process, in_ros);
-  } catch (const std::exception& problem) {
-    std::cerr << problem.what() << '\n';
-    return 2;
-  }
+  return exit_code_of([&] { return run(options, process, in_ros); });
 }

@@ -50,9 +50,11 @@ struct Past {
   Keeper<Remembrance, Journal> keeper() { return {std::move(remembrance), journal ? &*journal : nullptr}; }
 };
 
-/// `meanwhile`: called again and again, for a long journal takes seconds to read.
+/// Its journal's name is no other process's, whatever the robot is called. `meanwhile`: called again and
+/// again, for a long one takes seconds to read.
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
-  Past past{journal_in(options.process.state, robot, meanwhile), Remembrance(robot, options.ros.drives)};
+  Past past{journal_in(options.process.state, "robot-" + robot, meanwhile),
+            Remembrance(robot, options.ros.drives)};
   if (!past.journal) return past;
   if (!past.journal->complete()) {
     throw std::runtime_error(
@@ -165,7 +167,7 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
   spdlog::info("claims a robot on domain {}", options.network.domain);
   if (!wait_for_a_robot(*asking, agent, heart)) return 0;
   const RobotName robot = *agent.robot();
-  set_up_logging("robot_agent " + robot, options.log_level, options.log_json);
+  set_up_logging("robot_agent " + robot, options.log.level, options.log.json);
   spdlog::info("is {}", robot);
   WallTime last_claim = wall_now();
   const auto claim_again = [&](DdsBus& on) {
@@ -224,15 +226,12 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, options.process.log_level,
-                 options.process.log_json);
+  set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, options.process.log.level,
+                 options.process.log.json);
   install_stop_signals();
-  try {
+  return exit_code_of([&] {
     check_ros(options.ros, options.process.network.discovery, options.process.network.security);
     Heartbeat heart(options.process.alive);
     return name.empty() ? run_as_whom_the_service_says(options, heart) : run_as(name, options, heart);
-  } catch (const std::exception& problem) {
-    spdlog::error("{}", problem.what());
-    return 2;
-  }
+  });
 }

@@ -1,6 +1,5 @@
 // tree_broker --domain D: grows the shared trees of a fleet until it is told to stop.
 
-#include <iostream>
 #include <random>
 #include <utility>
 
@@ -19,7 +18,7 @@ namespace {
 
 using namespace coppice;
 
-void run(const ProcessOptions& options, std::uint64_t seed) {
+int run(const ProcessOptions& options, std::uint64_t seed) {
   auto journal = journal_in(options.state, "tree_broker");
   if (journal && !journal->complete()) {
     spdlog::warn("{}: the disk was full when it was written: some trees may be missing",
@@ -44,6 +43,7 @@ void run(const ProcessOptions& options, std::uint64_t seed) {
     if (broker.leads() != std::exchange(led, broker.leads()))
       spdlog::info("{}", led ? "leads" : "stands by: another broker leads");
   }
+  return 0;
 }
 
 }  // namespace
@@ -60,13 +60,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& problem) {
     return app.exit(problem) == 0 ? 0 : 2;
   }
-  set_up_logging("tree_broker", options.log_level, options.log_json);
+  set_up_logging("tree_broker", options.log.level, options.log.json);
   install_stop_signals();
-  try {
-    run(options, seed);
-  } catch (const std::exception& problem) {
-    spdlog::error("{}", problem.what());
-    return 2;
-  }
-  return 0;
+  return exit_code_of([&] { return run(options, seed); });
 }

@@ -138,9 +138,69 @@ TEST(CommandLine, FilesThatCannotBeWrittenAreToldBeforeTheRun) {
       }
     }
   }
+  for (const std::string command :
+       {"run scenario.json --record ", "simulate scenario.json --record ", "record "}) {
+    const test::Outcome outcome = test::shell(coppice(command + there + "/none/x"));
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_NE(outcome.output.find("there is no folder " + there + "/none"), std::string::npos)
+        << outcome.output;
+  }
   const test::Outcome outcome = test::shell(coppice("plan scenario.json --report " + there + "/none/x"));
   EXPECT_NE(outcome.output.find("there is no folder " + there + "/none"), std::string::npos)
       << outcome.output;
+}
+
+int count_of(const std::string& what, const std::string& text) {
+  int count = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++count;
+  return count;
+}
+
+TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
+  struct Refused {
+    std::string environment;
+    std::string options;
+    std::string named;
+  };
+  const std::vector<Refused> cases = {
+      {"", "--state /proc/nope", "/proc/nope: cannot be made"},
+      {"", "--logs /proc/nope", "/proc/nope: cannot be made"},
+      {"ROS_DISCOVERY_SERVER=nonsense", "", "\"nonsense\" names no discovery servers"},
+      {"", "--discovery host.invalid:7400", "\"host.invalid:7400\" names no discovery servers"},
+      {"", "--discovery 127.0.0.1:7400 --security /none", "--security goes without discovery servers"},
+      {"ROS_DISCOVERY_SERVER=127.0.0.1:7400", "--security /none",
+       "--security goes without discovery servers"},
+  };
+  for (const Refused& refused : cases) {
+    const test::Outcome outcome =
+        test::shell(refused.environment + " " + coppice("run " + rooms() + " " + refused.options));
+    EXPECT_EQ(outcome.exit_code, 2) << refused.options;
+    EXPECT_EQ(count_of(refused.named, outcome.output), 1) << refused.options << ": " << outcome.output;
+    EXPECT_EQ(outcome.output.find("ended early"), std::string::npos) << outcome.output;
+  }
+}
+
+TEST(CommandLine, TheErrorThatEndsAProgramIsLoggedWhateverTheLevel) {
+  for (const std::string program :
+       {"tree_broker' --state /proc/nope", "robot_agent' --name r1 --state /proc/nope",
+        "planner_service' /proc/nope", "coppice' discovery --alive /proc/nope --port 23936"}) {
+    for (const std::string level : {"off", "info"}) {
+      const test::Outcome outcome =
+          test::shell("'" + test::program(program) + " --log-json --log-level " + level);
+      EXPECT_EQ(outcome.exit_code, 2) << program;
+      const auto last = outcome.output.rfind('{');
+      ASSERT_NE(last, std::string::npos) << program << outcome.output;
+      const std::string line = outcome.output.substr(last);
+      EXPECT_NE(line.find(R"("level":"error")"), std::string::npos) << line;
+      EXPECT_NE(line.find("/proc/nope"), std::string::npos) << line;
+    }
+  }
+}
+
+TEST(CommandLine, ABenchmarkIsToldHowAFleetFindsItselfAsTheFleetIs) {
+  const test::Outcome outcome = test::shell(coppice("bench scale --discovery nonsense"));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_TRUE(outcome.output.starts_with("--discovery: nonsense")) << outcome.output;
 }
 
 TEST(CommandLine, TheRolesRefuseBadUsage) {

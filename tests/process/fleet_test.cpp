@@ -63,6 +63,13 @@ struct FleetRun {
     return static_cast<std::size_t>(std::count_if(children.begin(), children.end(),
                                                   [&](const auto& child) { return child.name == name; }));
   }
+  /// Of its processes, in the folders of its own.
+  std::size_t journals() const {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
+      count += entry.path().extension() == ".journal" ? 1 : 0;
+    return count;
+  }
   pid_t first(const std::string& name) const {
     for (const auto& child : test::children_of(process.pid())) {
       if (child.name == name) return child.pid;
@@ -206,6 +213,7 @@ TEST(Fleet, RolesStartedByHandInAnyOrderFindEachOther) {
 TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
   FleetRun run(test::scenarios() / "rooms-8.json");
   ASSERT_TRUE(run.has_begun()) << run.log();
+  EXPECT_EQ(run.journals(), 0u) << "nobody will be started again";
   const auto children = test::children_of(run.process.pid());
   run.process.send(SIGINT);
   EXPECT_EQ(run.process.wait(), 1) << run.log();
@@ -216,6 +224,7 @@ TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
 TEST(Fleet, CtrlCWhileTheServiceWaitsToBeStartedAgainEndsWithAReport) {
   FleetRun run(test::scenarios() / "rooms-8.json", {"--restart"}, "2");
   ASSERT_TRUE(run.has_begun()) << run.log();
+  EXPECT_EQ(run.journals(), 10u);
   kill(run.first("planner_service"), SIGKILL);
   ASSERT_TRUE(run.says("planner_service ended early")) << run.log();
   run.process.send(SIGINT);
@@ -258,6 +267,63 @@ TEST(Fleet, AnAgentThatIsKilledIsToldAndTheOthersGoOn) {
   EXPECT_GT(arrived, 0) << run.log();
 }
 
+TEST(Fleet, ARunWhoseRecorderIsKilledEndsWithAnError) {
+  const test::TemporaryFolder folder;
+  FleetRun run(test::scenarios() / "blank-10.json",
+               {"--robots", "2", "--record", (folder.path() / "run.mcap").string()});
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  kill(run.first("coppice"), SIGKILL);
+  EXPECT_EQ(run.process.wait(), 1) << run.log();
+  EXPECT_NE(run.log().find("recorder ended early"), std::string::npos) << run.log();
+  EXPECT_EQ(run.report().outcome(), "arrived");
+}
+
+TEST(Fleet, FilesThatCannotBeWrittenInTheEndAreAllToldAfterTheTable) {
+  FleetRun run(test::scenarios() / "blank-10.json", {"--robots", "2"});
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  for (const char* name : {"report.json", "p.svg"}) std::filesystem::create_directory(run.file(name));
+  EXPECT_EQ(run.process.wait(), 2);
+  const std::string log = run.log();
+  const auto table = log.find("arrived: 2 of 2 robots have a path");
+  ASSERT_NE(table, std::string::npos) << log;
+  EXPECT_NE(log.find("report.json: cannot be written", table), std::string::npos) << log;
+  EXPECT_NE(log.find("p.svg: cannot be written", table), std::string::npos) << log;
+  EXPECT_EQ(test::read_trajectory_rows(run.file("t.csv")).size(), 2u);
+}
+
+TEST(Fleet, RobotsMayBeCalledWhatProcessesAre) {
+  const test::TemporaryFolder folder;
+  std::string text = test::contents(test::scenarios() / "blank-10.json");
+  const auto rename = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find('"' + from + '"'), from.size() + 2, '"' + to + '"');
+  };
+  rename("r1", "planner_service");
+  rename("r2", "tree_broker");
+  rename("r3", "recorder");
+  std::filesystem::copy_file(test::scenarios() / "blank-10.map", folder.path() / "blank-10.map");
+  FleetRun run(folder.write("scenario.json", text), {"--robots", "3", "--restart"}, "5");
+  ASSERT_TRUE(run.has_begun()) << run.log();
+  kill(run.first("robot_agent"), SIGKILL);
+  EXPECT_TRUE(run.says("robot-planner_service ended early")) << run.log();
+  EXPECT_EQ(run.process.wait(), 0) << run.log();
+  EXPECT_EQ(run.report().outcome(), "arrived");
+}
+
+TEST(Fleet, LogsOfItsProcessesAreKeptAsWanted) {
+  for (const std::string level : {"info", "off"}) {
+    const test::TemporaryFolder folder;
+    const std::filesystem::path logs = folder.path() / "of" / "today";
+    FleetRun run(test::scenarios() / "blank-10.json",
+                 {"--robots", "2", "--logs", logs.string(), "--log-json", "--log-level", level});
+    EXPECT_EQ(run.process.wait(), 0) << run.log();
+    for (const std::string name : {"tree_broker", "robot-r1", "robot-r2"}) {
+      ASSERT_TRUE(std::filesystem::exists(logs / (name + ".log"))) << name;
+      const std::string log = test::contents(logs / (name + ".log"));
+      EXPECT_EQ(log.starts_with(R"({"time":)"), level == "info") << name << ": " << log;
+    }
+  }
+}
+
 TEST(Fleet, WithoutABrokerEveryRobotStillFindsAPath) {
   FleetRun run(test::scenarios() / "rooms-8.json", {"--timeout", "60"});
   ASSERT_TRUE(run.has_begun()) << run.log();
@@ -276,6 +342,15 @@ TEST(Fleet, TwoRunsAtOnceDoNotMeet) {
   EXPECT_EQ(second.process.wait(), 0) << second.log();
   EXPECT_EQ(first.report().robots_size(), 2);
   EXPECT_EQ(second.report().robots_size(), 3);
+}
+
+TEST(CoppiceBench, LeavesNothingWhenAFleetFails) {
+  const test::TemporaryFolder folder;
+  const test::Outcome outcome =
+      test::shell("TMPDIR='" + folder.path().string() + "' '" + test::program("coppice") +
+                  "' bench scale --quick --robots 2 --security /none --output /tmp");
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << outcome.output;
 }
 
 TEST(CoppiceBench, MeasuresHowAFleetOfProcessesGrows) {

@@ -56,6 +56,25 @@ TEST(ProcessFleet, TellsWhoEndedHowAndWithWhichLastWords) {
   EXPECT_FALSE(fleet.reap());
 }
 
+TEST(ProcessFleet, ALogGoesOnWhenItsProcessIsStartedAgain) {
+  const test::TemporaryFolder folder;
+  folder.write("r1.log", "of another run\n");
+  ProcessFleet fleet(folder.path());
+  fleet.start("r1", script("echo here"), Output::log);
+  EXPECT_EQ(next_end(fleet).last_words, "here\n");
+  fleet.start_again("r1");
+  EXPECT_EQ(next_end(fleet).last_words, "here\nhere\n");
+}
+
+TEST(ProcessFleet, LastWordsAreTheEndOfALongLog) {
+  const test::TemporaryFolder folder;
+  ProcessFleet fleet(folder.path());
+  fleet.start("r1", script("seq 1000; echo end"), Output::log);
+  const std::string last = next_end(fleet).last_words;
+  EXPECT_EQ(last.size(), 300u);
+  EXPECT_TRUE(last.ends_with("\n1000\nend\n")) << last;
+}
+
 TEST(ProcessFleet, WhatCannotBeStartedIsAnError) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
@@ -86,8 +105,13 @@ TEST(ProcessFleet, AsksFirstAndKillsAfterTheGrace) {
   }
   const auto children = test::children_of(getpid());
   const auto begin = std::chrono::steady_clock::now();
-  fleet.terminate_all(500ms);
+  const auto ended = fleet.terminate_all(500ms);
   const auto took = std::chrono::steady_clock::now() - begin;
+  ASSERT_EQ(ended.size(), 2u);
+  EXPECT_EQ(ended[0].name, "polite");
+  EXPECT_EQ(ended[0].exit_code, 0);
+  EXPECT_EQ(ended[1].name, "deaf");
+  EXPECT_EQ(ended[1].exit_code, 128 + SIGKILL);
   EXPECT_GE(took, 500ms);
   EXPECT_LT(took, 3s);
   EXPECT_EQ(test::contents(folder.path() / "polite.log"), "asked\n");
@@ -115,6 +139,7 @@ void expect_nothing_outlives(int signal) {
   const test::TemporaryFolder folder;
   const pid_t parent = fork();
   if (parent == 0) {
+    std::signal(SIGHUP, SIG_DFL);  // nohup ignores it
     ProcessFleet fleet(folder.path());
     fleet.start("r1", stays(folder.path() / "1"), Output::log);
     fleet.start("r2", stays(folder.path() / "2"), Output::log);

@@ -87,6 +87,39 @@ TEST(Signals, TermEndsEveryOtherProgramToo) {
   EXPECT_NE(test::contents(service.log).find("interrupted"), std::string::npos);
 }
 
+/// An agent that was started with SIGHUP treated like that.
+struct AgentWithHangup {
+  AgentWithHangup(void (*hangup)(int), const test::TemporaryFolder& folder)
+      : before(std::signal(SIGHUP, hangup)),
+        agent(folder, {"robot_agent", "--name", "r1", "--domain", "136"}) {
+    std::signal(SIGHUP, before);
+    EXPECT_TRUE(agent.says("on domain 136"));
+  }
+  void (*before)(int);
+  Program agent;
+};
+
+TEST(Signals, HangingUpEndsAProgramUnlessItWasToldToIgnoreThat) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(AgentWithHangup(SIG_DFL, folder).agent.ends_by(SIGHUP), 0);
+  AgentWithHangup by_nohup(SIG_IGN, folder);
+  by_nohup.agent.process.send(SIGHUP);
+  std::this_thread::sleep_for(500ms);
+  EXPECT_FALSE(test::has_ended(by_nohup.agent.process.pid()));
+  EXPECT_EQ(by_nohup.agent.ends_by(SIGTERM), 0);
+}
+
+TEST(Signals, AnOutputThatIsGoneEndsNobody) {
+  const test::TemporaryFolder folder;
+  const std::string report = (folder.path() / "report.json").string();
+  const std::string code = (folder.path() / "code").string();
+  test::shell("{ '" + test::program("coppice") + "' run '" + (test::scenarios() / "blank-10.json").string() +
+              "' --robots 1 --time-scale 10 --report '" + report + "' 2>&1; echo $? > '" + code +
+              "'; } | true");
+  EXPECT_EQ(test::contents(code), "0\n");
+  EXPECT_EQ(read_report(report).outcome(), "arrived");
+}
+
 /// What programs that systemd starts send to it.
 class NotifySocket {
  public:
@@ -162,6 +195,18 @@ TEST(Logs, AreLinesOfJsonIfWanted) {
               std::string("2026-01-01T00:00:00.000+00:00").size());
   }
   EXPECT_EQ(count, 1);
+}
+
+TEST(Logs, OfADiscoveryServerAreAsWanted) {
+  const test::TemporaryFolder folder;
+  Program told(folder, {"coppice", "discovery", "--port", "23938", "--log-json"});
+  EXPECT_TRUE(told.says(R"("message":"discovery server 0)")) << test::contents(told.log);
+  EXPECT_EQ(told.ends_by(SIGTERM), 0);
+  Program silent(folder, {"coppice", "discovery", "--port", "23938", "--log-level", "off", "--alive",
+                          (folder.path() / "alive").string()});
+  EXPECT_TRUE(test::within(10s, [&] { return std::filesystem::exists(folder.path() / "alive"); }));
+  EXPECT_EQ(silent.ends_by(SIGTERM), 0);
+  EXPECT_EQ(test::contents(silent.log), "");
 }
 
 TEST(Heartbeat, AFileThatCannotBeWrittenIsAnError) {

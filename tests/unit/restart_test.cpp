@@ -494,7 +494,8 @@ TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
 TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
   const AgentStatus status = last_status_of_one_alone(false);
   EXPECT_EQ(status.phase, Phase::no_path);
-  EXPECT_EQ(status.reason, "its agent was started in mid-run, and nobody who is alive knows where all others are");
+  EXPECT_EQ(status.reason,
+            "its agent was started in mid-run, and nobody who is alive knows where all others are");
 }
 
 TEST(RobotAgentAnew, ACancelledMissionDoesNotTellWhereAnotherDied) {
