@@ -176,14 +176,16 @@ TEST(Claimant, WaitsWhileSomebodySpeaksAsTheRobotAndGivesUpWhatIsGivenToAnother)
   EXPECT_EQ(claimant.robot(), "a");
 }
 
+/// Of robot a, since 0.1 s.
+Claimant named() {
+  Claimant claimant(7);
+  claimant.step(0);
+  claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.1));
+  claimant.step(0.1);
+  return claimant;
+}
+
 TEST(Claimant, LosesItsRobotToAnotherAndBySilence) {
-  const auto named = [] {
-    Claimant claimant(7);
-    claimant.step(0);
-    claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.1));
-    claimant.step(0.1);
-    return claimant;
-  };
   Claimant replaced = named();
   replaced.on(arrival_of(Assignment{"b", 8, 1}, 1));
   replaced.on(arrival_of(Assignment{"a", 7, 1}, 1));
@@ -199,10 +201,7 @@ TEST(Claimant, LosesItsRobotToAnotherAndBySilence) {
 }
 
 TEST(Claimant, IsNotSilentWhoSaysWhichRobotItIsWhileItReadsALongJournal) {
-  Claimant claimant(7);
-  claimant.step(0);
-  claimant.on(arrival_of(Assignment{"a", 7, 1}, 0.1));
-  claimant.step(0.1);
+  Claimant claimant = named();
   for (double now = 1; now <= 60; ++now) EXPECT_EQ(claimant.claim(now).robot, "a");
   claimant.step(61);
   EXPECT_FALSE(claimant.lost());

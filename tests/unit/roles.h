@@ -26,6 +26,10 @@ inline OccupancyMap wall_with_door() {
   return map;
 }
 
+inline MapMessage map_message() {
+  return {"wall", wall_with_door(), {5}};
+}
+
 inline Scenario two_robots() {
   Scenario scenario;
   scenario.map_name = "wall";

@@ -1,0 +1,296 @@
+// Agents whose process was killed, and those who take their place: as state machines, message by message.
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "robot_agent/memory.h"
+#include "robot_agent/robot_agent.h"
+#include "tests/unit/roles.h"
+
+namespace coppice {
+namespace {
+
+/// Alone, stepped whenever it wants.
+struct AgentRun {
+  AgentRun() = default;
+  AgentRun(const AgentRun&) = delete;
+  void recall(const std::vector<Message>& kept) {
+    agent.recall(memory_of(kept));
+    Remembrance remembrance("a");
+    remembrance.recall(kept);
+    store.messages = kept;
+    keeper = Keeper(std::move(remembrance), &store);
+  }
+  void hear(const Message& message, double now) {
+    keeper.heard(message);
+    agent.on(arrival_of(message, now));
+  }
+  /// Another, that stands at its start, is heard until `b_dies`.
+  void run(double from, double until, double b_dies = 0) {
+    for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
+      if (now < b_dies) hear(standing_b(now), now);
+      for (Outgoing& one : agent.step(now)) {
+        keeper.said(one.message);
+        said.push_back(std::move(one.message));
+      }
+    }
+  }
+  RobotState standing_b(double now) const {
+    RobotState state{.robot = "b",
+                     .sequence = static_cast<std::uint32_t>(now / 0.05),
+                     .stamp = now,
+                     .position = {20, 20},
+                     .radius = 5,
+                     .max_speed = 20,
+                     .max_acceleration = 40,
+                     .promise = {now + 0.05, {0, 0}, now + 0.1},
+                     .knot = {},
+                     .echoes = {}};
+    if (!said.empty()) state.echoes.push_back({"a", now, now});
+    return state;
+  }
+  RobotAgent agent{"a"};
+  KeptInMemory store{};
+  Keeper<Remembrance, KeptInMemory> keeper{Remembrance("a"), &store};
+  std::vector<Message> said{};
+};
+
+Mission mission_of_a(double epoch) {
+  return {.robot = "a",
+          .number = 1,
+          .map_id = "wall",
+          .start = {20, 60},
+          .goal = {100, 60},
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .goal_tolerance = 1,
+          .plan_budget = 0.1,
+          .clock = {epoch, 1}};
+}
+
+/// Of a robot that drives.
+void run_until_killed_at(double time, AgentRun& before) {
+  before.hear(map_message(), 0);
+  before.hear(mission_of_a(0), 0);
+  before.run(0, time);
+}
+
+std::vector<TrackMessage::Point> track_in(const std::vector<Message>& said) {
+  std::vector<TrackMessage::Point> track;
+  for (const TrackMessage& batch : of<TrackMessage>(said)) {
+    EXPECT_EQ(batch.first_index, track.size());
+    track.insert(track.end(), batch.points.begin(), batch.points.end());
+  }
+  return track;
+}
+
+TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
+  AgentRun before;
+  run_until_killed_at(3, before);
+  const RobotState last = of<RobotState>(before.said).back();
+  ASSERT_GT(last.velocity.norm(), 5);  // it drives
+
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 6);
+  after.hear(mission_of_a(0), 6);
+  after.run(6, 20);
+  EXPECT_EQ(of<AgentStatus>(after.said).back().phase, Phase::arrived);
+  const RobotState first = of<RobotState>(after.said).front();
+  EXPECT_GT(first.sequence, last.sequence);
+  EXPECT_TRUE(first.velocity.isZero(0));
+  EXPECT_LT((first.position - last.position).norm(), 20 * 20 / (2 * 40) + 3);
+
+  // The record goes from the start to the goal without a gap, as fast as a robot may.
+  const std::vector<TrackMessage::Point> track = track_in(after.said);
+  EXPECT_EQ(track.front().position, Point2(20, 60));
+  EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
+  for (std::size_t k = 1; k < track.size(); ++k) {
+    ASSERT_NEAR(track[k].time - track[k - 1].time, 0.05, 1e-6);
+    ASSERT_LT((track[k].position - track[k - 1].position - 0.05 * track[k - 1].velocity).norm(), 1e-9);
+    ASSERT_LE((track[k].velocity - track[k - 1].velocity).norm(), 40 * 0.05 + 1e-9);
+  }
+  // What it had said before it was killed, it says again just so.
+  const auto said_before = of<TrackMessage>(before.said);
+  ASSERT_FALSE(said_before.empty());
+  for (const TrackMessage& batch : said_before) {
+    for (std::size_t k = 0; k < batch.points.size(); ++k)
+      ASSERT_EQ(batch.points[k], track[batch.first_index + k]);
+  }
+  const AgentStatus status = of<AgentStatus>(after.said).back();
+  EXPECT_EQ(status.path_time, of<AgentStatus>(before.said).back().path_time);
+}
+
+TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
+  auto life = std::make_unique<AgentRun>();
+  run_until_killed_at(1.5, *life);
+  double now = 2;
+  for (int k = 0; k < 6; ++k) {
+    auto next = std::make_unique<AgentRun>();
+    next->recall(life->store.messages);
+    next->hear(map_message(), now);
+    next->hear(mission_of_a(0), now);
+    next->run(now, now + 2.5);
+    now += 2.6;
+    life = std::move(next);
+  }
+  EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
+}
+
+TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
+  AgentRun first;
+  run_until_killed_at(3, first);
+  ASSERT_GT(of<RobotState>(first.said).back().velocity.norm(), 5);  // it brakes, and then it stands
+  std::vector<Message> kept = first.store.messages;
+  std::vector<TrackMessage::Point> before = track_in(first.said);
+  for (const double woken : {700.0, 703.0}) {
+    AgentRun next;
+    next.recall(kept);
+    next.hear(map_message(), woken);
+    next.hear(mission_of_a(0), woken);
+    next.run(woken, woken + 2);
+    const std::vector<TrackMessage::Point> track = track_in(next.said);
+    ASSERT_GT(track.size(), before.size());
+    for (std::size_t k = 0; k < before.size(); ++k) ASSERT_EQ(track[k], before[k]) << k;
+    EXPECT_GT(track.back().time, woken);
+    EXPECT_LT(track.size(), 200u);
+    before = track;
+    kept = next.store.messages;
+  }
+}
+
+TEST(RobotAgentAnew, ItsTrackBeginsWithItsFirstState) {
+  AgentRun before;
+  before.hear(map_message(), 7.03);
+  before.hear(mission_of_a(0), 7.03);
+  before.run(7.13, 9);  // late
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 10);
+  after.hear(mission_of_a(0), 10);
+  after.run(10, 11);
+  EXPECT_EQ(track_in(before.said).front().time, of<RobotState>(before.said).front().stamp);
+  EXPECT_EQ(track_in(after.said).front(), track_in(before.said).front());
+}
+
+/// Two robots are in the run: b dies at 1 s, a's agent is killed at 3 and started anew at 5 s.
+AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on, bool b_is_cancelled = false) {
+  Mission a = mission_of_a(0);
+  Mission b = a;
+  a.fleet_size = b.fleet_size = 2;
+  b.robot = "b";
+  b.start = b.goal = {20, 20};
+  AgentRun before;
+  for (const Mission& mission : {a, b}) before.hear(mission, 0);
+  before.hear(map_message(), 0);
+  before.run(0, 3, 1);
+  std::vector<Message> kept = before.store.messages;
+  if (!keeps_what_it_passed_on)
+    std::erase_if(kept, [](const Message& message) {
+      const auto* state = std::get_if<RobotState>(&message);
+      return state != nullptr && state->passed_on;
+    });
+  AgentRun after;
+  after.recall(kept);
+  b.cancelled = b_is_cancelled;
+  for (const Mission& mission : {a, b}) after.hear(mission, 5);
+  after.hear(map_message(), 5);
+  after.run(5, 200);
+  return of<AgentStatus>(after.said).back();
+}
+
+TEST(RobotAgentAnew, WhoFellSilentBeforeIsInItsJournal) {
+  EXPECT_EQ(last_status_of_one_alone(true).phase, Phase::arrived);
+}
+
+TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
+  AgentRun run;
+  run_until_killed_at(0.5, run);
+  RobotState b = run.standing_b(0.6);
+  b.passed_on = true;
+  run.keeper.said(b);
+  ASSERT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  run.hear(run.standing_b(0.55), 0.7);  // overtaken on its way
+  EXPECT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  run.hear(run.standing_b(0.8), 0.8);
+  EXPECT_TRUE(memory_of(run.store.messages)->silent.empty());
+  b.stamp = 0.8;
+  run.keeper.said(b);
+  ASSERT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  EXPECT_EQ(memory_of(run.store.messages)->silent[0].state.stamp, 0.8);
+}
+
+TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
+  const AgentStatus status = last_status_of_one_alone(false);
+  EXPECT_EQ(status.phase, Phase::no_path);
+  EXPECT_EQ(status.reason,
+            "its agent was started in mid-run, and nobody who is alive knows where all others are");
+}
+
+TEST(RobotAgentAnew, ACancelledMissionDoesNotTellWhereAnotherDied) {
+  EXPECT_EQ(last_status_of_one_alone(false, true).phase, Phase::no_path);
+  EXPECT_EQ(last_status_of_one_alone(true, true).phase, Phase::arrived);
+}
+
+TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
+  AgentRun before;
+  run_until_killed_at(3, before);
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 106);
+  after.hear(mission_of_a(106), 106);
+  after.run(106, 107);
+  EXPECT_EQ(of<RobotState>(after.said).front().position, Point2(20, 60));
+}
+
+// The service's clock was set back, or it is another host's.
+TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
+  AgentRun before;
+  before.hear(map_message(), 1000);
+  before.hear(mission_of_a(1000), 1000);
+  before.run(1000, 1003);
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 106);
+  after.hear(mission_of_a(106), 106);
+  after.run(106, 109);
+  const RobotState last = of<RobotState>(after.said).back();
+  EXPECT_GT(last.position.x(), 25);
+  const std::optional<Memory> memory = memory_of(after.store.messages);
+  ASSERT_TRUE(memory.has_value());
+  EXPECT_EQ(memory->mission.clock.epoch, 106);
+  EXPECT_EQ(memory->track.front().position, Point2(20, 60));
+  EXPECT_EQ(memory->body.position(), last.position);
+}
+
+TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
+  Remembrance remembrance("a");
+  Mission of_another = mission_of_a(100);
+  of_another.robot = "b";
+  EXPECT_EQ(remembrance.heard(of_another), Keep::nothing);
+  EXPECT_EQ(remembrance.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::begin_anew);
+  EXPECT_EQ(remembrance.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::nothing);
+}
+
+TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
+  AgentRun agent;
+  run_until_killed_at(20, agent);  // it has arrived
+  agent.hear(mission_of_a(100), 100);
+  agent.said.clear();
+  agent.run(100, 120);
+  EXPECT_EQ(of<RobotState>(agent.said).front().position, Point2(20, 60));
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
+  EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
+  const std::optional<Memory> memory = memory_of(agent.store.messages);
+  ASSERT_TRUE(memory.has_value());
+  EXPECT_EQ(memory->track.front().position, Point2(20, 60));
+  EXPECT_EQ(memory->mission.clock.epoch, 100);
+}
+
+}  // namespace
+}  // namespace coppice
