@@ -121,8 +121,9 @@ void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out
   if (last_beat_ % beats_between_news != 0) return;
   const std::vector<RobotName> to = fleet_.who_missed_the_news(fleet_now);
   if (to.empty()) return;
-  for (RobotState& last : fleet_.states_of_the_silent(fleet_now))
-    out.emplace_back(Message(std::move(last)), to);
+  // As often as it takes that one of these hears it, for nobody says to have heard that.
+  for (const RobotState& last : fleet_.states_of_the_silent(fleet_now))
+    for (int copy = 0; copy < fleet_.copies(); ++copy) out.emplace_back(Message(last), to);
 }
 
 /// Others may be anywhere by now, and not where their missions begin.
@@ -167,8 +168,9 @@ void RobotAgent::decide(double fleet_now) {
   const bool free = knot_.stage() == Stage::free;
   lets_others_finish_ = lets_others_finish_ && !all_free_around();
   if (listens) {
+    // Its body brakes: one that the others miss is not reckoned with where it would evade to.
     last_gain_time_ = fleet_now;
-    body_->choose(Point2::Zero(), others, ground_->field);
+    if (body_->stands()) stand_for(fleet_now, waiting_lease);
   } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
              may_set_off(fleet_now)) {
     // One that the joint plan cannot help stands out of the others' way until they are done.

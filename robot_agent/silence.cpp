@@ -79,7 +79,8 @@ bool Fleet::heard_elsewhere(const Peer& p, double now) const {
 
 /// For so long nothing needs to come from it, because of how far away it is.
 double Fleet::explained_silence(const Peer& p) const {
-  return lost_in_a_row * std::max(0.0, control_period * stride_from(p) - slow_beat);
+  const int stride = p.state ? stride_from(p) : std::min(stride_from(p), stride_to_strangers());
+  return lost_in_a_row * std::max(0.0, control_period * stride - slow_beat);
 }
 
 /// Robots without which all have waited for long enough may have come, driven and died.

@@ -324,15 +324,14 @@ std::vector<Input> announcement_seeds() {
   return {message};
 }
 
-/// Names of hosts are left out: these would be asked for on the network.
 void discovery_servers(Bytes data) {
-  std::string servers(data.begin(), data.end());
-  if (servers.find_first_not_of("0123456789.:;[]- ") != std::string::npos) return;
+  const std::string servers(data.begin(), data.end());
   eprosima::fastdds::rtps::RemoteServerList_t list;
   (void)eprosima::fastdds::rtps::load_environment_server_info(servers, list);
 }
 std::vector<Input> discovery_servers_seeds() {
-  return {text("127.0.0.1:11811"), text(";10.0.0.1:65535;1.2.3.4"), text("[::1]:11811")};
+  return {text("127.0.0.1:11811"), text(";10.0.0.1:65535;1.2.3.4"), text("[::1]:11811"),
+          text("localhost:11811;host-2")};
 }
 
 template <class M>

@@ -1,9 +1,13 @@
 // Whatever is late, lost or dead: nothing touches, and who can arrive does.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include "files/scenario_file.h"
 #include "files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
+#include "tests/support.h"
 
 namespace coppice {
 namespace {
@@ -126,6 +130,23 @@ TEST(Faults, PiecesOfAnySizeStandUntilTheyHeal) {
       expect_all_arrive(simulate("circle", robots, seed, lossy), "circle");
     }
     expect_all_arrive(simulate("corridor-24", 10, seed, {.bus = {.partitions = {{4, 60}}}}), "corridor-24");
+  }
+}
+
+// To evade what the others may have done since would lead where nobody reckons with it.
+TEST(Faults, WhoMissesAllOthersStandsWhereItBraked) {
+  for (int k = 0; k < 20; ++k) {
+    const double end = 4 + 0.1 * k;
+    const Scenario scenario = read_scenario(test::scenarios() / "blank-10.json", {.robots = 4});
+    const Faults faults{.kills = {{"r1", end}, {"r3", end}, {"r4", end}}};
+    FleetSimulation simulation(scenario, {.timeout = 60, .faults = faults});
+    simulation.run([](const PlannerService&, double) { return true; });
+    const auto& points = simulation.tracks().at(1).track.points;
+    const auto at = [&](double time) {
+      return std::ranges::lower_bound(points, time, std::less{}, &TrackPoint::time);
+    };
+    for (auto p = at(end + 4); p != at(end + 50); ++p)
+      ASSERT_EQ(p->position, at(end + 4)->position) << end << " at " << p->time;
   }
 }
 

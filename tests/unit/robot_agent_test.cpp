@@ -400,6 +400,39 @@ TEST(RobotAgent, OneThatIsTooBusyForItsDecisionsSaysThemOnceButNeverLessOftenTha
   }
 }
 
+// Nobody answers to that.
+TEST(RobotAgent, WhoWasAwayIsToldOfTheDeadAsOftenAsItTakesThatItHearsIt) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent a("a");
+  for (const Message& m : map_and_missions(service)) a.on(arrival_of(m, 0));
+  std::map<int, int> told;  // in which step how often
+  for (int k = 1; k < 240; ++k) {
+    const double now = 0.05 * k;
+    const auto hear = [&](const char* robot, const Point2& place) {
+      a.on(arrival_of(RobotState{.robot = robot,
+                                 .sequence = static_cast<std::uint32_t>(k),
+                                 .stamp = now,
+                                 .position = place,
+                                 .radius = 5,
+                                 .max_speed = 20,
+                                 .max_acceleration = 40,
+                                 .promise = {now + 0.05, Point2::Zero(), now + 0.1},
+                                 .knot = {},
+                                 .echoes = {{"a", now - 0.05, now}}},
+                      now));
+    };
+    if (now < 1) hear("c", {60, 20});
+    if (now < 5 || now > 8) hear("b", {20, 20});
+    for (const Outgoing& said : a.step(now + 0.001)) {
+      const auto* state = std::get_if<RobotState>(&said.message);
+      const bool is_for_b = said.agents == std::vector<RobotName>{"b"};
+      if (state && state->robot == "c" && state->passed_on && is_for_b) ++told[k];
+    }
+  }
+  ASSERT_GE(told.size(), 3u);
+  for (const auto& [step, times] : told) EXPECT_GE(times, 3) << step;  // one listener, no loss known of
+}
+
 TEST(KnotId, EpochsCountRoundSoThatThereIsALaterOneToEach) {
   const auto id = [](std::uint32_t epoch, const char* leader) { return KnotId{epoch, leader}; };
   EXPECT_TRUE(id(2, "b").overrides(id(1, "a")));

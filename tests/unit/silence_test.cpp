@@ -113,15 +113,17 @@ class Listener {
   explicit Listener(std::vector<RobotName> others = {"b", "c"})
       : field_(OccupancyMap{.width = 200, .height = 200, .blocked = std::vector<std::uint8_t>(40000, 0)}) {
     others.push_back("a");
-    for (const RobotName& robot : others)
-      fleet_.hear(Mission{.robot = robot,
-                          .start = {70, 70},
-                          .goal = {30, 30},
-                          .radius = 5,
-                          .max_speed = 20,
-                          .max_acceleration = 40,
-                          .clock = {}},
-                  0);
+    for (const RobotName& robot : others) hear_mission(robot, {70, 70});
+  }
+  void hear_mission(const RobotName& robot, const Point2& start) {
+    fleet_.hear(Mission{.robot = robot,
+                        .start = start,
+                        .goal = {30, 30},
+                        .radius = 5,
+                        .max_speed = 20,
+                        .max_acceleration = 40,
+                        .clock = {}},
+                0);
   }
   void hear(const RobotName& robot, double stamp, std::vector<Echo> echoes = {},
             const Point2& velocity = Point2::Zero(), const Point2& position = {100, 100}) {
@@ -377,6 +379,17 @@ TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
   }
   EXPECT_FALSE(a.dead("b"));
   for (double now = 9.5; now < 11; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.dead("b"));
+}
+
+// Who does not know another yet speaks to it often, however far away it is.
+TEST(Silence, WhoIsFarAwayAndNeverCameHoldsNobodyUpForLonger) {
+  Listener a;
+  a.hear_mission("b", {9000, 9000});
+  for (double now = 0; now < 11; now += period) {
     a.hear("c", now);
     a.judge(now);
   }
