@@ -110,7 +110,7 @@ struct Both {
 /// The fleet in the simulation, and RVO alone on the paths that it found.
 Both compared(const TrialCase& trial, double radius) {
   Scenario scenario{.map_name = trial.map,
-                    .map = trial.field.map(),
+                    .map = trial.occupancy,
                     .seed = static_cast<std::uint32_t>(trial.seed),
                     .robots = {}};
   for (const PlanningProblem& p : trial.problems) {

@@ -13,8 +13,8 @@ namespace coppice {
 GridAStar::GridAStar(const ClearanceField& field) : field_(field) {}
 
 Path GridAStar::path(const Point2& start, const Point2& goal, double radius) {
-  const OccupancyMap& map = field_.map();
-  const auto cells = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
+  const GridFrame& map = field_.frame();
+  const std::size_t cells = map.cells();
   cost_.assign(cells, std::numeric_limits<float>::infinity());
   parent_.assign(cells, -1);
   closed_.assign(cells, 0);

@@ -30,10 +30,8 @@ struct Measures {
 /// Drives the fleet in the simulation, with that planner.
 /// RRT* drives its first path, straightened, as in the paper; MA-RRdT* goes on improving.
 std::optional<double> run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed) {
-  Scenario scenario{.map_name = trial.map,
-                    .map = trial.field.map(),
-                    .seed = static_cast<std::uint32_t>(seed),
-                    .robots = {}};
+  Scenario scenario{
+      .map_name = trial.map, .map = trial.occupancy, .seed = static_cast<std::uint32_t>(seed), .robots = {}};
   for (std::size_t i = 0; i < trial.problems.size(); ++i) {
     const PlanningProblem& p = trial.problems[i];
     scenario.robots.push_back({fmt::format("r{}", i + 1), p.start, p.goal, p.radius, speed, 2 * speed, 1});

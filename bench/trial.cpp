@@ -35,12 +35,13 @@ std::string map_title(const std::string& map) {
 
 TrialCase make_case(const std::string& map, int side, int robots, double radius, std::uint64_t seed) {
   Random random(seed);
-  ClearanceField field(read_or_generate_map(map, side, side, random));
+  OccupancyMap occupancy = read_or_generate_map(map, side, side, random);
+  ClearanceField field(occupancy);
   std::vector<PlanningProblem> problems;
   const double way = map == "blank" || robots <= 20 ? least_way : 0.2;
   for (const auto& [start, goal] : random_tasks(field, robots, radius, way, random))
     problems.push_back({start, goal, radius});
-  return {map_title(map), seed, std::move(field), std::move(problems)};
+  return {map_title(map), seed, std::move(occupancy), std::move(field), std::move(problems)};
 }
 
 int TrialResult::solved() const {

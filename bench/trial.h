@@ -29,6 +29,7 @@ class Stopwatch {
 struct TrialCase {
   std::string map;  ///< kind, or name of the file
   std::uint64_t seed = 0;
+  OccupancyMap occupancy;
   ClearanceField field;
   std::vector<PlanningProblem> problems;
 };

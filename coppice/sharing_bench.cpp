@@ -1,6 +1,5 @@
 #include "coppice/sharing_bench.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
@@ -14,6 +13,7 @@
 #include "bench/statistics.h"
 #include "bench/trial.h"
 #include "coppice/commands.h"
+#include "coppice/temporary_folder.h"
 #include "files/report_file.h"
 #include "planning/planner_kind.h"
 
@@ -42,6 +42,7 @@ void run_quietly(std::vector<std::string> command) {
 /// Milliseconds from the last mission to the last path of one fleet; below 0 if somebody has no path.
 double plan_ms(const std::string& program, const std::string& scenario, std::string_view planner,
                const std::string& report_file) {
+  std::filesystem::remove(report_file);  // of the run before
   run_quietly({program, "run", scenario, "--planner", std::string(planner), "--plan-budget", "0", "--timeout",
                fmt::format("{}", enough), "--report", report_file});
   const proto::Report report = read_report(report_file);
@@ -54,9 +55,7 @@ double plan_ms(const std::string& program, const std::string& scenario, std::str
 }  // namespace
 
 void bench_sharing(const ExperimentOptions& options, const std::string& program) {
-  std::string name = (std::filesystem::temp_directory_path() / "coppice-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder can be made");
-  const std::filesystem::path folder = name;
+  const TemporaryFolder folder;
   const std::string executable = std::filesystem::canonical(program).string();
   Table trials{{"map", "robots", "seed", "planner", "plan_ms"}, {}};
   Table medians{{"map", "robots", "shared ms", "alone ms", "shared / alone"}, {}};
@@ -68,7 +67,7 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
       std::vector<std::vector<double>> ms(2);
       for (int k = 0; k < options.seeds && !options.stop(); ++k) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
-        const std::string scenario = (folder / "scenario.json").string();
+        const std::string scenario = (folder.path() / "scenario.json").string();
         map_command({.kind = source,
                      .width = options.side,
                      .height = options.side,
@@ -78,7 +77,7 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
                      .output = scenario});
         for (std::size_t alone = 0; alone < 2; ++alone) {
           const double time =
-              plan_ms(executable, scenario, planner_names[alone], (folder / "report.json").string());
+              plan_ms(executable, scenario, planner_names[alone], (folder.path() / "report.json").string());
           ms[alone].push_back(time);
           trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), series[alone].name,
                                  fmt::format("{:.3f}", time)});
@@ -96,8 +95,6 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
     }
     plots.push_back({map, "robots", "mission to last path, ms", false, series});
   }
-  std::error_code ignored;
-  std::filesystem::remove_all(folder, ignored);
   write_experiment(options, "sharing", trials, medians, plots, 2);
 }
 

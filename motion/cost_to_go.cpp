@@ -3,36 +3,75 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace coppice {
 
-CostToGo::CostToGo(const PlaceGraph& graph, Place goal, Place start)
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::infinity();
+
+/// Bits of x and y by turns (Morton's order): along it one stays in a quarter of the map as long as there is
+/// anything left in it.
+std::uint32_t interleaved(std::uint32_t x, std::uint32_t y) {
+  std::uint32_t bits = 0;
+  for (std::uint32_t k = 0; k < 16; ++k) bits |= (x >> k & 1) << 2 * k | (y >> k & 1) << (2 * k + 1);
+  return bits;
+}
+
+}  // namespace
+
+std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph) {
+  Box<2> box{graph.at(0), graph.at(0)};
+  for (Place k = 0; k < graph.size(); ++k)
+    box = {box.lower.cwiseMin(graph.at(k)), box.upper.cwiseMax(graph.at(k))};
+  const double metre = 65535 / std::max(1.0, (box.upper - box.lower).maxCoeff());
+  std::vector<std::pair<std::uint32_t, Place>> order;
+  for (Place k = 0; k < graph.size(); ++k) {
+    const Point2 p = metre * (graph.at(k) - box.lower);
+    order.emplace_back(interleaved(static_cast<std::uint32_t>(p.x()), static_cast<std::uint32_t>(p.y())), k);
+  }
+  std::ranges::sort(order);
+  std::vector<Place> numbers(graph.size());
+  for (Place n = 0; n < order.size(); ++n) numbers[order[n].second] = n;
+  return numbers;
+}
+
+CostToGo::CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Place goal, Place start)
     : graph_(&graph),
+      numbers_(numbers),
       goal_(goal),
       towards_(graph.at(start)),
-      cost_(graph.size(), std::numeric_limits<float>::infinity()),
-      settled_(graph.size(), false) {
+      known_((graph.size() + Known::places - 1) / Known::places) {
   reach(goal, 0);
 }
 
 void CostToGo::reach(Place place, float cost) {
-  if (settled_[place] || cost >= cost_[place]) return;
-  cost_[place] = cost;
+  std::unique_ptr<Known>& known = known_[numbers_[place] / Known::places];
+  if (!known) {
+    known = std::make_unique<Known>();
+    known->cost.fill(unknown);
+  }
+  float& least = known->cost[numbers_[place] % Known::places];
+  if (settled(place) || cost >= least) return;
+  least = cost;
   open_.push_back({cost + (graph_->at(place) - towards_).norm(), cost, place});
   std::ranges::push_heap(open_, std::greater{}, &Entry::through);
 }
 
 float CostToGo::from(Place place) {
-  while (!settled_[place] && !open_.empty()) {
+  while (!settled(place) && !open_.empty()) {
     const Entry next = open_.front();
     std::ranges::pop_heap(open_, std::greater{}, &Entry::through);
     open_.pop_back();
-    if (settled_[next.place]) continue;
-    settled_[next.place] = true;
+    if (settled(next.place)) continue;
+    const Place number = numbers_[next.place];
+    known_[number / Known::places]->settled.set(number % Known::places);
     for (const PlaceGraph::Edge& edge : graph_->edges(next.place))
       reach(edge.to, next.cost + static_cast<float>(edge.length));
   }
-  return cost_[place];
+  const auto& known = known_[numbers_[place] / Known::places];
+  return known ? known->cost[numbers_[place] % Known::places] : unknown;
 }
 
 }  // namespace coppice

@@ -2,21 +2,30 @@
 // "Cooperative Pathfinding", 2005).
 //
 // A robot of a crowd asks for the places around it and for those along its way, and its goal may be at the
-// other end of the map: looking at all places for each robot would cost most of a joint plan.
+// other end of the map: looking at all places for each robot would cost most of a joint plan, and most of its
+// memory to remember that it has not.
 //
 // Metres.
 #pragma once
 
+#include <array>
+#include <bitset>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "motion/place_graph.h"
 
 namespace coppice {
 
+/// By the place, its number among all: close to those of the places around it.
+std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph);
+
 class CostToGo {
  public:
-  /// `graph` outlives it. The search goes from `goal` towards `start`, where the first questions are.
-  CostToGo(const PlaceGraph& graph, Place goal, Place start);
+  /// `graph`, and the `numbers` of its places (numbers_by_neighbourhood), outlive it. The search goes from
+  /// `goal` towards `start`, where the first questions are.
+  CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Place goal, Place start);
 
   Place goal() const { return goal_; }
   /// The length of the shortest way; infinite where there is none.
@@ -28,14 +37,24 @@ class CostToGo {
     float cost;
     Place place;
   };
+  /// What is known of places of one neighbourhood.
+  struct Known {
+    static constexpr Place places = 16;
+    std::array<float, places> cost;  ///< the least so far
+    std::bitset<places> settled{};
+  };
   void reach(Place place, float cost);
+  bool settled(Place place) const {
+    const auto& known = known_[numbers_[place] / Known::places];
+    return known && known->settled[numbers_[place] % Known::places];
+  }
 
   const PlaceGraph* graph_;
+  std::span<const Place> numbers_;
   Place goal_;
   Point2 towards_;
-  std::vector<float> cost_;  ///< by place; the least so far
-  std::vector<bool> settled_;
-  std::vector<Entry> open_;  ///< a heap
+  std::vector<std::unique_ptr<Known>> known_;  ///< null: nothing
+  std::vector<Entry> open_;                    ///< a heap
 };
 
 }  // namespace coppice

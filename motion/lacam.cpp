@@ -41,6 +41,7 @@ Lacam::Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random rando
     : graph_(graph),
       tasks_(std::move(tasks)),
       random_(random),
+      numbers_(numbers_by_neighbourhood(graph)),
       cost_to_go_(tasks_.size()),
       occupant_(graph.size(), nobody),
       decided_(tasks_.size()),
@@ -49,7 +50,7 @@ Lacam::Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random rando
     at_.push_back(tasks_[i].start);
     least_.push_back(-1);
     if (!tasks_[i].goal) continue;
-    cost_to_go_[i].emplace(graph_, *tasks_[i].goal, tasks_[i].start);
+    cost_to_go_[i].emplace(graph_, numbers_, *tasks_[i].goal, tasks_[i].start);
     least_.back() = 1 - 1 / (1 + cost(i, tasks_[i].start));
     if (cost(i, tasks_[i].start) != unreachable) continue;
     least_.back() = -1;

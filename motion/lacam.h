@@ -116,7 +116,8 @@ class Lacam {
   std::vector<PlaceTask> tasks_;
   std::vector<std::uint32_t> shut_in_;  ///< ascending
   Random random_;
-  std::vector<float> least_;  ///< by robot, below 1: its priority while it does not wait
+  std::vector<float> least_;    ///< by robot, below 1: its priority while it does not wait
+  std::vector<Place> numbers_;  ///< of the places
   std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
   std::deque<Node> nodes_;
   std::vector<std::size_t> open_;

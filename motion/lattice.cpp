@@ -15,12 +15,12 @@ double on_half_cells(double wanted, double resolution) {
 }  // namespace
 
 Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
-    : field_(field), radius_(radius), spacing_(on_half_cells(spacing, field.map().resolution)) {
+    : field_(field), radius_(radius), spacing_(on_half_cells(spacing, field.frame().resolution)) {
   const Box<2> box = field.bounds();
   origin_ = box.lower;
   columns_ = static_cast<int>((box.upper.x() - box.lower.x()) / spacing_) + 1;
   rows_ = static_cast<int>((box.upper.y() - box.lower.y()) / spacing_) + 1;
-  known_vertex_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), unknown);
+  known_vertex_.assign(size(), unknown);
 }
 
 Lattice::Known Lattice::look_at(Vertex v) const {

@@ -30,7 +30,7 @@ class Lattice {
   Lattice(const ClearanceField& field, double radius, double spacing);
 
   double spacing() const { return spacing_; }
-  std::size_t size() const { return known_vertex_.size(); }
+  std::size_t size() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
   Point2 at(Vertex v) const {
     return origin_ + spacing_ * Point2(static_cast<int>(v) % columns_, static_cast<int>(v) / columns_);
   }
@@ -54,8 +54,11 @@ class Lattice {
     }
   }
 
-  /// What is known of edges takes a byte a vertex. They may be asked for again.
-  void forget_edges() { std::vector<std::uint8_t>().swap(known_edges_); }
+  /// What is known takes two bytes a vertex. No vertex and no edge may be asked for any more.
+  void forget() {
+    std::vector<Known>().swap(known_vertex_);
+    std::vector<std::uint8_t>().swap(known_edges_);
+  }
 
   /// Metres, of an edge.
   double length(Direction d) const { return d % 2 == 0 ? spacing_ : spacing_ * std::numbers::sqrt2; }
@@ -70,15 +73,15 @@ class Lattice {
     return from + static_cast<Vertex>(steps[direction].dj * columns_ + steps[direction].di);
   }
 
-  /// Calls fn(vertex) for the free vertices around p, whether or not they see it.
+  /// Calls fn(vertex) for the vertices around p, free or not.
   template <class Fn>
-  void for_each_around(const Point2& p, Fn&& fn) {
+  void for_each_around(const Point2& p, Fn&& fn) const {
     const Point2 q = (p - origin_) / spacing_;
     const int i0 = static_cast<int>(std::floor(q.x()));
     const int j0 = static_cast<int>(std::floor(q.y()));
     for (int j = std::max(0, j0 - 1); j <= std::min(rows_ - 1, j0 + 2); ++j) {
       for (int i = std::max(0, i0 - 1); i <= std::min(columns_ - 1, i0 + 2); ++i) {
-        if (vertex_free(vertex(i, j))) fn(vertex(i, j));
+        fn(vertex(i, j));
       }
     }
   }

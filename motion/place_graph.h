@@ -63,6 +63,16 @@ class PlaceGraph {
     return own->second;
   }
 
+  /// It is kept for long, or beside much else: takes no more room than it needs.
+  void shrink_to_fit() {
+    for (auto& [place, edges] : own_) {
+      edges.shrink_to_fit();
+      for (Edge& edge : edges) edge.near.shrink_to_fit();
+    }
+    places_.shrink_to_fit();
+    edges_.shrink_to_fit();
+  }
+
  private:
   std::vector<Point2> places_;
   std::vector<const std::vector<Edge>*> edges_;       ///< by the place that they lead from

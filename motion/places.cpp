@@ -95,7 +95,7 @@ PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double sp
   pack();
   grow_cells();
   link(crossings());
-  lattice_.forget_edges();
+  lattice_.forget();
   index_ways();
 }
 
@@ -218,11 +218,7 @@ void PackedPlaces::link(const Crossings& crossings) {
     path.insert(path.end(), rest.begin(), rest.end());
     add_edges(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
   }
-  for (Place from = 0; from < size(); ++from) {  // they stay for as long as the map does
-    std::vector<Edge>& edges = packed_.own_edges(from);
-    edges.shrink_to_fit();
-    for (Edge& edge : edges) edge.near.shrink_to_fit();
-  }
+  packed_.shrink_to_fit();
 }
 
 void PackedPlaces::index_ways() {
@@ -235,6 +231,8 @@ void PackedPlaces::index_ways() {
       });
     }
   }
+  ways_.shrink_to_fit();
+  points_of_ways_.shrink_to_fit();
 }
 
 /// Calls fn(place, place) for the ends of all packed edges nearer to p than `distance`, some more than once,
@@ -349,6 +347,7 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
       link_unless_known(edge.to, optimise_line_of_sight(field_, further, radius_));
     }
   }
+  graph.shrink_to_fit();
   return graph;
 }
 

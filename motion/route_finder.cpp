@@ -91,7 +91,8 @@ template <class Fn>
 void RouteFinder::for_each_link(const Point2& p, std::span<const Obstacle> obstacles, Fn&& fn) {
   const SpaceWithDiscs<Obstacle> space{field_, obstacles};
   lattice_.for_each_around(p, [&](Vertex v) {
-    if (passable(v) && space.segment_free(p, lattice_.at(v), radius_)) fn(v, (lattice_.at(v) - p).norm());
+    if (lattice_.vertex_free(v) && passable(v) && space.segment_free(p, lattice_.at(v), radius_))
+      fn(v, (lattice_.at(v) - p).norm());
   });
 }
 
@@ -272,7 +273,7 @@ SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Poi
   while (true) {
     RouteFinder finder(field, radius, share * usual_spacing(radius));
     Path path = finder.route(from, to, discs);
-    const bool finest = finder.spacing() <= field.map().resolution / 2;
+    const bool finest = finder.spacing() <= field.frame().resolution / 2;
     if (!path.empty() || finest) return {std::move(path), share};
     share /= 2;
   }

@@ -178,31 +178,31 @@ struct ClearanceField::Piece {
   }
 };
 
-ClearanceField::ClearanceField(OccupancyMap map)
-    : map_(std::move(map)),
-      extent_(map_.width, map_.height),
-      cells_per_metre_(1 / map_.resolution),
-      stride_(map_.width + 2) {
-  assert(map_.width >= 1 && map_.height >= 1 && map_.resolution > 0);
-  assert(map_.blocked.size() == static_cast<std::size_t>(map_.width) * static_cast<std::size_t>(map_.height));
+ClearanceField::ClearanceField(const OccupancyMap& map)
+    : frame_(map.frame()),
+      extent_(frame_.width, frame_.height),
+      cells_per_metre_(1 / frame_.resolution),
+      stride_(frame_.width + 2) {
+  assert(frame_.width >= 1 && frame_.height >= 1 && frame_.resolution > 0);
+  assert(map.blocked.size() == frame_.cells());
   const auto stride = static_cast<std::size_t>(stride_);
-  const auto rows = static_cast<std::size_t>(map_.height) + 2;
-  centre_squared_ = vertical_steps(map_, stride, rows);
+  const auto rows = static_cast<std::size_t>(frame_.height) + 2;
+  centre_squared_ = vertical_steps(map, stride, rows);
   RowTransform transform(stride);
   for (std::size_t j = 0; j < rows; ++j) transform({centre_squared_.data() + j * stride, stride});
-  mark_edges();
+  mark_edges(map);
 }
 
 /// 64 cells at a time: one is at the edge if it is blocked and not all four at its sides are; what is outside
 /// counts as blocked.
-void ClearanceField::mark_edges() {
-  const auto width = static_cast<std::size_t>(map_.width);
-  const auto height = static_cast<std::size_t>(map_.height);
+void ClearanceField::mark_edges(const OccupancyMap& map) {
+  const auto width = static_cast<std::size_t>(map.width);
+  const auto height = static_cast<std::size_t>(map.height);
   constexpr std::uint64_t all = ~std::uint64_t{0};
   words_per_row_ = (width + 63) / 64;
   std::vector<std::uint64_t> blocked((height + 2) * words_per_row_, all);
   for (std::size_t j = 0; j < height; ++j) {
-    const std::uint8_t* cells = map_.blocked.data() + j * width;
+    const std::uint8_t* cells = map.blocked.data() + j * width;
     std::uint64_t* row = blocked.data() + (j + 1) * words_per_row_;
     for (std::size_t w = 0; w < words_per_row_; ++w) {
       const std::size_t most = std::min<std::size_t>(64, width - 64 * w);
@@ -263,8 +263,8 @@ inline double ClearanceField::lower_squared(const Point2& q) const {
 
 double ClearanceField::upper_squared(const Point2& q) const {
   // The centre c of q's cell is a mean of q and the two centres on the side of c away from q.
-  const std::ptrdiff_t i = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), map_.width - 1);
-  const std::ptrdiff_t j = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), map_.height - 1);
+  const std::ptrdiff_t i = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), frame_.width - 1);
+  const std::ptrdiff_t j = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), frame_.height - 1);
   const double dx = q.x() - static_cast<double>(i) - 0.5;
   const double dy = q.y() - static_cast<double>(j) - 0.5;
   const double x = std::abs(dx);
@@ -307,7 +307,7 @@ double ClearanceField::least_squared(const Point2& a, const Point2& b, double li
 double ClearanceField::lower_bound(const Point2& p) const {
   const Point2 q = to_cells(p);
   if (!contains(q)) return 0;
-  return std::sqrt(std::max(lower_squared(q), 0.0)) * map_.resolution;
+  return std::sqrt(std::max(lower_squared(q), 0.0)) * frame_.resolution;
 }
 
 double ClearanceField::clearance(const Point2& p) const {
@@ -356,7 +356,7 @@ double ClearanceField::segment_clearance(const Point2& a, const Point2& b) const
   const Point2 to = to_cells(b);
   if (!contains(from) || !contains(to)) return 0;
   const double limit = std::min({upper_squared(from), upper_squared(to), upper_squared(0.5 * (from + to))});
-  return std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * map_.resolution;
+  return std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * frame_.resolution;
 }
 
 }  // namespace coppice

@@ -31,10 +31,10 @@ class ClearanceField {
  public:
   static constexpr int dimension = 2;
 
-  explicit ClearanceField(OccupancyMap map);
+  explicit ClearanceField(const OccupancyMap& map);
 
-  const OccupancyMap& map() const { return map_; }
-  Box<2> bounds() const { return map_.bounds(); }
+  const GridFrame& frame() const { return frame_; }
+  Box<2> bounds() const { return frame_.bounds(); }
 
   /// Never above the clearance at p, and close to it; cheap. 0 where p is not known to be free.
   double lower_bound(const Point2& p) const;
@@ -66,8 +66,8 @@ class ClearanceField {
       for_each_edge(j, static_cast<std::size_t>(from.x()), static_cast<std::size_t>(to.x()),
                     [&](std::size_t i) {
                       const Point2 corner(static_cast<double>(i), static_cast<double>(j));
-                      fn(Box<2>{map_.origin + map_.resolution * corner,
-                                map_.origin + map_.resolution * (corner + Point2::Ones())});
+                      fn(Box<2>{frame_.origin + frame_.resolution * corner,
+                                frame_.origin + frame_.resolution * (corner + Point2::Ones())});
                     });
     }
   }
@@ -76,13 +76,13 @@ class ClearanceField {
   // In what follows, points are in cells from the map's origin and distances in cells.
   struct Piece;
 
-  Point2 to_cells(const Point2& p) const { return (p - map_.origin) * cells_per_metre_; }
+  Point2 to_cells(const Point2& p) const { return (p - frame_.origin) * cells_per_metre_; }
   bool contains(const Point2& q) const {  // false for NaN
     return q.x() >= 0 && q.y() >= 0 && q.x() <= extent_.x() && q.y() <= extent_.y();
   }
   bool in_blocked_cell(const Point2& q) const {
-    return at(std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), map_.width - 1),
-              std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), map_.height - 1)) == 0;
+    return at(std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), frame_.width - 1),
+              std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), frame_.height - 1)) == 0;
   }
   std::int32_t at(std::ptrdiff_t i, std::ptrdiff_t j) const {
     return centre_squared_[static_cast<std::size_t>((j + 1) * stride_ + i + 1)];
@@ -93,7 +93,7 @@ class ClearanceField {
   double border_distance(const Point2& q) const { return std::min(q.minCoeff(), (extent_ - q).minCoeff()); }
   double least_squared(const Point2& a, const Point2& b, double limit_squared) const;
   bool piece_free(const Piece& piece, double needed_squared) const;
-  void mark_edges();
+  void mark_edges(const OccupancyMap& map);
   bool without_edges(const Point2& a, const Point2& b, double margin) const;
 
   /// Calls fn(i) for the edge cells of row j from column `first` to `last`, both inside of the grid.
@@ -107,7 +107,7 @@ class ClearanceField {
     }
   }
 
-  OccupancyMap map_;
+  GridFrame frame_;
   Point2 extent_;  ///< width and height, in cells
   double cells_per_metre_;
   std::ptrdiff_t stride_;

@@ -50,7 +50,7 @@ bool FleetPlanner::search() {
   }
   fruitless_ = planner_->open_groups() < open_before ? 0 : fruitless_ + iterations_a_search;
   const std::uint64_t doubt =
-      std::max<std::uint64_t>(least_doubt, field_.map().blocked.size() / cells_an_iteration);
+      std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
   if (fruitless_ >= doubt && !std::exchange(doubted_, true)) give_up_unreachable();
   return planner_->open_groups() > 0;
 }

@@ -136,13 +136,13 @@ OccupancyMap generate_map(MapKind kind, int width, int height, Random& random) {
 }
 
 std::vector<Point2> open_places(const ClearanceField& field, double radius) {
-  const OccupancyMap& map = field.map();
-  const auto width = static_cast<std::size_t>(map.width);
+  const GridFrame& frame = field.frame();
+  const auto width = static_cast<std::size_t>(frame.width);
   const auto centre = [&](std::size_t cell) {
-    return Point2(map.origin + map.resolution * Point2(static_cast<double>(cell % width) + 0.5,
-                                                       static_cast<double>(cell / width) + 0.5));
+    return Point2(frame.origin + frame.resolution * Point2(static_cast<double>(cell % width) + 0.5,
+                                                           static_cast<double>(cell / width) + 0.5));
   };
-  std::vector<std::uint8_t> open(map.blocked.size());
+  std::vector<std::uint8_t> open(frame.cells());
   for (std::size_t cell = 0; cell < open.size(); ++cell) open[cell] = field.is_free(centre(cell), radius);
   std::vector<std::size_t> best;
   for (std::size_t seed = 0; seed < open.size(); ++seed) {
@@ -171,7 +171,7 @@ std::vector<Point2> open_places(const ClearanceField& field, double radius) {
 
 std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
                                        double least_share, Random& random) {
-  const double cell = field.map().resolution;
+  const double cell = field.frame().resolution;
   const std::vector<Point2> places = open_places(field, radius + cell);
   if (places.empty()) throw std::invalid_argument("no robot of this radius fits on the map");
   const Box<2> box = field.bounds();

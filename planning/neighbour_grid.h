@@ -49,6 +49,9 @@ class NeighbourGrid {
     block.node[block.size++] = count_++;
   }
 
+  /// It is kept for long: takes no more room than it needs.
+  void shrink_to_fit() { blocks_.shrink_to_fit(); }
+
   /// Leaves in `out` the nodes within the grid's reach of p.
   void collect_near(const Point<D>& p, double reach, std::vector<NodeId>& out) const {
     // Which of the nodes in the cells around are near is as good as random: no branch is to depend on it.

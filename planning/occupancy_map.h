@@ -17,6 +17,18 @@ namespace coppice {
 /// Which way y grows on a picture of the map; of no consequence for planning.
 enum class YAxis : std::uint8_t { down, up };
 
+/// Where the cells of a grid lie.
+struct GridFrame {
+  int width = 0;                   ///< cells along x
+  int height = 0;                  ///< cells along y
+  double resolution = 1.0;         ///< metres a cell
+  Point2 origin = Point2::Zero();  ///< lower corner of cell (0, 0), metres
+
+  std::size_t cells() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  /// The rectangle that the cells cover, metres.
+  Box<2> bounds() const { return {origin, origin + resolution * Point2(width, height)}; }
+};
+
 struct OccupancyMap {
   int width = 0;                   ///< cells along x, at least 1
   int height = 0;                  ///< cells along y, at least 1
@@ -30,8 +42,8 @@ struct OccupancyMap {
            blocked[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
                    static_cast<std::size_t>(i)] != 0;
   }
-  /// The rectangle that the cells cover, metres.
-  Box<2> bounds() const { return {origin, origin + resolution * Point2(width, height)}; }
+  GridFrame frame() const { return {width, height, resolution, origin}; }
+  Box<2> bounds() const { return frame().bounds(); }
 
   bool operator==(const OccupancyMap&) const = default;
 };

@@ -17,16 +17,16 @@ class Patches {
   Patches(const ClearanceField& field, double radius)
       : field_(field),
         radius_(radius),
-        side_(field.map().resolution / patches_a_cell),
-        width_(field.map().width * patches_a_cell),
-        height_(field.map().height * patches_a_cell) {}
+        side_(field.frame().resolution / patches_a_cell),
+        width_(field.frame().width * patches_a_cell),
+        height_(field.frame().height * patches_a_cell) {}
 
   std::size_t count() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
   int width() const { return width_; }
   int height() const { return height_; }
 
   std::size_t at(const Point2& p) const {
-    const Point2 cell = (p - field_.map().origin) / side_;
+    const Point2 cell = (p - field_.frame().origin) / side_;
     return index(std::clamp(static_cast<int>(cell.x()), 0, width_ - 1),
                  std::clamp(static_cast<int>(cell.y()), 0, height_ - 1));
   }
@@ -37,7 +37,7 @@ class Patches {
   /// Clearance changes by at most the distance: if the disc fits anywhere in the patch, it nearly fits at its
   /// centre.
   bool might_fit(int i, int j) const {
-    const Point2 centre = field_.map().origin + side_ * Point2(i + 0.5, j + 0.5);
+    const Point2 centre = field_.frame().origin + side_ * Point2(i + 0.5, j + 0.5);
     const double least = radius_ - side_ * std::sqrt(0.5) - 1e-9;
     return least <= 0 || field_.is_free(centre, least);
   }

@@ -35,7 +35,7 @@ double suggested_epsilon(const ClearanceField& field, double radius) {
   }
   // Where no sample fits, free space is sparse and narrow: a step of the robot's own size.
   const double mean = count > 0 ? sum / count : radius / 2;
-  return std::clamp(mean_clearances * mean, field.map().resolution, extent.norm());
+  return std::clamp(mean_clearances * mean, field.frame().resolution, extent.norm());
 }
 
 std::size_t suggested_trees(const ClearanceField& field, double epsilon) {

@@ -61,7 +61,7 @@ std::optional<PathFinder::Result> PathFinder::step() {
   ++steps_without_news_;
   if (solved()) return take_first_path(rrt_star_ ? rrt_star_->path() : planner_.path(group_));
   const std::uint64_t doubt =
-      std::max<std::uint64_t>(least_doubt, field_.map().blocked.size() / cells_an_iteration);
+      std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
   if (iterations_ >= doubt && !known_.empty()) return take_first_path(std::move(known_));
   if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
       provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {

@@ -80,10 +80,11 @@ double true_clearance(const OccupancyMap& map, const Point2& a, const Point2& b)
 
 RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceAtPoints, (std::uint64_t seed)) {
   Random random(seed);
-  const ClearanceField field(random_map(random));
+  const OccupancyMap map = random_map(random);
+  const ClearanceField field(map);
   for (int n = 0; n < 30; ++n) {
     const Point2 p = random_point(field.bounds(), random);
-    const double truth = true_clearance(field.map(), p, p);
+    const double truth = true_clearance(map, p, p);
     RC_ASSERT(field.lower_bound(p) <= truth + 1e-12);
     RC_ASSERT(std::abs(field.clearance(p) - truth) <= 1e-9);
     const double radius = random.uniform() < 0.5 ? truth + random.uniform(-0.1, 0.1) : random.uniform(0, 5);
@@ -94,11 +95,12 @@ RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceAtPoints, (std::uint64_t seed))
 
 RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceOnSegments, (std::uint64_t seed)) {
   Random random(seed);
-  const ClearanceField field(random_map(random));
+  const OccupancyMap map = random_map(random);
+  const ClearanceField field(map);
   for (int n = 0; n < 10; ++n) {
     const Point2 a = random_point(field.bounds(), random);
     const Point2 b = random_point(field.bounds(), random);
-    const double truth = true_clearance(field.map(), a, b);
+    const double truth = true_clearance(map, a, b);
     RC_ASSERT(std::abs(field.segment_clearance(a, b) - truth) <= 1e-9);
     const double radius = random.uniform() < 0.5 ? truth + random.uniform(-0.1, 0.1) : random.uniform(0, 5);
     if (radius >= 0 && std::abs(truth - radius) > band) {

@@ -10,7 +10,7 @@ namespace {
 
 TEST(Nook, WhoWasPushedIntoOneGoesBackAsItCame) {
   const TrialCase trial = make_case("dense", 512, 20, 5, 7);
-  Scenario scenario{.map_name = "dense", .map = trial.field.map(), .seed = 7, .robots = {}};
+  Scenario scenario{.map_name = "dense", .map = trial.occupancy, .seed = 7, .robots = {}};
   for (const PlanningProblem& p : trial.problems)
     scenario.robots.push_back(
         {"r" + std::to_string(scenario.robots.size() + 1), p.start, p.goal, 5, 20, 40, 1});

@@ -142,7 +142,7 @@ TEST(ClearanceField, GoesThroughTheEdgesOfObstaclesNearAPoint) {
   for (std::size_t j = 60; j < 70; ++j) rows[j].replace(60, 10, "##########");
   OccupancyMap map = drawn(rows);
   map.resolution = 0.5;
-  const ClearanceField field(std::move(map));
+  const ClearanceField field(map);
   const auto count_near = [&](const Point2& p, double distance) {
     int count = 0;
     field.for_each_edge_near(p, distance, [&](const Box<2>& square) {

@@ -46,7 +46,8 @@ TEST(CostToGo, IsTheLengthOfTheShortestWayInWhateverOrderItIsAsked) {
     const auto goal = static_cast<Place>(random.index(graph.size()));
     const auto start = static_cast<Place>(random.index(graph.size()));
     const std::vector<double> right = costs(graph, goal);
-    CostToGo cost(graph, goal, start);
+    const std::vector<Place> numbers = numbers_by_neighbourhood(graph);
+    CostToGo cost(graph, numbers, goal, start);
     for (int question = 0; question < 400; ++question) {
       const Place place = question == 0 ? start : static_cast<Place>(random.index(graph.size()));
       if (right[place] == std::numeric_limits<double>::infinity()) {

@@ -102,7 +102,8 @@ TEST(Places, OneConnectedFreeSpaceIsOnePart) {
     const ClearanceField field(corridor(width));
     PackedPlaces packed(field, radius, 1);
     const PlaceGraph graph = packed.with({}, {});
-    CostToGo cost(graph, 0, 0);
+    const std::vector<Place> numbers = numbers_by_neighbourhood(graph);
+    CostToGo cost(graph, numbers, 0, 0);
     for (Place k = 0; k < graph.size(); ++k) EXPECT_TRUE(std::isfinite(cost.from(k))) << width;
   }
 }
@@ -123,7 +124,8 @@ TEST(Places, NoEdgeLeadsThroughWhatStandsForEver) {
   PackedPlaces packed(field, radius, 1);
   const PlaceGraph graph = packed.with(more, dead);
   const auto first = static_cast<Place>(packed.size());
-  EXPECT_FALSE(std::isfinite(CostToGo(graph, first, first + 1).from(first + 1)));
+  const std::vector<Place> numbers = numbers_by_neighbourhood(graph);
+  EXPECT_FALSE(std::isfinite(CostToGo(graph, numbers, first, first + 1).from(first + 1)));
 }
 
 // A wall of one cell: robots stand on both sides of it, closer to each other than packed places are.
