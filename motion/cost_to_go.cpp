@@ -25,10 +25,10 @@ std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph) {
   Box<2> box{graph.at(0), graph.at(0)};
   for (Place k = 0; k < graph.size(); ++k)
     box = {box.lower.cwiseMin(graph.at(k)), box.upper.cwiseMax(graph.at(k))};
-  const double metre = 65535 / std::max(1.0, (box.upper - box.lower).maxCoeff());
+  const double per_metre = 65535 / std::max(1.0, (box.upper - box.lower).maxCoeff());
   std::vector<std::pair<std::uint32_t, Place>> order;
   for (Place k = 0; k < graph.size(); ++k) {
-    const Point2 p = metre * (graph.at(k) - box.lower);
+    const Point2 p = per_metre * (graph.at(k) - box.lower);
     order.emplace_back(interleaved(static_cast<std::uint32_t>(p.x()), static_cast<std::uint32_t>(p.y())), k);
   }
   std::ranges::sort(order);

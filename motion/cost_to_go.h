@@ -18,7 +18,7 @@
 
 namespace coppice {
 
-/// By the place, its number among all: close to those of the places around it.
+/// By the place, its number among all: close to those of the places around it. `graph` is not empty.
 std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph);
 
 class CostToGo {
