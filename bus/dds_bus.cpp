@@ -27,6 +27,7 @@
 
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
+#include "bus/dds_discovery_server.h"
 #include "bus/dds_qos.h"
 #include "bus/dds_security.h"
 #include "bus/dds_senders.h"
@@ -79,6 +80,7 @@ void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
 void find_others_through(const std::string& servers, dds::DomainParticipantQos& qos) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
+  discovery.leaseDuration_announcementperiod = Duration_t(between_words);
   if (!eprosima::fastdds::rtps::load_environment_server_info(servers, discovery.m_DiscoveryServers))
     throw std::runtime_error(
         fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));

@@ -1,16 +1,22 @@
 #include "bus/dds_discovery_server.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
+#include <arpa/inet.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastrtps/utils/IPFinder.h>
 #include <fastrtps/utils/IPLocator.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "bus/dds_bus.h"
 #include "bus/dds_transport.h"
@@ -22,6 +28,9 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
+constexpr int lease = 5;          // seconds
+constexpr int announcements = 1;  // seconds between two
+
 /// Clients are told of it, and would look for the server elsewhere.
 bool is_of_this_host(const std::string& address) {
   if (address == "0.0.0.0") return true;
@@ -31,6 +40,28 @@ bool is_of_this_host(const std::string& address) {
 }
 
 }  // namespace
+
+PortWatch::PortWatch(const std::string& address, std::uint16_t port)
+    : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_port = htons(port);
+  const bool is_address = inet_pton(AF_INET, address.c_str(), &own.sin_addr) == 1;
+  // Whatever is wrong with it, the server itself says so.
+  if (is_address) (void)bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
+}
+
+PortWatch::~PortWatch() {
+  close(socket_);
+}
+
+bool PortWatch::heard_rtps() {
+  std::array<char, 4> begin{};
+  while (recv(socket_, begin.data(), begin.size(), 0) >= 0) {
+    if (std::string_view(begin.data(), begin.size()) == "RTPS") return true;
+  }
+  return false;
+}
 
 struct DdsDiscoveryServer::Implementation {
   Audience audience{false};  // sends to all
@@ -50,6 +81,9 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
                                                                    .is_secure = false}));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
+  builtin.discovery_config.leaseDuration = eprosima::fastrtps::Duration_t(lease, 0);
+  builtin.discovery_config.leaseDuration_announcementperiod =
+      eprosima::fastrtps::Duration_t(announcements, 0);
   rtps::Locator_t locator;
   if (!rtps::get_server_client_default_guidPrefix(place, qos.wire_protocol().prefix) ||
       !rtps::IPLocator::setIPv4(locator, address) || !rtps::IPLocator::setPhysicalPort(locator, port))

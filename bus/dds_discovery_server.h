@@ -9,6 +9,26 @@
 
 namespace coppice {
 
+/// Who knew a server that was killed takes the next one at its address to be the same, and ignores what that
+/// says anew: agents that are started in the meantime would never be heard of. For so long after its last
+/// word it is remembered, seconds; what knows it speaks to it at least once in `between_words`.
+inline constexpr double server_is_remembered = 5.5;
+inline constexpr double between_words = 1;
+
+/// A UDP port on which nobody listens yet.
+class PortWatch {
+ public:
+  PortWatch(const std::string& address, std::uint16_t port);
+  ~PortWatch();
+  PortWatch(const PortWatch&) = delete;
+  PortWatch& operator=(const PortWatch&) = delete;
+  /// Since it was asked last, or began. Never blocks.
+  bool heard_rtps();
+
+ private:
+  int socket_;
+};
+
 class DdsDiscoveryServer {
  public:
   /// Listens for as long as it lives, at an IPv4 address of this host and a UDP port. `place`: in the list of

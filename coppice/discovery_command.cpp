@@ -12,11 +12,28 @@ namespace coppice {
 namespace {
 
 constexpr std::chrono::milliseconds poll_period{100};
+constexpr double late = 0.5;  // seconds by which a word may be
+
+/// If others still take a server that was killed to be alive, it must be forgotten first.
+void wait_until_forgotten(const DiscoveryOptions& options) {
+  PortWatch port(options.address, options.port);
+  const double begin = wall_now();
+  const auto waited = [&] { return wall_now() - begin; };
+  bool remembered = false;
+  while (!stop_requested() && waited() < (remembered ? server_is_remembered : between_words + late)) {
+    std::this_thread::sleep_for(poll_period);
+    if (!remembered && port.heard_rtps()) {
+      remembered = true;
+      spdlog::info("waits until all have forgotten the server that was here before");
+    }
+  }
+}
 
 }  // namespace
 
 int discovery_command(const DiscoveryOptions& options) {
   install_stop_signals();
+  wait_until_forgotten(options);
   const DdsDiscoveryServer server(options.address, options.port, options.place);
   spdlog::info("discovery server {} at {}:{}", options.place, options.address, options.port);
   Heartbeat heart(options.alive);

@@ -142,6 +142,30 @@ void expect_arrives_with_security(const std::string& name, const std::string& ti
                      test::PlainMap(test::scenarios() / (name + ".map")));
 }
 
+// Who knew the first server would take the second one for the same, and ignore what that says anew.
+TEST(Fleet, AnAgentThatIsStartedAnewFindsTheOthersThroughAServerThatWasKilledAndStartedAnew) {
+  const test::TemporaryFolder folder;
+  const std::vector<std::string> server{test::program("coppice"), "discovery", "--port", "23941"};
+  const auto stands = [](const std::filesystem::path& log) {
+    return test::within(20s,
+                        [&] { return test::contents(log).find("discovery server 0") != std::string::npos; });
+  };
+  test::Background first(server, folder.path() / "first.log");
+  ASSERT_TRUE(stands(folder.path() / "first.log"));
+  FleetRun run(test::scenarios() / "rooms-8.json",
+               {"--discovery", "127.0.0.1:23941", "--restart", "--timeout", "60"}, "1");
+  ASSERT_TRUE(run.says("paths found 8/8")) << run.log();
+  first.send(SIGKILL);
+  first.wait();
+  const test::Background second(server, folder.path() / "second.log");
+  ASSERT_TRUE(stands(folder.path() / "second.log"));
+  const pid_t agent = run.first("robot_agent");
+  ASSERT_GT(agent, 0) << run.log();
+  kill(agent, SIGKILL);
+  EXPECT_EQ(run.process.wait(), 0) << run.log();
+  EXPECT_EQ(run.report().outcome(), "arrived");
+}
+
 TEST(Fleet, OfEightArrivesWithSecurity) {
   expect_arrives_with_security("rooms-8", "5");
 }
