@@ -13,24 +13,24 @@ namespace coppice {
 GridAStar::GridAStar(const ClearanceField& field) : field_(field) {}
 
 Path GridAStar::path(const Point2& start, const Point2& goal, double radius) {
-  const GridFrame& map = field_.frame();
-  const std::size_t cells = map.cells();
+  const GridFrame& frame = field_.frame();
+  const std::size_t cells = frame.cells();
   cost_.assign(cells, std::numeric_limits<float>::infinity());
   parent_.assign(cells, -1);
   closed_.assign(cells, 0);
   const auto cell_of = [&](const Point2& p) {
-    const Point2 q = (p - map.origin) / map.resolution;
-    return std::clamp(static_cast<int>(q.y()), 0, map.height - 1) * map.width +
-           std::clamp(static_cast<int>(q.x()), 0, map.width - 1);
+    const Point2 q = (p - frame.origin) / frame.resolution;
+    return std::clamp(static_cast<int>(q.y()), 0, frame.height - 1) * frame.width +
+           std::clamp(static_cast<int>(q.x()), 0, frame.width - 1);
   };
   const auto centre = [&](int c) {
-    return Point2(map.origin + map.resolution * Point2(c % map.width + 0.5, c / map.width + 0.5));
+    return Point2(frame.origin + frame.resolution * Point2(c % frame.width + 0.5, c / frame.width + 0.5));
   };
   const int from = cell_of(start);
   const int to = cell_of(goal);
   const auto estimate = [&](int c) {  // octile distance, in cells
-    const int dx = std::abs(c % map.width - to % map.width);
-    const int dy = std::abs(c / map.width - to / map.width);
+    const int dx = std::abs(c % frame.width - to % frame.width);
+    const int dy = std::abs(c / frame.width - to / frame.width);
     return static_cast<float>(std::max(dx, dy) + (std::numbers::sqrt2 - 1) * std::min(dx, dy));
   };
   using Entry = std::pair<float, int>;
@@ -45,10 +45,10 @@ Path GridAStar::path(const Point2& start, const Point2& goal, double radius) {
     if (c == to) break;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const int x = c % map.width + dx;
-        const int y = c / map.width + dy;
-        if ((dx == 0 && dy == 0) || x < 0 || y < 0 || x >= map.width || y >= map.height) continue;
-        const int next = y * map.width + x;
+        const int x = c % frame.width + dx;
+        const int y = c / frame.width + dy;
+        if ((dx == 0 && dy == 0) || x < 0 || y < 0 || x >= frame.width || y >= frame.height) continue;
+        const int next = y * frame.width + x;
         const float through =
             cost_[static_cast<std::size_t>(c)] + (dx != 0 && dy != 0 ? std::numbers::sqrt2_v<float> : 1.0f);
         if (through >= cost_[static_cast<std::size_t>(next)]) continue;

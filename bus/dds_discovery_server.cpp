@@ -28,9 +28,6 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
-constexpr int lease = 5;          // seconds
-constexpr int announcements = 1;  // seconds between two
-
 /// Clients are told of it, and would look for the server elsewhere.
 bool is_of_this_host(const std::string& address) {
   if (address == "0.0.0.0") return true;
@@ -81,9 +78,8 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
                                                                    .is_secure = false}));
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
-  builtin.discovery_config.leaseDuration = eprosima::fastrtps::Duration_t(lease, 0);
-  builtin.discovery_config.leaseDuration_announcementperiod =
-      eprosima::fastrtps::Duration_t(announcements, 0);
+  builtin.discovery_config.leaseDuration = eprosima::fastrtps::Duration_t(server_lease);
+  builtin.discovery_config.leaseDuration_announcementperiod = eprosima::fastrtps::Duration_t(between_words);
   rtps::Locator_t locator;
   if (!rtps::get_server_client_default_guidPrefix(place, qos.wire_protocol().prefix) ||
       !rtps::IPLocator::setIPv4(locator, address) || !rtps::IPLocator::setPhysicalPort(locator, port))

@@ -10,9 +10,10 @@
 namespace coppice {
 
 /// Who knew a server that was killed takes the next one at its address to be the same, and ignores what that
-/// says anew: agents that are started in the meantime would never be heard of. For so long after its last
-/// word it is remembered, seconds; what knows it speaks to it at least once in `between_words`.
-inline constexpr double server_is_remembered = 5.5;
+/// says anew: agents that are started in the meantime would never be heard of. For so many
+/// seconds after its last word it is remembered.
+inline constexpr double server_lease = 5;
+/// It, and who knows it, say at least so often that they are there, seconds.
 inline constexpr double between_words = 1;
 
 /// A UDP port on which nobody listens yet.

@@ -20,7 +20,7 @@ void wait_until_forgotten(const DiscoveryOptions& options) {
   const double begin = wall_now();
   const auto waited = [&] { return wall_now() - begin; };
   bool remembered = false;
-  while (!stop_requested() && waited() < (remembered ? server_is_remembered : between_words + late)) {
+  while (!stop_requested() && waited() < (remembered ? server_lease : between_words) + late) {
     std::this_thread::sleep_for(poll_period);
     if (!remembered && port.heard_rtps()) {
       remembered = true;

@@ -47,13 +47,14 @@ CostToGo::CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Plac
 }
 
 void CostToGo::reach(Place place, float cost) {
-  std::unique_ptr<Known>& known = known_[numbers_[place] / Known::places];
+  const Place number = numbers_[place];
+  std::unique_ptr<Known>& known = known_[number / Known::places];
   if (!known) {
     known = std::make_unique<Known>();
     known->cost.fill(unknown);
   }
-  float& least = known->cost[numbers_[place] % Known::places];
-  if (settled(place) || cost >= least) return;
+  float& least = known->cost[number % Known::places];
+  if (known->settled[number % Known::places] || cost >= least) return;
   least = cost;
   open_.push_back({cost + (graph_->at(place) - towards_).norm(), cost, place});
   std::ranges::push_heap(open_, std::greater{}, &Entry::through);

@@ -308,6 +308,20 @@ TEST(RobotAgent, OneWhoseClockWasSetStandsAllThatTimeAndGoesOn) {
   EXPECT_GT(status.load.periods_missed, 0u);
 }
 
+/// Of one that has heard "a" a period ago.
+RobotState standing(const char* robot, std::uint32_t sequence, double now, const Point2& place) {
+  return {.robot = robot,
+          .sequence = sequence,
+          .stamp = now,
+          .position = place,
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .promise = {now + 0.05, Point2::Zero(), now + 0.1},
+          .knot = {},
+          .echoes = {{"a", now - 0.05, now}}};
+}
+
 TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
@@ -318,17 +332,7 @@ TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
     const double now = 0.05 * k;
     if (k % 4 == 0) {
       ++states;
-      agent.on(arrival_of(RobotState{.robot = "b",
-                                     .sequence = states,
-                                     .stamp = now,
-                                     .position = {20, 20},
-                                     .radius = 5,
-                                     .max_speed = 20,
-                                     .max_acceleration = 40,
-                                     .promise = {now + 0.05, Point2::Zero(), now + 0.1},
-                                     .knot = {},
-                                     .echoes = {{"a", now - 0.05, now}}},
-                          now));
+      agent.on(arrival_of(standing("b", states, now, {20, 20}), now));
     }
     for (const Message& m : messages(agent.step(now + 0.001))) {
       if (const auto* said = std::get_if<AgentStatus>(&m)) status = *said;
@@ -409,17 +413,7 @@ TEST(RobotAgent, WhoWasAwayIsToldOfTheDeadAsOftenAsItTakesThatItHearsIt) {
   for (int k = 1; k < 240; ++k) {
     const double now = 0.05 * k;
     const auto hear = [&](const char* robot, const Point2& place) {
-      a.on(arrival_of(RobotState{.robot = robot,
-                                 .sequence = static_cast<std::uint32_t>(k),
-                                 .stamp = now,
-                                 .position = place,
-                                 .radius = 5,
-                                 .max_speed = 20,
-                                 .max_acceleration = 40,
-                                 .promise = {now + 0.05, Point2::Zero(), now + 0.1},
-                                 .knot = {},
-                                 .echoes = {{"a", now - 0.05, now}}},
-                      now));
+      a.on(arrival_of(standing(robot, static_cast<std::uint32_t>(k), now, place), now));
     };
     if (now < 1) hear("c", {60, 20});
     if (now < 5 || now > 8) hear("b", {20, 20});

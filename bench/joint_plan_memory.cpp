@@ -1,0 +1,48 @@
+// What a joint plan of all robots of a scenario takes: joint_plan_memory SCENARIO prints the most memory that
+// its process had (VmHWM of proc(5), kB) before the plan and in the end.
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "files/scenario_file.h"
+#include "motion/joint_planner.h"
+#include "planning/clearance_field.h"
+#include "planning/random.h"
+
+namespace coppice {
+namespace {
+
+int most_memory() {
+  std::ifstream status("/proc/self/status");
+  std::string line;
+  while (std::getline(status, line)) {
+    if (line.starts_with("VmHWM:")) return std::atoi(line.c_str() + 6);
+  }
+  return 0;
+}
+
+void measure(const Scenario& scenario) {
+  const ClearanceField field(scenario.map);
+  PlacesOfMap places(field);
+  std::cout << "map " << most_memory() << '\n';
+  std::vector<JointTask> tasks;
+  for (const RobotTask& robot : scenario.robots) tasks.push_back({robot.start, robot.goal, robot.radius});
+  JointPlanner planner(places, std::move(tasks), Random(1));
+  while (!planner.step()) continue;
+  std::cout << "joint plan " << most_memory() << ", " << planner.plan().moves.size() << " moves, "
+            << planner.plan().stranded.size() << " stranded\n";
+}
+
+}  // namespace
+}  // namespace coppice
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "expected a scenario\n";
+    return 2;
+  }
+  coppice::measure(coppice::read_scenario(argv[1], {}));
+}
