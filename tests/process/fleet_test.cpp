@@ -153,7 +153,7 @@ TEST(Fleet, AnAgentThatIsStartedAnewFindsTheOthersThroughAServerThatWasKilledAnd
   test::Background first(server, folder.path() / "first.log");
   ASSERT_TRUE(stands(folder.path() / "first.log"));
   FleetRun run(test::scenarios() / "rooms-8.json",
-               {"--discovery", "127.0.0.1:23941", "--restart", "--timeout", "60"}, "1");
+               {"--discovery", "127.0.0.1:23941", "--restart", "--timeout", "45"}, "1");
   ASSERT_TRUE(run.says("paths found 8/8")) << run.log();
   first.send(SIGKILL);
   first.wait();
