@@ -73,14 +73,17 @@ class Lattice {
     return from + static_cast<Vertex>(steps[direction].dj * columns_ + steps[direction].di);
   }
 
-  /// Calls fn(vertex) for the vertices around p, free or not.
+  /// Columns and rows on each side, of the vertices that what does not lie on the lattice is linked to.
+  static constexpr int usual_reach = 2;
+
+  /// Calls fn(vertex) for the vertices around p, free or not: `reach` columns and rows on each side.
   template <class Fn>
-  void for_each_around(const Point2& p, Fn&& fn) const {
+  void for_each_around(const Point2& p, int reach, Fn&& fn) const {
     const Point2 q = (p - origin_) / spacing_;
     const int i0 = static_cast<int>(std::floor(q.x()));
     const int j0 = static_cast<int>(std::floor(q.y()));
-    for (int j = std::max(0, j0 - 1); j <= std::min(rows_ - 1, j0 + 2); ++j) {
-      for (int i = std::max(0, i0 - 1); i <= std::min(columns_ - 1, i0 + 2); ++i) {
+    for (int j = std::max(0, j0 + 1 - reach); j <= std::min(rows_ - 1, j0 + reach); ++j) {
+      for (int i = std::max(0, i0 + 1 - reach); i <= std::min(columns_ - 1, i0 + reach); ++i) {
         fn(vertex(i, j));
       }
     }

@@ -260,7 +260,7 @@ Path PackedPlaces::way_to_its_place(Lattice::Vertex v) const {
 Path PackedPlaces::way_to_a_place(const Point2& p, Place& place) {
   double least = std::numeric_limits<double>::infinity();
   std::optional<Lattice::Vertex> first;
-  lattice_.for_each_around(p, [&](Lattice::Vertex v) {
+  lattice_.for_each_around(p, Lattice::usual_reach, [&](Lattice::Vertex v) {
     if (towards_[v] == nowhere_to || !way_free(field_, p, lattice_.at(v), radius_)) return;
     double length = (lattice_.at(v) - p).norm();
     Lattice::Vertex at = v;

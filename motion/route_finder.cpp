@@ -21,6 +21,7 @@ constexpr double comfort = 0.1;
 constexpr double crossing_factor = 8;  // of the length, where a route leads through a disc that may move
 constexpr double avoided_detour = 30;  // radii that a refuge may be further away for lying in nobody's way
 constexpr double rounding = 1e-9;      // metres
+constexpr int most_reach = 16;  // columns and rows on each side, of what an end of a route is linked to
 
 /// The free space without the discs that stand in it.
 template <class Obstacle>
@@ -86,14 +87,20 @@ std::vector<RouteFinder::Obstacle> RouteFinder::obstacles(std::span<const Disc> 
   return result;
 }
 
-/// Calls fn(vertex, metres) for the vertices around p that lead there in a straight line.
+/// Calls fn(vertex, metres) for the vertices around p that lead there in a straight line. Where none of the
+/// nearest does, it is those further away: who stands in a clinch may have but a narrow way out, between two
+/// of the nearest.
 template <class Fn>
 void RouteFinder::for_each_link(const Point2& p, std::span<const Obstacle> obstacles, Fn&& fn) {
   const SpaceWithDiscs<Obstacle> space{field_, obstacles};
-  lattice_.for_each_around(p, [&](Vertex v) {
-    if (lattice_.vertex_free(v) && passable(v) && space.segment_free(p, lattice_.at(v), radius_))
+  bool linked = false;
+  for (int reach = Lattice::usual_reach; !linked && reach <= most_reach; reach *= 2) {
+    lattice_.for_each_around(p, reach, [&](Vertex v) {
+      if (!lattice_.vertex_free(v) || !passable(v) || !space.segment_free(p, lattice_.at(v), radius_)) return;
+      linked = true;
       fn(v, (lattice_.at(v) - p).norm());
-  });
+    });
+  }
 }
 
 /// Calls fn(vertex, metres) for the vertices that an edge leads to.

@@ -1,5 +1,8 @@
 #include "motion/route_finder.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "motion/segments.h"
@@ -50,6 +53,24 @@ TEST(RouteFinder, NoRouteThroughAClosedDoorOrToATakenGoal) {
   ASSERT_FALSE(through.empty());
   EXPECT_EQ(finder.blockers(through, std::vector<Disc>{{{50, 30}, 3}, {{20, 55}, 3}}),
             std::vector<std::size_t>{0});
+}
+
+// Between two others that it almost touches, with a third one behind it, in whatever direction the way out
+// leads.
+TEST(RouteFinder, LeavesAClinchBetweenTheNearestPointsOfTheLattice) {
+  const ClearanceField field(open_map(140, 140));
+  const Point2 from(70.37, 70.61);
+  const double touching = 10 + standing_gap;
+  for (int degrees = 0; degrees < 360; ++degrees) {
+    const double angle = degrees * std::numbers::pi / 180;
+    const Point2 ahead(std::cos(angle), std::sin(angle));
+    const Point2 aside(-ahead.y(), ahead.x());
+    const std::vector<Disc> discs{{from + (touching + 0.02) * aside, 5},
+                                  {from - (touching + 0.02) * aside, 5},
+                                  {from - (touching + 0.5) * ahead, 5}};
+    EXPECT_FALSE(coarsest_route(field, 5, from, from + 30 * ahead + 20 * aside, discs, 1).path.empty())
+        << degrees << " degrees";
+  }
 }
 
 // A passage that is exactly as wide as the robot, not where a coarse lattice has its points.
