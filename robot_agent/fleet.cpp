@@ -42,12 +42,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
   if (!has_clock_ || mission.clock != clock_) {
     clock_ = mission.clock;
     has_clock_ = true;
-    all_known_ = false;
-    for (Peer& p : peers_) {
-      p.clock = {};
-      p.introductions = 0;
-      if (p.state && p.state->run != clock_.epoch) p = {.phase = p.phase, .robot = p.robot};
-    }
+    forget_other_runs();
   }
   if (mission.robot == self_) {
     own_mission_ = mission;
@@ -62,6 +57,22 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     if (!p.dead) p.place = mission.start;
   }
   p.mission = std::make_unique<const Mission>(mission);
+}
+
+/// Robots of which only another run is known may not be in this one at all.
+void Fleet::forget_other_runs() {
+  std::vector<Peer> heard = std::exchange(peers_, {});
+  index_ = {};
+  away_until_.clear();
+  told_from_.clear();
+  next_echo_ = chosen_among_ = 0;
+  all_known_ = false;
+  for (Peer& p : heard) {
+    if (!p.state || p.state->run != clock_.epoch) continue;
+    p.clock = {};
+    p.introductions = 0;
+    peers_[number_of(p.robot)] = std::move(p);
+  }
 }
 
 bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {

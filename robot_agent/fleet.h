@@ -146,8 +146,9 @@ class Fleet {
   std::vector<RobotState> states_of_the_silent(double now) const;
 
  private:
-  /// Another robot of which there was a state or a mission. A hundred agents of one process know ten thousand
-  /// of these, far more than caches hold: so each line of one (64 bytes) has what is asked for together.
+  /// Another robot of which there was a state or a mission: at least one of these is there. A hundred agents
+  /// of one process know ten thousand of these, far more than caches hold: so each line of one (64 bytes) has
+  /// what is asked for together.
   struct alignas(64) Peer {
     // Where it is, and whether it is silent.
     std::shared_ptr<const RobotState> state{};  ///< the last one; null: none yet
@@ -198,6 +199,7 @@ class Fleet {
   };
 
   std::size_t number_of(const RobotName& robot);
+  void forget_other_runs();
   bool has_room_for(const RobotName& robot) const;
   bool is_doubtful(const RobotState& passed_on, const Peer& peer, WallTime arrived) const;
   bool is_from_the_future(double stamp, const Peer& peer, double now) const;

@@ -235,8 +235,9 @@ std::vector<Fleet::Peer*> Fleet::with_those_who_never_came(std::vector<Peer*> lo
 /// Many may have died at once, but not within the time that a network takes to heal. One robot may have, or
 /// many may never have been started.
 void Fleet::stand_as_minority(bool several_fell_silent, double now) {
-  minority_until_ =
+  const double until =
       several_fell_silent ? std::numeric_limits<double>::infinity() : now + longest_cut * second();
+  minority_until_ = std::max(minority_until_, until);
 }
 
 int Fleet::unheard_states_of(const Peer& p, const Absences& count) const {

@@ -110,9 +110,10 @@ TEST(Silence, OneThatStandsStaysWhereItIs) {
 /// A robot "a" that may hear "b" and "c".
 class Listener {
  public:
-  explicit Listener(std::vector<RobotName> others = {"b", "c"})
-      : field_(OccupancyMap{.width = 200, .height = 200, .blocked = std::vector<std::uint8_t>(40000, 0)}) {
-    others.push_back("a");
+  explicit Listener(std::vector<RobotName> others = {"b", "c"}, const RobotName& self = "a")
+      : field_(OccupancyMap{.width = 200, .height = 200, .blocked = std::vector<std::uint8_t>(40000, 0)}),
+        fleet_(self) {
+    others.push_back(self);
     for (const RobotName& robot : others) hear_mission(robot, {70, 70});
   }
   void hear_mission(const RobotName& robot, const Point2& start) {
@@ -181,7 +182,7 @@ class Listener {
 
  private:
   ClearanceField field_;
-  Fleet fleet_{"a"};
+  Fleet fleet_;
 };
 
 TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
@@ -238,6 +239,27 @@ TEST(Silence, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   EXPECT_TRUE(a.cut_off());
   go_on_until(72, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
+}
+
+// Nor where what is left of its piece would, by names, be the one to go on after a minute.
+TEST(Silence, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
+  Listener b({"a", "c", "d", "e"}, "b");
+  double now = 0;
+  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
+    for (; now < end; now += period) {
+      for (const RobotName& robot : heard) b.hear(robot, now);
+      b.judge(now);
+    }
+  };
+  go_on_until(1, {"a", "c", "d", "e"});
+  go_on_until(65, {"a"});
+  EXPECT_TRUE(b.dead("c"));
+  EXPECT_TRUE(b.cut_off());
+  go_on_until(140, {});
+  EXPECT_TRUE(b.dead("a"));
+  EXPECT_TRUE(b.cut_off());
+  go_on_until(141, {"c", "d", "e"});
+  EXPECT_FALSE(b.cut_off());
 }
 
 // It may only be cut off, and drives on until it misses the others.
@@ -369,6 +391,43 @@ TEST(Silence, WhatWasSaidInTheRunBeforeIsForgotten) {
   EXPECT_EQ(fleet.find("b")->position, Point2(70, 70));
   EXPECT_TRUE(says(500, 0.1));
   EXPECT_EQ(fleet.find("b")->position, Point2(100, 100));
+}
+
+// An agent that was started between two runs has heard those of the first one that are not in the second.
+TEST(Silence, WhoIsNotInTheRunIsNoNeighbour) {
+  Fleet fleet("a");
+  for (const char* robot : {"b", "c"})
+    fleet.hear(std::make_shared<const RobotState>(RobotState{.robot = robot,
+                                                             .stamp = 300,
+                                                             .position = {100, 100},
+                                                             .radius = 5,
+                                                             .promise = {300, Point2::Zero(), 300},
+                                                             .knot = {},
+                                                             .run = 100}),
+               400);
+  for (const char* robot : {"a", "b"})
+    fleet.hear(Mission{.robot = robot,
+                       .start = {70, 70},
+                       .radius = 5,
+                       .max_speed = 20,
+                       .max_acceleration = 40,
+                       .clock = {500, 1}},
+               500);
+  AgeCount ages;
+  std::vector<Neighbour> near;
+  fleet.collect_neighbours({80, 80}, 100, 10, 0.1, ages, near);
+  ASSERT_EQ(near.size(), 1u);
+  EXPECT_EQ(near.front().commitment.position, Point2(70, 70));
+  EXPECT_FALSE(fleet.complete(2));  // b has not been heard of
+  fleet.hear(std::make_shared<const RobotState>(RobotState{.robot = "c",
+                                                           .stamp = 301,
+                                                           .position = {100, 100},
+                                                           .radius = 5,
+                                                           .promise = {301, Point2::Zero(), 301},
+                                                           .knot = {},
+                                                           .run = 100}),
+             501);
+  EXPECT_EQ(fleet.others().size(), 1u);
 }
 
 TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
