@@ -31,6 +31,7 @@
 #include "bus/dds_qos.h"
 #include "bus/dds_security.h"
 #include "bus/dds_senders.h"
+#include "bus/dds_server_list.h"
 #include "bus/dds_static_endpoints.h"
 #include "bus/dds_transport.h"
 #include "bus/dds_type_objects.h"
@@ -76,14 +77,22 @@ void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   qos.name(static_participant);
 }
 
+bool is_usable(const ServerList& list) {
+  return !list.found.empty() && list.malformed.empty();
+}
+
 /// Through these servers instead of by multicast.
 void find_others_through(const std::string& servers, dds::DomainParticipantQos& qos) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
   discovery.leaseDuration_announcementperiod = Duration_t(between_words);
-  if (!eprosima::fastdds::rtps::load_environment_server_info(servers, discovery.m_DiscoveryServers))
+  ServerList list = look_up_servers(servers);
+  if (!is_usable(list))
     throw std::runtime_error(
         fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
+  for (const std::string& host : list.unknown)
+    spdlog::warn("discovery server {} has no address: goes on without it", host);
+  discovery.m_DiscoveryServers = std::move(list.found);
 }
 
 /// What is asked for, or what suits.
@@ -401,9 +410,9 @@ std::string dds_version() {
   return FASTRTPS_VERSION_STR;
 }
 
-bool have_addresses(const std::string& servers) {
-  eprosima::fastdds::rtps::RemoteServerList_t found;
-  return eprosima::fastdds::rtps::load_environment_server_info(servers, found);
+ServerExamination examine_servers(const std::string& servers) {
+  ServerList list = look_up_servers(servers);
+  return {is_usable(list), std::move(list.unknown)};
 }
 
 DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender)

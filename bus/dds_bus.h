@@ -38,8 +38,9 @@ struct DdsSettings {
 /// Of Fast DDS, as "2.9.1".
 std::string dds_version();
 
-/// Whether discovery servers have addresses that processes can find. Asks the network where hosts are named.
-bool have_addresses(const std::string& servers);
+/// Of discovery servers as DdsSettings names them; asks the network where hosts are named. Processes go on
+/// without those that have no address, where others have one.
+ServerExamination examine_servers(const std::string& servers);
 
 class DdsBus {
  public:

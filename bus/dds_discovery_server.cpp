@@ -38,14 +38,14 @@ bool is_of_this_host(const std::string& address) {
 
 }  // namespace
 
-PortWatch::PortWatch(const std::string& address, std::uint16_t port)
+PortWatch::PortWatch(std::uint16_t port)
     : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
   sockaddr_in own{};
   own.sin_family = AF_INET;
   own.sin_port = htons(port);
-  const bool is_address = inet_pton(AF_INET, address.c_str(), &own.sin_addr) == 1;
-  // Whatever is wrong with it, the server itself says so.
-  if (is_address) (void)bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
+  own.sin_addr.s_addr = htonl(INADDR_ANY);  // so listens the server, whatever address clients know
+  // Whatever is wrong with the port, the server itself says so.
+  (void)bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
 }
 
 PortWatch::~PortWatch() {

@@ -16,10 +16,10 @@ inline constexpr double server_lease = 5;
 /// It, and who knows it, say at least so often that they are there, seconds.
 inline constexpr double between_words = 1;
 
-/// A UDP port on which nobody listens yet.
+/// A UDP port on which nobody listens yet, at all addresses of this host.
 class PortWatch {
  public:
-  PortWatch(const std::string& address, std::uint16_t port);
+  explicit PortWatch(std::uint16_t port);
   ~PortWatch();
   PortWatch(const PortWatch&) = delete;
   PortWatch& operator=(const PortWatch&) = delete;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <regex>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -181,6 +182,34 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(begin, text.find_last_not_of(space) + 1 - begin));
 }
 
+/// The parts of a name, "CN=agent" and the like, in whatever order and between whatever signs they are
+/// written.
+std::set<std::string> parts_of_name(std::string_view name) {
+  std::set<std::string> parts;
+  while (!name.empty()) {
+    const std::size_t end = std::min(name.find_first_of(",/+"), name.size());
+    std::string part = trimmed(name.substr(0, end));
+    std::erase(part, ' ');
+    if (!part.empty()) parts.insert(std::move(part));
+    name.remove_prefix(std::min(end + 1, name.size()));
+  }
+  return parts;
+}
+
+/// Somebody else's identity is none, though all is well signed.
+void check_subject(const std::string& file, X509& identity, const std::string& permissions) {
+  const Bio text(BIO_new(BIO_s_mem()));
+  X509_NAME_print_ex(text.get(), X509_get_subject_name(&identity), 0, XN_FLAG_RFC2253);
+  const std::string subject = content_of(text.get());
+  const bool granted = std::ranges::any_of(within("subject_name", permissions), [&](std::string_view name) {
+    return parts_of_name(name) == parts_of_name(subject);
+  });
+  if (!granted)
+    refuse(file, fmt::format("is of {}, to whom permissions.p7s grants nothing: are these another role's "
+                             "credentials?",
+                             subject));
+}
+
 /// The topics, or patterns of topics, within all elements of that name.
 std::vector<std::string> topics_in(const std::string& element, const std::string& content) {
   std::vector<std::string> all;
@@ -238,6 +267,7 @@ void check_credentials(const std::string& folder, Role role) {
   const std::string permissions = in_folder("permissions.p7s");
   const std::string content = read_signed(permissions, *permissions_authority);
   check_validity(permissions, content);
+  check_subject(in_folder("cert.pem"), *identity, content);
   Permissions(permissions, content).check(role, static_cast<const Message*>(nullptr));
 }
 

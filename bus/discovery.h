@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace coppice {
 
@@ -16,6 +17,12 @@ inline constexpr int large_fleet = 40;
 inline constexpr const char* discovery_rule = "multicast, static or HOST:PORT, several with ; between them";
 /// Whether servers are: it is neither empty nor one of the ways above.
 bool are_servers(const std::string& discovery);
+
+/// What has been found of them (dds_bus.h).
+struct ServerExamination {
+  bool are_usable = false;             ///< one has an address at least, and all that is named may be one
+  std::vector<std::string> unknown{};  ///< those that have none
+};
 
 /// The servers of ROS_DISCOVERY_SERVER; empty if it names none.
 std::string usual_discovery_servers();

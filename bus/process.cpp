@@ -89,6 +89,13 @@ void tell_systemd(const std::string& state) {
 
 }  // namespace
 
+void fill_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    const bool is_open = fcntl(stream, F_GETFD) >= 0;
+    if (!is_open) (void)open("/dev/null", O_RDWR);  // the lowest number that is free: this one
+  }
+}
+
 void install_stop_signals() {
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
@@ -98,6 +105,7 @@ void install_stop_signals() {
   sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool stop_requested() {

@@ -17,8 +17,13 @@ inline WallTime wall_now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
+/// Of the standard streams those that are closed lead nowhere from now on: a file that got the number of one
+/// would get what is logged. Call first.
+void fill_standard_streams();
+
 /// SIGINT, SIGTERM and SIGHUP (unless that is ignored, as by nohup) ask a process to stop; asking again does
-/// no more than that. Who reads its output may go: SIGPIPE is ignored. Call once, before other threads.
+/// no more than that. Who reads its output may go, and a file may be as long as it may become: SIGPIPE and
+/// SIGXFSZ are ignored, for writing tells. Call once, before other threads.
 void install_stop_signals();
 bool stop_requested();
 

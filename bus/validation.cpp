@@ -97,7 +97,7 @@ Problem check(const Mission& m) {
                    {is_sane_size(m.goal_tolerance), "goal tolerance is out of range"},
                    {m.planner <= PlannerKind::rrt_star, "unknown planner"},
                    {not_negative(m.plan_budget), "plan budget is negative or not finite"},
-                   {std::isfinite(m.clock.epoch) && m.clock.epoch >= 0, "clock epoch is not a time"},
+                   {m.clock.epoch >= 0 && m.clock.epoch <= latest_run, "clock epoch is not a time"},
                    {m.clock.scale >= least_quantity && m.clock.scale <= largest_time_scale,
                     "clock scale is out of range"}});
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bus/discovery.h"
 #include "coppice/time_scale.h"
@@ -108,7 +109,13 @@ Finding loopback(const Machine& m, const FleetPlan&) {
 Finding discovery(const Machine& m, const FleetPlan& plan) {
   if (!are_servers(plan.discovery))
     return {"discovery", Verdict::ok, plan.discovery.empty() ? multicast_discovery : plan.discovery};
-  if (m.servers_have_addresses) return {"discovery", Verdict::ok, "through " + plan.discovery};
+  if (m.servers.are_usable && m.servers.unknown.empty())
+    return {"discovery", Verdict::ok, "through " + plan.discovery};
+  if (m.servers.are_usable)
+    return {"discovery", Verdict::warn,
+            fmt::format("of \"{}\" these have no address: {}", plan.discovery,
+                        fmt::join(m.servers.unknown, ", ")),
+            "start them, or name their hosts: processes that start now go on without them"};
   return {"discovery", Verdict::fail, fmt::format("\"{}\" names no discovery servers", plan.discovery),
           fmt::format("--discovery or ROS_DISCOVERY_SERVER: {}", discovery_rule)};
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/datagram.h"
+#include "bus/discovery.h"
 
 namespace coppice {
 
@@ -31,12 +32,12 @@ struct Machine {
   std::string versions;
   double cores = 1;
   SystemLimit memory_available{};
-  std::uint64_t receive_buffer = 0;     ///< what a socket is granted that asks for wanted_receive_buffer
-  SystemLimit open_files{};             ///< of one process
-  SystemLimit open_files_left{};        ///< of the whole system
-  SystemLimit threads_left{};           ///< of this user and system
-  bool loopback_works = false;          ///< a datagram to 127.0.0.1 arrived
-  bool servers_have_addresses = false;  ///< of discovery, if the plan names any
+  std::uint64_t receive_buffer = 0;  ///< what a socket is granted that asks for wanted_receive_buffer
+  SystemLimit open_files{};          ///< of one process
+  SystemLimit open_files_left{};     ///< of the whole system
+  SystemLimit threads_left{};        ///< of this user and system
+  bool loopback_works = false;       ///< a datagram to 127.0.0.1 arrived
+  ServerExamination servers{};       ///< if the plan names any
   std::vector<NetworkInterface> interfaces{};  ///< those that are up and say that they can multicast
   int free_ports = 0;                          ///< pairs, of those that participants of the domain may take
   bool domain_in_use = false;                  ///< somebody has joined it already

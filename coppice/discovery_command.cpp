@@ -16,9 +16,11 @@ constexpr double late = 0.5;  // seconds by which a word may be
 
 /// If others still take a server that was killed to be alive, it must be forgotten first.
 void wait_until_forgotten(const DiscoveryOptions& options) {
-  PortWatch port(options.address, options.port);
-  const double begin = wall_now();
-  const auto waited = [&] { return wall_now() - begin; };
+  PortWatch port(options.port);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto waited = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
   bool remembered = false;
   while (!stop_requested() && waited() < (remembered ? server_lease : between_words) + late) {
     std::this_thread::sleep_for(poll_period);
@@ -34,6 +36,7 @@ void wait_until_forgotten(const DiscoveryOptions& options) {
 int discovery_command(const DiscoveryOptions& options) {
   install_stop_signals();
   wait_until_forgotten(options);
+  if (stop_requested()) return 0;
   const DdsDiscoveryServer server(options.address, options.port, options.place);
   spdlog::info("discovery server {} at {}:{}", options.place, options.address, options.port);
   Heartbeat heart(options.alive);

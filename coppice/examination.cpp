@@ -259,7 +259,7 @@ Machine examine(const FleetPlan& plan) {
           .open_files_left = open_files_left(),
           .threads_left = threads_left(),
           .loopback_works = loopback_works(),
-          .servers_have_addresses = are_servers(plan.discovery) && have_addresses(plan.discovery),
+          .servers = are_servers(plan.discovery) ? examine_servers(plan.discovery) : ServerExamination(),
           .interfaces = interfaces(),
           .free_ports = free_port_pairs(plan.domain, plan.robots + 100),
           .domain_in_use = !is_free(domain_port(plan.domain)),

@@ -33,6 +33,7 @@ void use_huge_pages() {
 
 int main(int argc, char** argv) {
   using namespace coppice;
+  fill_standard_streams();
   CLI::App app{"Coppice: multi-robot path planning and driving"};
   app.set_version_flag("--version", COPPICE_VERSION);
   app.require_subcommand(1);

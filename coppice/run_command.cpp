@@ -107,7 +107,7 @@ void check_servers(const FleetOptions& options) {
     throw InputError(fmt::format(
         "--security goes without discovery servers (\"{}\"): those of this Fast DDS authenticate nobody",
         servers));
-  if (!have_addresses(servers))
+  if (!examine_servers(servers).are_usable)
     throw InputError(fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
 }
 

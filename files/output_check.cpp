@@ -20,6 +20,8 @@ std::string problem_with_output(const std::string& text) {
     return fmt::format("{} is a folder, expected a file", text);
   if (!fs::is_directory(folder, ignored))
     return fmt::format("{} cannot be written: there is no folder {}", text, folder.string());
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))  // a device, or a pipe
+    return ::access(file.c_str(), W_OK) == 0 ? "" : fmt::format("{} cannot be written: no permission", text);
   // It is written beside and renamed: so the folder decides, not a file that is there.
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     return fmt::format("{} cannot be written: no permission to write to {}", text, folder.string());

@@ -16,6 +16,13 @@ namespace {
 // The largest map as a plain picture; and a name in a file may be that of a device without an end.
 constexpr std::size_t largest_file = std::size_t{2} << 30;
 
+bool wrote(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write) {
+  std::ofstream out(file, std::ios::binary);
+  write(out);
+  out.close();
+  return !out.fail();
+}
+
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path) {
@@ -41,19 +48,22 @@ void write_file(const std::filesystem::path& path, std::string_view content) {
 }
 
 void write_file(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write) {
-  const std::filesystem::path temporary = path.string() + fmt::format(".{}.tmp", ::getpid());
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    write(out);
-    out.close();
-    if (!out) {
-      std::remove(temporary.c_str());
-      throw InputError(
-          fmt::format("{}: cannot be written (does the folder exist, is there room?)", path.string()));
-    }
-  }
+  namespace fs = std::filesystem;
   std::error_code problem;
-  std::filesystem::rename(temporary, path, problem);
+  const bool is_link = fs::is_symlink(path, problem);
+  const bool is_there = fs::exists(path, problem);  // what it leads to, if it is a link
+  if (is_there ? !fs::is_regular_file(path, problem) : is_link) {
+    if (!wrote(path, write)) throw InputError(fmt::format("{}: cannot be written", path.string()));
+    return;
+  }
+  const fs::path file = is_link ? fs::canonical(path, problem) : path;
+  const fs::path temporary = file.string() + fmt::format(".{}.tmp", ::getpid());
+  if (!wrote(temporary, write)) {
+    std::remove(temporary.c_str());
+    throw InputError(
+        fmt::format("{}: cannot be written (does the folder exist, is there room?)", path.string()));
+  }
+  fs::rename(temporary, file, problem);
   if (problem) {
     std::remove(temporary.c_str());
     throw InputError(fmt::format("{}: cannot be written: {}", path.string(), problem.message()));

@@ -142,18 +142,16 @@ void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& de
   if (display != nullptr) display->finish(service.progress(wall_now()));
 }
 
-/// Exit code: 0 if every robot arrived.
-int run(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros) {
-  check_ros(in_ros, process.network.discovery, process.network.security);
-  Scenario scenario = read_scenario(options.scenario, options.overrides);
-  if (in_ros.on) check_ros_names(names_of(scenario));
-  auto journal = journal_of_service(process.state);
+/// The run, and what is written of it. True if every robot arrived.
+bool everybody_arrives(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros,
+                       Scenario scenario, Journal* journal) {
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
   const auto ros = ros_of(in_ros, bus, scenario);
   ClaimDesk desk(names_of(scenario), wall_now());
   Muster heard;
-  if (!journal || journal->empty()) heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
+  if (journal == nullptr || journal->empty())
+    heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale.value_or(1),
                           .timeout = options.timeout,
@@ -163,20 +161,33 @@ int run(const RunOptions& options, const ProcessOptions& process, const RosOptio
                           .waits_for_goals = in_ros.waits_for_goals,
                           .margin = in_ros.drives ? in_ros.tolerance : 0},
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
-  Keeper keeper(journal ? go_on(service, desk, *journal) : RunRecord(), journal ? &*journal : nullptr);
+  Keeper keeper(journal != nullptr ? go_on(service, desk, *journal) : RunRecord(), journal);
   heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   serve(bus, ros.get(), service, desk, keeper, heart, options.quiet ? nullptr : &display);
   const proto::Report report = service.report();
   if (!options.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options, report, service.tracks(), [&] { return service.picture(); });
-  if (journal) std::filesystem::remove(journal->file());  // the run is over
-  return service.everybody_arrived() ? 0 : 1;
+  return service.everybody_arrived();
+}
+
+/// Exit code: 0 if every robot arrived.
+int run(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros) {
+  check_ros(in_ros, process.network.discovery, process.network.security);
+  Scenario scenario = read_scenario(options.scenario, options.overrides);
+  if (in_ros.on) check_ros_names(names_of(scenario));
+  auto journal = journal_of_service(process.state);
+  const bool all =
+      everybody_arrives(options, process, in_ros, std::move(scenario), journal ? &*journal : nullptr);
+  // Last of all: one that is killed before that, and started anew, ends this run again, and begins none.
+  if (journal) std::filesystem::remove(journal->file());
+  return all ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  fill_standard_streams();
   RunOptions options;
   ProcessOptions process;
   RosOptions in_ros;

@@ -353,6 +353,7 @@ bool PlannerService::time_for_missions(WallTime now) const {
 
 std::vector<Message> PlannerService::step(WallTime now) {
   std::vector<Message> out;
+  begun_ = std::min(begun_, now);  // the clock may have been set back
   if (!std::exchange(map_published_, true)) out.emplace_back(map());
   if (!missions_published_ && time_for_missions(now)) {
     missions_published_ = true;

@@ -18,6 +18,8 @@ inline constexpr double least_quantity = 1e-4;
 inline constexpr double longest_braking = 100;
 /// Fleet seconds a wall second: no process decides that often.
 inline constexpr double largest_time_scale = 1000;
+/// Seconds since the Unix epoch: in 2286.
+inline constexpr double latest_run = 1e10;
 /// Robots of a fleet: as many as a joint plan may have members (idl/fleet.idl).
 inline constexpr std::size_t most_robots = 4096;
 

@@ -22,6 +22,7 @@ constexpr std::uint32_t repeat_knot_news = sure_witnesses - 1;
 constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
 // Of one that was started anew about where somebody is; then it says that it is stuck.
 constexpr double longest_ignorance = 120;
+constexpr WallTime least_ignorance = 30;         // likewise, of the wall's clock: others must find it first
 constexpr std::uint32_t beats_between_news = 2;  // of the silent
 constexpr double decisions_counted = 16;         // of those that may be late: a pause is one
 constexpr double share_of_overload = 0.25;
@@ -49,10 +50,11 @@ constexpr double crawl = 0.05;       // of the largest speed: what is slower is 
 // meet in one place lean more and more while they come no further: what was a jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
 constexpr double most_lean = 1.5;
-constexpr double leans_after = 0.3;  // seconds without progress
-constexpr double lean_rate = 3;      // radians a second
-constexpr double open_radii = 8;     // to the next obstacle: between walls, leaning leads into them
-constexpr double end_radii = 2;      // of the way: there it stops exactly
+constexpr double leans_after = 0.3;            // seconds without progress
+constexpr double lean_rate = 3;                // radians a second
+constexpr double open_radii = 8;               // to the next obstacle: between walls, leaning leads into them
+constexpr double end_radii = 2;                // of the way: there it stops exactly
+constexpr double recorded_after_the_end = 60;  // seconds
 
 Point2 leaning_right(const Point2& v, double stalled) {
   const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
@@ -77,7 +79,8 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
       continue;
     }
     ++periods;
-    if (!tracking_) track_.push_back({body_->time(), body_->position(), body_->velocity()});
+    if (!tracking_ && records(fleet_now))
+      track_.push_back({body_->time(), body_->position(), body_->velocity()});
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
     trail_.go_on(body_->position(), ground_->field, body_->radius());
@@ -100,6 +103,12 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
     out.emplace_back(*std::move(plan));
   }
   periods_expected_ = periods_to_next_control();
+}
+
+/// All missions are cancelled, and whoever reports on the run has had time to hear the last of it: agents may
+/// live for months.
+bool RobotAgent::records(double fleet_now) const {
+  return fleet_now < stopped_at_ + recorded_after_the_end * fleet_.second() || !fleet_.run_is_over();
 }
 
 double RobotAgent::grace() const {
@@ -138,7 +147,8 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   if (body_->stands()) stand_for(fleet_now, waiting_lease);
   if (status_.phase == Phase::driving)
     status_.reason = "its agent was started in mid-run, and has not heard where all others are";
-  if (status_.phase == Phase::driving && fleet_now - mustering_since_ > longest_ignorance)
+  if (status_.phase == Phase::driving &&
+      fleet_now - mustering_since_ > std::max(longest_ignorance, least_ignorance * fleet_.second()))
     give_up("its agent was started in mid-run, and nobody who is alive knows where all others are");
   return true;  // its body brakes
 }

@@ -319,6 +319,11 @@ bool Fleet::somebody_plans() const {
                              [](const Peer& p) { return p.state && p.state->phase == Phase::planning; });
 }
 
+bool Fleet::run_is_over() const {
+  return own_mission_ && own_mission_->cancelled &&
+         std::ranges::all_of(peers_, [](const Peer& p) { return !p.mission || p.mission->cancelled; });
+}
+
 bool Fleet::complete(std::size_t robots) {
   all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) {
                  // One that never came is at its start; but of before this one was started anew it knows

@@ -124,6 +124,8 @@ class Fleet {
   double clock_error(double now) const;
   /// Somebody looks for its first path still.
   bool somebody_plans() const;
+  /// All missions that are known, one's own as well, are cancelled.
+  bool run_is_over() const;
   /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or
   /// has no more to do.
   bool complete(std::size_t robots);

@@ -11,10 +11,12 @@ namespace coppice {
 
 namespace {
 
-constexpr double crowd_radii = 8;     // between two robots of one crowd
-constexpr double soon = 60;           // seconds after a knot in which the next one reaches further
-constexpr double long_delay = 5;      // seconds in which a joint plan comes to all
-constexpr double longest_hold = 60;   // seconds without a joint plan: the leader has lost sight of somebody
+constexpr double crowd_radii = 8;  // between two robots of one crowd
+constexpr double soon = 60;        // seconds after a knot in which the next one reaches further
+constexpr double long_delay = 5;   // seconds in which a joint plan comes to all
+// Seconds without a joint plan, by fleet time and by the wall's clock: the leader has lost sight of somebody.
+constexpr double longest_hold = 60;
+constexpr double least_hold = 20;
 constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
 constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
 constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
@@ -105,7 +107,8 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
   const bool leaderless = !leader || leader->dead || leader->knot != id_;
   const bool planned = !leaderless && leader->stage != Stage::holding;
   if (planned && !planned_since_) planned_since_ = now;
-  if ((leaderless && now - *holding_since_ > fleet.second()) || now - *holding_since_ > longest_hold) {
+  if ((leaderless && now - *holding_since_ > fleet.second()) ||
+      now - *holding_since_ > std::max(longest_hold, least_hold * fleet.second())) {
     call(self, fleet, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     let_go();  // it came too late for the plan

@@ -70,6 +70,9 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
     meanwhile();
   });
   past.memory = std::move(recollection).memory();
+  if (past.memory && past.memory->mission.robot != robot)
+    throw std::runtime_error(fmt::format("{}: is of robot {}: remove it, or name another folder",
+                                         past.journal->file().string(), past.memory->mission.robot));
   return past;
 }
 
@@ -211,6 +214,7 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
 }  // namespace
 
 int main(int argc, char** argv) {
+  fill_standard_streams();
   AgentOptions options;
   std::string name;
   CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};

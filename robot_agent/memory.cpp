@@ -76,6 +76,11 @@ std::optional<Memory> memory_of(std::span<const Message> kept) {
   return std::move(recollection).memory();
 }
 
+bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own) {
+  const bool is_over = own && own->clock.epoch == epoch && own->cancelled;
+  return mission.clock.epoch < epoch && (mission.cancelled || !is_over);
+}
+
 void Remembrance::recall(std::span<const Message> kept) {
   for (const Message& message : kept) {
     heard(message);
@@ -97,12 +102,13 @@ Keep Remembrance::heard(const Message& message) {
     return end_silence(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr) return Keep::nothing;
-  // The agent passes over runs that are earlier than one that it has heard of: not than the journal's.
-  if (run_ && mission->clock.epoch < *run_) return Keep::nothing;
+  // One that is earlier than the journal's is none that the agent passes over.
+  if (run_ && passes_over(*mission, *run_, mission_)) return Keep::nothing;
   run_ = mission->clock.epoch;
   if (mission->robot != robot_ || mission_ == *mission) return Keep::nothing;
   const bool same_run = mission_ && mission_->clock == mission->clock;
   mission_ = *mission;
+  stands_for_good_ = false;
   if (!same_run) passed_on_.clear();
   return same_run ? Keep::append : Keep::begin_anew;
 }
@@ -114,8 +120,12 @@ Keep Remembrance::said(const Message& message) {
     known->second = state->stamp;
     return Keep::append;
   }
-  if (const auto* state = std::get_if<RobotState>(&message))
-    return state->robot == robot_ && state->copy == 0 ? Keep::append : Keep::nothing;
+  if (const auto* state = std::get_if<RobotState>(&message)) {
+    const bool news = state->robot == robot_ && state->copy == 0 && !stands_for_good_;
+    const bool stands = state->velocity.isZero(0) && state->promise.velocity.isZero(0);
+    stands_for_good_ = stands_for_good_ || (news && stands && mission_ && mission_->cancelled);
+    return news ? Keep::append : Keep::nothing;
+  }
   if (std::holds_alternative<TrackMessage>(message)) return leads_ ? Keep::append : Keep::nothing;
   const auto* status = std::get_if<AgentStatus>(&message);
   if (status == nullptr || (status_ && same_progress(*status_, *status))) return Keep::nothing;

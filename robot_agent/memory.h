@@ -55,6 +55,11 @@ class Recollection {
 
 std::optional<Memory> memory_of(std::span<const Message> kept);
 
+/// An agent serves the newest run that it has heard of, with `epoch`. One that began earlier, for its
+/// service's clock is behind, comes next if the agent's own part in that is over. `own`: its mission, of
+/// whichever run.
+bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own);
+
 /// Chooses what to keep.
 class Remembrance {
  public:
@@ -71,9 +76,10 @@ class Remembrance {
 
   RobotName robot_;
   bool leads_;
-  std::optional<WallTime> run_;  ///< epoch of the newest that this process has heard of
+  std::optional<WallTime> run_;  ///< epoch of the one that the agent serves, as far as this process knows
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
+  bool stands_for_good_ = false;  ///< its mission is cancelled; and a state that says where has been kept
   std::map<RobotName, double> passed_on_;  ///< the newest stamp of each that was not heard of since
 };
 

@@ -91,7 +91,7 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
     return;
   }
   const bool of_another_run = fleet_.run() && *fleet_.run() != mission.clock;
-  if (of_another_run && mission.clock.epoch < fleet_.run()->epoch) return;
+  if (of_another_run && passes_over(mission, fleet_.run()->epoch, fleet_.own_mission())) return;
   if (of_another_run) begin_run();
   fleet_.hear(mission.robot == name_ ? as_reference(mission) : mission, arrived);
 }
@@ -163,6 +163,7 @@ void RobotAgent::begin_mission(WallTime now) {
                         .track_points = status_.track_points,
                         .run = mission.clock.epoch};
   mission_ = mission;
+  stopped_at_ = std::numeric_limits<double>::infinity();
   mission_wall_ = now;
   mustering_since_ = fleet_now;
   if (!body_) place_body(mission, fleet_now);
@@ -234,6 +235,7 @@ void RobotAgent::stop() {
   if (!mission_ || status_.phase == Phase::stopped) return;
   follower_.reset();
   finder_.reset();
+  stopped_at_ = body_->time();
   enter(Phase::stopped);
 }
 
@@ -391,7 +393,7 @@ void RobotAgent::on(const Sighting& robot) {
   tracking_->see(robot, body_->position() + (time - body_->time()) * body_->velocity());
   if (time < last_seen_ + period) return;
   last_seen_ = time;
-  track_.push_back({time, robot.position, robot.velocity / clock.scale});
+  if (records(time)) track_.push_back({time, robot.position, robot.velocity / clock.scale});
 }
 
 Point2 RobotAgent::command(WallTime now) const {

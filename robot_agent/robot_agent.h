@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <set>
@@ -103,6 +104,7 @@ class RobotAgent {
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double fleet_now, double seconds);
+  bool records(double fleet_now) const;
   double stalled_for(double fleet_now) const;
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
@@ -175,6 +177,7 @@ class RobotAgent {
   Steady last_said_;
   std::uint8_t copies_promised_ = 1;  ///< by its last state
   bool first_control_ = true;
+  double stopped_at_ = std::numeric_limits<double>::infinity();  ///< fleet time
   double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
   bool is_new_ = false;         ///< does not know yet where all others are, though it is mid-run
   bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more

@@ -49,6 +49,7 @@ int run(const ProcessOptions& options, std::uint64_t seed) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  fill_standard_streams();
   ProcessOptions options;
   std::uint64_t seed = 1;
   CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};

@@ -10,11 +10,10 @@
 #include <utility>
 #include <variant>
 
-#include <fastdds/rtps/attributes/ServerAttributes.h>
-
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
 #include "bus/dds_serialized.h"
+#include "bus/dds_server_list.h"
 #include "bus/dds_transport.h"
 #include "bus/topics.h"
 #include "bus/validation.h"
@@ -326,8 +325,7 @@ std::vector<Input> announcement_seeds() {
 
 void discovery_servers(Bytes data) {
   const std::string servers(data.begin(), data.end());
-  eprosima::fastdds::rtps::RemoteServerList_t list;
-  (void)eprosima::fastdds::rtps::load_environment_server_info(servers, list);
+  (void)look_up_servers(servers);
 }
 std::vector<Input> discovery_servers_seeds() {
   return {text("127.0.0.1:11811"), text(";10.0.0.1:65535;1.2.3.4"), text("[::1]:11811"),

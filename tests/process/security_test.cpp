@@ -176,6 +176,7 @@ std::vector<Bad> bad_credentials(const fs::path& theirs) {
       {"a key with a password",
        "openssl ec -aes128 -passout pass:secret -in broker/key.pem -out agent/key.pem", "key.pem",
        "password"},
+      {"another role's identity", "cp broker/cert.pem broker/key.pem agent", "cert.pem", "is of CN=broker"},
       {"another's key", "cp broker/key.pem agent/key.pem", "key.pem", "is not the private key of cert.pem"},
       {"another authority", "cp '" + theirs.string() + "/agent/identity_ca.cert.pem' agent/", "cert.pem",
        "issuer"},

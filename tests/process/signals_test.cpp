@@ -120,6 +120,17 @@ TEST(Signals, AnOutputThatIsGoneEndsNobody) {
   EXPECT_EQ(read_report(report).outcome(), "arrived");
 }
 
+// A journal that got the number of standard error would get what is logged.
+TEST(Signals, ClosedStreamsAreNoFiles) {
+  const test::TemporaryFolder folder;
+  const std::string log = (folder.path() / "log").string();
+  const std::string once = "timeout --preserve-status -s TERM 2 '" + test::program("robot_agent") +
+                           "' --name r1 --domain 139 --state '" + folder.path().string() + "' ";
+  for (const char* closed : {"2>&-", ">&-", "<&- >&- 2>&-"})
+    EXPECT_EQ(std::system((once + closed).c_str()), 0) << closed;
+  EXPECT_EQ(std::system((once + "2> '" + log + "'").c_str()), 0) << test::contents(log);
+}
+
 /// What programs that systemd starts send to it.
 class NotifySocket {
  public:

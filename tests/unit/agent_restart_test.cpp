@@ -277,6 +277,49 @@ TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
   EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::nothing);
 }
 
+// The next service's clock is behind that of the last one.
+TEST(RobotAgentAnew, OneThatGoesOnLivingServesAnEarlierRunOnceItsOwnIsOver) {
+  AgentRun agent;
+  agent.hear(map_message(), 1000);
+  agent.hear(mission_of_a(1000), 1000);
+  agent.run(1000, 1020);
+  agent.hear(mission_of_a(900), 1020);
+  agent.run(1020, 1021);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 1000);
+  Mission over = mission_of_a(1000);
+  over.cancelled = true;
+  agent.hear(over, 1021);
+  agent.run(1021, 1022);
+  Mission of_long_ago = mission_of_a(900);
+  of_long_ago.cancelled = true;
+  agent.hear(of_long_ago, 1022);
+  agent.run(1022, 1023);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 1000);
+  agent.said.clear();
+  agent.hear(mission_of_a(900), 1023);
+  agent.run(1023, 1050);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 900);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
+  const std::optional<Memory> memory = memory_of(agent.store.messages);
+  ASSERT_TRUE(memory.has_value());
+  EXPECT_EQ(memory->mission.clock.epoch, 900);
+}
+
+TEST(RobotAgentAnew, AfterTheRunItRecordsNoMore) {
+  AgentRun agent;
+  run_until_killed_at(20, agent);
+  Mission over = of<Mission>(agent.store.messages).back();
+  over.cancelled = true;
+  agent.hear(over, 20);
+  const std::size_t kept = agent.store.messages.size();
+  agent.run(20, 90);
+  agent.said.clear();
+  agent.run(90, 400);
+  EXPECT_TRUE(of<TrackMessage>(agent.said).empty());
+  EXPECT_GT(of<RobotState>(agent.said).size(), 1000u);
+  EXPECT_LT(agent.store.messages.size(), kept + 20);
+}
+
 TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
   AgentRun agent;
   run_until_killed_at(20, agent);  // it has arrived

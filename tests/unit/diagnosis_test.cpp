@@ -101,8 +101,12 @@ TEST(Diagnosis, ServersThatNobodyCanFindAreNamedWithWhereTheyAreSaid) {
   EXPECT_NE(lost.advice.find("ROS_DISCOVERY_SERVER"), std::string::npos) << lost.advice;
   EXPECT_NE(lost.advice.find("HOST:PORT"), std::string::npos) << lost.advice;
   Machine machine = sound();
-  machine.servers_have_addresses = true;
+  machine.servers.are_usable = true;
   EXPECT_EQ(finding(machine, {.discovery = "here:11811"}, "discovery").verdict, Verdict::ok);
+  machine.servers.unknown = {"there"};
+  const Finding one = finding(machine, {.discovery = "here:11811;there"}, "discovery");
+  EXPECT_EQ(one.verdict, Verdict::warn);
+  EXPECT_NE(one.found.find("no address: there"), std::string::npos) << one.found;
 }
 
 TEST(Diagnosis, WhatIsNeededGrowsWithTheRobots) {
