@@ -34,9 +34,9 @@ struct NextRun : testing::Test {
     processes.push_back(std::make_unique<test::Background>(command, log(name)));
     return *processes.back();
   }
-  test::Background& start_run(const std::string& name, const std::string& scenario) {
+  test::Background& start_run(const std::string& name, const std::string& scenario, int count = robots) {
     return start(
-        name, {"planner_service", (test::scenarios() / scenario).string(), "--robots", std::to_string(robots),
+        name, {"planner_service", (test::scenarios() / scenario).string(), "--robots", std::to_string(count),
                "--time-scale", "10", "--report", file(name, ".json"), "--trajectory", file(name, ".csv")});
   }
   std::filesystem::path log(const std::string& name) const { return folder.path() / (name + ".log"); }
@@ -77,6 +77,18 @@ TEST_F(NextRun, IsWholeAfterOneThatEndedAndAfterOneWhoseServiceWasKilled) {
   killed.send(SIGKILL);
   killed.wait();
   expect_a_whole_run("last", "rooms-8.json");
+}
+
+// It has heard the others say that they stand, in a run that is over and before it hears of its own.
+TEST_F(NextRun, OfFewerRobotsIsDrivenByAnAgentThatWasStartedAnewInBetween) {
+  expect_a_whole_run("first", "blank-10.json");
+  test::Background& first = *processes[1];
+  first.send(SIGKILL);
+  first.wait();
+  const test::Background& anew = start("r1-anew", {"robot_agent", "--name", "r1"});
+  std::this_thread::sleep_for(3s);
+  EXPECT_EQ(start_run("second", "rooms-8.json", 1).wait(), 0) << test::contents(log("second"));
+  EXPECT_FALSE(test::has_ended(anew.pid())) << test::contents(log("r1-anew"));
 }
 
 }  // namespace
