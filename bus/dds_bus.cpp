@@ -183,11 +183,14 @@ void number(std::uint16_t id, Qos& qos) {
 /// Tells the audience who is where, and the senders who is who.
 class Discoveries final : public dds::DomainParticipantListener {
  public:
-  Discoveries(Audience& audience, Senders& senders) : audience_(audience), senders_(senders) {}
+  /// `robot`: whose agent this process is; empty: nobody's.
+  Discoveries(Audience& audience, Senders& senders, RobotName robot)
+      : audience_(audience), senders_(senders), robot_(std::move(robot)) {}
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     audience_.discover(info);
     senders_.discover(info);
+    if (info.status == info.DISCOVERED_PARTICIPANT) look_for_a_double(info);
   }
   void onParticipantAuthentication(dds::DomainParticipant*,
                                    eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
@@ -195,8 +198,17 @@ class Discoveries final : public dds::DomainParticipantListener {
   }
 
  private:
+  void look_for_a_double(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info) const {
+    const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
+    if (!robot_.empty() && robot_of(data) == robot_)
+      spdlog::warn(
+          "another process says to be robot {}, too: one of them must end, if it does not die just now",
+          robot_);
+  }
+
   Audience& audience_;
   Senders& senders_;
+  RobotName robot_;
 };
 
 /// The ends of one topic in this process; either may be missing.
@@ -218,7 +230,7 @@ struct DdsBus::Implementation {
   Announcements announcements;
   Traffic traffic;
   Senders senders;
-  Discoveries discoveries{audience, senders};
+  Discoveries discoveries;
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
@@ -237,11 +249,12 @@ struct DdsBus::Implementation {
   std::size_t rejected = 0;
   std::size_t lost = 0;
 
-  Implementation(Role role_of_process, bool is_secure) : role(role_of_process), audience(is_secure) {}
+  Implementation(Role role_of_process, bool is_secure, const RobotName& robot)
+      : role(role_of_process), audience(is_secure), discoveries(audience, senders, robot) {}
 
   /// Whatever it throws, the destructor runs: DDS's threads know the members above.
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
-      : Implementation(role_of_process, !settings.security.empty()) {
+      : Implementation(role_of_process, !settings.security.empty(), settings.robot) {
     if (!settings.security.empty()) check_credentials(settings.security, role);
     // A megabyte of them, for tools that see the endpoints.
     if (discovery_of(settings) != static_discovery) register_type_objects();
