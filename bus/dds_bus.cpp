@@ -201,9 +201,8 @@ class Discoveries final : public dds::DomainParticipantListener {
   void look_for_a_double(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info) const {
     const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
     if (!robot_.empty() && robot_of(data) == robot_)
-      spdlog::warn(
-          "another process says to be robot {}, too: one of them must end, if it does not die just now",
-          robot_);
+      spdlog::warn("another process says to be robot {}, too: end one of them, unless it was killed just now",
+                   robot_);
   }
 
   Audience& audience_;
@@ -216,6 +215,13 @@ template <class M>
 struct Ends {
   dds::DataWriter* writer = nullptr;
   dds::DataReader* reader = nullptr;
+  WallTime run = 0;  ///< of the last sample that was written, where all are kept
+};
+
+/// Whether a writer keeps all samples of a run for who comes late.
+template <class M>
+constexpr bool keeps_all = Topic<M>::info.depth == 0 && requires(const M& m) {
+  m.run;
 };
 
 }  // namespace
@@ -439,6 +445,11 @@ void DdsBus::publish(const Outgoing& outgoing) {
         dds::DataWriter* writer = std::get<Ends<M>>(implementation_->topics).writer;
         if (writer == nullptr)
           throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
+        // Of the runs before nobody asks any more: processes may live for months.
+        if constexpr (keeps_all<M>) {
+          const bool is_next = std::exchange(std::get<Ends<M>>(implementation_->topics).run, m.run) != m.run;
+          if (is_next && implementation_->role != Role::replayer) writer->clear_history(nullptr);
+        }
         auto sample = to_dds(m);
         std::optional<Audience::Limit> limit;
         if (outgoing.agents) limit.emplace(implementation_->audience, *outgoing.agents);

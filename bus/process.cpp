@@ -96,6 +96,13 @@ void fill_standard_streams() {
   }
 }
 
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  return signals;
+}
+
 void install_stop_signals() {
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
@@ -106,6 +113,8 @@ void install_stop_signals() {
   if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  const sigset_t stop = stop_signals();
+  sigprocmask(SIG_UNBLOCK, &stop, nullptr);
 }
 
 bool stop_requested() {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <string>
 #include <utility>
@@ -23,8 +24,10 @@ void fill_standard_streams();
 
 /// SIGINT, SIGTERM and SIGHUP (unless that is ignored, as by nohup) ask a process to stop; asking again does
 /// no more than that. Who reads its output may go, and a file may be as long as it may become: SIGPIPE and
-/// SIGXFSZ are ignored, for writing tells. Call once, before other threads.
+/// SIGXFSZ are ignored, for writing tells. Call once, before other threads. Who starts the process may block
+/// these signals until then, so that none is lost.
 void install_stop_signals();
+sigset_t stop_signals();
 bool stop_requested();
 
 /// Lets everybody else on this machine go first, the agents of `coppice run` too: for those who look on. Call

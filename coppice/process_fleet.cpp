@@ -16,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bus/process.h"
+
 namespace coppice {
 
 namespace {
@@ -68,7 +70,12 @@ pid_t ProcessFleet::start(const std::string& name, const std::vector<std::string
   const std::string log = output == Output::log ? (log_folder_ / (name + ".log")).string() : std::string();
   const int log_mode = starts_.contains(name) ? O_APPEND : O_TRUNC;
   const pid_t parent = getpid();
+  // What asks the child to stop waits until that can be heard (install_stop_signals).
+  const sigset_t stop = stop_signals();
+  sigset_t before;
+  sigprocmask(SIG_BLOCK, &stop, &before);
   const pid_t pid = fork();
+  if (pid != 0) sigprocmask(SIG_SETMASK, &before, nullptr);
   if (pid < 0) throw std::runtime_error(fmt::format("{}: no new process: {}", name, std::strerror(errno)));
   if (pid == 0) become(command, log, log_mode, niceness, parent);
   running_.push_back({name, pid});

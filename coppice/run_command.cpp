@@ -42,6 +42,7 @@ constexpr std::chrono::milliseconds grace_of_recorder{10000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
 constexpr std::chrono::milliseconds pause_before_asking_again{2000};
+constexpr double writing = 2e-4;  // seconds for a robot's fleet second: report, trajectory and picture
 
 /// Whether no process of this machine has joined the DDS domain: each participant listens at the domain's
 /// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which they share among themselves, but not with us.
@@ -222,9 +223,16 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   return all;
 }
 
-/// With the report after Ctrl-C: who shares few processors with many says last words late.
-std::chrono::milliseconds patience_with(std::size_t robots) {
-  return std::chrono::seconds{15} + robots * std::chrono::milliseconds{500};
+/// With the report after Ctrl-C: who shares few processors with many says last words late, and brakes slowly
+/// where time does; and what is written of a long run is long.
+std::chrono::duration<double> patience_with(const Scenario& scenario, double time_scale,
+                                            std::chrono::duration<double> run) {
+  double braking = 0;  // fleet seconds
+  for (const RobotTask& robot : scenario.robots)
+    braking = std::max(braking, robot.max_speed / robot.max_acceleration);
+  const auto robots = static_cast<double>(scenario.robots.size());
+  return std::chrono::duration<double>(15 + 0.5 * robots + braking / time_scale) +
+         writing * robots * time_scale * run;
 }
 
 void tell_of_end(const ProcessFleet::Ended& ended) {
@@ -246,7 +254,9 @@ double time_scale_for(std::size_t robots) {
 class StopRequest {
  public:
   bool is_there() const { return since_.has_value(); }
-  bool is_older_than(std::chrono::milliseconds age) const { return since_ && Clock::now() - *since_ > age; }
+  bool is_older_than(std::chrono::duration<double> age) const {
+    return since_ && Clock::now() - *since_ > age;
+  }
   void pass_on(ProcessFleet& fleet) {
     if (!stop_requested() || Clock::now() < next_) return;
     if (!since_) since_ = Clock::now();
@@ -269,15 +279,18 @@ bool end_all(ProcessFleet& fleet) {
   return false;
 }
 
-/// Until the service has ended, and with it the run. Returns the exit code.
-int watch(ProcessFleet& fleet, bool restarts, std::chrono::milliseconds patience) {
+/// Until the service has ended, and with it the run. `patience`: with its report, after so long a run.
+/// Returns the exit code.
+int watch(ProcessFleet& fleet, bool restarts,
+          const std::function<std::chrono::duration<double>(std::chrono::duration<double>)>& patience) {
+  const Clock::time_point begin = Clock::now();
   std::multimap<Clock::time_point, std::string> to_start;
   StopRequest stop;
   bool recorded = true;
   while (true) {
     stop.pass_on(fleet);
     const auto ended = fleet.reap();
-    if (!ended && stop.is_older_than(patience)) {
+    if (!ended && stop.is_there() && stop.is_older_than(patience(Clock::now() - begin))) {
       std::cerr << "the planner service does not answer: ended without a report\n";
       fleet.terminate_all(grace);
       return 1;
@@ -307,8 +320,9 @@ int watch(ProcessFleet& fleet, bool restarts, std::chrono::milliseconds patience
 }  // namespace
 
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
-  const Scenario scenario =
-      read_scenario(options.scenario, options.overrides);  // bad input: before anything starts
+  // Bad input: before anything starts.
+  check_results(options);
+  const Scenario scenario = read_scenario(options.scenario, options.overrides);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(names_of(scenario));
   check_servers(fleet_options);
@@ -327,7 +341,9 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   for (const Process& process : processes)
     fleet.start(process.name, process.command, process.output, process.niceness);
 
-  return watch(fleet, fleet_options.restart, patience_with(scenario.robots.size()));
+  return watch(fleet, fleet_options.restart, [&](std::chrono::duration<double> run) {
+    return patience_with(scenario, *options.time_scale, run);
+  });
 }
 
 }  // namespace coppice

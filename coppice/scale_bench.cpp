@@ -35,7 +35,7 @@ constexpr int square = 64;  // metres a side, for each robot: a room on the maps
 constexpr int border = 4;   // of the maps of rooms
 constexpr double control_period = 0.05;
 constexpr std::chrono::milliseconds look_at_processes{500};
-constexpr std::chrono::milliseconds grace{3000};
+constexpr std::chrono::milliseconds grace{60'000};  // of a run that is to end its own processes
 
 /// What the kernel says of one process.
 struct Usage {

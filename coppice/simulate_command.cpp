@@ -15,6 +15,7 @@
 namespace coppice {
 
 int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record) {
+  check_results(options);
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)

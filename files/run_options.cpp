@@ -1,8 +1,11 @@
 #include "files/run_options.h"
 
 #include <exception>
+#include <filesystem>
+#include <map>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "files/input_error.h"
 #include "files/number_check.h"
@@ -33,7 +36,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--plan-budget", options.plan_budget,
                   "seconds to look for shorter paths after the first; 0: none")
-      ->check(number_not_negative());
+      ->check(number_between(0, largest_quantity));
   command.add_option("--report", options.report, "write the report (JSON)")->check(output_file());
   command.add_option("--trajectory", options.trajectory, "write every control step (CSV)")
       ->check(output_file());
@@ -49,6 +52,17 @@ void add_run_options(CLI::App& command, RunOptions& options) {
 
 PlannerKind chosen_planner(const RunOptions& options) {
   return planner_kind(options.planner).value();  // checked when the option was read
+}
+
+void check_results(const RunOptions& options) {
+  namespace fs = std::filesystem;
+  std::map<fs::path, std::string> names{{fs::weakly_canonical(options.scenario), options.scenario}};
+  for (const std::string& file : {options.report, options.trajectory, options.picture}) {
+    const bool is_device = fs::exists(file) && !fs::is_regular_file(file);
+    if (file.empty() || is_device) continue;
+    const auto [other, fresh] = names.try_emplace(fs::weakly_canonical(file), file);
+    if (!fresh) throw InputError(fmt::format("{} is to be two files: it is {}, too", file, other->second));
+  }
 }
 
 void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,

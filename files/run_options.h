@@ -41,6 +41,9 @@ inline constexpr double default_plan_budget = 1;
 
 PlannerKind chosen_planner(const RunOptions& options);
 
+/// Throws InputError if one file is to be two of them, or the scenario's.
+void check_results(const RunOptions& options);
+
 /// Writes the files that were asked for; `picture()` makes the content of one. Throws InputError, which names
 /// them all, if some cannot be written; the others are.
 void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,

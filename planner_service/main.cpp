@@ -163,6 +163,7 @@ bool everybody_arrives(const RunOptions& options, const ProcessOptions& process,
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
   Keeper keeper(journal != nullptr ? go_on(service, desk, *journal) : RunRecord(), journal);
   heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
+  heard = Muster();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   serve(bus, ros.get(), service, desk, keeper, heart, options.quiet ? nullptr : &display);
   const proto::Report report = service.report();
@@ -174,6 +175,7 @@ bool everybody_arrives(const RunOptions& options, const ProcessOptions& process,
 /// Exit code: 0 if every robot arrived.
 int run(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros) {
   check_ros(in_ros, process.network.discovery, process.network.security);
+  check_results(options);
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   if (in_ros.on) check_ros_names(names_of(scenario));
   auto journal = journal_of_service(process.state);

@@ -23,7 +23,8 @@ constexpr WallTime longest_nap = 1;  // seconds between two steps: while it slee
 // One that is lost may only be cut off, or paused, and come back: for so long a run does not end without it,
 // unless it said that it was told to stop.
 constexpr WallTime longest_cut = 60;
-constexpr WallTime longest_wait_for_tracks = 3;
+constexpr WallTime longest_wait_for_tracks = 3;  // once all stand
+constexpr double slowest = 1e-6;                 // metres a second: who is slower stands
 constexpr WallTime longest_wait_for_forest = 3;
 constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
 constexpr int most_goal_draws = 1000;
@@ -50,8 +51,14 @@ std::string content_id(const OccupancyMap& map) {
 }  // namespace
 
 /// By the record: stands at the end within the tolerance of the goal.
-bool PlannerService::Robot::at_goal(const std::optional<TrackPoint>& last) const {
-  return !began_anew && last && (last->position - task.goal).norm() <= task.goal_tolerance;
+bool PlannerService::at_goal(const Robot& robot, const std::optional<TrackPoint>& last) const {
+  return !robot.began_anew && last && stands(*last) &&
+         (last->position - robot.task.goal).norm() <= robot.task.goal_tolerance;
+}
+
+/// What odometry says of a robot that is elsewhere is never quite zero.
+bool PlannerService::stands(const TrackPoint& point) const {
+  return settings_.margin > 0 || point.velocity.norm() <= slowest;
 }
 
 bool PlannerService::Robot::done(WallTime now) const {
@@ -68,8 +75,11 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
       clock_{now, settings.time_scale},
       record_(std::move(record)),
       begun_(now),
+      wait_for_tracks_(longest_wait_for_tracks),
       last_step_(now) {
   for (const RobotTask& task : scenario_.robots) {
+    const double braking = task.max_speed / task.max_acceleration / settings.time_scale;
+    wait_for_tracks_ = std::max(wait_for_tracks_, longest_wait_for_tracks + braking);
     Robot robot;
     robot.task = task;
     robot.last_heard = now;
@@ -328,11 +338,20 @@ std::optional<Point2> PlannerService::draw_goal(const Robot& robot) {
     if ((p - robot.task.goal).norm() < least_way) continue;
     const bool taken = std::ranges::any_of(robots_, [&](const auto& other) {
       const RobotTask& task = other.second.task;
-      return task.name != robot.task.name && (task.goal - p).norm() < task.radius + robot.task.radius + cell;
+      const double apart = task.radius + robot.task.radius + 2 * settings_.margin + cell;
+      if (task.name == robot.task.name) return false;
+      if ((task.goal - p).norm() < apart) return true;
+      const auto last = record_.last(other.second.index);
+      return !goes_on(other.second) && last && (last->position - p).norm() < apart;
     });
     if (!taken) return p;
   }
   return std::nullopt;
+}
+
+/// False: where it is it stays, unless another needs the room.
+bool PlannerService::goes_on(const Robot& robot) {
+  return !robot.lost && !robot.began_anew && !(robot.status && robot.status->phase == Phase::no_path);
 }
 
 bool PlannerService::goals_go_on(WallTime now) const {
@@ -369,7 +388,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
     publish_missions(out);  // as cancelled
   }
   if (ended_) ended_ = std::min(*ended_, now);  // likewise
-  if (ended_) finished_ = tracks_complete() || now - *ended_ > longest_wait_for_tracks;
+  if (ended_) finished_ = tracks_complete() || now - *ended_ > wait_for_tracks_;
   next_wake_ = now + beat;
   return out;
 }
@@ -397,18 +416,21 @@ bool PlannerService::run_is_over(WallTime now) {
          std::ranges::all_of(robots_, [&](const auto& entry) { return entry.second.done(now); });
 }
 
-/// After the end every living agent says in its last status how many points there are in all.
+/// After the end every living agent says in its last status how many points there are in all, and the last of
+/// them is where its robot has come to stand.
 bool PlannerService::tracks_complete() const {
   return std::ranges::all_of(robots_, [&](const auto& entry) {
     const Robot& robot = entry.second;
-    return robot.lost || robot.began_anew || !robot.status ||
-           (robot.status->phase == Phase::stopped && record_.size(robot.index) >= robot.status->track_points);
+    if (robot.lost || robot.began_anew || !robot.status) return true;
+    const auto last = record_.last(robot.index);
+    return robot.status->phase == Phase::stopped && record_.size(robot.index) >= robot.status->track_points &&
+           (!last || stands(*last));
   });
 }
 
 bool PlannerService::everybody_arrived() const {
   return std::ranges::all_of(
-      robots_, [&](const auto& entry) { return entry.second.at_goal(record_.last(entry.second.index)); });
+      robots_, [&](const auto& entry) { return at_goal(entry.second, record_.last(entry.second.index)); });
 }
 
 Progress PlannerService::progress(WallTime now) const {

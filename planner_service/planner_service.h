@@ -102,7 +102,6 @@ class PlannerService {
     bool began_anew = false;             ///< its agent was started anew and does not know where it was
     Path path;
     std::vector<RootNodes::Node> root_nodes;
-    bool at_goal(const std::optional<TrackPoint>& last) const;
     bool arrived() const { return status && status->phase == Phase::arrived; }
     /// Until the run has ended; then all are.
     bool was_told_to_stop() const { return status && status->phase == Phase::stopped; }
@@ -110,6 +109,9 @@ class PlannerService {
     std::uint32_t missions_fulfilled(bool there) const { return mission - 1 - replaced + there; }
   };
 
+  bool at_goal(const Robot& robot, const std::optional<TrackPoint>& last) const;
+  bool stands(const TrackPoint& point) const;
+  static bool goes_on(const Robot& robot);
   bool is_of_this_run(WallTime run) const;
   void receive(const AgentStatus& status, WallTime now);
   void receive(const BrokerStatus& status, WallTime now);
@@ -157,6 +159,7 @@ class PlannerService {
   std::vector<PictureContent::Edge> shared_edges_;
   std::set<TreeId> trees_seen_;
   WallTime begun_;
+  WallTime wait_for_tracks_;  ///< after the end
   WallTime last_step_;
   bool map_published_ = false;
   std::optional<std::uint32_t> forest_size_;  ///< trees that cover the map; none: not yet

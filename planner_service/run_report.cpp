@@ -1,7 +1,10 @@
 // Of PlannerService: the report, and the picture, of its run.
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <utility>
 
+#include "motion/segments.h"
 #include "planner_service/planner_service.h"
 #include "planning/clearance_field.h"
 
@@ -28,19 +31,30 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
 struct Driven {
   std::vector<double> length;  ///< by robot
   std::vector<std::optional<TrackPoint>> last;
+  /// Fleet time from which on it was where it wants to be in the end, and had come to stand there.
+  std::vector<std::optional<double>> stands_since;
   std::optional<Separation> separation;
   std::optional<ObstacleClearance> clearance;
 };
 
-Driven driven(const TrackParts& tracks, std::size_t robots, const ClearanceField& field) {
+Driven driven(const TrackParts& tracks, std::span<const Disc> goals, const ClearanceField& field) {
+  const std::size_t robots = goals.size();
   Driven result{.length = std::vector<double>(robots),
                 .last = std::vector<std::optional<TrackPoint>>(robots),
+                .stands_since = std::vector<std::optional<double>>(robots),
                 .separation = {},
                 .clearance = {}};
   tracks([&](const TrackPart& part) {
     std::vector<Track> here;
     for (std::size_t i = 0; i < robots; ++i) {
       const Track& track = part.tracks[i].track;
+      for (const TrackPoint& point : track.points) {
+        std::optional<double>& since = result.stands_since[i];
+        if ((point.position - goals[i].centre).norm() > goals[i].radius)
+          since.reset();
+        else if (!since && point.velocity.isZero(0))
+          since = point.time;
+      }
       if (!track.points.empty()) result.last[i] = track.points.back();
       here.push_back(clipped(track, part.from, part.until));
       const std::vector<TrackPoint>& points = here.back().points;
@@ -131,7 +145,6 @@ void PlannerService::describe_robot(const Robot& robot, proto::Report::Robot& ro
   row.set_missions(robot.missions_fulfilled(row.arrived()));
   const AgentStatus status = robot.status.value_or(AgentStatus{});
   row.set_plan_time(status.plan_seconds);
-  if (row.arrived()) row.set_run_time(status.arrival_time);
   row.set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
   row.set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
   row.set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
@@ -172,12 +185,16 @@ void PlannerService::describe_run(proto::Report& report) const {
 }
 
 proto::Report PlannerService::report(const TrackParts& tracks) const {
-  const Driven all = driven(tracks, order_.size(), ClearanceField(scenario_.map));
+  std::vector<Disc> goals;
+  for (const Robot* robot : order_) goals.push_back({robot->task.goal, robot->task.goal_tolerance});
+  const Driven all = driven(tracks, goals, ClearanceField(scenario_.map));
   proto::Report report;
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const Robot& robot = *order_[i];
     proto::Report::Robot& row = *report.add_robots();
-    row.set_arrived(robot.at_goal(all.last[i]));
+    row.set_arrived(at_goal(robot, all.last[i]));
+    if (row.arrived() && robot.status)
+      row.set_run_time(all.stands_since[i].value_or(robot.status->arrival_time));
     row.set_driven_length(all.length[i]);
     describe_robot(robot, row);
   }

@@ -164,6 +164,7 @@ void RobotAgent::begin_mission(WallTime now) {
                         .run = mission.clock.epoch};
   mission_ = mission;
   stopped_at_ = std::numeric_limits<double>::infinity();
+  said_that_it_stands_ = false;
   mission_wall_ = now;
   mustering_since_ = fleet_now;
   if (!body_) place_body(mission, fleet_now);
@@ -372,6 +373,9 @@ void RobotAgent::say_track(std::vector<Outgoing>& out) {
 /// Not with each beat, which is of the wall's clock: of a slow fleet that would be points one by one, and
 /// each message is kept for who comes late.
 void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
+  const bool has_come_to_stand =
+      status_.phase == Phase::stopped && !track_.empty() && track_.back().velocity.isZero(0);
+  if (has_come_to_stand && !std::exchange(said_that_it_stands_, true)) status_changed_ = true;
   if (!track_.empty() && (status_changed_ || track_.size() >= track_batch)) say_track(out);
   next_status_ = std::min(next_status_, now + status_beat);  // the clock may have been set back
   if (!status_changed_ && now < next_status_) return;

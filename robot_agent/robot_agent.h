@@ -177,6 +177,7 @@ class RobotAgent {
   Steady last_said_;
   std::uint8_t copies_promised_ = 1;  ///< by its last state
   bool first_control_ = true;
+  bool said_that_it_stands_ = false;                             ///< since it was stopped
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< fleet time
   double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
   bool is_new_ = false;         ///< does not know yet where all others are, though it is mid-run

@@ -108,6 +108,20 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   EXPECT_TRUE(holds(states, state));
 }
 
+// Processes may live for months.
+TEST(DdsBus, WhoComesLateGetsAllOfThisRunAndNothingOfTheOneBefore) {
+  DdsBus agent({.domain = domain + 2, .robot = "a"}, Role::agent, "agent");
+  const auto track = [](std::uint32_t first, double run) {
+    return Message(TrackMessage{"a", 1, first, {{first * 0.05, {1, 1}, {0, 0}}}, run});
+  };
+  for (std::uint32_t k = 0; k < 5; ++k) agent.publish(track(k, 100));
+  for (std::uint32_t k = 0; k < 3; ++k) agent.publish(track(k, 200));
+  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  const auto all = receive(service, [&](const auto& got) { return got.size() >= 3; });
+  ASSERT_EQ(all.size(), 3u);
+  for (std::uint32_t k = 0; k < 3; ++k) EXPECT_TRUE(all[k] == track(k, 200)) << k;
+}
+
 TEST(DdsBus, CarriesAMapOf4096Cells) {
   DdsBus service({.domain = domain + 2}, Role::service, "service");
   DdsBus agent({.domain = domain + 2}, Role::agent, "agent");

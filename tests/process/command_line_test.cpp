@@ -165,6 +165,9 @@ TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
   const std::vector<Refused> cases = {
       {"", "--state /proc/nope", "/proc/nope: cannot be made"},
       {"", "--logs /proc/nope", "/proc/nope: cannot be made"},
+      {"", "--plan-budget 1e10", "--plan-budget"},
+      {"", "--report /tmp/coppice-one --trajectory /tmp/../tmp/coppice-one", "is to be two files"},
+      {"", "--report " + rooms(), "is to be two files"},
       {"ROS_DISCOVERY_SERVER=nonsense", "", "\"nonsense\" names no discovery servers"},
       {"", "--discovery host.invalid:7400", "\"host.invalid:7400\" names no discovery servers"},
       {"", "--discovery 127.0.0.1:7400 --security /none", "--security goes without discovery servers"},

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -54,6 +55,18 @@ TEST(ProcessFleet, TellsWhoEndedHowAndWithWhichLastWords) {
   fleet.start("r2", script("kill -SEGV $$"), Output::log);
   EXPECT_EQ(next_end(fleet).exit_code, 128 + SIGSEGV);
   EXPECT_FALSE(fleet.reap());
+}
+
+// It is heard as soon as it can be, however early it comes.
+TEST(ProcessFleet, WhatIsToldToStopAsItStartsStops) {
+  const test::TemporaryFolder folder;
+  ProcessFleet fleet(folder.path());
+  for (const int milliseconds : {0, 1, 2, 5, 10, 20, 40}) {
+    fleet.start("broker", {test::program("tree_broker"), "--domain", "141"}, Output::log);
+    std::this_thread::sleep_for(milliseconds * 1ms);
+    fleet.terminate("broker");
+    EXPECT_EQ(next_end(fleet).exit_code, 0) << milliseconds;
+  }
 }
 
 TEST(ProcessFleet, ALogGoesOnWhenItsProcessIsStartedAgain) {

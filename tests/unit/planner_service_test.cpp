@@ -77,6 +77,34 @@ TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
   EXPECT_EQ(report.outcome(), "incomplete");
 }
 
+TEST(PlannerService, ARunEndsWhenAllHaveComeToStandAndWhoPassesItsGoalHasNotArrived) {
+  PlannerService service(two_robots(), {.timeout = 2}, 0);
+  map_and_missions(service);
+  const auto says = [&](const char* robot, Phase phase, std::uint32_t points) {
+    AgentStatus status{.robot = robot, .mission = 1, .phase = phase};
+    status.track_points = points;
+    service.on(arrival_of(status, 2));
+  };
+  for (const char* robot : {"a", "b"}) says(robot, Phase::driving, 0);
+  EXPECT_TRUE(of<Mission>(service.step(2.3)).at(0).cancelled);
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {2, {100, 60}, {8, 0}}}}, 2.3));
+  service.on(arrival_of(
+      TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {1.2, {20, 40}, {0, 0}}, {2, {20, 40}, {0, 0}}}},
+      2.3));
+  says("a", Phase::stopped, 2);
+  says("b", Phase::stopped, 3);
+  service.step(2.4);
+  EXPECT_FALSE(service.finished());
+  EXPECT_FALSE(service.everybody_arrived());
+  service.on(arrival_of(TrackMessage{"a", 1, 2, {{2.2, {100.8, 60}, {0, 0}}}}, 2.5));
+  service.step(2.6);
+  ASSERT_TRUE(service.finished());
+  const proto::Report report = service.report();
+  EXPECT_FALSE(report.robots(0).arrived() && report.robots(0).run_time() < 2);
+  EXPECT_TRUE(report.robots(1).arrived());
+  EXPECT_DOUBLE_EQ(report.robots(1).run_time(), 1.2);
+}
+
 TEST(PlannerService, ReportsThePathFromTheStart) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);

@@ -84,7 +84,7 @@ TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
   PlannerService after(one_robot(), before.settings, 10);
   ASSERT_TRUE(after.recall(before.kept.store.messages, 10));
   EXPECT_TRUE(of<Mission>(after.step(10)).at(0).cancelled);
-  after.step(13.1);
+  after.step(13.6);
   EXPECT_TRUE(after.finished());
   EXPECT_TRUE(after.everybody_arrived());
 }
