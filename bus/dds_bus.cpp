@@ -184,13 +184,15 @@ void number(std::uint16_t id, Qos& qos) {
 class Discoveries final : public dds::DomainParticipantListener {
  public:
   /// `robot`: whose agent this process is; empty: nobody's.
-  Discoveries(Audience& audience, Senders& senders, RobotName robot)
-      : audience_(audience), senders_(senders), robot_(std::move(robot)) {}
+  Discoveries(Audience& audience, Senders& senders, Announcements& announcements, RobotName robot)
+      : audience_(audience), senders_(senders), announcements_(announcements), robot_(std::move(robot)) {}
   void on_participant_discovery(dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
     audience_.discover(info);
     senders_.discover(info);
     if (info.status == info.DISCOVERED_PARTICIPANT) look_for_a_double(info);
+    if (info.status == info.REMOVED_PARTICIPANT || info.status == info.DROPPED_PARTICIPANT)
+      announcements_.forget(info.info.m_guid.guidPrefix);
   }
   void onParticipantAuthentication(dds::DomainParticipant*,
                                    eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
@@ -207,6 +209,7 @@ class Discoveries final : public dds::DomainParticipantListener {
 
   Audience& audience_;
   Senders& senders_;
+  Announcements& announcements_;
   RobotName robot_;
 };
 
@@ -256,7 +259,7 @@ struct DdsBus::Implementation {
   std::size_t lost = 0;
 
   Implementation(Role role_of_process, bool is_secure, const RobotName& robot)
-      : role(role_of_process), audience(is_secure), discoveries(audience, senders, robot) {}
+      : role(role_of_process), audience(is_secure), discoveries(audience, senders, announcements, robot) {}
 
   /// Whatever it throws, the destructor runs: DDS's threads know the members above.
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)

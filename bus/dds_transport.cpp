@@ -178,6 +178,47 @@ std::optional<std::uint64_t> announcement_in(Bytes message) {
   return says_more ? std::nullopt : number;
 }
 
+/// DDS-RTPS 2.2, 9.4.5.3 (data), 9.4.2.11 (lists of parameters) and 9.6.2.2.2 (what they say).
+Announcer announcer_of(Bytes message) {
+  constexpr std::uint16_t locators_of_discovery = 0x0032;
+  constexpr std::uint16_t sentinel = 0x0001;
+  constexpr std::size_t locator_length = 24;
+  constexpr std::size_t prefix_at = 8;  // in the header of the message
+  constexpr std::size_t payload_at = 24;
+  constexpr std::size_t encapsulation = 4;
+  constexpr std::uint8_t has_inline_qos = 0x02;
+  Announcer announcer{};
+  if (message.size() < prefix_at + prefix_length) return announcer;
+  std::ranges::copy(message.subspan(prefix_at, prefix_length), announcer.participant.value);
+  for_each_submessage(message, [&](Bytes submessage) {
+    if (submessage[0] != data || (submessage[1] & has_inline_qos) != 0 ||
+        submessage.size() < payload_at + encapsulation)
+      return true;
+    const bool little = (submessage[payload_at + 1] & is_little_endian) != 0;
+    Bytes rest = submessage.subspan(payload_at + encapsulation);
+    while (rest.size() >= 4) {
+      const auto id = static_cast<std::uint16_t>(little ? rest[0] | rest[1] << 8 : rest[0] << 8 | rest[1]);
+      const std::size_t length = little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
+      rest = rest.subspan(4);
+      if (id == sentinel || length > rest.size()) break;
+      if (id == locators_of_discovery && length == locator_length) {
+        const auto number = [&](std::size_t at) {
+          std::array<std::uint8_t, 4> octets{};
+          std::ranges::copy(rest.subspan(at, 4), octets.begin());
+          if (little) std::ranges::reverse(octets);
+          return static_cast<std::uint32_t>(number_of(octets));
+        };
+        rtps::Locator_t locator(static_cast<std::int32_t>(number(0)), number(4));
+        std::ranges::copy(rest.subspan(8, 16), locator.address);
+        announcer.addresses.push_back(locator);
+      }
+      rest = rest.subspan(length);
+    }
+    return false;
+  });
+  return announcer;
+}
+
 /// DDS-RTPS 2.2, 8.3.7.5 (heartbeats) and 8.5.4 (endpoint discovery).
 std::optional<EndpointHeartbeat> endpoint_heartbeat_in(Bytes message) {
   constexpr std::uint32_t publications_writer = 0x0003c2;
@@ -217,6 +258,27 @@ bool is_handshake_of_others(Bytes message) {
     return !of_others;
   });
   return of_others;
+}
+
+void Announcements::hear(Bytes announcement) {
+  const Announcer announcer = announcer_of(announcement);
+  const std::scoped_lock lock(mutex_);
+  if (!met_.insert(announcer.participant).second) return;
+  // Within a host it is reached by the loopback, whatever it says.
+  const auto leads_there = [&](const auto& entry) {
+    const rtps::Locator_t& destination = entry.first.destination;
+    return std::ranges::any_of(announcer.addresses, [&](const rtps::Locator_t& address) {
+      return destination == address ||
+             (destination.port == address.port && rtps::IPLocator::isLocal(destination));
+    });
+  };
+  std::erase_if(told_, leads_there);
+  std::erase_if(beaten_, leads_there);
+}
+
+void Announcements::forget(const rtps::GuidPrefix_t& participant) {
+  const std::scoped_lock lock(mutex_);
+  met_.erase(participant);
 }
 
 bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
@@ -325,7 +387,10 @@ class SparingTransport final : public transport::ChainingTransport {
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
     parts_.traffic.bytes_received += size;
     std::unique_lock one_at_a_time(discovering_, std::defer_lock);
-    if (announcement_in({message, size})) one_at_a_time.lock();
+    if (announcement_in({message, size})) {
+      one_at_a_time.lock();
+      if (parts_.announcements != nullptr) parts_.announcements->hear({message, size});
+    }
     next->OnDataReceived(message, size, local, remote);
   }
 

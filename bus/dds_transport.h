@@ -120,6 +120,13 @@ std::vector<std::uint8_t> user_data_of_replayer();
 /// If an RTPS message only announces that its participant is alive: the number of what it says of itself.
 std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);
 
+/// Of such a message: whose it is, and at which addresses that participant wants to hear of others.
+struct Announcer {
+  eprosima::fastrtps::rtps::GuidPrefix_t participant;
+  std::vector<eprosima::fastrtps::rtps::Locator_t> addresses;
+};
+Announcer announcer_of(std::span<const std::uint8_t> announcement);
+
 /// What a heartbeat says of the samples about a participant's endpoints: the numbers of the first and the
 /// last.
 struct EndpointHeartbeat {
@@ -138,6 +145,11 @@ class Announcements {
   using Time = std::chrono::steady_clock::time_point;
   /// From now on: before, while it is set up, each of its endpoints would be told to all anew.
   void begin() { begun_ = true; }
+  /// Another participant announces itself. A new one has been told nothing, whoever was told before at its
+  /// addresses: one that was killed is followed by another at the same port.
+  void hear(std::span<const std::uint8_t> announcement);
+  /// It is gone: it is new if it comes again.
+  void forget(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
   /// Whether it must be told now; then it counts as told.
   bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
               const eprosima::fastrtps::rtps::Locator_t& destination, std::uint64_t number, Time now);
@@ -171,6 +183,7 @@ class Announcements {
       return AddressHash{}(way.destination) ^ std::hash<const void*>{}(way.sender) ^ way.writer;
     }
   };
+  std::set<eprosima::fastrtps::rtps::GuidPrefix_t> met_;
   std::unordered_map<Way, Told, WayHash> told_;
   std::unordered_map<Way, Beaten, WayHash> beaten_;
 };

@@ -24,6 +24,7 @@
 #include "bus/dds_transport.h"
 #include "bus/topics.h"
 #include "tests/network/samples.h"
+#include "tests/processes.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -120,6 +121,21 @@ TEST(DdsBus, WhoComesLateGetsAllOfThisRunAndNothingOfTheOneBefore) {
   const auto all = receive(service, [&](const auto& got) { return got.size() >= 3; });
   ASSERT_EQ(all.size(), 3u);
   for (std::uint32_t k = 0; k < 3; ++k) EXPECT_TRUE(all[k] == track(k, 200)) << k;
+}
+
+// At the same port, one after the other: each is told at once who is there.
+TEST(DdsBus, WhoTakesThePlaceOfAnotherFindsTheOthersAtOnce) {
+  const test::TemporaryFolder folder;
+  const test::Background agent(
+      {test::program("robot_agent"), "--name", "a", "--domain", std::to_string(domain + 2)},
+      folder.path() / "log");
+  std::this_thread::sleep_for(std::chrono::seconds(8));  // what it repeats from the beginning is over
+  for (int k = 0; k < 4; ++k) {
+    const test::Outcome probe = test::shell("timeout 1.5 stdbuf -oL '" COPPICE_TEST_BIN_DIR
+                                            "/meeting_probe' agent b --agents 2 --domain " +
+                                            std::to_string(domain + 2) + " | head -1");
+    EXPECT_NE(probe.output.find("matched"), std::string::npos) << k << ": " << probe.output;
+  }
 }
 
 TEST(DdsBus, CarriesAMapOf4096Cells) {

@@ -111,6 +111,59 @@ Bytes heartbeat_of(std::uint8_t writer_kind, std::uint8_t last) {
          Bytes{last, 0, 0, 0, 9, 0, 0, 0};
 }
 
+/// Of one that wants to hear of others at 10.1.2.3:7410, and of what it reads at another address; with a
+/// participant of that number.
+Bytes announcement_of(std::uint8_t participant) {
+  const auto locator = [](std::uint8_t id, std::uint8_t port) {
+    return Bytes{id, 0, 24, 0, 1, 0, 0, 0, port, 0x1c, 0, 0} + Bytes(12, 0) + Bytes{10, 1, 2, 3};
+  };
+  Bytes all = header + info_timestamp + Bytes(announcement.begin(), announcement.end() - 4) +
+              Bytes{0, 3, 0, 0} + locator(0x31, 0xf3) + locator(0x32, 0xf2) + Bytes{1, 0, 0, 0};
+  all[8] = participant;
+  const std::size_t at = header.size() + info_timestamp.size();
+  all[at + 2] = static_cast<std::uint8_t>(all.size() - at - 4);
+  return all;
+}
+
+rtps::GuidPrefix_t participant_of(std::uint8_t number) {
+  return announcer_of(announcement_of(number)).participant;
+}
+
+TEST(Transport, KnowsWhoAnnouncesItselfAndWhereItWantsToHearOfOthers) {
+  const Announcer announcer = announcer_of(announcement_of(9));
+  EXPECT_EQ(int{announcer.participant.value[0]}, 9);
+  EXPECT_EQ(int{announcer.participant.value[11]}, 12);
+  EXPECT_EQ(announcer.addresses, std::vector{address("10.1.2.3", 7410)});
+  const Bytes whole = announcement_of(9);
+  for (std::size_t size = 0; size < whole.size(); ++size)
+    EXPECT_LE(announcer_of({whole.data(), size}).addresses.size(), 1u);
+}
+
+// One that was killed, and one that takes its place, have the same address.
+TEST(Transport, WhoeverComesIsToldWhateverWasSaidBeforeToItsAddress) {
+  Announcements announcements;
+  announcements.begin();
+  const Announcements::Time now{100s};
+  for (const rtps::Locator_t& to : {address("10.1.2.3", 7410), address("127.0.0.1", 7410)}) {
+    announcements.hear(announcement_of(1));
+    EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now));
+    EXPECT_FALSE(announcements.is_due(nullptr, to, 7, now + 1s));
+    announcements.hear(announcement_of(1));
+    EXPECT_FALSE(announcements.is_due(nullptr, to, 7, now + 1s)) << "it is no other";
+    announcements.hear(announcement_of(2));
+    EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now + 1s));
+    announcements.forget(participant_of(1));
+    announcements.hear(announcement_of(1));
+    EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now + 1s)) << "it was gone";
+    announcements.forget(participant_of(1));
+    announcements.forget(participant_of(2));
+  }
+  const rtps::Locator_t other = address("10.1.2.3", 7412);
+  EXPECT_TRUE(announcements.is_due(nullptr, other, 7, now));
+  announcements.hear(announcement_of(1));
+  EXPECT_FALSE(announcements.is_due(nullptr, other, 7, now + 1s));
+}
+
 TEST(Transport, RecognisesHeartbeatsOfEndpoints) {
   const auto found = endpoint_heartbeat_in(header + heartbeat_of(3, 5) + of_a_vendor);
   ASSERT_TRUE(found);
