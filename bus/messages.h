@@ -185,7 +185,7 @@ struct RobotState {
   bool passed_on = false;       ///< by another robot, which hears no more of this one
   bool counts_as_dead = false;  ///< to the one that passes it on
   bool is_new =
-      false;  ///< its process was started anew in mid-run: it does not know yet where all others are
+      false;  ///< started anew in mid-run, or out of touch of late: it may not know where all others are
   bool wants_echo = false;     ///< nobody has told it of late to have heard of it
   std::vector<Echo> echoes{};  ///< of some of the others, all in turn
   WallTime run = 0;            ///< which one its mission is of

@@ -2,13 +2,17 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <iterator>
 #include <map>
 #include <optional>
+#include <random>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -59,11 +63,11 @@ bool is_unused(int domain) {
 }
 
 /// A domain of our own, so that two runs on one machine do not meet: up to 100 the default ports stay below
-/// those that Linux hands out to others. Where to begin follows from the process, as another run may be
-/// looking just now.
+/// those that Linux hands out to others. Where to begin is drawn, as another run may be looking just now,
+/// here or on another host of this network: of two of these, one in a hundred pairs meets (--domain).
 int own_domain() {
   constexpr int domains = 100;
-  const int first = static_cast<int>(getpid()) % domains;
+  const int first = static_cast<int>(std::random_device()() % domains);
   for (int i = 0; i < domains; ++i) {
     const int domain = 1 + (first + i) % domains;
     if (is_unused(domain)) return domain;

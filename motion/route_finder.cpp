@@ -18,9 +18,10 @@ namespace {
 
 // Beyond the radii, as a share of the own one: what a robot that follows its route may stray by.
 constexpr double comfort = 0.1;
-constexpr double crossing_factor = 8;  // of the length, where a route leads through a disc that may move
-constexpr double avoided_detour = 30;  // radii that a refuge may be further away for lying in nobody's way
-constexpr double rounding = 1e-9;      // metres
+constexpr double crossing_factor = 8;    // of the length, where a route leads through a disc that may move
+constexpr double avoided_detour = 30;    // radii that a refuge may be further away for lying in nobody's way
+constexpr double rounding = 1e-9;        // metres
+constexpr double most_vertices = 1.5e6;  // of a lattice that is to find what a coarser one did not: 40 MB
 constexpr int most_reach = 16;  // columns and rows on each side, of what an end of a route is linked to
 
 /// The free space without the discs that stand in it.
@@ -280,7 +281,9 @@ SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Poi
   while (true) {
     RouteFinder finder(field, radius, share * usual_spacing(radius));
     Path path = finder.route(from, to, discs);
-    const bool finest = finder.spacing() <= field.frame().resolution / 2;
+    const Point2 extent = field.bounds().upper - field.bounds().lower;
+    const double next_size = 4 * extent.x() * extent.y() / (finder.spacing() * finder.spacing());
+    const bool finest = finder.spacing() <= field.frame().resolution / 2 || next_size > most_vertices;
     if (!path.empty() || finest) return {std::move(path), share};
     share /= 2;
   }

@@ -116,7 +116,7 @@ struct SpacedRoute {
 };
 
 /// The route on the coarsest lattice that holds one, of `share` of the usual spacing, half of it, and so on
-/// down to half a cell.
+/// down to half a cell, or to as many vertices as are looked through at once.
 SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
                            std::span<const Disc> discs, double share);
 

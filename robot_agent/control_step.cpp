@@ -24,6 +24,7 @@ constexpr WallTime longest_muster = 10;  // seconds to wait for the others' miss
 constexpr double longest_ignorance = 120;
 constexpr WallTime least_ignorance = 30;         // likewise, of the wall's clock: others must find it first
 constexpr std::uint32_t beats_between_news = 2;  // of the silent
+constexpr double asks_for_news = 1.5;            // seconds, of one that was out of touch
 constexpr double decisions_counted = 16;         // of those that may be late: a pause is one
 constexpr double share_of_overload = 0.25;
 constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
@@ -138,7 +139,8 @@ void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out
 /// Others may be anywhere by now, and not where their missions begin.
 bool RobotAgent::stands_as_newcomer(double fleet_now) {
   if (!is_new_) return false;
-  is_new_ = fleet_now < heard_again_at_ || !may_set_off(fleet_now);
+  if (!may_set_off(fleet_now)) listen_anew(fleet_now);  // whom it met last is to tell it who died
+  is_new_ = fleet_now < heard_again_at_;
   if (!is_new_) {
     if (status_.phase != Phase::no_path) status_.reason.clear();
     hope_anew();
@@ -166,6 +168,7 @@ void RobotAgent::decide(double fleet_now) {
   const bool holds = knot_.stage() == Stage::holding;
   fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
   if (fleet_.cut_off()) listen_anew(fleet_now);
+  if (fleet_.out_of_touch()) missed_news_until_ = fleet_now + asks_for_news * fleet_.second();
   if (stands_as_newcomer(fleet_now) || waits_for_its_robot(fleet_now)) return;
   const std::span<const Neighbour> others =
       body_->bound_to_stand() ? std::span<const Neighbour>() : neighbours(fleet_now);
@@ -304,6 +307,7 @@ void RobotAgent::watch_arrival(double fleet_now) {
 }
 
 void RobotAgent::give_up(const char* reason) {
+  if (is_new_) knot_.leave();
   status_.reason = reason;
   gave_up_ = true;
   enter(Phase::no_path);
@@ -378,7 +382,7 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   const KnotId* news = since_knot_ <= repeat_knot_news ? &knot_.id() : nullptr;
   auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
-  if (is_new_) return out.push_back(Outgoing(std::move(said)));  // to all
+  if (said.is_new) return out.push_back(Outgoing(std::move(said)));  // to all
   const int copies = std::max(said.copies, std::exchange(copies_promised_, said.copies));
   const std::vector<RobotName> again =
       copies > 1 ? fleet_.who_hears_copies(agents) : std::vector<RobotName>();
@@ -412,7 +416,7 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .progress = knot_.progress(),
           .waits_for = knot_.waits_for(),
           .copies = copies(),
-          .is_new = is_new_,
+          .is_new = is_new_ || (fleet_now < missed_news_until_ && !fleet_.out_of_touch()),
           .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes),
           .run = mission_->clock.epoch};

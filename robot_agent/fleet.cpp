@@ -56,6 +56,8 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     p.max_speed = mission.max_speed;
     if (!p.dead) p.place = mission.start;
   }
+  // Who stood in another's way may go elsewhere.
+  turns_for_the_better_ += p.mission && p.mission->number != mission.number;
   p.mission = std::make_unique<const Mission>(mission);
 }
 
@@ -101,8 +103,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     return false;
   }
   if (std::exchange(p.across, false)) minority_until_ = 0;
-  if (const double now = clock_.fleet_time(arrived);
-      own_mission_ && !state->passed_on && !state->is_new && was_away(p, now))
+  if (const double now = clock_.fleet_time(arrived); own_mission_ && !state->passed_on && was_away(p, now))
     p.back_at = somebody_back_at_ = now;
   p.said_dead = !p.state && state->counts_as_dead;
   somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
@@ -239,6 +240,7 @@ FleetMember Fleet::member(const Peer& p) const {
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
           .stands = stands,
           .dead = p.dead,
+          .takes_no_part = s.phase == Phase::stopped || (s.is_new && has_given_up),
           .knot = s.knot,
           .stage = s.stage,
           .progress = s.progress};
@@ -279,6 +281,7 @@ bool Fleet::all_hold(const KnotId& knot) const {
   return std::ranges::all_of(peers_, [&](const Peer& p) {
     const FleetMember m = member(p);
     if (m.dead || m.knot.overrides(knot)) return true;
+    if (m.takes_no_part) return m.stands;
     if (m.knot != knot && !knot.includes(m.position)) return true;
     return m.stands && m.stage == Stage::holding && m.knot == knot;
   });

@@ -45,9 +45,10 @@ struct FleetMember {
   bool wants_to_stay = false;    ///< where it is: it neither plans nor drives
   double radius = 0;
   double max_speed = 0;
-  double rests_until = 0;  ///< fleet time; if it stands it has bound itself to that, else when it said so
-  bool stands = false;     ///< and will until something new is heard of it
-  bool dead = false;       ///< counts as dead
+  double rests_until = 0;      ///< fleet time; if it stands it has bound itself to that, else when it said so
+  bool stands = false;         ///< and will until something new is heard of it
+  bool dead = false;           ///< counts as dead
+  bool takes_no_part = false;  ///< in knots: it was stopped, or cannot know where all are
   KnotId knot;
   Stage stage = Stage::free;
   double progress = 0;
@@ -89,6 +90,8 @@ class Fleet {
   /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
   /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
+  /// Likewise: with most of the others, so that it may have missed who died.
+  bool out_of_touch() const { return out_of_touch_; }
   /// Somebody has said of late to have heard of this robot.
   bool echoed(double now) const;
   /// How often to say what this robot decides: more than once where few listen or much is lost, so that one
@@ -237,7 +240,7 @@ class Fleet {
   bool unheard_by_all(const Absences& count, double now) const;
   bool silent_alone(const Peer& lost, double now) const;
   double age_of_last_sign(const Peer& peer, double now) const;
-  std::vector<Peer*> with_those_who_never_came(std::vector<Peer*> lost);
+  std::vector<Peer*> with_those_who_never_came(std::vector<Peer*> lost, double now);
   void stand_as_minority(bool several_fell_silent, double now);
   void give_up_the_lost(const Absences& count, double now, const ClearanceField& field);
   bool is_minority(std::span<Peer* const> lost, std::size_t left) const;
@@ -283,6 +286,7 @@ class Fleet {
   bool somebody_said_dead_ = false;
   double next_look_at_the_dead_ = 0;
   bool cut_off_ = false;
+  bool out_of_touch_ = false;
   /// Fleet time: those who fell silent at once were more than those who are left.
   double minority_until_ = 0;
 };

@@ -63,6 +63,9 @@ class Knot {
   void hear(const RobotState& state, const std::optional<Point2>& position);
   void hear(std::shared_ptr<const JointPlanMessage> plan);
 
+  /// It takes no more part.
+  void leave() { let_go(); }
+
   /// Begins a new knot of the crowd around, or of the whole fleet, with this robot as its leader.
   void call(const FleetMember& self, const Fleet& fleet, double now);
   void call_everybody(const FleetMember& self, double now);

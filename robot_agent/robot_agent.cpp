@@ -38,13 +38,14 @@ void RobotAgent::on(Arrival arrival) {
   ++load_.samples_received;
   if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
     ++load_.states_received;
-    const auto position = body_ ? std::optional(body_->position()) : std::nullopt;
+    const auto position = body_ && takes_part() ? std::optional(body_->position()) : std::nullopt;
     if (fleet_.hear({std::move(arrival.message), state}, arrival.at)) knot_.hear(*state, position);
     return;
   }
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
     // One of the run before, which its leader's writer still tells who comes late, is of robots elsewhere.
-    if (mission_ && plan->run == mission_->clock.epoch) knot_.hear({std::move(arrival.message), plan});
+    if (mission_ && takes_part() && plan->run == mission_->clock.epoch)
+      knot_.hear({std::move(arrival.message), plan});
   } else {
     std::visit(
         [&](const auto& m) {
@@ -53,6 +54,11 @@ void RobotAgent::on(Arrival arrival) {
         *arrival.message);
   }
   next_wake_ = std::min(next_wake_, arrival.at);
+}
+
+/// In knots: else nothing would ever lead it out of one, and who waits for that stands, too.
+bool RobotAgent::takes_part() const {
+  return status_.phase != Phase::stopped && !(is_new_ && status_.phase == Phase::no_path);
 }
 
 void RobotAgent::note(const BusCounts& counts, WallTime now) {
@@ -237,6 +243,7 @@ void RobotAgent::stop() {
   follower_.reset();
   finder_.reset();
   stopped_at_ = body_->time();
+  knot_.leave();
   enter(Phase::stopped);
 }
 

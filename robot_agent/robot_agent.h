@@ -105,6 +105,7 @@ class RobotAgent {
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double fleet_now, double seconds);
   bool records(double fleet_now) const;
+  bool takes_part() const;
   double stalled_for(double fleet_now) const;
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
@@ -177,7 +178,8 @@ class RobotAgent {
   Steady last_said_;
   std::uint8_t copies_promised_ = 1;  ///< by its last state
   bool first_control_ = true;
-  bool said_that_it_stands_ = false;                             ///< since it was stopped
+  double missed_news_until_ = 0;      ///< fleet time: until then it asks who has died
+  bool said_that_it_stands_ = false;  ///< since it was stopped
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< fleet time
   double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
   bool is_new_ = false;         ///< does not know yet where all others are, though it is mid-run

@@ -34,6 +34,7 @@ constexpr double loneliness = 0.6;
 constexpr double longest_unheard = 1.8;
 // The same for one that was never heard of: its process may still have to start.
 constexpr double longest_muster = 10;
+constexpr double from_the_beginning = 30;  // beyond that and the longest cut, no more
 // Who is far away sends less often: so many states in a row may be lost before that is silence.
 constexpr double lost_in_a_row = 10;
 constexpr double slow_beat = standing_stride * control_period;  // of one that stands close by
@@ -163,6 +164,8 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
   somebody_missing_ = count.absent + count.never_came + count.dead > 0;
   cut_off_ = now < minority_until_ || is_alone(count) || unheard_by_all(count, now) ||
              count.long_absent > 1 || count.elsewhere > 0;
+  out_of_touch_ = is_alone(count) || unheard_by_all(count, now) ||
+                  (count.long_absent > 0 && 2 * count.long_absent >= count.alive);
 }
 
 /// Of two that miss each other the one with the first name goes on.
@@ -208,7 +211,7 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   }
   if (lost.empty() || now - somebody_back_at_ < hears_the_news * second()) return;
   const std::size_t left = 1 + count.alive - count.absent;
-  const std::vector<Peer*> missed = with_those_who_never_came(lost);
+  const std::vector<Peer*> missed = with_those_who_never_came(lost, now);
   const bool minority = is_minority(missed, left);
   if (minority) stand_as_minority(several, now);
   for (Peer* p : missed) p->across = minority;
@@ -224,8 +227,9 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
 }
 
 /// A network may be in pieces from the beginning: then they are given up one by one, by when their missions
-/// came.
-std::vector<Fleet::Peer*> Fleet::with_those_who_never_came(std::vector<Peer*> lost) {
+/// came. Later they are none of a piece: networks heal.
+std::vector<Fleet::Peer*> Fleet::with_those_who_never_came(std::vector<Peer*> lost, double now) {
+  if (now > (longest_muster + longest_cut + from_the_beginning) * second()) return lost;
   for (Peer& p : peers_) {
     if (p.dead && !p.state) lost.push_back(&p);
   }

@@ -64,7 +64,12 @@ void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
 /// One that another broker grew, or this one before it was started anew.
 void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
   if (!forest_ || map_->map_id != tree.map_id) {
-    if (waiting_trees_.size() < most_waiting_trees) waiting_trees_.push_back(tree);
+    if (waiting_trees_.size() >= most_waiting_trees || waiting_nodes_ + tree.nodes.size() > most_nodes) {
+      ++impossible_;
+      return;
+    }
+    waiting_nodes_ += tree.nodes.size();
+    waiting_trees_.push_back(tree);
     return;
   }
   forest_->recalled.erase(tree.tree);
@@ -83,12 +88,13 @@ void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
   forest_->unsaid.push_back(tree.tree);
 }
 
+/// Those of other maps are of runs that are over.
 void TreeBroker::take_up_waiting_trees(WallTime now) {
-  std::erase_if(waiting_trees_, [&](const InactiveTreeMessage& tree) {
-    const bool of_this_map = forest_ && tree.map_id == map_->map_id;
-    if (of_this_map) receive(tree, now);
-    return of_this_map;
-  });
+  if (!forest_) return;
+  waiting_nodes_ = 0;
+  for (const InactiveTreeMessage& tree : std::exchange(waiting_trees_, {})) {
+    if (tree.map_id == map_->map_id) receive(tree, now);
+  }
 }
 
 void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {

@@ -95,6 +95,7 @@ class TreeBroker {
   std::optional<MapMessage> map_;
   std::map<RobotName, Mission> waiting_missions_;   ///< for a map that is not there yet
   std::vector<InactiveTreeMessage> waiting_trees_;  ///< likewise
+  std::size_t waiting_nodes_ = 0;                   ///< of these
   std::unique_ptr<Forest> forest_;
   std::map<RobotName, Group> groups_;
   std::map<std::uint64_t, Other> others_;

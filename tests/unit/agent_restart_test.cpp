@@ -235,6 +235,29 @@ TEST(RobotAgentAnew, ACancelledMissionDoesNotTellWhereAnotherDied) {
   EXPECT_EQ(last_status_of_one_alone(true, true).phase, Phase::arrived);
 }
 
+// Whom it meets last may be the only one who knows where somebody died.
+TEST(RobotAgentAnew, IsNewForAWhileAfterItHasMetTheLast) {
+  Mission mine = mission_of_a(0);
+  mine.fleet_size = 2;
+  Mission of_b = mine;
+  of_b.robot = "b";
+  of_b.start = of_b.goal = {20, 20};
+  AgentRun before;
+  for (const Message& message : {Message(map_message()), Message(mine), Message(of_b)})
+    before.hear(message, 0);
+  before.run(0, 3, 3);
+  AgentRun after;
+  after.recall(before.store.messages);
+  for (const Message& message : {Message(map_message()), Message(mine), Message(of_b)})
+    after.hear(message, 20);
+  after.run(20, 25);
+  after.run(25, 30, 30);
+  double last = 0;
+  for (const RobotState& state : of<RobotState>(after.said)) last = state.is_new ? state.stamp : last;
+  EXPECT_GT(last, 25.7);
+  EXPECT_LT(last, 27);
+}
+
 TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
   AgentRun before;
   run_until_killed_at(3, before);

@@ -89,8 +89,7 @@ TEST(PlannerService, ARunEndsWhenAllHaveComeToStandAndWhoPassesItsGoalHasNotArri
   EXPECT_TRUE(of<Mission>(service.step(2.3)).at(0).cancelled);
   service.on(arrival_of(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {2, {100, 60}, {8, 0}}}}, 2.3));
   service.on(arrival_of(
-      TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {1.2, {20, 40}, {0, 0}}, {2, {20, 40}, {0, 0}}}},
-      2.3));
+      TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {1.2, {20, 40}, {0, 0}}, {2, {20, 40}, {0, 0}}}}, 2.3));
   says("a", Phase::stopped, 2);
   says("b", Phase::stopped, 3);
   service.step(2.4);

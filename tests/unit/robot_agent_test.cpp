@@ -182,6 +182,47 @@ RobotState after_b_says(Stage stage, RobotAgent& agent, double from, double unti
   return last;
 }
 
+// Nothing would lead it out again, and those around it would stand, too.
+TEST(RobotAgent, OneThatWasStoppedTakesNoPartInKnots) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  Mission mission;
+  for (const Message& message : map_and_missions(service)) {
+    agent.on(arrival_of(message, 0));
+    const auto* m = std::get_if<Mission>(&message);
+    if (m != nullptr && m->robot == "a") mission = *m;
+  }
+  agent.on(arrival_of(standing_b(0.1), 0.1));
+  run(agent, 0.1, 1);
+  EXPECT_EQ(after_b_says(Stage::holding, agent, 1, 2).stage, Stage::holding);
+  mission.cancelled = true;
+  agent.on(arrival_of(mission, 2));
+  EXPECT_EQ(after_b_says(Stage::holding, agent, 2, 3).stage, Stage::free);
+  agent.on(arrival_of(JointPlanMessage{{4, "b", {20, 20}, 50}, {{"a", 5, false}}, {}}, 3));
+  EXPECT_EQ(last_of("a", run(agent, 3, 4)).stage, Stage::free);
+}
+
+// It may have missed who died meanwhile.
+TEST(RobotAgent, OneThatNobodyHeardAsksForNewsWhenItIsHeardAgain) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  std::vector<RobotState> said;
+  for (double now = 0.1; now < 12; now += 0.05) {
+    RobotState other = standing_b(now);
+    if (now < 3 || now > 6) other.echoes.push_back({"a", now, now});
+    agent.on(arrival_of(other, now));
+    for (const RobotState& state : of<RobotState>(run(agent, now, now + 0.05))) said.push_back(state);
+  }
+  const auto asks = [&](double from, double until) {
+    return std::ranges::count_if(
+        said, [&](const RobotState& s) { return s.stamp > from && s.stamp < until && s.is_new; });
+  };
+  EXPECT_EQ(asks(0, 6), 0);
+  EXPECT_GE(asks(6, 8), 4);
+  EXPECT_EQ(asks(8, 12), 0);
+}
+
 // Found by crossing 40, seeds 13 and 14, with a third of the samples lost: members whose leader had planned
 // for long left the knot when its next state came before its plan did.
 TEST(RobotAgent, APlanThatComesLaterThanItsLeaderDrivesIsTakenUp) {

@@ -262,6 +262,53 @@ TEST(Silence, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
   EXPECT_FALSE(b.cut_off());
 }
 
+// Who was never started is no part of a network in pieces, once that would have healed.
+TEST(Silence, TwoThatDieAtOnceStopNobodyHoweverManyNeverCame) {
+  Listener a({"b", "c", "d", "e", "f", "g", "h", "i", "j"});
+  double now = 0;
+  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
+    for (; now < end; now += period) {
+      for (const RobotName& robot : heard) a.hear(robot, now);
+      a.judge(now);
+    }
+  };
+  go_on_until(12, {"b", "c", "d", "e"});
+  EXPECT_TRUE(a.dead("j"));
+  go_on_until(200, {"b", "c", "d", "e"});
+  EXPECT_FALSE(a.cut_off());
+  go_on_until(265, {"b", "c"});
+  EXPECT_TRUE(a.dead("d"));
+  EXPECT_FALSE(a.cut_off());
+}
+
+TEST(Silence, WhoStandsInAnothersWayMayGoElsewhere) {
+  Fleet fleet("a");
+  Mission mission{.robot = "b", .number = 1, .clock = {}};
+  fleet.hear(mission, 0);
+  const auto before = fleet.turns_for_the_better();
+  mission.cancelled = true;
+  fleet.hear(mission, 1);
+  EXPECT_EQ(fleet.turns_for_the_better(), before);
+  mission.number = 2;
+  fleet.hear(mission, 2);
+  EXPECT_EQ(fleet.turns_for_the_better(), before + 1);
+}
+
+TEST(Silence, NobodyWaitsThatOneThatWasStoppedHolds) {
+  Fleet fleet("a");
+  fleet.hear(Mission{.robot = "a", .clock = {}}, 0);
+  const KnotId knot{1, "a", {100, 100}, 50};
+  const auto says = [&](const char* robot, Phase phase, double stamp) {
+    RobotState state{.robot = robot, .stamp = stamp, .position = {100, 100}, .radius = 5, .knot = {}};
+    state.phase = phase;
+    fleet.hear(std::make_shared<const RobotState>(state), stamp);
+  };
+  says("b", Phase::driving, 1);
+  EXPECT_FALSE(fleet.all_hold(knot));
+  says("b", Phase::stopped, 2);
+  EXPECT_TRUE(fleet.all_hold(knot));
+}
+
 // It may only be cut off, and drives on until it misses the others.
 TEST(Silence, OfOneThatIsSilentAloneAllItMayReachIsKeptClearForAMinute) {
   Listener a;
