@@ -131,10 +131,13 @@ TEST(DdsBus, WhoTakesThePlaceOfAnotherFindsTheOthersAtOnce) {
       folder.path() / "log");
   std::this_thread::sleep_for(std::chrono::seconds(8));  // what it repeats from the beginning is over
   for (int k = 0; k < 4; ++k) {
-    const test::Outcome probe = test::shell("timeout 1.5 stdbuf -oL '" COPPICE_TEST_BIN_DIR
-                                            "/meeting_probe' agent b --agents 2 --domain " +
-                                            std::to_string(domain + 2) + " | head -1");
-    EXPECT_NE(probe.output.find("matched"), std::string::npos) << k << ": " << probe.output;
+    const std::filesystem::path log = folder.path() / ("probe-" + std::to_string(k));
+    const test::Background probe({COPPICE_TEST_BIN_DIR "/meeting_probe", "agent", "b", "--agents", "2",
+                                  "--domain", std::to_string(domain + 2)},
+                                 log);
+    EXPECT_TRUE(test::within(std::chrono::milliseconds(1500), [&] {
+      return test::contents(log).find("matched") != std::string::npos;
+    })) << k;
   }
 }
 
