@@ -7,7 +7,6 @@
 #include <iterator>
 #include <map>
 #include <optional>
-#include <random>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -63,11 +62,12 @@ bool is_unused(int domain) {
 }
 
 /// A domain of our own, so that two runs on one machine do not meet: up to 100 the default ports stay below
-/// those that Linux hands out to others. Where to begin is drawn, as another run may be looking just now,
-/// here or on another host of this network: of two of these, one in a hundred pairs meets (--domain).
-int own_domain() {
+/// those that Linux hands out to others. Where to begin follows from a name that no other run has, as one may
+/// be looking just now, here or on another host of this network: of the latter one pair in a hundred meets
+/// (--domain).
+int own_domain(const std::string& unique) {
   constexpr int domains = 100;
-  const int first = static_cast<int>(std::random_device()() % domains);
+  const int first = static_cast<int>(std::hash<std::string>{}(unique) % domains);
   for (int i = 0; i < domains; ++i) {
     const int domain = 1 + (first + i) % domains;
     if (is_unused(domain)) return domain;
@@ -141,7 +141,7 @@ std::string discovery_of(const FleetOptions& options, std::size_t robots) {
 
 /// The options by which the processes of a run find each other. All are on one host.
 Command network_of(const FleetOptions& options, std::size_t robots) {
-  const int domain = options.domain ? *options.domain : options.ros.on ? usual_ros_domain() : own_domain();
+  const int domain = options.domain ? *options.domain : usual_ros_domain();
   const Command network{"--domain", std::to_string(domain)};
   const std::string discovery = discovery_of(options, robots);
   return discovery.empty() ? network : joined(network, {"--discovery", discovery});
@@ -340,7 +340,10 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   const std::filesystem::path logs =
       fleet_options.logs.empty() ? run_folder.path() : made_folder(fleet_options.logs);
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
-  const std::vector<Process> processes = processes_of(scenario, options, fleet_options, programs, state);
+  FleetOptions fleet_on_domain = fleet_options;
+  if (!fleet_options.domain && !fleet_options.ros.on)
+    fleet_on_domain.domain = own_domain(run_folder.path().string());
+  const std::vector<Process> processes = processes_of(scenario, options, fleet_on_domain, programs, state);
   ProcessFleet fleet(logs);
   for (const Process& process : processes)
     fleet.start(process.name, process.command, process.output, process.niceness);

@@ -28,6 +28,8 @@ constexpr double asks_for_news = 1.5;            // seconds, of one that was out
 constexpr double decisions_counted = 16;         // of those that may be late: a pause is one
 constexpr double share_of_overload = 0.25;
 constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
+// Seconds until it tries again, if another is wanted elsewhere meanwhile: its attempts stop the others.
+constexpr double between_hopes = 300;
 constexpr int most_calls_in_vain = 30;  // knots from one place, likewise
 constexpr double stall = 3;             // seconds without progress that make a robot call a knot
 // The same, however often it has bound itself to stand meanwhile: two that push each other back to and fro
@@ -285,7 +287,9 @@ void RobotAgent::watch_arrival(double fleet_now) {
     status_.arrival_time = 0;
     enter(Phase::driving);
   }
-  if (fleet_.turns_for_the_better() != turns_for_the_better_) hope_anew();
+  const bool others_go_elsewhere = gave_up_ && fleet_.new_goals() != new_goals_ &&
+                                   fleet_now - gave_up_at_ > between_hopes * fleet_.second();
+  if (fleet_.turns_for_the_better() != turns_for_the_better_ || others_go_elsewhere) hope_anew();
   const bool may_become_better = fleet_.doubts(body_->position(), everywhere);
   if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain && !may_become_better)
     return give_up("held up for good: no joint plan has moved it");
@@ -310,10 +314,13 @@ void RobotAgent::give_up(const char* reason) {
   if (is_new_) knot_.leave();
   status_.reason = reason;
   gave_up_ = true;
+  gave_up_at_ = body_->time();
+  new_goals_ = fleet_.new_goals();
   enter(Phase::no_path);
 }
 
-/// One that counted as dead is back, or is known to be: what it closed may be open.
+/// One that counted as dead is back, or is known to be, or somebody goes elsewhere: what it closed may be
+/// open.
 void RobotAgent::hope_anew() {
   turns_for_the_better_ = fleet_.turns_for_the_better();
   times_stranded_ = 0;

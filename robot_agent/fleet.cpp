@@ -56,8 +56,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     p.max_speed = mission.max_speed;
     if (!p.dead) p.place = mission.start;
   }
-  // Who stood in another's way may go elsewhere.
-  turns_for_the_better_ += p.mission && p.mission->number != mission.number;
+  new_goals_ += p.mission && p.mission->number != mission.number;
   p.mission = std::make_unique<const Mission>(mission);
 }
 

@@ -106,6 +106,8 @@ class Fleet {
 
   /// How often one was heard of that counted as dead, or came to do so beyond doubt.
   std::uint32_t turns_for_the_better() const { return turns_for_the_better_; }
+  /// How often others were wanted elsewhere: who stood in another's way may go.
+  std::uint32_t new_goals() const { return new_goals_; }
   /// One that counts as dead may only be cut off, and so be closer than `reach` to p; or be anywhere.
   bool doubts(const Point2& p, double reach) const;
 
@@ -277,6 +279,7 @@ class Fleet {
   double clock_error_ = 0;        ///< the largest of those alive
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   std::uint32_t turns_for_the_better_ = 0;
+  std::uint32_t new_goals_ = 0;
   bool doubts_ = false;             ///< anybody
   double somebody_back_at_ = -1e9;  ///< fleet time
   double somebody_new_at_ = -1e9;   ///< fleet time at which somebody was heard of who was started anew
