@@ -157,9 +157,17 @@ class Listener {
                            .echoes = {}};
     return fleet_.hear(std::make_shared<const RobotState>(state), now);
   }
+  double now() const { return now_; }
   std::size_t others() const { return fleet_.others().size(); }
   bool echoed(double now) const { return fleet_.echoed(now); }
   Point2 place(const RobotName& robot) const { return fleet_.find(robot)->position; }
+  /// Everybody else is silent.
+  void go_on_until(double end, const std::vector<RobotName>& heard) {
+    for (; now_ < end; now_ += period) {
+      for (const RobotName& robot : heard) hear(robot, now_);
+      judge(now_);
+    }
+  }
   void judge(double now) { fleet_.judge_silence(now, {80, 80}, {}, field_); }
   bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
   bool doubts(const Point2& p) const { return fleet_.doubts(p, 0); }
@@ -183,6 +191,7 @@ class Listener {
  private:
   ClearanceField field_;
   Fleet fleet_;
+  double now_ = 0;
 };
 
 TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
@@ -217,66 +226,45 @@ TEST(Silence, WhoIsHeardByNobodyStands) {
 
 TEST(Silence, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   Listener a({"b", "c", "d", "e"});
-  double now = 0;
-  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
-    for (; now < end; now += period) {
-      for (const RobotName& robot : heard) a.hear(robot, now);
-      a.judge(now);
-    }
-  };
-  go_on_until(1, {"b", "c", "d", "e"});
+  a.go_on_until(1, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
-  go_on_until(60, {"b"});
+  a.go_on_until(60, {"b"});
   EXPECT_FALSE(a.dead("c"));
   EXPECT_TRUE(a.cut_off());
-  go_on_until(65, {"b"});
+  a.go_on_until(65, {"b"});
   EXPECT_TRUE(a.dead("c"));
   EXPECT_TRUE(a.cut_off());
-  go_on_until(70, {});  // one of its own piece dies: that changes nothing
+  a.go_on_until(70, {});  // one of its own piece dies: that changes nothing
   EXPECT_TRUE(a.dead("b"));
   EXPECT_TRUE(a.cut_off());
-  go_on_until(71, {"b"});
+  a.go_on_until(71, {"b"});
   EXPECT_TRUE(a.cut_off());
-  go_on_until(72, {"b", "c", "d", "e"});
+  a.go_on_until(72, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
 }
 
 // Nor where what is left of its piece would, by names, be the one to go on after a minute.
 TEST(Silence, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
   Listener b({"a", "c", "d", "e"}, "b");
-  double now = 0;
-  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
-    for (; now < end; now += period) {
-      for (const RobotName& robot : heard) b.hear(robot, now);
-      b.judge(now);
-    }
-  };
-  go_on_until(1, {"a", "c", "d", "e"});
-  go_on_until(65, {"a"});
+  b.go_on_until(1, {"a", "c", "d", "e"});
+  b.go_on_until(65, {"a"});
   EXPECT_TRUE(b.dead("c"));
   EXPECT_TRUE(b.cut_off());
-  go_on_until(140, {});
+  b.go_on_until(140, {});
   EXPECT_TRUE(b.dead("a"));
   EXPECT_TRUE(b.cut_off());
-  go_on_until(141, {"c", "d", "e"});
+  b.go_on_until(141, {"c", "d", "e"});
   EXPECT_FALSE(b.cut_off());
 }
 
 // Who was never started is no part of a network in pieces, once that would have healed.
 TEST(Silence, TwoThatDieAtOnceStopNobodyHoweverManyNeverCame) {
   Listener a({"b", "c", "d", "e", "f", "g", "h", "i", "j"});
-  double now = 0;
-  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
-    for (; now < end; now += period) {
-      for (const RobotName& robot : heard) a.hear(robot, now);
-      a.judge(now);
-    }
-  };
-  go_on_until(12, {"b", "c", "d", "e"});
+  a.go_on_until(12, {"b", "c", "d", "e"});
   EXPECT_TRUE(a.dead("j"));
-  go_on_until(200, {"b", "c", "d", "e"});
+  a.go_on_until(200, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
-  go_on_until(265, {"b", "c"});
+  a.go_on_until(265, {"b", "c"});
   EXPECT_TRUE(a.dead("d"));
   EXPECT_FALSE(a.cut_off());
 }
@@ -384,24 +372,17 @@ TEST(Silence, OfTwoThatMissEachOtherTheLaterNameStandsForAMinute) {
 // It was not told what the others learnt meanwhile, nor they what it did.
 TEST(Silence, AfterSomebodyCameBackNobodyIsTakenForDeadUntilItHasHeardTheNews) {
   Listener a;
-  double now = 0;
-  const auto go_on_until = [&](double end, const std::vector<RobotName>& heard) {
-    for (; now < end; now += period) {
-      for (const RobotName& robot : heard) a.hear(robot, now);
-      a.judge(now);
-    }
-  };
-  go_on_until(1, {"b", "c"});
-  go_on_until(9, {"c"});
+  a.go_on_until(1, {"b", "c"});
+  a.go_on_until(9, {"c"});
   EXPECT_TRUE(a.dead("b"));
-  EXPECT_TRUE(a.who_missed_the_news(now).empty());
-  go_on_until(10.5, {});
-  go_on_until(13, {"b"});  // c would be dead by now
+  EXPECT_TRUE(a.who_missed_the_news(a.now()).empty());
+  a.go_on_until(10.5, {});
+  a.go_on_until(13, {"b"});  // c would be dead by now
   EXPECT_FALSE(a.dead("c"));
-  EXPECT_EQ(a.who_missed_the_news(now), std::vector<RobotName>{"b"});
-  go_on_until(14, {"b"});
+  EXPECT_EQ(a.who_missed_the_news(a.now()), std::vector<RobotName>{"b"});
+  a.go_on_until(14, {"b"});
   EXPECT_TRUE(a.dead("c"));
-  EXPECT_TRUE(a.who_missed_the_news(now).empty());
+  EXPECT_TRUE(a.who_missed_the_news(a.now()).empty());
 }
 
 TEST(Silence, WhoIsFirstHeardOfWhenTheOthersAreUnderWayIsToldOfTheDead) {
