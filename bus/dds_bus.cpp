@@ -13,25 +13,22 @@
 #include <fastdds/dds/core/condition/WaitSet.hpp>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
-#include <fastdds/dds/domain/DomainParticipantListener.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/Topic.hpp>
-#include <fastdds/rtps/attributes/ServerAttributes.h>
 #include <fastrtps/config.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_checked_type.h"
 #include "bus/dds_conversion.h"
-#include "bus/dds_discovery_server.h"
+#include "bus/dds_participant.h"
 #include "bus/dds_qos.h"
 #include "bus/dds_security.h"
 #include "bus/dds_senders.h"
-#include "bus/dds_server_list.h"
 #include "bus/dds_static_endpoints.h"
 #include "bus/dds_transport.h"
 #include "bus/dds_type_objects.h"
@@ -56,57 +53,10 @@ constexpr std::uint32_t heartbeat_among_agents_nanoseconds = 500'000'000;
 constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
 // How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
-constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
-// Seconds until a silent process counts as gone. Not how the fleet notices that: its roles have leases of
-// their own. A process that was only paused, or cut off, and is dropped by DDS may never find all others
-// again (with 20 s, tests/process/pause_test.cpp). Likely because only some drop it, and those who do not
-// take the acknowledgments of its new beginning, which count from one, for old ones.
-constexpr int lease = 120;
-constexpr int datagram_for_credentials = 8192;  // bytes
-constexpr int most_taken = 1000;                // samples of a topic at a time
-constexpr double longest_held = 1;              // seconds until its sender must be known
+constexpr int most_taken = 1000;    // samples of a topic at a time
+constexpr double longest_held = 1;  // seconds until its sender must be known
 constexpr std::chrono::milliseconds longest_farewell{500};
 constexpr std::size_t rejections_logged = 10;  // then every thousandth
-
-/// Each process announces which endpoints it has, of those that all know.
-void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
-  discovery.use_STATIC_EndpointDiscoveryProtocol = true;
-  discovery.static_edp_xml_config(("data://" + static_endpoints(role)).c_str());
-  qos.name(static_participant);
-}
-
-bool is_usable(const ServerList& list) {
-  return !list.found.empty() && list.malformed.empty();
-}
-
-/// Through these servers instead of by multicast.
-void find_others_through(const std::string& servers, dds::DomainParticipantQos& qos) {
-  auto& discovery = qos.wire_protocol().builtin.discovery_config;
-  discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
-  discovery.leaseDuration_announcementperiod = Duration_t(between_words);
-  ServerList list = look_up_servers(servers);
-  if (!is_usable(list))
-    throw std::runtime_error(
-        fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
-  for (const std::string& host : list.unknown)
-    spdlog::warn("discovery server {} has no address: goes on without it", host);
-  discovery.m_DiscoveryServers = std::move(list.found);
-}
-
-/// What is asked for, or what suits.
-std::string discovery_of(const DdsSettings& settings) {
-  if (!settings.discovery.empty()) return settings.discovery;
-  if (const std::string servers = usual_discovery_servers(); !servers.empty()) return servers;
-  return settings.security.empty() ? multicast_discovery : static_discovery;
-}
-
-/// A step of an authentication must fit: it holds certificates, and DDS does not cut it.
-int largest_datagram_of(const DdsSettings& settings) {
-  return settings.security.empty() ? settings.largest_datagram
-                                   : std::max(settings.largest_datagram, datagram_for_credentials);
-}
 
 /// Servers tell everybody of everybody, whatever the domain is: what they find keeps to its own by partition.
 template <class Qos>
@@ -114,40 +64,6 @@ Qos of_domain(const DdsSettings& settings) {
   Qos qos;
   if (are_servers(discovery_of(settings)))
     qos.partition().push_back(fmt::format("domain-{}", settings.domain).c_str());
-  return qos;
-}
-
-dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role, const std::string& sender,
-                                          Audience& audience, Announcements& announcements,
-                                          Traffic& traffic) {
-  dds::DomainParticipantQos qos;
-  qos.name(sender);
-  qos.user_data().data_vec(role == Role::replayer ? user_data_of_replayer() : user_data_of(settings.robot));
-  qos.transport().use_builtin_transports = false;
-  const std::string discovery = discovery_of(settings);
-  const bool by_servers = are_servers(discovery);
-  qos.transport().user_transports.push_back(
-      sparing_udp_transport({.audience = audience,
-                             .announcements = by_servers ? nullptr : &announcements,
-                             .traffic = traffic,
-                             .largest_datagram = largest_datagram_of(settings),
-                             .is_secure = !settings.security.empty()}));
-  // Otherwise ten from the beginning, each as long as a datagram.
-  qos.allocation().send_buffers = {.preallocated_number = 1, .dynamic = true};
-  auto& builtin = qos.wire_protocol().builtin;
-  builtin.mutation_tries = most_participants;
-  // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
-  builtin.discovery_config.initial_announcements.count = first_announcements;
-  builtin.discovery_config.leaseDuration = Duration_t(lease, 0);
-  builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
-  if (discovery == static_discovery) find_others_by_table(role, qos);
-  if (by_servers && !settings.security.empty())
-    throw std::runtime_error(
-        fmt::format("with --security processes find each other by multicast or static discovery, and not "
-                    "through servers (\"{}\"): those of this Fast DDS authenticate nobody",
-                    discovery));
-  if (by_servers) find_others_through(discovery, qos);
-  if (!settings.security.empty()) secure(settings.security, qos);
   return qos;
 }
 
@@ -179,39 +95,6 @@ void number(std::uint16_t id, Qos& qos) {
   qos.endpoint().user_defined_id = static_cast<std::int16_t>(id);
   qos.endpoint().entity_id = static_cast<std::int16_t>(id);
 }
-
-/// Tells the audience who is where, and the senders who is who.
-class Discoveries final : public dds::DomainParticipantListener {
- public:
-  /// `robot`: whose agent this process is; empty: nobody's.
-  Discoveries(Audience& audience, Senders& senders, Announcements& announcements, RobotName robot)
-      : audience_(audience), senders_(senders), announcements_(announcements), robot_(std::move(robot)) {}
-  void on_participant_discovery(dds::DomainParticipant*,
-                                eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
-    audience_.discover(info);
-    senders_.discover(info);
-    if (info.status == info.DISCOVERED_PARTICIPANT) look_for_a_double(info);
-    if (info.status == info.REMOVED_PARTICIPANT || info.status == info.DROPPED_PARTICIPANT)
-      announcements_.forget(info.info.m_guid.guidPrefix);
-  }
-  void onParticipantAuthentication(dds::DomainParticipant*,
-                                   eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
-    if (info.status == info.AUTHORIZED_PARTICIPANT) audience_.authenticate(info.guid);
-  }
-
- private:
-  void look_for_a_double(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info) const {
-    const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
-    if (!robot_.empty() && robot_of(data) == robot_)
-      spdlog::warn("another process says to be robot {}, too: end one of them, unless it was killed just now",
-                   robot_);
-  }
-
-  Audience& audience_;
-  Senders& senders_;
-  Announcements& announcements_;
-  RobotName robot_;
-};
 
 /// The ends of one topic in this process; either may be missing.
 template <class M>
@@ -430,11 +313,6 @@ struct DdsBus::Implementation {
 
 std::string dds_version() {
   return FASTRTPS_VERSION_STR;
-}
-
-ServerExamination examine_servers(const std::string& servers) {
-  ServerList list = look_up_servers(servers);
-  return {is_usable(list), std::move(list.unknown)};
 }
 
 DdsBus::DdsBus(const DdsSettings& settings, Role role, const std::string& sender)

@@ -13,6 +13,8 @@ struct ServerList {
   std::vector<std::string>
       unknown;  ///< hosts that have no address, now: a container that does not run has none
   std::vector<std::string> malformed;  ///< what is no server
+
+  bool is_usable() const { return !found.empty() && malformed.empty(); }
 };
 
 /// "HOST:PORT", several with ";" between them; a place may be empty. Asks the network where hosts are named.

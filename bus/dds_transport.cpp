@@ -178,19 +178,25 @@ std::optional<std::uint64_t> announcement_in(Bytes message) {
   return says_more ? std::nullopt : number;
 }
 
+/// DDS-RTPS 2.2, 9.4.4 (header).
+rtps::GuidPrefix_t sender_of(Bytes message) {
+  constexpr std::size_t prefix_at = 8;
+  rtps::GuidPrefix_t sender;
+  if (message.size() >= prefix_at + prefix_length)
+    std::ranges::copy(message.subspan(prefix_at, prefix_length), sender.value);
+  return sender;
+}
+
 /// DDS-RTPS 2.2, 9.4.5.3 (data), 9.4.2.11 (lists of parameters) and 9.6.2.2.2 (what they say).
-Announcer announcer_of(Bytes message) {
+std::vector<rtps::Locator_t> addresses_in(Bytes announcement) {
   constexpr std::uint16_t locators_of_discovery = 0x0032;
   constexpr std::uint16_t sentinel = 0x0001;
   constexpr std::size_t locator_length = 24;
-  constexpr std::size_t prefix_at = 8;  // in the header of the message
   constexpr std::size_t payload_at = 24;
   constexpr std::size_t encapsulation = 4;
   constexpr std::uint8_t has_inline_qos = 0x02;
-  Announcer announcer{};
-  if (message.size() < prefix_at + prefix_length) return announcer;
-  std::ranges::copy(message.subspan(prefix_at, prefix_length), announcer.participant.value);
-  for_each_submessage(message, [&](Bytes submessage) {
+  std::vector<rtps::Locator_t> addresses;
+  for_each_submessage(announcement, [&](Bytes submessage) {
     if (submessage[0] != data || (submessage[1] & has_inline_qos) != 0 ||
         submessage.size() < payload_at + encapsulation)
       return true;
@@ -210,13 +216,13 @@ Announcer announcer_of(Bytes message) {
         };
         rtps::Locator_t locator(static_cast<std::int32_t>(number(0)), number(4));
         std::ranges::copy(rest.subspan(8, 16), locator.address);
-        announcer.addresses.push_back(locator);
+        addresses.push_back(locator);
       }
       rest = rest.subspan(length);
     }
     return false;
   });
-  return announcer;
+  return addresses;
 }
 
 /// DDS-RTPS 2.2, 8.3.7.5 (heartbeats) and 8.5.4 (endpoint discovery).
@@ -261,13 +267,13 @@ bool is_handshake_of_others(Bytes message) {
 }
 
 void Announcements::hear(Bytes announcement) {
-  const Announcer announcer = announcer_of(announcement);
   const std::scoped_lock lock(mutex_);
-  if (!met_.insert(announcer.participant).second) return;
+  if (!met_.insert(sender_of(announcement)).second) return;
+  const std::vector<rtps::Locator_t> addresses = addresses_in(announcement);
   // Within a host it is reached by the loopback, whatever it says.
   const auto leads_there = [&](const auto& entry) {
     const rtps::Locator_t& destination = entry.first.destination;
-    return std::ranges::any_of(announcer.addresses, [&](const rtps::Locator_t& address) {
+    return std::ranges::any_of(addresses, [&](const rtps::Locator_t& address) {
       return destination == address ||
              (destination.port == address.port && rtps::IPLocator::isLocal(destination));
     });

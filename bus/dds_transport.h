@@ -120,12 +120,10 @@ std::vector<std::uint8_t> user_data_of_replayer();
 /// If an RTPS message only announces that its participant is alive: the number of what it says of itself.
 std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);
 
-/// Of such a message: whose it is, and at which addresses that participant wants to hear of others.
-struct Announcer {
-  eprosima::fastrtps::rtps::GuidPrefix_t participant;
-  std::vector<eprosima::fastrtps::rtps::Locator_t> addresses;
-};
-Announcer announcer_of(std::span<const std::uint8_t> announcement);
+/// Whose message it is; unknown if it is none.
+eprosima::fastrtps::rtps::GuidPrefix_t sender_of(std::span<const std::uint8_t> message);
+/// At which addresses the participant that announces itself wants to hear of others.
+std::vector<eprosima::fastrtps::rtps::Locator_t> addresses_in(std::span<const std::uint8_t> announcement);
 
 /// What a heartbeat says of the samples about a participant's endpoints: the numbers of the first and the
 /// last.

@@ -341,8 +341,9 @@ std::optional<Point2> PlannerService::draw_goal(const Robot& robot) {
       const double apart = task.radius + robot.task.radius + 2 * settings_.margin + cell;
       if (task.name == robot.task.name) return false;
       if ((task.goal - p).norm() < apart) return true;
+      if (goes_on(other.second)) return false;
       const auto last = record_.last(other.second.index);
-      return !goes_on(other.second) && last && (last->position - p).norm() < apart;
+      return last && (last->position - p).norm() < apart;
     });
     if (!taken) return p;
   }

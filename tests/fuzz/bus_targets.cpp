@@ -311,7 +311,8 @@ std::vector<Input> user_data_seeds() {
 
 void announcement(Bytes data) {
   (void)announcement_in(data);
-  (void)announcer_of(data);
+  (void)sender_of(data);
+  (void)addresses_in(data);
   (void)endpoint_heartbeat_in(data);
 }
 std::vector<Input> announcement_seeds() {

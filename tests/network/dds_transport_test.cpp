@@ -126,17 +126,19 @@ Bytes announcement_of(std::uint8_t participant) {
 }
 
 rtps::GuidPrefix_t participant_of(std::uint8_t number) {
-  return announcer_of(announcement_of(number)).participant;
+  return sender_of(announcement_of(number));
 }
 
 TEST(Transport, KnowsWhoAnnouncesItselfAndWhereItWantsToHearOfOthers) {
-  const Announcer announcer = announcer_of(announcement_of(9));
-  EXPECT_EQ(int{announcer.participant.value[0]}, 9);
-  EXPECT_EQ(int{announcer.participant.value[11]}, 12);
-  EXPECT_EQ(announcer.addresses, std::vector{address("10.1.2.3", 7410)});
   const Bytes whole = announcement_of(9);
-  for (std::size_t size = 0; size < whole.size(); ++size)
-    EXPECT_LE(announcer_of({whole.data(), size}).addresses.size(), 1u);
+  EXPECT_EQ(int{sender_of(whole).value[0]}, 9);
+  EXPECT_EQ(int{sender_of(whole).value[11]}, 12);
+  EXPECT_EQ(addresses_in(whole), std::vector{address("10.1.2.3", 7410)});
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    (void)sender_of(part);  // asan looks on
+    EXPECT_LE(addresses_in(part).size(), 1u);
+  }
 }
 
 // One that was killed, and one that takes its place, have the same address.

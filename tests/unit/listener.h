@@ -1,0 +1,102 @@
+// A robot that hears others, or does not, and judges who of them has fallen silent.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "planning/clearance_field.h"
+#include "robot_agent/fleet.h"
+
+namespace coppice {
+
+inline constexpr double period = control_period;
+
+/// A robot "a" that may hear "b" and "c".
+class Listener {
+ public:
+  explicit Listener(std::vector<RobotName> others = {"b", "c"}, const RobotName& self = "a")
+      : field_(OccupancyMap{.width = 200, .height = 200, .blocked = std::vector<std::uint8_t>(40000, 0)}),
+        fleet_(self) {
+    others.push_back(self);
+    for (const RobotName& robot : others) hear_mission(robot, {70, 70});
+  }
+  void hear_mission(const RobotName& robot, const Point2& start) {
+    fleet_.hear(Mission{.robot = robot,
+                        .start = start,
+                        .goal = {30, 30},
+                        .radius = 5,
+                        .max_speed = 20,
+                        .max_acceleration = 40,
+                        .clock = {}},
+                0);
+  }
+  void hear(const RobotName& robot, double stamp, std::vector<Echo> echoes = {},
+            const Point2& velocity = Point2::Zero(), const Point2& position = {100, 100}) {
+    const RobotState state{.robot = robot,
+                           .stamp = stamp,
+                           .position = position,
+                           .velocity = velocity,
+                           .radius = 5,
+                           .max_speed = 20,
+                           .max_acceleration = 40,
+                           .promise = {stamp + period, velocity, stamp + 2 * period},
+                           .knot = {},
+                           .echoes = std::move(echoes)};
+    fleet_.hear(std::make_shared<const RobotState>(state), stamp + 0.001);
+  }
+  void hear(const RobotState& state) {
+    fleet_.hear(std::make_shared<const RobotState>(state), state.stamp + 0.001);
+  }
+  /// What somebody says to be the last state of `robot`; false if it was not taken up.
+  bool hear_passed_on(const RobotName& robot, double stamp, double now, const Point2& position) {
+    const RobotState state{.robot = robot,
+                           .stamp = stamp,
+                           .position = position,
+                           .radius = 5,
+                           .max_speed = 20,
+                           .max_acceleration = 40,
+                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
+                           .knot = {},
+                           .passed_on = true,
+                           .echoes = {}};
+    return fleet_.hear(std::make_shared<const RobotState>(state), now);
+  }
+  double now() const { return now_; }
+  std::size_t others() const { return fleet_.others().size(); }
+  bool echoed(double now) const { return fleet_.echoed(now); }
+  Point2 place(const RobotName& robot) const { return fleet_.find(robot)->position; }
+  /// Everybody else is silent.
+  void go_on_until(double end, const std::vector<RobotName>& heard) {
+    for (; now_ < end; now_ += period) {
+      for (const RobotName& robot : heard) hear(robot, now_);
+      judge(now_);
+    }
+  }
+  void judge(double now) { fleet_.judge_silence(now, {80, 80}, {}, field_); }
+  bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
+  bool doubts(const Point2& p) const { return fleet_.doubts(p, 0); }
+  /// Metres around `robot` that are kept clear; none: 0.
+  double kept_clear_around(const RobotName& robot, double now) {
+    AgeCount ages;
+    std::vector<Neighbour> near;
+    fleet_.collect_neighbours({80, 80}, 100, 10, now, ages, near);
+    double radius = 0;
+    for (const Neighbour& n : near) {
+      if ((n.commitment.position - place(robot)).norm() < 1e-9) radius = std::max(radius, n.radius);
+    }
+    return radius;
+  }
+  std::vector<RobotName> who_missed_the_news(double now) const { return fleet_.who_missed_the_news(now); }
+  bool cut_off() const { return fleet_.cut_off(); }
+  std::vector<Disc> dead_seen_from(const Point2& position, double now) const {
+    return fleet_.places_of_the_dead(position, now);
+  }
+
+ private:
+  ClearanceField field_;
+  Fleet fleet_;
+  double now_ = 0;
+};
+
+}  // namespace coppice

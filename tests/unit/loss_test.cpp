@@ -1,0 +1,81 @@
+// How much of what a robot decided may have reached nobody.
+#include "robot_agent/loss.h"
+
+#include <gtest/gtest.h>
+
+#include "robot_agent/fleet.h"
+
+namespace coppice {
+namespace {
+
+/// The count after states of these beats came, in this order.
+LossCount counted(const std::vector<std::uint32_t>& numbers) {
+  LossCount loss;
+  Received received;
+  for (const std::uint32_t number : numbers) loss.add(received.hear(number * standing_stride));
+  return loss;
+}
+
+std::vector<std::uint32_t> numbers_up_to(std::uint32_t end, auto&& came) {
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t k = 0; k < end; ++k) {
+    if (came(k)) numbers.push_back(k);
+  }
+  return numbers;
+}
+
+TEST(Loss, StatesLostToAllBecomeRareWithTheirNumberAndThatOfTheWitnesses) {
+  const LossCount two_thirds = counted(numbers_up_to(3000, [](auto k) { return k % 6 < 2; }));
+  // But more than half is never taken as what goes on.
+  EXPECT_EQ(two_thirds.unheard_states(1), 19);  // 0.5^20 is the first below one in a million
+  EXPECT_EQ(two_thirds.unheard_states(10), 1);
+  EXPECT_EQ(two_thirds.unheard_states(20), 0);
+
+  const LossCount tenth = counted(numbers_up_to(3000, [](auto k) { return k % 10 != 0; }));
+  EXPECT_EQ(tenth.unheard_states(1), 6);
+
+  const LossCount none = counted(numbers_up_to(10000, [](auto) { return true; }));
+  EXPECT_EQ(none.unheard_states(1), 2);
+  EXPECT_EQ(none.unheard_states(3), 0);
+}
+
+TEST(Loss, WhatIsSaidOftenEnoughIsNeverLostOnAllWays) {
+  for (const std::uint32_t lost : {0u, 1u, 3u, 5u}) {  // of ten
+    const LossCount loss =
+        counted(numbers_up_to(3000, [&](auto k) { return (k * 7 + k / 10) % 10 >= lost; }));
+    for (std::size_t listeners = 1; listeners <= 6; ++listeners) {
+      const int copies = loss.copies_for(listeners);
+      EXPECT_GE(copies, 1);
+      if (copies < 16) {
+        EXPECT_EQ(loss.unheard_states(listeners * static_cast<std::size_t>(copies)), 0) << lost;
+      }
+      if (copies > 1) {
+        EXPECT_GT(loss.unheard_states(listeners * static_cast<std::size_t>(copies - 1)), 0) << lost;
+      }
+    }
+  }
+  const LossCount none = counted(numbers_up_to(3000, [](auto) { return true; }));
+  EXPECT_EQ(none.copies_for(3), 1);  // which costs nothing in a fleet of any size
+}
+
+TEST(Loss, ARestartOrAPauseIsNoLossNorIsWhatComesLateOrTwice) {
+  std::vector<std::uint32_t> numbers = numbers_up_to(10000, [](auto) { return true; });
+  for (std::size_t k = 0; k + 7 < numbers.size(); k += 7) {
+    std::swap(numbers[k], numbers[k + 5]);
+    numbers[k + 6] = numbers[k + 3];
+    numbers[k + 3] += 3;  // comes in its place, the other once more
+  }
+  for (std::uint32_t k = 0; k < 100; ++k) numbers.push_back(k);
+  for (std::uint32_t k = 5000; k < 5100; ++k) numbers.push_back(k);
+  EXPECT_EQ(counted(numbers).unheard_states(1), 2);
+}
+
+TEST(Loss, WhoIsHeardOfFromTimeToTimeOnlyTellsNothingAboutLoss) {
+  for (const std::uint32_t stride : {2u, 4u, 8u, 16u}) {
+    const LossCount loss = counted(numbers_up_to(5000, [&](auto k) { return k % stride == 0; }));
+    EXPECT_EQ(loss.unheard_states(1), LossCount().unheard_states(1));
+  }
+}
+
+}  // namespace
+}  // namespace coppice

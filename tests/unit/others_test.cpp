@@ -1,0 +1,141 @@
+// What a robot knows of the others, and of whom it takes nothing.
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "planning/quantities.h"
+#include "tests/unit/listener.h"
+
+namespace coppice {
+namespace {
+
+/// Of one that stands at (100, 100), in that run.
+bool hear(Fleet& fleet, const RobotName& robot, WallTime run, double stamp) {
+  const RobotState state{.robot = robot,
+                         .stamp = stamp,
+                         .position = {100, 100},
+                         .radius = 5,
+                         .promise = {stamp, Point2::Zero(), stamp},
+                         .knot = {},
+                         .run = run};
+  return fleet.hear(std::make_shared<const RobotState>(state), run + stamp);
+}
+
+TEST(Others, WhoStandsInAnothersWayMayGoElsewhere) {
+  Fleet fleet("a");
+  Mission mission{.robot = "b", .number = 1, .clock = {}};
+  fleet.hear(mission, 0);
+  mission.cancelled = true;
+  fleet.hear(mission, 1);
+  EXPECT_EQ(fleet.new_goals(), 0u);
+  mission.number = 2;
+  fleet.hear(mission, 2);
+  EXPECT_EQ(fleet.new_goals(), 1u);
+}
+
+TEST(Others, NobodyWaitsThatOneThatWasStoppedHolds) {
+  Fleet fleet("a");
+  fleet.hear(Mission{.robot = "a", .clock = {}}, 0);
+  const KnotId knot{1, "a", {100, 100}, 50};
+  const auto says = [&](const char* robot, Phase phase, double stamp) {
+    RobotState state{.robot = robot, .stamp = stamp, .position = {100, 100}, .radius = 5, .knot = {}};
+    state.phase = phase;
+    fleet.hear(std::make_shared<const RobotState>(state), stamp);
+  };
+  says("b", Phase::driving, 1);
+  EXPECT_FALSE(fleet.all_hold(knot));
+  says("b", Phase::stopped, 2);
+  EXPECT_TRUE(fleet.all_hold(knot));
+}
+
+// Agents outlive runs: one may still speak of the last one when another has begun the next.
+TEST(Others, WhatWasSaidInTheRunBeforeIsForgotten) {
+  Fleet fleet("a");
+  const auto says = [&](WallTime run, double stamp) { return hear(fleet, "b", run, stamp); };
+  EXPECT_TRUE(says(100, 300));  // which run it is in is not known yet
+  for (const char* robot : {"a", "b"})
+    fleet.hear(Mission{.robot = robot, .start = {70, 70}, .radius = 5, .max_speed = 20, .clock = {500, 1}},
+               500);
+  EXPECT_EQ(fleet.find("b")->position, Point2(70, 70));
+  EXPECT_FALSE(says(100, 400.1));
+  EXPECT_EQ(fleet.find("b")->position, Point2(70, 70));
+  EXPECT_TRUE(says(500, 0.1));
+  EXPECT_EQ(fleet.find("b")->position, Point2(100, 100));
+}
+
+// An agent that was started between two runs has heard those of the first one that are not in the second.
+TEST(Others, WhoIsNotInTheRunIsNoNeighbour) {
+  Fleet fleet("a");
+  for (const char* robot : {"b", "c"}) hear(fleet, robot, 100, 300);
+  for (const char* robot : {"a", "b"})
+    fleet.hear(Mission{.robot = robot,
+                       .start = {70, 70},
+                       .radius = 5,
+                       .max_speed = 20,
+                       .max_acceleration = 40,
+                       .clock = {500, 1}},
+               500);
+  AgeCount ages;
+  std::vector<Neighbour> near;
+  fleet.collect_neighbours({80, 80}, 100, 10, 0.1, ages, near);
+  ASSERT_EQ(near.size(), 1u);
+  EXPECT_EQ(near.front().commitment.position, Point2(70, 70));
+  EXPECT_FALSE(fleet.complete(2));  // b has not been heard of
+  hear(fleet, "c", 100, 401);
+  EXPECT_EQ(fleet.others().size(), 1u);
+}
+
+TEST(Others, NobodyHasHeardWhatIsStillToBeSaid) {
+  Listener a;
+  double now = 0;
+  for (; now < 8; now += period) {
+    a.hear("b", now, {{"a", 1e8, now}});
+    a.hear("c", now, {{"a", std::min(now, 1.0) - 0.01, now}});
+    a.judge(now);
+  }
+  EXPECT_FALSE(a.echoed(now));
+  EXPECT_TRUE(a.cut_off());
+}
+
+TEST(Others, AnEchoFromTheFutureOfAnotherTellsNothing) {
+  Listener a;
+  double now = 0;
+  const auto go_on_until = [&](double end, std::optional<double> ahead) {
+    for (; now < end; now += period) {
+      std::vector<Echo> echoes{{"a", now - 0.01, now}};
+      if (ahead) echoes.push_back({"b", now + *ahead, now});
+      a.hear("c", now, echoes);
+      a.judge(now);
+    }
+  };
+  a.hear("b", 0, {{"a", -0.01, 0}});
+  go_on_until(1.3, std::nullopt);  // b is missing
+  go_on_until(1.5, 1e8);           // a lie
+  go_on_until(10, -0.1);
+  EXPECT_FALSE(a.dead("b"));  // others hear it still
+  EXPECT_TRUE(a.cut_off());
+}
+
+TEST(Others, WhatIsPassedOnReplacesNeitherWhatIsHeardNorComesFromTheFuture) {
+  Listener a;
+  for (double now = 0; now < 1; now += period) {
+    a.hear("b", now, {{"a", now - 0.01, now}});
+    EXPECT_FALSE(a.hear_passed_on("b", now + 0.02, now + 0.02, {10, 10}));
+    a.judge(now);
+  }
+  EXPECT_EQ(a.place("b"), Point2(100, 100));
+  EXPECT_FALSE(a.hear_passed_on("b", 1e6, 1.8, {10, 10}));
+  EXPECT_TRUE(a.hear_passed_on("b", 1.1, 1.8, {90, 100}));  // it has said that before it fell silent
+  EXPECT_EQ(a.place("b"), Point2(90, 100));
+}
+
+TEST(Others, AFleetHasNoMoreRobotsThanItMayHave) {
+  Listener a;
+  for (std::size_t k = 0; k < 2 * most_robots; ++k) a.hear("x" + std::to_string(k), 0);
+  EXPECT_EQ(a.others(), most_robots);
+  a.hear("b", 1, {}, Point2::Zero(), {50, 50});  // who is known stays
+  EXPECT_EQ(a.place("b"), Point2(50, 50));
+}
+
+}  // namespace
+}  // namespace coppice
