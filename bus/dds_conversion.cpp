@@ -196,6 +196,7 @@ idl::RobotState to_dds(const RobotState& m) {
   d.counts_as_dead(m.counts_as_dead);
   d.is_new(m.is_new);
   d.wants_echo(m.wants_echo);
+  d.misses(m.misses);
   for (const Echo& echo : m.echoes) {
     idl::Echo& to = d.echoes().emplace_back();
     to.robot(echo.robot);
@@ -229,6 +230,7 @@ RobotState from_dds(const idl::RobotState& d) {
           .counts_as_dead = d.counts_as_dead(),
           .is_new = d.is_new(),
           .wants_echo = d.wants_echo(),
+          .misses = text(d.misses()),
           .echoes = std::move(echoes),
           .run = d.run()};
 }

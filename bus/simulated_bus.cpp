@@ -26,7 +26,7 @@ bool read_by(const Message& message, Role role) {
 }  // namespace
 
 SimulatedBus::Port& SimulatedBus::attach(Role role, const RobotName& robot, int side) {
-  ports_.push_back(std::unique_ptr<Port>(new Port(*this, ports_.size(), side)));
+  ports_.push_back(std::unique_ptr<Port>(new Port(*this, ports_.size(), robot, side)));
   Port& port = *ports_.back();
   by_role_[static_cast<std::size_t>(role)].push_back(&port);
   if (!robot.empty()) {
@@ -95,11 +95,18 @@ void SimulatedBus::send(const Port& sender, Port& receiver, const std::shared_pt
     receiver.deliver(due + delay_of_a_sample(), message, reliability);
 }
 
+bool SimulatedBus::is_cut(const Port& sender, const Port& receiver, double time) const {
+  const auto lasts = [&](const auto& cut) { return time >= cut.from && time < cut.until; };
+  if (sender.side_ != receiver.side_ && std::ranges::any_of(faults_.partitions, lasts)) return true;
+  return std::ranges::any_of(faults_.cut_links, [&](const CutLink& cut) {
+    const bool between = (cut.a == sender.robot_ && cut.b == receiver.robot_) ||
+                         (cut.b == sender.robot_ && cut.a == receiver.robot_);
+    return between && lasts(cut);
+  });
+}
+
 bool SimulatedBus::fails(const Port& sender, const Port& receiver, double time) {
-  const bool cut = sender.side_ != receiver.side_ &&
-                   std::ranges::any_of(faults_.partitions,
-                                       [&](const Partition& p) { return time >= p.from && time < p.until; });
-  return cut || (faults_.loss > 0 && random_.uniform() < faults_.loss);
+  return is_cut(sender, receiver, time) || (faults_.loss > 0 && random_.uniform() < faults_.loss);
 }
 
 double SimulatedBus::delay_of_a_sample() {

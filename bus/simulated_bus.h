@@ -30,6 +30,14 @@ struct Partition {
   double until = 0;
 };
 
+/// A time in which two agents do not reach each other, though all others reach both, seconds.
+struct CutLink {
+  RobotName a;
+  RobotName b;
+  double from = 0;
+  double until = 0;
+};
+
 struct BusFaults {
   double loss = 0;       ///< share of the samples, below 1; reliable ones are sent again
   double delay = 0;      ///< seconds, of every sample
@@ -37,6 +45,7 @@ struct BusFaults {
   double duplicate = 0;  ///< share of the samples that arrive twice
   bool reorder = false;  ///< best-effort samples of one sender may overtake each other
   std::vector<Partition> partitions{};
+  std::vector<CutLink> cut_links{};
 };
 
 class SimulatedBus {
@@ -55,7 +64,8 @@ class SimulatedBus {
 
    private:
     friend class SimulatedBus;
-    Port(SimulatedBus& bus, std::size_t index, int side) : bus_(bus), index_(index), side_(side) {}
+    Port(SimulatedBus& bus, std::size_t index, RobotName robot, int side)
+        : bus_(bus), index_(index), robot_(std::move(robot)), side_(side) {}
     void deliver(double due, const std::shared_ptr<const Message>& message, Reliability reliability);
 
     struct Delivery {
@@ -64,6 +74,7 @@ class SimulatedBus {
     };
     SimulatedBus& bus_;
     std::size_t index_;
+    RobotName robot_;  ///< empty: of another role
     int side_;
     bool closed_ = false;
     std::vector<Delivery> inbox_;  ///< under way, in the order of sending
@@ -93,6 +104,7 @@ class SimulatedBus {
   void publish(const Port& sender, Outgoing outgoing);
   void send(const Port& sender, Port& receiver, const std::shared_ptr<const Message>& message,
             Reliability reliability);
+  bool is_cut(const Port& sender, const Port& receiver, double time) const;
   bool fails(const Port& sender, const Port& receiver, double time);
   double delay_of_a_sample();
 

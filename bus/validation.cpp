@@ -163,6 +163,7 @@ Problem check(const RobotState& m) {
        {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
        {not_negative(m.progress), "progress is negative or not finite"},
        {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
+       {named_or_empty(m.misses), "name of the robot missed is too long or not printable"},
        {m.copies > 0, "it is said less than once"},
        {m.passed_on || !m.counts_as_dead, "it comes from a robot that is dead"},
        {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),

@@ -387,8 +387,9 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   if (rests && !beat) return;
   const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
   const KnotId* news = since_knot_ <= repeat_knot_news ? &knot_.id() : nullptr;
-  auto [agents, echoes] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
+  auto [agents, echoes, misses] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
+  said.misses = std::move(misses);
   if (said.is_new) return out.push_back(Outgoing(std::move(said)));  // to all
   const int copies = std::max(said.copies, std::exchange(copies_promised_, said.copies));
   const std::vector<RobotName> again =

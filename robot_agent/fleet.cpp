@@ -67,6 +67,8 @@ void Fleet::forget_other_runs() {
   away_until_.clear();
   told_from_.clear();
   next_echo_ = chosen_among_ = 0;
+  missing_.clear();
+  missed_by_others_.clear();
   all_known_ = false;
   for (Peer& p : heard) {
     if (!p.state || p.state->run != clock_.epoch) continue;
@@ -121,7 +123,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.place = p.state->position;
   p.radius = p.state->radius;
   p.max_speed = p.state->max_speed;
-  p.asks = p.state->wants_echo;
+  p.asks = p.state->wants_echo || can_tell_of(p.state->misses, clock_.fleet_time(arrived));
   p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
   p.said_again = false;

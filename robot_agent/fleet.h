@@ -136,11 +136,12 @@ class Fleet {
   bool complete(std::size_t robots);
 
   /// Whom a state is for (interest.h), and some of the stamps that were heard, all in turn: so that these can
-  /// compare clocks. `turn`: the number of the state. `news`: of its knot, for all within it. `waits_for`:
-  /// the robot that this one waits for, if any.
+  /// compare clocks, and know whom others hear. `turn`: the number of the state. `news`: of its knot, for all
+  /// within it. `waits_for`: the robot that this one waits for, if any.
   struct Address {
     std::vector<RobotName> agents;
     std::vector<Echo> echoes;
+    RobotName misses;  ///< one of those of whom this robot hears nothing, all in turn; empty: it hears all
   };
   Address address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for, double now);
   /// For those of these a state is said more than once, if it is.
@@ -175,7 +176,7 @@ class Fleet {
     std::uint32_t stride_until = 0;  ///< turn at which to look at that again
     bool is_witness = false;         ///< of this robot
     bool waits_for_this = false;     ///< robot
-    bool asks = false;               ///< for an echo, and has not got it: it stands if none comes
+    bool asks = false;               ///< for an echo, its own or one's that it misses: it stands meanwhile
     bool dead = false;               ///< counts as dead
     bool said_dead = false;          ///< by the first who told of it
     bool said_again = false;         ///< what it said last, by somebody who hears no more of it
@@ -229,6 +230,8 @@ class Fleet {
   double unheard(const Peer& peer, double now) const;
   double silence(const Peer& peer, double now) const;
   void choose_witnesses();
+  bool can_tell_of(const RobotName& missed, double now);
+  RobotName next_missing();
   std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t turn);
   void hear_again(Peer& peer, WallTime arrived);
   void hear_own_echo(const RobotState& state, ClockOffset& clock, double now);
@@ -274,6 +277,9 @@ class Fleet {
   LossCount loss_;
   int copies_ = 1;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
+  std::vector<std::size_t> missed_by_others_;  ///< and heard here
+  std::vector<std::size_t> missing_;           ///< at the last count
+  std::size_t next_missing_ = 0;
   Absences absences_;
   double counted_at_ = 0;         ///< fleet time: these, and
   double clock_error_ = 0;        ///< the largest of those alive

@@ -13,6 +13,7 @@ namespace {
 constexpr int looks_a_stride = 2;  // whether it is still right
 constexpr int turns_a_choice = 8;  // of the witnesses
 constexpr std::size_t echoes_a_state = 8;
+constexpr std::size_t most_answers = most_echoes / 2;  // likewise, to who misses somebody
 constexpr int turns_an_echo = 4;
 constexpr int rare = 8;               // a stride, of those who get echoes of their own
 constexpr double between_echoes = 1;  // seconds, of each of these: clocks do not drift far in them
@@ -101,7 +102,7 @@ Fleet::Address Fleet::address(std::uint32_t turn, const KnotId* news, const Robo
     const bool in_knot = news != nullptr && p.state && (news->includes(p.place) || p.state->knot == *news);
     if (in_knot || is_awaited || is_told(k, turn, now)) addressed.push_back(&p);
   }
-  Address to{.agents = {}, .echoes = next_echoes(addressed, turn)};
+  Address to{.agents = {}, .echoes = next_echoes(addressed, turn), .misses = next_missing()};
   to.agents.reserve(addressed.size());
   for (const Peer* p : addressed) to.agents.push_back(p->robot);
   return to;
@@ -118,16 +119,38 @@ std::vector<RobotName> Fleet::who_hears_copies(std::span<const RobotName> agents
   return those;
 }
 
-/// For those who ask for one, or have none yet, and now and then for those who will not hear of the next
-/// ones; from time to time whatever else is news.
+/// It is heard here, of itself and of late enough for its distance: the next state says so.
+bool Fleet::can_tell_of(const RobotName& missed, double now) {
+  const auto known = missed.empty() ? std::nullopt : index_.find(missed);
+  if (!known) return false;
+  const Peer& p = peers_[*known];
+  const bool hears = p.state && !p.state->passed_on && !p.dead && unheard(p, now) < relay_from * second();
+  const bool is_new = std::ranges::find(missed_by_others_, *known) == missed_by_others_.end();
+  if (hears && is_new && missed_by_others_.size() < most_answers) missed_by_others_.push_back(*known);
+  return hears;
+}
+
+RobotName Fleet::next_missing() {
+  if (missing_.empty()) return {};
+  next_missing_ = (next_missing_ + 1) % missing_.size();
+  return peers_[missing_[next_missing_]].robot;
+}
+
+/// Of those whom others miss; for those who ask for one, or have none yet, and now and then for those who
+/// will not hear of the next ones; from time to time whatever else is news.
 std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t turn) {
   std::vector<Echo> echoes;
+  const auto echo_of = [&](const Peer& p) {
+    return Echo{p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)};
+  };
   const auto add = [&](Peer& p) {
     if (echoes.empty()) echoes.reserve(echoes_a_state);  // most states have none, and are kept for long
     p.echo_sent = p.state->stamp;
     p.asks = false;
-    echoes.push_back({p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)});
+    echoes.push_back(echo_of(p));
   };
+  for (const std::size_t missed : std::exchange(missed_by_others_, {}))
+    echoes.push_back(echo_of(peers_[missed]));
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
     Peer* p = addressed[(turn + k) % addressed.size()];
     if (!p->state) continue;

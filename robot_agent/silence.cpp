@@ -44,6 +44,11 @@ constexpr double rests_clear = 0.9;   // of its radius: it may have turned a lit
 constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
 constexpr double most_rests = 1e6;    // of one robot, whatever it says of its size and speed
 
+/// Seconds; who sends at every so many turns may not be heard for so long.
+double lost_over(int stride) {
+  return lost_in_a_row * std::max(0.0, control_period * stride - slow_beat);
+}
+
 /// Until a robot stands that decides nothing more after this state.
 double time_to_rest(const RobotState& s) {
   const int periods = braking_periods(s.promise.velocity.norm(), limits_of(s), control_period);
@@ -74,14 +79,16 @@ void Fleet::hear_of_the_missing(const RobotState& state, double now) {
   }
 }
 
+/// And that is newer than what is known of it. Those who hear it are as far away from it as from here, and
+/// have as rarely something new to tell.
 bool Fleet::heard_elsewhere(const Peer& p, double now) const {
-  return p.echoed_at > 0 && now - p.echoed_at < death * second();
+  const bool is_news = p.echoed_at > 0 && (!p.state || p.echoed > p.state->stamp);
+  return is_news && now - p.echoed_at < death * second() + lost_over(stride_from(p));
 }
 
 /// For so long nothing needs to come from it, because of how far away it is.
 double Fleet::explained_silence(const Peer& p) const {
-  const int stride = p.state ? stride_from(p) : std::min(stride_from(p), stride_to_strangers());
-  return lost_in_a_row * std::max(0.0, control_period * stride - slow_beat);
+  return lost_over(p.state ? stride_from(p) : std::min(stride_from(p), stride_to_strangers()));
 }
 
 /// Robots without which all have waited for long enough may have come, driven and died.
@@ -122,6 +129,7 @@ const Fleet::Absences& Fleet::absences(double now) {
 void Fleet::count_absences(double now) {
   absences_ = {};
   counted_at_ = now;
+  missing_.clear();
   clock_error_ = 0;
   all_settled_until_ = now + looks_at_silence * second();
   for (Peer& p : peers_) {
@@ -136,6 +144,7 @@ void Fleet::count_absence(Peer& p, double now) {
   Absences& count = absences_;
   const double silent = silence(p, now) / second();
   count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
+  if (silent > absence) missing_.push_back(static_cast<std::size_t>(&p - peers_.data()));
   count.dead += p.dead;
   if (p.dead) return;
   if (!p.state) {

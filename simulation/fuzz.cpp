@@ -20,6 +20,9 @@ constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
 constexpr double max_speed = 20;
 constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as dead
+// Two that do not reach each other are safe for as long as they like, if others are alive who reach both.
+constexpr double longest_cut_of_a_link = 150;
+constexpr std::size_t robots_a_cut_link = 4;
 
 /// Any of the kinds that try coordination, or a random map with random tasks.
 Scenario draw_scenario(std::uint32_t seed, Random& random) {
@@ -74,6 +77,23 @@ Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
   return faults;
 }
 
+/// Between robots of which none has two of these.
+std::vector<CutLink> draw_cut_links(const Scenario& scenario, const Faults& faults, Random& random) {
+  const std::size_t robots = scenario.robots.size();
+  const bool others_may_all_be_dead = faults.kill_rate > 0 && robots < 10;
+  std::vector<CutLink> links;
+  if (random.uniform() < 0.7 || !faults.bus.partitions.empty() || others_may_all_be_dead) return links;
+  const std::size_t first = random.index(robots);
+  const std::size_t count = robots < robots_a_cut_link ? 0 : 1 + random.index(robots / robots_a_cut_link);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double from = random.uniform() < 0.5 ? 0 : random.uniform(0, 40);
+    links.push_back({scenario.robots[(first + k) % robots].name,
+                     scenario.robots[(first + k + robots / 2) % robots].name, from,
+                     from + random.uniform(1, longest_cut_of_a_link)});
+  }
+  return links;
+}
+
 std::string in_words(const Scenario& scenario, const Faults& faults) {
   std::string text = fmt::format(
       "{} {}, loss {:.2f}, delay {:.3f} +- {:.3f} s, duplicates {:.2f}{}, "
@@ -86,6 +106,9 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
         fmt::format(", {:.0f} kills/h, started anew {:.2f} s later", faults.kill_rate, faults.restart_after);
   for (const Partition& cut : faults.bus.partitions)
     text += fmt::format(", in two pieces from {:.2f} to {:.2f} s", cut.from, cut.until);
+  for (const CutLink& cut : faults.bus.cut_links)
+    text += fmt::format(", {} and {} cut off from each other from {:.2f} to {:.2f} s", cut.a, cut.b, cut.from,
+                        cut.until);
   for (const Faults::Kill& kill : faults.kills)
     text += fmt::format(", {} killed at {:.2f} s", kill.robot, kill.time);
   return text;
@@ -140,6 +163,8 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
     faults.restart_after = of_restarts.uniform(0.1, 8);
     for (Faults::Kill& kill : faults.kills) kill.for_good = true;
   }
+  Random of_links(seed + 2);
+  faults.bus.cut_links = draw_cut_links(scenario, faults, of_links);
   const double lifelong = random.uniform() < 0.2 ? 300 : 0;
   std::string what = in_words(scenario, faults);
   if (lifelong > 0) what += fmt::format(", new goals for {:.0f} s", lifelong);

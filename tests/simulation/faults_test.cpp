@@ -1,6 +1,7 @@
 // Whatever is late, lost or dead: nothing touches, and who can arrive does.
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "files/scenario_file.h"
@@ -130,6 +131,39 @@ TEST(Faults, PiecesOfAnySizeStandUntilTheyHeal) {
       expect_all_arrive(simulate("circle", robots, seed, lossy), "circle");
     }
     expect_all_arrive(simulate("corridor-24", 10, seed, {.bus = {.partitions = {{4, 60}}}}), "corridor-24");
+  }
+}
+
+/// Two that meet head-on, and so many others together, so far away.
+Scenario two_and_a_far_crowd(int crowd, int away) {
+  const int width = 1000;
+  const int height = away + 100 + 20 * crowd;
+  Scenario scenario{
+      .map_name = "wide",
+      .map = {.width = width,
+              .height = height,
+              .blocked = std::vector<std::uint8_t>(static_cast<std::size_t>(width * height), 0)},
+      .seed = 1,
+      .robots = {}};
+  const auto add = [&](std::string name, const Point2& from, const Point2& to) {
+    scenario.robots.push_back({std::move(name), from, to, 5, 20, 40, 1});
+  };
+  add("east", {100, 50}, {900, 50});
+  add("west", {900, 50}, {100, 50});
+  add("friend", {930, 70}, {930, 90});
+  for (int k = 0; k < crowd; ++k)
+    add(fmt::format("r{}", k), {500, 50 + away + 20 * k}, {530, 50 + away + 20 * k});
+  return scenario;
+}
+
+// The others speak to them rarely: what these have heard of the one must reach the other all the same.
+TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughOthersDo) {
+  for (const int away : {50, 400}) {
+    for (const int crowd : {2, 30, 120}) {
+      const Faults faults{.bus = {.loss = 0.35, .cut_links = {{"east", "west", 0, 100}}}};
+      expect_all_arrive(simulate(two_and_a_far_crowd(crowd, away), faults),
+                        fmt::format("{} others, {} m away", crowd, away));
+    }
   }
 }
 

@@ -52,6 +52,7 @@ TEST(Interest, TheNextTurnIsTheFirstOneAfterThisThatIsARobots) {
 struct How {
   bool passed_on = false;
   bool wants_echo = false;
+  RobotName misses{};
 };
 
 /// Robot "a" at the left end of a row of others, a hundred metres apart from each other.
@@ -77,6 +78,7 @@ class Row {
                            .knot = {},
                            .passed_on = how.passed_on,
                            .wants_echo = how.wants_echo,
+                           .misses = how.misses,
                            .echoes = std::move(echoes)};
     fleet_.hear(std::make_shared<const RobotState>(state), arrived);
   }
@@ -107,8 +109,8 @@ TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
     const double now = turn * period;
     for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
     row.judge(now);
-    const auto [agents, echoes] = row.fleet().address(static_cast<std::uint32_t>(turn), nullptr, {}, now);
-    for (const RobotName& robot : agents) ++heard[robot];
+    const auto to = row.fleet().address(static_cast<std::uint32_t>(turn), nullptr, {}, now);
+    for (const RobotName& robot : to.agents) ++heard[robot];
   }
   for (int k = 1; k <= 6; ++k) EXPECT_EQ(heard[Row::name(k)], turns) << k;
   int all = 0;
@@ -155,6 +157,68 @@ TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
   for (int k = 0; k < 40; ++k) unasked += echoed_in_turn(false);
   EXPECT_LT(unasked, 10);
   for (int k = 0; k < 40; ++k) EXPECT_TRUE(echoed_in_turn(true));
+}
+
+TEST(Interest, WhoMissesOneThatIsHeardHereIsToldSoWithTheNextState) {
+  Row row(60);
+  double now = 0;
+  std::uint32_t turn = 0;
+  const auto address = [&](const RobotName& missed) {
+    now = ++turn * period;
+    for (int k = 1; k <= 50; ++k)
+      row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
+               {.misses = k == 30 ? missed : RobotName{}});
+    row.judge(now);
+    return row.fleet().address(turn, nullptr, {}, now);
+  };
+  const auto is_told_of = [](const Fleet::Address& to, const RobotName& missed) {
+    return std::ranges::count(to.agents, Row::name(30)) == 1 &&
+           std::ranges::count(to.echoes, missed, &Echo::robot) > 0;
+  };
+  for (int k = 0; k < 1000; ++k) address({});
+  int unasked = 0;
+  for (int k = 0; k < 128; ++k) unasked += is_told_of(address({}), "r40");
+  EXPECT_LE(unasked, 1);
+  for (int k = 0; k < 40; ++k) EXPECT_TRUE(is_told_of(address("r40"), "r40"));
+  // Of whom nothing is heard here either there is nothing to tell.
+  for (int k = 0; k < 128; ++k) {
+    const auto to = address(k % 2 == 0 ? "r55" : "r99");
+    EXPECT_EQ(std::ranges::count(to.echoes, "r55", &Echo::robot), 0);
+  }
+}
+
+TEST(Interest, AsksForEachThatItMissesInTurn) {
+  Row row(5);
+  std::map<RobotName, int> asked_for;
+  for (std::uint32_t turn = 0; turn < 200; ++turn) {
+    const double now = turn * period;
+    for (int k = 1; k <= 3; ++k) row.hear(k, now, now + 0.001);
+    row.judge(now);
+    const RobotName missed = row.fleet().address(turn, nullptr, {}, now).misses;
+    if (now < 0.9) {
+      EXPECT_EQ(missed, "") << now;
+    }
+    if (now > 1.1) ++asked_for[missed];
+  }
+  EXPECT_EQ(asked_for.size(), 2u);
+  EXPECT_NEAR(asked_for["r4"], asked_for["r5"], 1);
+}
+
+// Those who hear it are as far away, and have something new to tell as rarely.
+TEST(Interest, WhomOthersHearRarelyIsNotDeadMeanwhile) {
+  Row row(8);
+  const double beat = longest_stride * period;
+  for (double now = 0; now < 300; now += period) {
+    for (int k = 1; k <= 7; ++k) {
+      const bool tells = k == 1 && std::fmod(now, beat) < period;
+      row.hear(k, now, now + 0.001, tells ? std::vector<Echo>{{"r8", now - 0.1, now}} : std::vector<Echo>{});
+    }
+    row.judge(now);
+    EXPECT_FALSE(row.dead(8)) << now;
+    if (now > 10) {
+      EXPECT_TRUE(row.fleet().cut_off()) << now;
+    }
+  }
 }
 
 TEST(Interest, WhoIsFarAwayMayBeSilentForLong) {

@@ -1,5 +1,7 @@
 #include "bus/simulated_bus.h"
 
+#include <map>
+
 #include <gtest/gtest.h>
 
 namespace coppice {
@@ -112,6 +114,24 @@ TEST(SimulatedBus, DuplicatesArriveTwice) {
 TEST(SimulatedBus, NothingCrossesAPartition) {
   for (const double stamp : stamps_through({.partitions = {{10, 20}}}))
     EXPECT_TRUE(stamp < 10 || stamp >= 20);
+}
+
+TEST(SimulatedBus, OverACutLinkTwoDoNotReachEachOtherAndOthersReachBoth) {
+  SimulatedBus bus(0.001, {.cut_links = {{"a", "b", 10, 20}}});
+  std::map<RobotName, SimulatedBus::Port*> ports;
+  for (const char* robot : {"a", "b", "c"}) ports[robot] = &bus.attach(Role::agent, robot);
+  const auto reaches = [&](const RobotName& from, const RobotName& to, double time) {
+    bus.set_time(time);
+    ports[from]->publish(RobotState{.robot = from, .radius = 1, .max_speed = 1, .max_acceleration = 1});
+    bus.set_time(time + 0.01);
+    return !ports[to]->take().empty();
+  };
+  EXPECT_TRUE(reaches("a", "b", 9));
+  EXPECT_FALSE(reaches("a", "b", 10));
+  EXPECT_FALSE(reaches("b", "a", 15) && ports["c"]->take().empty());
+  EXPECT_TRUE(reaches("a", "c", 16));
+  EXPECT_TRUE(reaches("c", "b", 17));
+  EXPECT_TRUE(reaches("b", "a", 20));
 }
 
 TEST(SimulatedBus, ReliableSamplesArriveOnceEachAndInOrderWhateverIsLost) {
