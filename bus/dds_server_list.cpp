@@ -15,7 +15,8 @@ bool names_a_host(std::string_view server) {
   const std::size_t colon = server.find(':');
   const std::string_view host = server.substr(0, colon);
   const auto plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '.' || c == '_';
   };
   const auto is_letter = [&](char c) { return plain(c) && c != '.' && (c < '0' || c > '9'); };
   if (!std::ranges::all_of(host, plain) || std::ranges::none_of(host, is_letter)) return false;

@@ -40,7 +40,7 @@ struct FleetOptions {
 int run_command(RunOptions options, const FleetOptions& fleet, const std::string& program);
 
 struct DiscoveryOptions {
-  std::string address = "127.0.0.1";  ///< of this host
+  std::string address = "0.0.0.0";  ///< of this host that clients are told; 0.0.0.0: all that it has
   std::uint16_t port = 11811;
   int place = 0;      ///< in the list of servers that the fleet is given
   std::string alive;  ///< file that is touched every second; empty: none

@@ -157,8 +157,9 @@ Finding ports(const Machine& m, const FleetPlan& plan) {
   } else if (participant_port(plan.domain, needed) >= m.first_ephemeral_port) {
     finding.verdict = Verdict::warn;
     finding.found += fmt::format("; from {} on the system hands them out to anybody", m.first_ephemeral_port);
-    finding.advice = fmt::format("a --domain of at most {}",
-                                 std::max(0, (m.first_ephemeral_port - participant_port(0, needed)) / 250));
+    const int room = m.first_ephemeral_port - participant_port(0, needed);
+    finding.advice = room > 0 ? fmt::format("a --domain of at most {}", room / 250)
+                              : "sysctl -w net.ipv4.ip_local_port_range=\"32768 60999\"";
   }
   return finding;
 }

@@ -5,11 +5,14 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <sstream>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -115,19 +118,37 @@ SystemLimit resource(__rlimit_resource which) {
   return limited ? SystemLimit(limit.rlim_cur) : std::nullopt;
 }
 
-/// A file of this process's control group (version 2, as containers see it).
-std::string of_control_group(const std::string& name) {
-  return text_of("/sys/fs/cgroup/" + name);
+/// The number after that word, in a text of one such pair a line.
+SystemLimit number_after(const std::string& word, const std::string& text) {
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with(word)) return number_in(line.substr(word.size()));
+  }
+  return std::nullopt;
+}
+
+/// Folders of the control groups that this process is in (version 2), the outermost first: in a container
+/// its own is the only one that it sees.
+std::vector<std::filesystem::path> control_groups() {
+  std::istringstream in(text_of("/proc/self/cgroup"));
+  std::vector<std::filesystem::path> groups{"/sys/fs/cgroup"};
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("0::/")) continue;
+    for (const auto& name : std::filesystem::path(line.substr(4))) groups.push_back(groups.back() / name);
+  }
+  return groups;
 }
 
 SystemLimit memory_available() {
-  std::istringstream in(text_of("/proc/meminfo"));
-  SystemLimit available;
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with("MemAvailable:")) available = number_in(line.substr(13)).value_or(0) * 1024;
+  SystemLimit available = number_after("MemAvailable:", text_of("/proc/meminfo"));
+  if (available) *available *= 1024;
+  for (const auto& folder : control_groups()) {
+    // What is only kept of files is given up when it is needed.
+    SystemLimit used = number_in(text_of(folder / "memory.current"));
+    used = left_of(used, number_after("inactive_file ", text_of(folder / "memory.stat")));
+    available = lower(available, left_of(number_in(text_of(folder / "memory.max")), used));
   }
-  return lower(available, left_of(number_in(of_control_group("memory.max")),
-                                  number_in(of_control_group("memory.current"))));
+  return available;
 }
 
 SystemLimit open_files_left() {
@@ -138,6 +159,17 @@ SystemLimit open_files_left() {
   return in >> used >> unused >> limit ? left_of(limit, used) : std::nullopt;
 }
 
+std::uint64_t threads_of_this_user() {
+  std::uint64_t threads = 0;
+  std::error_code gone;
+  for (const auto& process : std::filesystem::directory_iterator("/proc", gone)) {
+    const std::string status = text_of(process.path() / "status");
+    if (number_after("Uid:", status) == SystemLimit(getuid()))
+      threads += number_after("Threads:", status).value_or(0);
+  }
+  return threads;
+}
+
 /// Of the whole system; of this user's, the limit counts only where he is not root.
 SystemLimit threads_left() {
   std::uint64_t running = 0;
@@ -146,11 +178,12 @@ SystemLimit threads_left() {
   for (int k = 0; k < 4; ++k) load >> word;
   if (const auto slash = word.find('/'); slash != std::string::npos)
     running = number_in(word.substr(slash + 1)).value_or(0);
-  const SystemLimit of_system = left_of(number_in(text_of("/proc/sys/kernel/threads-max")), running);
-  const SystemLimit of_user = geteuid() == 0 ? std::nullopt : left_of(resource(RLIMIT_NPROC), running);
-  const SystemLimit of_group =
-      left_of(number_in(of_control_group("pids.max")), number_in(of_control_group("pids.current")));
-  return lower(lower(of_system, of_user), of_group);
+  SystemLimit left = left_of(number_in(text_of("/proc/sys/kernel/threads-max")), running);
+  if (geteuid() != 0) left = lower(left, left_of(resource(RLIMIT_NPROC), threads_of_this_user()));
+  for (const auto& folder : control_groups())
+    left = lower(
+        left, left_of(number_in(text_of(folder / "pids.max")), number_in(text_of(folder / "pids.current"))));
+  return left;
 }
 
 std::uint64_t granted_receive_buffer() {
@@ -244,10 +277,14 @@ double usable_cores() {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   const int count = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
-  double quota = 0;
-  double period = 0;
-  std::istringstream in(of_control_group("cpu.max"));
-  return in >> quota >> period && period > 0 ? std::min<double>(count, quota / period) : count;
+  double cores = count;
+  for (const auto& folder : control_groups()) {
+    double quota = 0;
+    double period = 0;
+    std::istringstream in(text_of(folder / "cpu.max"));
+    if (in >> quota >> period && period > 0) cores = std::min(cores, quota / period);
+  }
+  return cores;
 }
 
 Machine examine(const FleetPlan& plan) {

@@ -44,6 +44,7 @@ constexpr std::chrono::milliseconds grace{3000};
 constexpr std::chrono::milliseconds grace_of_recorder{10000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
+constexpr int most_refusals = 5;  // in a row, of the system, to a process that ran before
 constexpr std::chrono::milliseconds pause_before_asking_again{2000};
 constexpr double writing = 2e-4;  // seconds for a robot's fleet second: report, trajectory and picture
 
@@ -283,12 +284,38 @@ bool end_all(ProcessFleet& fleet) {
   return false;
 }
 
+/// Who ended early, and is to be started again.
+class Restarts {
+ public:
+  void note(const ProcessFleet::Ended& ended) {
+    // Bad usage does not get better; but of one that ran before, only the system may have refused something.
+    int& refusals = refusals_.try_emplace(ended.name, most_refusals).first->second;
+    refusals = ended.exit_code == 2 ? refusals + 1 : 0;
+    if (refusals <= most_refusals) due_.emplace(Clock::now() + pause_before_restart, ended.name);
+  }
+  void start_those_due(ProcessFleet& fleet) {
+    if (due_.empty() || due_.begin()->first > Clock::now()) return;
+    const std::string name = due_.begin()->second;
+    due_.erase(due_.begin());
+    try {
+      fleet.start_again(name);
+    } catch (const std::exception& problem) {  // too many processes, just now
+      std::cerr << name << ": " << problem.what() << ": tried again\n";
+      due_.emplace(Clock::now() + pause_before_restart, name);
+    }
+  }
+
+ private:
+  std::multimap<Clock::time_point, std::string> due_;
+  std::map<std::string, int> refusals_;
+};
+
 /// Until the service has ended, and with it the run. `patience`: with its report, after so long a run.
 /// Returns the exit code.
 int watch(ProcessFleet& fleet, bool restarts,
           const std::function<std::chrono::duration<double>(std::chrono::duration<double>)>& patience) {
   const Clock::time_point begin = Clock::now();
-  std::multimap<Clock::time_point, std::string> to_start;
+  Restarts to_start;
   StopRequest stop;
   bool recorded = true;
   while (true) {
@@ -299,10 +326,7 @@ int watch(ProcessFleet& fleet, bool restarts,
       fleet.terminate_all(grace);
       return 1;
     }
-    if (!to_start.empty() && to_start.begin()->first <= Clock::now()) {
-      fleet.start_again(to_start.begin()->second);
-      to_start.erase(to_start.begin());
-    }
+    to_start.start_those_due(fleet);
     if (!ended) {
       std::this_thread::sleep_for(poll_period);
       continue;
@@ -310,10 +334,9 @@ int watch(ProcessFleet& fleet, bool restarts,
     const bool done = ended->name == service_name && ended->exit_code <= 2;
     if (!done) tell_of_end(*ended);
     if (ended->name == recorder_name) recorded = false;
-    // Bad usage does not get better, and a recording that was cut off is not to be replaced.
-    const bool may_go_on = ended->exit_code != 2 && ended->name != recorder_name;
-    if (restarts && !done && !stop.is_there() && may_go_on) {
-      to_start.emplace(Clock::now() + pause_before_restart, ended->name);
+    // A recording that was cut off is not to be replaced.
+    if (restarts && !done && !stop.is_there() && ended->name != recorder_name) {
+      to_start.note(*ended);
     } else if (ended->name == service_name) {
       recorded = end_all(fleet) && recorded;
       return done ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;

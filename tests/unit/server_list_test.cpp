@@ -34,6 +34,8 @@ TEST(ServerList, OneWithoutAnAddressLeavesTheOthersTheirPlaces) {
   EXPECT_EQ(list.unknown, Texts{nobody() + ":11811"});
   EXPECT_EQ(list.malformed, Texts());
   EXPECT_EQ(places(list), places(look_up_servers(";10.0.0.2:11811")));
+  EXPECT_EQ(look_up_servers("10.0.0.2;discovery_2.invalid:11811").unknown,
+            Texts{"discovery_2.invalid:11811"});
 }
 
 TEST(ServerList, WhatIsNoServerIsNoHostWithoutAnAddress) {
