@@ -115,6 +115,24 @@ bool TreeBroker::another_leads(WallTime now) const {
   });
 }
 
+/// The one that leads may have begun anew, without what its predecessor knew and only this one has heard.
+void TreeBroker::follow(WallTime now) {
+  std::uint64_t leader = 0;
+  WallTime since = 0;
+  for (const auto& [id, other] : others_) {
+    if (!other.leads_since || now - other.heard_at > lease) continue;
+    if (leader == 0 || *other.leads_since < since) {
+      leader = id;
+      since = *other.leads_since;
+    }
+  }
+  if (leads() || leader == 0 || leader == followed_) return;
+  const bool is_another = std::exchange(followed_, leader) != 0;
+  if (!is_another || !forest_) return;
+  listens_until_ = now;
+  forest_->recalled.insert(forest_->unsaid.begin(), forest_->unsaid.end());
+}
+
 /// Every mission that is not over is a group; a newer one of the same robot ends the older.
 void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   if (!map_ || map_->map_id != mission.map_id) {
@@ -191,6 +209,7 @@ std::vector<Message> TreeBroker::step(WallTime now) {
   const bool led = leads();
   const bool may_lead = now >= listens_until_ && !another_leads(now);
   if (may_lead != led) leads_since_ = may_lead ? std::optional(now) : std::nullopt;
+  follow(now);
   bool grows = forest_ != nullptr && leads();
   for (int i = 0; i < iterations_a_step && grows; ++i) grows = grow();
   if (forest_ && leads()) publish_trees(out);
@@ -205,6 +224,10 @@ std::vector<Message> TreeBroker::step(WallTime now) {
     shows_active_trees_ = grows;
   }
   next_wake_ = grows ? now : next_status_;
+  for (const auto& [id, other] : others_) {
+    if (!leads() && other.leads_since && other.heard_at + lease > now)
+      next_wake_ = std::min(next_wake_, other.heard_at + lease);
+  }
   return out;
 }
 

@@ -82,6 +82,7 @@ class TreeBroker {
   void end_group(const RobotName& robot);
   void reckon_with_a_clock_set_back(WallTime now);
   bool another_leads(WallTime now) const;
+  void follow(WallTime now);
   bool grow();
   void take_up_waiting_trees(WallTime now);
   void publish_trees(std::vector<Message>& out);
@@ -99,7 +100,8 @@ class TreeBroker {
   std::unique_ptr<Forest> forest_;
   std::map<RobotName, Group> groups_;
   std::map<std::uint64_t, Other> others_;
-  std::uint32_t frozen_ = 0;  ///< by this broker
+  std::uint32_t frozen_ = 0;    ///< by this broker
+  std::uint64_t followed_ = 0;  ///< the broker that leads while this one stands by; 0: none
   std::optional<WallTime> leads_since_;
   WallTime listens_until_ = 0;
   BusCounts counts_{};

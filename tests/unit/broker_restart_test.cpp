@@ -1,4 +1,5 @@
 // Tree brokers that stand by, and those that are started anew: as state machines, message by message.
+#include <algorithm>
 #include <optional>
 #include <set>
 #include <vector>
@@ -108,6 +109,29 @@ TEST(Brokers, OneThatIsStartedAnewPublishesWhatItKept) {
   // Another map: what was kept of this one is of no use.
   kept.keeper.heard(MapMessage{"other", wall_with_door(), {5}});
   EXPECT_EQ(kept.store.messages.size(), 1u);
+}
+
+// Started again at once, and without what it kept: it leads before the other one misses its predecessor.
+TEST(Brokers, TreesThatOnlyTheOneThatStandsByKnowsArePublished) {
+  Brokers fleet;
+  for (const std::uint64_t id : {9u, 4u}) {
+    fleet.brokers.emplace_back(TreeBroker(id, id));
+    fleet.brokers.back()->on(arrival_of(rooms(), fleet.now));
+    for (const Message& message : fleet.said[0]) fleet.brokers.back()->on(arrival_of(message, fleet.now));
+    fleet.run(0.1);
+  }
+  fleet.run(2);
+  const std::set<TreeId> trees = fleet.trees_of(0);
+  ASSERT_FALSE(trees.empty());
+  ASSERT_TRUE(fleet.trees_of(1).empty());
+
+  fleet.brokers[0].reset();
+  fleet.brokers.emplace_back(TreeBroker(11, 3));
+  fleet.brokers[2]->on(arrival_of(rooms(), fleet.now));
+  fleet.run(6);
+  EXPECT_TRUE(fleet.brokers[2]->leads());
+  EXPECT_FALSE(fleet.brokers[1]->leads());
+  EXPECT_TRUE(std::ranges::includes(fleet.trees_of(1), trees));
 }
 
 TEST(Brokers, ATreeThatOnlyOneThatCameBackKnowsIsPublished) {
