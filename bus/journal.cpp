@@ -24,7 +24,8 @@ namespace coppice {
 namespace {
 
 // A line of text, then the records: length and checksum of the bytes, four each, and the bytes.
-constexpr std::string_view magic = "coppice journal " COPPICE_VERSION " ";
+// What a record holds follows from the types of messages: so the line says which these are.
+constexpr std::string_view magic = "coppice journal " COPPICE_MESSAGE_TYPES " ";
 constexpr char whole = 'c';
 constexpr char has_gaps = 'i';
 constexpr std::size_t header_size = magic.size() + 2;
@@ -72,7 +73,8 @@ Journal::Journal(std::filesystem::path file, const std::function<void()>& meanwh
   descriptor_ = open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0) fail(path_, fmt::format("cannot be opened for writing: {}", std::strerror(errno)));
   try {
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0) fail(path_, "is in use by another process");
+    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
+      throw JournalInUse(fmt::format("{}: is in use by another process", path_.string()));
     find_end(meanwhile);
   } catch (...) {
     close(descriptor_);
@@ -95,8 +97,7 @@ void Journal::find_end(const std::function<void()>& meanwhile) {
   // One that was killed as it made the file has left a part of the first line.
   const std::size_t known = std::min(header.size(), magic.size());
   if (!std::equal(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(known), magic.begin()))
-    fail(path_,
-         fmt::format("is no journal of version {}: remove it, or name another folder", COPPICE_VERSION));
+    fail(path_, "is no journal, or one of a version with other messages: remove it, or name another folder");
   if (header.size() < header_size) {
     std::vector<std::uint8_t> begin(magic.begin(), magic.end());
     begin.push_back(whole);

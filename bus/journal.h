@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,18 @@
 
 namespace coppice {
 
+/// Another process has the file open.
+class JournalInUse : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 class Journal {
  public:
   /// Opens the file, or makes it; what follows after the first record that is torn is cut off. Throws
   /// std::runtime_error, which names the file, if it cannot be opened or written, is in use by another
-  /// process, is no journal, or was written by another version. It reads the file once; `meanwhile` is called
-  /// after each record, for a long one takes seconds.
+  /// process (JournalInUse), is no journal, or holds messages of another version's types. It reads the file
+  /// once; `meanwhile` is called after each record, for a long one takes seconds.
   explicit Journal(
       std::filesystem::path file, const std::function<void()>& meanwhile = [] {});
   ~Journal();

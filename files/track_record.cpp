@@ -104,9 +104,10 @@ void TrackRecord::put_on_disk(Block& block) {
   for (const TrackPoint& p : block.points)
     rows.push_back({p.time, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y()});
   const std::size_t bytes = rows.size() * sizeof(Row);
-  if (::pwrite(descriptor_, rows.data(), bytes, end_) != static_cast<::ssize_t>(bytes)) {
+  const ::ssize_t written = ::pwrite(descriptor_, rows.data(), bytes, end_);
+  if (written != static_cast<::ssize_t>(bytes)) {
     spdlog::error("no room for the robots' tracks on disk: they stay in memory ({})",
-                  std::system_category().message(errno));
+                  std::system_category().message(written < 0 ? errno : ENOSPC));
     end_ = -1;
     return;
   }

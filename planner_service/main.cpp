@@ -83,9 +83,10 @@ std::optional<Journal> journal_of_service(const std::string& folder) {
 
 /// Goes on with the run that was kept; message by message, for an hour of a large fleet is hundreds of
 /// megabytes.
-RunRecord go_on(PlannerService& service, ClaimDesk& desk, const Journal& journal) {
+RunRecord go_on(PlannerService& service, ClaimDesk& desk, const Journal& journal, Heartbeat& heart) {
   RunRecord record;
   journal.for_each([&](const Message& message) {
+    heart.beat(wall_now());
     if (!service.recall({&message, 1}, wall_now()))
       throw InputError(journal.file().string() +
                        ": is of another run: end that one, remove the file, or name another folder");
@@ -161,7 +162,7 @@ bool everybody_arrives(const RunOptions& options, const ProcessOptions& process,
                           .waits_for_goals = in_ros.waits_for_goals,
                           .margin = in_ros.drives ? in_ros.tolerance : 0},
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
-  Keeper keeper(journal != nullptr ? go_on(service, desk, *journal) : RunRecord(), journal);
+  Keeper keeper(journal != nullptr ? go_on(service, desk, *journal, heart) : RunRecord(), journal);
   heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
   heard = Muster();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);

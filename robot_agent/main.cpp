@@ -159,6 +159,23 @@ bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
   return agent.robot().has_value();
 }
 
+/// Whoever was that robot before may only be paused, and have its journal open: it ends as soon as it goes
+/// on, for it has been silent for too long. None: told to stop before that, or another agent is that robot.
+std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& asking, NamelessAgent& agent,
+                                         const std::function<void()>& meanwhile) {
+  KeepsNothing keeper;
+  for (bool told = false; !agent.lost() && !stop_requested(); told = true) {
+    try {
+      return past_of(*agent.robot(), options, meanwhile);
+    } catch (const JournalInUse& problem) {
+      if (!told) spdlog::warn("{}: waits for that one to end", problem.what());
+    }
+    run_role_once(asking, agent, keeper);
+    meanwhile();
+  }
+  return std::nullopt;
+}
+
 /// Until it knows who it is, and then as that robot. 1: another agent is that robot now.
 int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& heart) {
   const ProcessOptions& options = all_options.process;
@@ -179,34 +196,26 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
     if (!agent.lost()) on.publish(claim);
   };
   const auto keep_the_claim = [&] {
-    if (std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
+    heart.beat(wall_now());
+    if (asking && std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
   };
-  Past past = past_of(robot, all_options, [&] {
-    heart.beat(wall_now());
-    keep_the_claim();
-  });
-  agent.begin(std::move(past.memory), all_options.tracking());
-  // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
-  // service, the other one keeps the claim.
-  DdsSettings network = options.network;
-  network.robot = robot;
-  DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-  Listeners listeners{past.keeper(), ros_link(all_options.ros, bus, robot)};
-  claim_again(bus);
-  while (!agent.lost() && !stop_requested()) {
-    turn(bus, agent, listeners);
-    heart.beat(wall_now());
-    if (!asking) continue;
-    if (bus.matched_readers<Claim>() > 0) {
-      asking.reset();
-    } else {
+  if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, keep_the_claim)) {
+    agent.begin(std::move(past->memory), all_options.tracking());
+    // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
+    // service, the other one keeps the claim.
+    DdsSettings network = options.network;
+    network.robot = robot;
+    DdsBus bus(network, Role::claimant, "robot_agent " + robot);
+    Listeners listeners{past->keeper(), ros_link(all_options.ros, bus, robot)};
+    claim_again(bus);
+    while (!agent.lost() && !stop_requested()) {
+      turn(bus, agent, listeners);
+      if (asking && bus.matched_readers<Claim>() > 0) asking.reset();
       keep_the_claim();
     }
+    if (!agent.lost()) end(bus, agent, listeners);
   }
-  if (!agent.lost()) {
-    end(bus, agent, listeners);
-    return 0;
-  }
+  if (!agent.lost()) return 0;
   spdlog::error("was silent for too long: another agent may be {} by now", robot);
   return 1;
 }

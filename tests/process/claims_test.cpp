@@ -60,7 +60,9 @@ struct Roles {
 TEST(Claims, FourAgentsWithoutNamesAreFourRobotsAndTheDeadAreReplaced) {
   Roles roles;
   std::vector<std::size_t> agents;
-  for (int k = 0; k < 4; ++k) agents.push_back(roles.start({"robot_agent"}));
+  // Containers share a folder: who is stopped has the journal of its robot open.
+  const std::string state = (roles.folder.path() / "state").string();
+  for (int k = 0; k < 4; ++k) agents.push_back(roles.start({"robot_agent", "--state", state}));
   const std::string report = (roles.folder.path() / "report.json").string();
   const std::size_t service = roles.start({"planner_service", (test::scenarios() / "blank-10.json").string(),
                                            "--robots", "4", "--time-scale", "10", "--report", report});
@@ -72,11 +74,15 @@ TEST(Claims, FourAgentsWithoutNamesAreFourRobotsAndTheDeadAreReplaced) {
   const std::size_t stopped = names.at("r3");
   roles.processes[killed]->send(SIGKILL);
   roles.processes[stopped]->send(SIGSTOP);
-  const std::vector<std::size_t> spares{roles.start({"robot_agent"}), roles.start({"robot_agent"})};
+  const std::vector<std::size_t> spares{roles.start({"robot_agent", "--state", state}),
+                                        roles.start({"robot_agent", "--state", state})};
   const auto replaced = roles.names(spares, 30s);
-  roles.processes[stopped]->send(SIGCONT);
   ASSERT_EQ(replaced.size(), 2u);
-  EXPECT_TRUE(replaced.contains("r2") && replaced.contains("r3"));
+  ASSERT_TRUE(replaced.contains("r2") && replaced.contains("r3"));
+  EXPECT_TRUE(test::within(10s, [&] {
+    return roles.log(replaced.at("r3")).find("is in use by another process") != std::string::npos;
+  })) << roles.log(replaced.at("r3"));
+  roles.processes[stopped]->send(SIGCONT);
   EXPECT_EQ(roles.processes[stopped]->wait(), 1) << roles.log(stopped);
 
   EXPECT_EQ(roles.processes[service]->wait(), 0) << roles.log(service);
