@@ -196,7 +196,7 @@ idl::RobotState to_dds(const RobotState& m) {
   d.counts_as_dead(m.counts_as_dead);
   d.is_new(m.is_new);
   d.wants_echo(m.wants_echo);
-  d.misses(m.misses);
+  d.misses().assign(m.misses.begin(), m.misses.end());
   for (const Echo& echo : m.echoes) {
     idl::Echo& to = d.echoes().emplace_back();
     to.robot(echo.robot);
@@ -207,6 +207,8 @@ idl::RobotState to_dds(const RobotState& m) {
 }
 
 RobotState from_dds(const idl::RobotState& d) {
+  std::vector<RobotName> misses;
+  for (const auto& robot : d.misses()) misses.push_back(text(robot));
   std::vector<Echo> echoes;
   for (const idl::Echo& echo : d.echoes())
     echoes.push_back({text(echo.robot()), echo.stamp(), echo.received()});
@@ -230,7 +232,7 @@ RobotState from_dds(const idl::RobotState& d) {
           .counts_as_dead = d.counts_as_dead(),
           .is_new = d.is_new(),
           .wants_echo = d.wants_echo(),
-          .misses = text(d.misses()),
+          .misses = std::move(misses),
           .echoes = std::move(echoes),
           .run = d.run()};
 }

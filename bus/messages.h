@@ -186,10 +186,10 @@ struct RobotState {
   bool counts_as_dead = false;  ///< to the one that passes it on
   bool is_new =
       false;  ///< started anew in mid-run, or out of touch of late: it may not know where all others are
-  bool wants_echo = false;     ///< nobody has told it of late to have heard of it
-  RobotName misses{};          ///< it hears nothing of this one: who does shall say so; empty: of nobody
-  std::vector<Echo> echoes{};  ///< of some of the others, all in turn
-  WallTime run = 0;            ///< which one its mission is of
+  bool wants_echo = false;          ///< nobody has told it of late to have heard of it
+  std::vector<RobotName> misses{};  ///< it hears nothing of these, of all in turn: who does shall say so
+  std::vector<Echo> echoes{};       ///< of some of the others, all in turn
+  WallTime run = 0;                 ///< which one its mission is of
   bool operator==(const RobotState&) const = default;
 };
 

@@ -14,6 +14,7 @@ namespace coppice {
 inline constexpr std::size_t longest_name = 64;
 /// In one state.
 inline constexpr std::size_t most_echoes = 32;
+inline constexpr std::size_t most_missed = 16;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
 /// Nobody binds itself for longer, seconds: who is silent would not count as dead before.

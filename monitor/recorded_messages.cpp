@@ -200,7 +200,7 @@ void to(const RobotState& m, recording::RobotState* out) {
   out->set_counts_as_dead(m.counts_as_dead);
   out->set_is_new(m.is_new);
   out->set_wants_echo(m.wants_echo);
-  out->set_misses(m.misses);
+  for (const RobotName& robot : m.misses) out->add_misses(robot);
   for (const Echo& echo : m.echoes) {
     auto* const added = out->add_echoes();
     added->set_robot(echo.robot);
@@ -229,7 +229,7 @@ std::optional<Message> from(const recording::RobotState& m) {
                    .counts_as_dead = m.counts_as_dead(),
                    .is_new = m.is_new(),
                    .wants_echo = m.wants_echo(),
-                   .misses = m.misses(),
+                   .misses = {m.misses().begin(), m.misses().end()},
                    .run = m.run()};
   for (const auto& echo : m.echoes()) state.echoes.push_back({echo.robot(), echo.stamp(), echo.received()});
   return state;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "robot_agent/limits.h"
 #include "robot_agent/robot_agent.h"
 
@@ -157,6 +159,21 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   return true;  // its body brakes
 }
 
+/// Others hear one that this robot does not: where that is it cannot know, and stands. Processes may never
+/// find each other.
+void RobotAgent::watch_isolation(double fleet_now) {
+  const auto unfound = fleet_.heard_by_others_only();
+  if (!unfound) {
+    isolated_since_ = std::numeric_limits<double>::infinity();
+    if (std::exchange(is_isolated_, false)) hope_anew();
+    return;
+  }
+  isolated_since_ = std::min(isolated_since_, fleet_now);
+  if (status_.phase != Phase::driving || fleet_now - isolated_since_ <= longest_ignorance) return;
+  is_isolated_ = true;
+  give_up(fmt::format("hears nothing of {}, which others hear: the two do not reach each other", *unfound));
+}
+
 /// As in a pause: nothing is decided, and so the body brakes where that is known to be clear.
 bool RobotAgent::waits_for_its_robot(double fleet_now) {
   if (!tracking_ || tracking_->keeps_up(mission_->clock.wall_time(fleet_now))) return false;
@@ -172,6 +189,7 @@ void RobotAgent::decide(double fleet_now) {
   if (fleet_.cut_off()) listen_anew(fleet_now);
   if (fleet_.out_of_touch()) missed_news_until_ = fleet_now + asks_for_news * fleet_.second();
   if (stands_as_newcomer(fleet_now) || waits_for_its_robot(fleet_now)) return;
+  watch_isolation(fleet_now);
   const std::span<const Neighbour> others =
       body_->bound_to_stand() ? std::span<const Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
@@ -310,9 +328,9 @@ void RobotAgent::watch_arrival(double fleet_now) {
   }
 }
 
-void RobotAgent::give_up(const char* reason) {
-  if (is_new_) knot_.leave();
-  status_.reason = reason;
+void RobotAgent::give_up(std::string reason) {
+  if (is_new_ || is_isolated_) knot_.leave();
+  status_.reason = std::move(reason);
   gave_up_ = true;
   gave_up_at_ = body_->time();
   new_goals_ = fleet_.new_goals();

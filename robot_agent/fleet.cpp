@@ -32,6 +32,7 @@ std::size_t Fleet::number_of(const RobotName& robot) {
     peers_.push_back({.phase = phase_of(robot), .robot = robot});
     away_until_.push_back(0);
     told_from_.push_back(0);
+    answered_until_.push_back(0);
     all_settled_until_ = 0;
     all_known_ = false;
   }
@@ -66,8 +67,10 @@ void Fleet::forget_other_runs() {
   index_ = {};
   away_until_.clear();
   told_from_.clear();
+  answered_until_.clear();
   next_echo_ = chosen_among_ = 0;
   missing_.clear();
+  missing_dead_.clear();
   missed_by_others_.clear();
   all_known_ = false;
   for (Peer& p : heard) {
@@ -123,7 +126,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.place = p.state->position;
   p.radius = p.state->radius;
   p.max_speed = p.state->max_speed;
-  p.asks = p.state->wants_echo || can_tell_of(p.state->misses, clock_.fleet_time(arrived));
+  if (answers(*p.state, number, clock_.fleet_time(arrived)) || p.state->wants_echo) p.asks = true;
   p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
   p.said_again = false;
@@ -241,7 +244,7 @@ FleetMember Fleet::member(const Peer& p) const {
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
           .stands = stands,
           .dead = p.dead,
-          .takes_no_part = s.phase == Phase::stopped || (s.is_new && has_given_up),
+          .takes_no_part = s.phase == Phase::stopped || ((s.is_new || p.is_ignorant) && has_given_up),
           .knot = s.knot,
           .stage = s.stage,
           .progress = s.progress};

@@ -90,6 +90,8 @@ class Fleet {
   /// At the last judgement: one is silent that others still hear; or nobody hears this one; or several at
   /// once fell silent, and not for so long that they count as dead, or more than are left do.
   bool cut_off() const { return cut_off_; }
+  /// Likewise: one that is silent, and that others still hear; none: nobody.
+  std::optional<RobotName> heard_by_others_only() const;
   /// Likewise: with most of the others, so that it may have missed who died.
   bool out_of_touch() const { return out_of_touch_; }
   /// Somebody has said of late to have heard of this robot.
@@ -141,7 +143,7 @@ class Fleet {
   struct Address {
     std::vector<RobotName> agents;
     std::vector<Echo> echoes;
-    RobotName misses;  ///< one of those of whom this robot hears nothing, all in turn; empty: it hears all
+    std::vector<RobotName> misses;  ///< those of whom this robot hears nothing; where these are many, in turn
   };
   Address address(std::uint32_t turn, const KnotId* news, const RobotName& waits_for, double now);
   /// For those of these a state is said more than once, if it is.
@@ -176,6 +178,7 @@ class Fleet {
     std::uint32_t stride_until = 0;  ///< turn at which to look at that again
     bool is_witness = false;         ///< of this robot
     bool waits_for_this = false;     ///< robot
+    bool is_ignorant = false;        ///< it misses one that is heard here
     bool asks = false;               ///< for an echo, its own or one's that it misses: it stands meanwhile
     bool dead = false;               ///< counts as dead
     bool said_dead = false;          ///< by the first who told of it
@@ -191,8 +194,8 @@ class Fleet {
     double back_at = 0;            ///< fleet time: it was out of touch, and was heard of again
     WallTime said_again_from = 0;  ///< its last state was said again and again: first and last
     WallTime said_again_at = 0;
-    double echoed = 0;     ///< the newest stamp of its own that others have heard, while somebody is
-    double echoed_at = 0;  ///< missing here; and when that was news
+    double echoed = 0;            ///< the newest stamp of its own that others have heard, while somebody is
+    double echo_holds_until = 0;  ///< missing here; and until when a newer one is still to be expected
   };
   static_assert(sizeof(RobotName) != 32 || sizeof(Peer) == 256);
 
@@ -204,6 +207,7 @@ class Fleet {
     std::size_t elsewhere = 0;  ///< silent here, but not everywhere
     std::size_t never_came = 0;
     std::size_t dead = 0;
+    std::optional<std::size_t> somebody_elsewhere{};
   };
 
   std::size_t number_of(const RobotName& robot);
@@ -230,8 +234,9 @@ class Fleet {
   double unheard(const Peer& peer, double now) const;
   double silence(const Peer& peer, double now) const;
   void choose_witnesses();
-  bool can_tell_of(const RobotName& missed, double now);
-  RobotName next_missing();
+  bool hears(const Peer& peer, double now) const;
+  bool answers(const RobotState& state, std::size_t asker, double now);
+  std::vector<RobotName> next_missing();
   std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t turn);
   void hear_again(Peer& peer, WallTime arrived);
   void hear_own_echo(const RobotState& state, ClockOffset& clock, double now);
@@ -272,14 +277,16 @@ class Fleet {
   // What each step asks of all of these, by number.
   std::vector<double> away_until_;        ///< fleet time: it cannot come near before
   std::vector<std::uint32_t> told_from_;  ///< turn: it is told nothing before, but of knots
+  std::vector<double> answered_until_;    ///< fleet time: whom it misses it is told no sooner again
   std::size_t next_echo_ = 0;
   std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
   LossCount loss_;
   int copies_ = 1;
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   std::vector<std::size_t> missed_by_others_;  ///< and heard here
-  std::vector<std::size_t> missing_;           ///< at the last count
-  std::size_t next_missing_ = 0;
+  std::vector<std::size_t> missing_;           ///< at the last count, and not dead
+  std::vector<std::size_t> missing_dead_;      ///< likewise, those that count as dead
+  std::size_t asked_for_ = 0;                  ///< of these, by all states so far
   Absences absences_;
   double counted_at_ = 0;         ///< fleet time: these, and
   double clock_error_ = 0;        ///< the largest of those alive

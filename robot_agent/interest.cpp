@@ -13,7 +13,8 @@ namespace {
 constexpr int looks_a_stride = 2;  // whether it is still right
 constexpr int turns_a_choice = 8;  // of the witnesses
 constexpr std::size_t echoes_a_state = 8;
-constexpr std::size_t most_answers = most_echoes / 2;  // likewise, to who misses somebody
+constexpr std::size_t most_answers = most_echoes / 2;  // likewise, to those who miss somebody
+constexpr double between_answers = 0.5;                // seconds, to each of these
 constexpr int turns_an_echo = 4;
 constexpr int rare = 8;               // a stride, of those who get echoes of their own
 constexpr double between_echoes = 1;  // seconds, of each of these: clocks do not drift far in them
@@ -119,21 +120,42 @@ std::vector<RobotName> Fleet::who_hears_copies(std::span<const RobotName> agents
   return those;
 }
 
-/// It is heard here, of itself and of late enough for its distance: the next state says so.
-bool Fleet::can_tell_of(const RobotName& missed, double now) {
-  const auto known = missed.empty() ? std::nullopt : index_.find(missed);
-  if (!known) return false;
-  const Peer& p = peers_[*known];
-  const bool hears = p.state && !p.state->passed_on && !p.dead && unheard(p, now) < relay_from * second();
-  const bool is_new = std::ranges::find(missed_by_others_, *known) == missed_by_others_.end();
-  if (hears && is_new && missed_by_others_.size() < most_answers) missed_by_others_.push_back(*known);
-  return hears;
+/// It says something itself, and of late, for its distance.
+bool Fleet::hears(const Peer& p, double now) const {
+  return p.state && !p.state->passed_on && !p.dead && unheard(p, now) < relay_from * second();
 }
 
-RobotName Fleet::next_missing() {
-  if (missing_.empty()) return {};
-  next_missing_ = (next_missing_ + 1) % missing_.size();
-  return peers_[missing_[next_missing_]].robot;
+/// Somebody is heard here whom that one misses: the next state says so, but no two shortly after each other,
+/// for those who answer may miss somebody, too.
+bool Fleet::answers(const RobotState& state, std::size_t asker, double now) {
+  peers_[asker].is_ignorant = false;
+  if (!own_mission_ || state.passed_on) return false;
+  const bool is_due = now >= answered_until_[asker];
+  for (const RobotName& missed : state.misses) {
+    const auto known = index_.find(missed);
+    if (!known || !hears(peers_[*known], now)) continue;
+    peers_[asker].is_ignorant = true;
+    const bool noted = std::ranges::find(missed_by_others_, *known) != missed_by_others_.end();
+    if (is_due && !noted && missed_by_others_.size() < most_answers) missed_by_others_.push_back(*known);
+  }
+  if (!is_due || !peers_[asker].is_ignorant) return false;
+  answered_until_[asker] = now + between_answers * second();
+  return true;
+}
+
+/// Who is not dead at every turn, where they are not too many. The places to go on from are odd in number: so
+/// those who hear every second, fourth, ... state hear of all.
+std::vector<RobotName> Fleet::next_missing() {
+  std::vector<RobotName> names;
+  for (const auto& some : {missing_, missing_dead_}) {
+    const std::size_t places = some.size() | 1;
+    for (std::size_t k = 0; k < some.size() && names.size() < most_missed; ++k) {
+      const std::size_t next = some.size() <= most_missed ? k : (asked_for_ + k) % places;
+      if (next < some.size()) names.push_back(peers_[some[next]].robot);
+    }
+  }
+  asked_for_ += most_missed;
+  return names;
 }
 
 /// Of those whom others miss; for those who ask for one, or have none yet, and now and then for those who
@@ -151,6 +173,7 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
   };
   for (const std::size_t missed : std::exchange(missed_by_others_, {}))
     echoes.push_back(echo_of(peers_[missed]));
+  const std::size_t answers = echoes.size();
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
     Peer* p = addressed[(turn + k) % addressed.size()];
     if (!p->state) continue;
@@ -160,7 +183,7 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
     p->introductions += p->clock.known();
   }
   const bool all_news = is_turn_of(0, turn, turns_an_echo);
-  for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < echoes_a_state; ++k) {
+  for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < answers + echoes_a_state; ++k) {
     next_echo_ = next_echo_ + 1 < peers_.size() ? next_echo_ + 1 : 0;
     Peer& p = peers_[next_echo_];
     if (p.state && p.echo_sent != p.state->stamp) add(p);

@@ -58,7 +58,7 @@ void RobotAgent::on(Arrival arrival) {
 
 /// In knots: else nothing would ever lead it out of one, and who waits for that stands, too.
 bool RobotAgent::takes_part() const {
-  return status_.phase != Phase::stopped && !(is_new_ && status_.phase == Phase::no_path);
+  return status_.phase != Phase::stopped && !((is_new_ || is_isolated_) && status_.phase == Phase::no_path);
 }
 
 void RobotAgent::note(const BusCounts& counts, WallTime now) {
@@ -152,8 +152,21 @@ void RobotAgent::begin_mission(WallTime now) {
   const Mission& mission = *own;
   if (mission_ && mission_->number == mission.number && !mission.cancelled) return;  // nearly always
   if (!map_ || mission.map_id != map_->map_id) return;
-  if (mission.cancelled) return stop();
+  if (mission.cancelled && !(memory_ && is_of(mission, *memory_))) return stop();
+  take_up(mission, now);
+  if (mission.cancelled) return stop();  // but nobody else has the end of its track
+  if (const char* const problem = problem_with_task()) {
+    follower_.reset();
+    finder_.reset();
+    status_.path_time = mission.clock.fleet_time(now);
+    status_.reason = problem;
+    return enter(Phase::no_path);
+  }
+  look_for_a_path();
+  enter(Phase::planning);
+}
 
+void RobotAgent::take_up(const Mission& mission, WallTime now) {
   if (ground_ != map_) {
     finder_.reset();  // it, and a joint planner, look at the old one
     knot_ = Knot(name_);
@@ -179,15 +192,6 @@ void RobotAgent::begin_mission(WallTime now) {
   gave_up_ = false;
   knot_.forget_failures();
   lets_others_finish_ = true;
-  if (const char* const problem = problem_with_task()) {
-    follower_.reset();
-    finder_.reset();
-    status_.path_time = fleet_now;
-    status_.reason = problem;
-    return enter(Phase::no_path);
-  }
-  look_for_a_path();
-  enter(Phase::planning);
 }
 
 /// Of the mission, on this map; null if there is none.
@@ -200,10 +204,13 @@ const char* RobotAgent::problem_with_task() const {
   return nullptr;
 }
 
+bool RobotAgent::is_of(const Mission& mission, const Memory& memory) {
+  return memory.mission.clock == mission.clock && memory.mission.map_id == mission.map_id;
+}
+
 void RobotAgent::place_body(const Mission& mission, double fleet_now) {
   const auto memory = std::exchange(memory_, std::nullopt);
-  if (memory && memory->mission.clock == mission.clock && memory->mission.map_id == mission.map_id)
-    return go_on_from(*memory, fleet_now);
+  if (memory && is_of(mission, *memory)) return go_on_from(*memory, fleet_now);
   const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
   body_.emplace(mission.start, begin, mission.radius, limits_of(mission), period);
   if (fleet_.is_under_way(fleet_now)) join_late({}, fleet_now);

@@ -80,6 +80,8 @@ class RobotAgent {
   Mission as_reference(Mission mission) const;
   void begin_run();
   void begin_mission(WallTime now);
+  void take_up(const Mission& mission, WallTime now);
+  static bool is_of(const Mission& mission, const Memory& memory);
   void place_body(const Mission& mission, double fleet_now);
   void go_on_from(const Memory& memory, double fleet_now);
   void join_late(std::span<const Heard> silent, double fleet_now);
@@ -100,6 +102,7 @@ class RobotAgent {
   void listen_anew(double fleet_now);
   void decide(double fleet_now);
   bool stands_as_newcomer(double fleet_now);
+  void watch_isolation(double fleet_now);
   bool waits_for_its_robot(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
@@ -109,7 +112,7 @@ class RobotAgent {
   double stalled_for(double fleet_now) const;
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
-  void give_up(const char* reason);
+  void give_up(std::string reason);
   void hope_anew();
   bool may_set_off(double fleet_now);
   bool all_free_around() const;
@@ -183,8 +186,10 @@ class RobotAgent {
   double missed_news_until_ = 0;      ///< fleet time: until then it asks who has died
   bool said_that_it_stands_ = false;  ///< since it was stopped
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< fleet time
-  double heard_again_at_ = 0;   ///< fleet time: until then it stands, after a silence
-  bool is_new_ = false;         ///< does not know yet where all others are, though it is mid-run
+  double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence
+  bool is_new_ = false;        ///< does not know yet where all others are, though it is mid-run
+  bool is_isolated_ = false;   ///< gave up because others hear one that it does not
+  double isolated_since_ = std::numeric_limits<double>::infinity();  ///< fleet time: they have done so
   bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more
   double mustering_since_ = 0;  ///< fleet time
   int times_stranded_ = 0;

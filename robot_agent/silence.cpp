@@ -66,8 +66,11 @@ void Fleet::hear_again(Peer& p, WallTime arrived) {
   p.settled_until = all_settled_until_ = 0;
 }
 
-/// What one has heard of another robot of late tells that this is alive.
+/// What one has heard of another robot of late tells that this is alive. A newer one is to be expected as
+/// soon as the distances between the three allow.
 void Fleet::hear_of_the_missing(const RobotState& state, double now) {
+  const auto teller = index_.find(state.robot);
+  if (!teller || !own_mission_) return;
   for (const Echo& echo : state.echoes) {
     const auto known = index_.find(echo.robot);
     if (!known) continue;
@@ -75,15 +78,21 @@ void Fleet::hear_of_the_missing(const RobotState& state, double now) {
     const double newest = p.state ? std::max(p.echoed, p.state->stamp) : p.echoed;
     if (echo.stamp <= newest || is_from_the_future(echo.stamp, p, now)) continue;
     p.echoed = echo.stamp;
-    p.echoed_at = now;
+    const double between = (p.place - state.position).norm() - p.radius - state.radius;
+    const int stride = std::max(
+        {stride_from(p), stride_from(peers_[*teller]), stride_over(between, p.max_speed + state.max_speed)});
+    p.echo_holds_until = now + death * second() + lost_over(stride);
   }
 }
 
-/// And that is newer than what is known of it. Those who hear it are as far away from it as from here, and
-/// have as rarely something new to tell.
+/// And that is newer than what is known of it.
 bool Fleet::heard_elsewhere(const Peer& p, double now) const {
-  const bool is_news = p.echoed_at > 0 && (!p.state || p.echoed > p.state->stamp);
-  return is_news && now - p.echoed_at < death * second() + lost_over(stride_from(p));
+  return now < p.echo_holds_until && (!p.state || p.echoed > p.state->stamp);
+}
+
+std::optional<RobotName> Fleet::heard_by_others_only() const {
+  const auto one = absences_.somebody_elsewhere;
+  return one ? std::optional(peers_[*one].robot) : std::nullopt;
 }
 
 /// For so long nothing needs to come from it, because of how far away it is.
@@ -130,6 +139,7 @@ void Fleet::count_absences(double now) {
   absences_ = {};
   counted_at_ = now;
   missing_.clear();
+  missing_dead_.clear();
   clock_error_ = 0;
   all_settled_until_ = now + looks_at_silence * second();
   for (Peer& p : peers_) {
@@ -143,8 +153,12 @@ void Fleet::count_absences(double now) {
 void Fleet::count_absence(Peer& p, double now) {
   Absences& count = absences_;
   const double silent = silence(p, now) / second();
-  count.elsewhere += silent > long_absence && heard_elsewhere(p, now);
-  if (silent > absence) missing_.push_back(static_cast<std::size_t>(&p - peers_.data()));
+  const auto number = static_cast<std::size_t>(&p - peers_.data());
+  if (silent > long_absence && heard_elsewhere(p, now)) {
+    ++count.elsewhere;
+    count.somebody_elsewhere = number;
+  }
+  if (silent > absence) (p.dead ? missing_dead_ : missing_).push_back(number);
   count.dead += p.dead;
   if (p.dead) return;
   if (!p.state) {

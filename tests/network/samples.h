@@ -44,7 +44,7 @@ inline RobotState some_state(std::uint32_t sequence) {
           .counts_as_dead = true,
           .is_new = true,
           .wants_echo = true,
-          .misses = "r4",
+          .misses = {"r4", "r5"},
           .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
 }
 

@@ -103,18 +103,30 @@ InactiveTreeMessage any(const Any& a) {
 }
 template <>
 RobotState any(const Any& a) {
-  return {a.name(),       a.u32(),
-          a.number(),     a.point(),
-          a.point(),      a.number(),
-          a.number(),     a.number(),
-          a.one<Phase>(), {a.number(), a.point(), a.number()},
-          a.knot(),       a.one<Stage>(),
-          a.number(),     a.name(),
-          a.u8(),         a.u8(),
-          a.flag(),       a.flag(),
-          a.flag(),       a.flag(),
-          a.name(),       a.some([&] {
-            return Echo{a.name(), a.number(), a.number()}; })};
+  return {a.name(),
+          a.u32(),
+          a.number(),
+          a.point(),
+          a.point(),
+          a.number(),
+          a.number(),
+          a.number(),
+          a.one<Phase>(),
+          {a.number(), a.point(), a.number()},
+          a.knot(),
+          a.one<Stage>(),
+          a.number(),
+          a.name(),
+          a.u8(),
+          a.u8(),
+          a.flag(),
+          a.flag(),
+          a.flag(),
+          a.flag(),
+          a.some([&] { return a.name(); }),
+          a.some([&] {
+            return Echo{a.name(), a.number(), a.number()};
+          })};
 }
 template <>
 JointPlanMessage any(const Any& a) {

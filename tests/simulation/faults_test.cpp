@@ -160,7 +160,9 @@ Scenario two_and_a_far_crowd(int crowd, int away) {
 TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughOthersDo) {
   for (const int away : {50, 400}) {
     for (const int crowd : {2, 30, 120}) {
-      const Faults faults{.bus = {.loss = 0.35, .cut_links = {{"east", "west", 0, 100}}}};
+      // After two minutes they give up, and drive on once they hear of each other.
+      const double until = away < 100 ? 100 : 200;
+      const Faults faults{.bus = {.loss = 0.35, .cut_links = {{"east", "west", 0, until}}}};
       expect_all_arrive(simulate(two_and_a_far_crowd(crowd, away), faults),
                         fmt::format("{} others, {} m away", crowd, away));
     }

@@ -140,6 +140,29 @@ TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
   EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
 }
 
+// What it had not said yet of its track shows that it stands.
+TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
+  AgentRun before;
+  run_until_killed_at(4, before);
+  for (double now = 4; of<AgentStatus>(before.said).back().phase != Phase::arrived; now += 0.01)
+    before.run(now, now + 0.01);
+  ASSERT_FALSE(track_in(before.said).back().velocity.isZero(0));
+
+  AgentRun after;
+  after.recall(before.store.messages);
+  after.hear(map_message(), 20);
+  Mission over = mission_of_a(0);
+  over.cancelled = true;
+  after.hear(over, 20);
+  after.run(20, 23);
+  EXPECT_EQ(of<AgentStatus>(after.said).back().phase, Phase::stopped);
+  const std::vector<TrackMessage::Point> track = track_in(after.said);
+  ASSERT_FALSE(track.empty());
+  EXPECT_EQ(track.front().position, Point2(20, 60));
+  EXPECT_TRUE(track.back().velocity.isZero(0));
+  EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
+}
+
 TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
   AgentRun first;
   run_until_killed_at(3, first);
