@@ -196,7 +196,7 @@ idl::RobotState to_dds(const RobotState& m) {
   d.counts_as_dead(m.counts_as_dead);
   d.is_new(m.is_new);
   d.wants_echo(m.wants_echo);
-  d.misses().assign(m.misses.begin(), m.misses.end());
+  for (const RobotName& robot : m.misses) d.misses().emplace_back().robot(robot);
   for (const Echo& echo : m.echoes) {
     idl::Echo& to = d.echoes().emplace_back();
     to.robot(echo.robot);
@@ -208,7 +208,7 @@ idl::RobotState to_dds(const RobotState& m) {
 
 RobotState from_dds(const idl::RobotState& d) {
   std::vector<RobotName> misses;
-  for (const auto& robot : d.misses()) misses.push_back(text(robot));
+  for (const idl::Missed& missed : d.misses()) misses.push_back(text(missed.robot()));
   std::vector<Echo> echoes;
   for (const idl::Echo& echo : d.echoes())
     echoes.push_back({text(echo.robot()), echo.stamp(), echo.received()});

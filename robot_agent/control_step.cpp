@@ -140,6 +140,11 @@ void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out
     for (int copy = 0; copy < fleet_.copies(); ++copy) out.emplace_back(Message(last), to);
 }
 
+/// Of not knowing where all are.
+bool RobotAgent::is_too_long(double seconds) const {
+  return seconds > std::max(longest_ignorance, least_ignorance * fleet_.second());
+}
+
 /// Others may be anywhere by now, and not where their missions begin.
 bool RobotAgent::stands_as_newcomer(double fleet_now) {
   if (!is_new_) return false;
@@ -153,8 +158,7 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   if (body_->stands()) stand_for(fleet_now, waiting_lease);
   if (status_.phase == Phase::driving)
     status_.reason = "its agent was started in mid-run, and has not heard where all others are";
-  if (status_.phase == Phase::driving &&
-      fleet_now - mustering_since_ > std::max(longest_ignorance, least_ignorance * fleet_.second()))
+  if (status_.phase == Phase::driving && is_too_long(fleet_now - mustering_since_))
     give_up("its agent was started in mid-run, and nobody who is alive knows where all others are");
   return true;  // its body brakes
 }
@@ -169,7 +173,7 @@ void RobotAgent::watch_isolation(double fleet_now) {
     return;
   }
   isolated_since_ = std::min(isolated_since_, fleet_now);
-  if (status_.phase != Phase::driving || fleet_now - isolated_since_ <= longest_ignorance) return;
+  if (status_.phase != Phase::driving || !is_too_long(fleet_now - isolated_since_)) return;
   is_isolated_ = true;
   give_up(fmt::format("hears nothing of {}, which others hear: the two do not reach each other", *unfound));
 }

@@ -147,11 +147,11 @@ bool Fleet::answers(const RobotState& state, std::size_t asker, double now) {
 /// those who hear every second, fourth, ... state hear of all.
 std::vector<RobotName> Fleet::next_missing() {
   std::vector<RobotName> names;
-  for (const auto& some : {missing_, missing_dead_}) {
-    const std::size_t places = some.size() | 1;
-    for (std::size_t k = 0; k < some.size() && names.size() < most_missed; ++k) {
-      const std::size_t next = some.size() <= most_missed ? k : (asked_for_ + k) % places;
-      if (next < some.size()) names.push_back(peers_[some[next]].robot);
+  for (const auto* some : {&missing_, &missing_dead_}) {
+    const std::size_t size = some->size();
+    for (std::size_t k = 0; k < size && names.size() < most_missed; ++k) {
+      const std::size_t next = size <= most_missed ? k : (asked_for_ + k) % (size | 1);
+      if (next < size) names.push_back(peers_[(*some)[next]].robot);
     }
   }
   asked_for_ += most_missed;

@@ -103,6 +103,7 @@ class RobotAgent {
   void decide(double fleet_now);
   bool stands_as_newcomer(double fleet_now);
   void watch_isolation(double fleet_now);
+  bool is_too_long(double seconds) const;
   bool waits_for_its_robot(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
   void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);

@@ -163,6 +163,30 @@ TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
   EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
 }
 
+TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
+  RobotState state{.robot = "a",
+                   .stamp = 1,
+                   .position = {20, 60},
+                   .radius = 5,
+                   .max_speed = 20,
+                   .max_acceleration = 40,
+                   .promise = {1.05, {0, 0}, 1.1},
+                   .knot = {7, "b", {20, 60}, 30},
+                   .stage = Stage::ordered};
+  std::vector<Message> kept{mission_of_a(0), state};
+  state.stamp = 5;
+  state.promise = {5.05, {0, 0}, 5.1};
+  state.knot = {};
+  state.stage = Stage::free;
+  state.is_new = true;
+  kept.emplace_back(state);
+  EXPECT_EQ(memory_of(kept)->stage, Stage::ordered);
+  EXPECT_EQ(memory_of(kept)->knot_epoch, 7u);
+  state.is_new = false;
+  kept.emplace_back(state);
+  EXPECT_EQ(memory_of(kept)->stage, Stage::free);
+}
+
 TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
   AgentRun first;
   run_until_killed_at(3, first);
