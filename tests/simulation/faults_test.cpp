@@ -169,6 +169,26 @@ TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughOthersDo) {
   }
 }
 
+// Those are missed as well, and asked for.
+TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughManyOthersNeverCame) {
+  for (const int away : {50, 400}) {
+    for (const int never_came : {1, 3, 20}) {
+      Scenario scenario = two_and_a_far_crowd(30, away);
+      scenario.robots[0].start = {480, 50};
+      scenario.robots[1].start = {520, 50};
+      Faults faults{.bus = {.cut_links = {{"east", "west", 0, 100}}}};
+      for (int k = 0; k < never_came; ++k) faults.kills.push_back({fmt::format("r{}", k), 0});
+      const Outcome outcome = simulate(scenario, faults);
+      const std::string what = fmt::format("{} never came, {} m away", never_came, away);
+      EXPECT_TRUE(outcome.broken.empty()) << what << ": " << outcome.broken.front();
+      for (const int k : {0, 1}) {
+        EXPECT_TRUE(outcome.report.robots(k).arrived()) << what;
+        EXPECT_GT(outcome.report.robots(k).run_time(), 100) << what;
+      }
+    }
+  }
+}
+
 // To evade what the others may have done since would lead where nobody reckons with it.
 TEST(Faults, WhoMissesAllOthersStandsWhereItBraked) {
   for (int k = 0; k < 20; ++k) {
