@@ -205,7 +205,9 @@ std::vector<Input> topic_seeds<RobotState>() {
   passed_on.waits_for = "a";
   RobotState stranger = state_of_b(0.45);
   stranger.robot = "c";
-  return {encoded(state_of_b(0.45)), encoded(calls), encoded(passed_on), encoded(stranger)};
+  RobotState asks = state_of_b(0.45);
+  asks.misses = {"c", "a"};
+  return {encoded(state_of_b(0.45)), encoded(calls), encoded(passed_on), encoded(stranger), encoded(asks)};
 }
 template <>
 std::vector<Input> topic_seeds<JointPlanMessage>() {
