@@ -163,6 +163,7 @@ std::uint64_t threads_of_this_user() {
   std::uint64_t threads = 0;
   std::error_code gone;
   for (const auto& process : std::filesystem::directory_iterator("/proc", gone)) {
+    if (process.path().filename().string().find_first_not_of("0123456789") != std::string::npos) continue;
     const std::string status = text_of(process.path() / "status");
     if (number_after("Uid:", status) == SystemLimit(getuid()))
       threads += number_after("Threads:", status).value_or(0);

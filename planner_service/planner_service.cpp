@@ -23,9 +23,11 @@ constexpr WallTime longest_nap = 1;  // seconds between two steps: while it slee
 // One that is lost may only be cut off, or paused, and come back: for so long a run does not end without it,
 // unless it said that it was told to stop.
 constexpr WallTime longest_cut = 60;
-constexpr WallTime longest_silence_of_a_start = 10;  // until agents have found a service that begins anew
-constexpr WallTime longest_wait_for_tracks = 3;      // once all stand
-constexpr double slowest = 1e-6;                     // metres a second: who is slower stands
+// Until agents have found a service that begins anew.
+constexpr WallTime least_meeting = 10;
+constexpr WallTime meeting_of_each = 0.2;
+constexpr WallTime longest_wait_for_tracks = 3;  // once all stand
+constexpr double slowest = 1e-6;                 // metres a second: who is slower stands
 constexpr WallTime longest_wait_for_forest = 3;
 constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
 constexpr int most_goal_draws = 1000;
@@ -291,21 +293,29 @@ bool PlannerService::recall(std::span<const Message> kept, WallTime now) {
       if (!take_up(*mission, now)) return false;
     } else {
       on(arrival_of(message, now));
+      reckon_with_silence_before(message, now);
     }
   }
   says_missions_again_ = missions_published_;
-  // Who fell silent long before this one began anew is not waited for from the beginning.
-  for (auto& [name, robot] : robots_) {
-    const auto last = record_.last(robot.index);
-    if (last && missions_published_)
-      robot.last_heard =
-          std::clamp(clock_.wall_time(last->time), now - longest_cut + longest_silence_of_a_start, now);
-  }
   // Not the goals that were drawn already.
   std::uint64_t drawn = 0;
   for (const auto& [name, robot] : robots_) drawn += robot.mission - 1;
   random_ = Random(scenario_.seed + drawn);
   return true;
+}
+
+/// Who fell silent long before this service began anew is not waited for from the beginning.
+void PlannerService::reckon_with_silence_before(const Message& kept, WallTime now) {
+  const auto* const status = std::get_if<AgentStatus>(&kept);
+  const auto* const track = std::get_if<TrackMessage>(&kept);
+  if (status == nullptr && track == nullptr) return;
+  const auto known = robots_.find(status != nullptr ? status->robot : track->robot);
+  if (known == robots_.end()) return;
+  const auto last = record_.last(known->second.index);
+  if (!last || !missions_published_) return;
+  const WallTime meeting = least_meeting + meeting_of_each * static_cast<double>(robots_.size());
+  known->second.last_heard =
+      std::clamp(clock_.wall_time(last->time), now - std::max(0.0, longest_cut - meeting), now);
 }
 
 bool PlannerService::take_up(const Mission& mission, WallTime now) {

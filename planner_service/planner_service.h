@@ -124,6 +124,7 @@ class PlannerService {
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;
+  void reckon_with_silence_before(const Message& kept, WallTime now);
   bool take_up(const Mission& mission, WallTime now);
   static void begin_next_mission(Robot& robot, const Point2& start, const Point2& goal);
   std::optional<std::string> problem_with_goal(const Robot& robot, const Point2& goal);

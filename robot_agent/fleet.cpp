@@ -96,7 +96,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
     const bool known = p.clock.error(now) < good_clock && prompt && echoed(now);
     if (!known) hear_own_echo(*state, p.clock, now);
   }
-  if (somebody_missing_) hear_of_the_missing(*state, clock_.fleet_time(arrived));
+  if (somebody_missing_) hear_of_the_missing(*state, p, clock_.fleet_time(arrived));
   if (state->copy == 0 && !state->passed_on) {
     const Received::Count count = p.received.hear(state->sequence);
     if (count.sent > 0 && own_mission_ && tells_at_every_beat(p)) loss_.add(count);

@@ -178,7 +178,7 @@ class Fleet {
     std::uint32_t stride_until = 0;  ///< turn at which to look at that again
     bool is_witness = false;         ///< of this robot
     bool waits_for_this = false;     ///< robot
-    bool is_ignorant = false;        ///< it misses one that is heard here
+    bool is_ignorant = false;        ///< it misses this robot, or one that is heard here
     bool asks = false;               ///< for an echo, its own or one's that it misses: it stands meanwhile
     bool dead = false;               ///< counts as dead
     bool said_dead = false;          ///< by the first who told of it
@@ -240,7 +240,7 @@ class Fleet {
   std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t turn);
   void hear_again(Peer& peer, WallTime arrived);
   void hear_own_echo(const RobotState& state, ClockOffset& clock, double now);
-  void hear_of_the_missing(const RobotState& state, double now);
+  void hear_of_the_missing(const RobotState& state, const Peer& teller, double now);
   bool missing(const Peer& peer, double seconds, double now) const;
   bool heard_elsewhere(const Peer& peer, double now) const;
   const Absences& absences(double now);

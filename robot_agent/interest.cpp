@@ -128,17 +128,18 @@ bool Fleet::hears(const Peer& p, double now) const {
 /// Somebody is heard here whom that one misses: the next state says so, but no two shortly after each other,
 /// for those who answer may miss somebody, too.
 bool Fleet::answers(const RobotState& state, std::size_t asker, double now) {
-  peers_[asker].is_ignorant = false;
   if (!own_mission_ || state.passed_on) return false;
+  peers_[asker].is_ignorant = std::ranges::find(state.misses, self_) != state.misses.end();
+  bool tells = false;
   const bool is_due = now >= answered_until_[asker];
   for (const RobotName& missed : state.misses) {
     const auto known = index_.find(missed);
     if (!known || !hears(peers_[*known], now)) continue;
-    peers_[asker].is_ignorant = true;
+    peers_[asker].is_ignorant = tells = true;
     const bool noted = std::ranges::find(missed_by_others_, *known) != missed_by_others_.end();
     if (is_due && !noted && missed_by_others_.size() < most_answers) missed_by_others_.push_back(*known);
   }
-  if (!is_due || !peers_[asker].is_ignorant) return false;
+  if (!is_due || !tells) return false;
   answered_until_[asker] = now + between_answers * second();
   return true;
 }

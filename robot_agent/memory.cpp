@@ -45,7 +45,7 @@ void Recollection::receive(const RobotState& state) {
     drive_on(memory_->body, state.stamp, *memory_);
     memory_->body = body;
     memory_->sequence = state.sequence;
-    // One that is new has left its predecessor's part in a knot, and has not told the others yet.
+    // One that was started anew has left its predecessor's part in a knot, and has not told the others yet.
     if (state.is_new && state.stage == Stage::free) return;
     memory_->knot_epoch = state.knot.epoch;
     memory_->stage = state.stage;

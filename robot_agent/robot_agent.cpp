@@ -154,7 +154,11 @@ void RobotAgent::begin_mission(WallTime now) {
   if (!map_ || mission.map_id != map_->map_id) return;
   if (mission.cancelled && !(memory_ && is_of(mission, *memory_))) return stop();
   take_up(mission, now);
-  if (mission.cancelled) return stop();  // but nobody else has the end of its track
+  if (mission.cancelled) {  // but nobody else has the end of its track
+    stop();
+    stopped_at_ = std::max(stopped_at_, mission.clock.fleet_time(now));
+    return;
+  }
   if (const char* const problem = problem_with_task()) {
     follower_.reset();
     finder_.reset();
@@ -239,7 +243,8 @@ void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
     status_.path_time = before.path_time;
     status_.plan_seconds = before.plan_seconds;
     status_.improve_seconds = before.improve_seconds;
-    if (before.phase == Phase::arrived) status_.arrival_time = before.arrival_time;
+    if (before.phase == Phase::arrived || before.phase == Phase::stopped)
+      status_.arrival_time = before.arrival_time;
     status_.driven_length = memory.driven_length;
   }
 }

@@ -68,9 +68,7 @@ void Fleet::hear_again(Peer& p, WallTime arrived) {
 
 /// What one has heard of another robot of late tells that this is alive. A newer one is to be expected as
 /// soon as the distances between the three allow.
-void Fleet::hear_of_the_missing(const RobotState& state, double now) {
-  const auto teller = index_.find(state.robot);
-  if (!teller || !own_mission_) return;
+void Fleet::hear_of_the_missing(const RobotState& state, const Peer& teller, double now) {
   for (const Echo& echo : state.echoes) {
     const auto known = index_.find(echo.robot);
     if (!known) continue;
@@ -79,9 +77,9 @@ void Fleet::hear_of_the_missing(const RobotState& state, double now) {
     if (echo.stamp <= newest || is_from_the_future(echo.stamp, p, now)) continue;
     p.echoed = echo.stamp;
     const double between = (p.place - state.position).norm() - p.radius - state.radius;
-    const int stride = std::max(
-        {stride_from(p), stride_from(peers_[*teller]), stride_over(between, p.max_speed + state.max_speed)});
-    p.echo_holds_until = now + death * second() + lost_over(stride);
+    const int stride =
+        std::max({stride_from(p), stride_from(teller), stride_over(between, p.max_speed + state.max_speed)});
+    p.echo_holds_until = std::max(p.echo_holds_until, now + death * second() + lost_over(stride));
   }
 }
 

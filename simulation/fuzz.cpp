@@ -20,8 +20,9 @@ constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
 constexpr double max_speed = 20;
 constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as dead
-// Two that do not reach each other are safe for as long as they like, if others are alive who reach both.
-constexpr double longest_cut_of_a_link = 150;
+// Two that do not reach each other are safe for as long as they like, if others are alive who reach both;
+// after two minutes they give up.
+constexpr double longest_cut_of_a_link = 110;
 constexpr std::size_t robots_a_cut_link = 4;
 
 /// Any of the kinds that try coordination, or a random map with random tasks.

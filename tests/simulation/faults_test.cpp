@@ -160,13 +160,24 @@ Scenario two_and_a_far_crowd(int crowd, int away) {
 TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughOthersDo) {
   for (const int away : {50, 400}) {
     for (const int crowd : {2, 30, 120}) {
-      // After two minutes they give up, and drive on once they hear of each other.
-      const double until = away < 100 ? 100 : 200;
-      const Faults faults{.bus = {.loss = 0.35, .cut_links = {{"east", "west", 0, until}}}};
+      const Faults faults{.bus = {.loss = 0.35, .cut_links = {{"east", "west", 0, 100}}}};
       expect_all_arrive(simulate(two_and_a_far_crowd(crowd, away), faults),
                         fmt::format("{} others, {} m away", crowd, away));
     }
   }
+}
+
+TEST(Faults, TwoThatNeverFindEachOtherGiveUpAndSayWhy) {
+  const Outcome outcome =
+      simulate(two_and_a_far_crowd(8, 400), {.bus = {.cut_links = {{"east", "west", 0, 500}}}});
+  EXPECT_TRUE(outcome.broken.empty()) << outcome.broken.front();
+  EXPECT_EQ(outcome.report.outcome(), "incomplete");
+  const auto says = [&](int k, const std::string& of) {
+    return outcome.report.robots(k).reason().find("hears nothing of " + of) != std::string::npos;
+  };
+  EXPECT_TRUE(says(0, "west")) << outcome.report.robots(0).reason();
+  EXPECT_TRUE(says(1, "east")) << outcome.report.robots(1).reason();
+  EXPECT_LT(outcome.report.run_time(), 200);
 }
 
 // Those are missed as well, and asked for.
