@@ -59,7 +59,6 @@ int largest_datagram_of(const DdsSettings& settings) {
 
 }  // namespace
 
-/// What is asked for, or what suits.
 std::string discovery_of(const DdsSettings& settings) {
   if (!settings.discovery.empty()) return settings.discovery;
   if (const std::string servers = usual_discovery_servers(); !servers.empty()) return servers;

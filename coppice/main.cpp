@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
   DiscoveryOptions server;
   auto* discovery = app.add_subcommand("discovery", "a discovery server, for networks without multicast");
   discovery->add_option("--address", server.address,
-                        "IPv4 address of this host that clients are told; it listens at all");
+                        "IPv4 address of this host that clients are told, 0.0.0.0: all; it listens at all");
   discovery->add_option("--port", server.port, "UDP port")->check(CLI::Range(1, 65535));
   discovery
       ->add_option("--place", server.place, "in the list of servers that the fleet is given, 0 for the first")

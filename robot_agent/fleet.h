@@ -204,10 +204,9 @@ class Fleet {
     std::size_t unheard = 0;
     std::size_t absent = 0;
     std::size_t long_absent = 0;
-    std::size_t elsewhere = 0;  ///< silent here, but not everywhere
     std::size_t never_came = 0;
     std::size_t dead = 0;
-    std::optional<std::size_t> somebody_elsewhere{};
+    std::optional<std::size_t> elsewhere{};  ///< one that is silent here, but not everywhere
   };
 
   std::size_t number_of(const RobotName& robot);

@@ -174,7 +174,7 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
   };
   for (const std::size_t missed : std::exchange(missed_by_others_, {}))
     echoes.push_back(echo_of(peers_[missed]));
-  const std::size_t answers = echoes.size();
+  const std::size_t most_news = echoes.size() + echoes_a_state;
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
     Peer* p = addressed[(turn + k) % addressed.size()];
     if (!p->state) continue;
@@ -184,7 +184,7 @@ std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint
     p->introductions += p->clock.known();
   }
   const bool all_news = is_turn_of(0, turn, turns_an_echo);
-  for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < answers + echoes_a_state; ++k) {
+  for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < most_news; ++k) {
     next_echo_ = next_echo_ + 1 < peers_.size() ? next_echo_ + 1 : 0;
     Peer& p = peers_[next_echo_];
     if (p.state && p.echo_sent != p.state->stamp) add(p);

@@ -24,6 +24,10 @@ constexpr int improvements_a_step = 4;      // bounded pieces of work, some hund
 constexpr double worth_swapping = 0.005;    // of what is left to drive
 constexpr std::size_t most_tree_nodes = 4'000'000;  // as many as a broker grows
 
+bool is_of_run(const std::optional<Memory>& memory, const Mission& mission) {
+  return memory && memory->mission.clock == mission.clock && memory->mission.map_id == mission.map_id;
+}
+
 }  // namespace
 
 void RobotAgent::expect(std::span<const Arrival> arrivals) const {
@@ -152,9 +156,9 @@ void RobotAgent::begin_mission(WallTime now) {
   const Mission& mission = *own;
   if (mission_ && mission_->number == mission.number && !mission.cancelled) return;  // nearly always
   if (!map_ || mission.map_id != map_->map_id) return;
-  if (mission.cancelled && !(memory_ && is_of(mission, *memory_))) return stop();
+  if (mission.cancelled && !is_of_run(memory_, mission)) return stop();
   take_up(mission, now);
-  if (mission.cancelled) {  // but nobody else has the end of its track
+  if (mission.cancelled) {  // but nobody else has the end of its track, however long ago it was driven
     stop();
     stopped_at_ = std::max(stopped_at_, mission.clock.fleet_time(now));
     return;
@@ -208,13 +212,9 @@ const char* RobotAgent::problem_with_task() const {
   return nullptr;
 }
 
-bool RobotAgent::is_of(const Mission& mission, const Memory& memory) {
-  return memory.mission.clock == mission.clock && memory.mission.map_id == mission.map_id;
-}
-
 void RobotAgent::place_body(const Mission& mission, double fleet_now) {
   const auto memory = std::exchange(memory_, std::nullopt);
-  if (memory && is_of(mission, *memory)) return go_on_from(*memory, fleet_now);
+  if (is_of_run(memory, mission)) return go_on_from(*memory, fleet_now);
   const double begin = std::max(0.0, std::ceil(fleet_now / period) * period);
   body_.emplace(mission.start, begin, mission.radius, limits_of(mission), period);
   if (fleet_.is_under_way(fleet_now)) join_late({}, fleet_now);

@@ -81,7 +81,6 @@ class RobotAgent {
   void begin_run();
   void begin_mission(WallTime now);
   void take_up(const Mission& mission, WallTime now);
-  static bool is_of(const Mission& mission, const Memory& memory);
   void place_body(const Mission& mission, double fleet_now);
   void go_on_from(const Memory& memory, double fleet_now);
   void join_late(std::span<const Heard> silent, double fleet_now);

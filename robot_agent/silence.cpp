@@ -89,7 +89,7 @@ bool Fleet::heard_elsewhere(const Peer& p, double now) const {
 }
 
 std::optional<RobotName> Fleet::heard_by_others_only() const {
-  const auto one = absences_.somebody_elsewhere;
+  const auto one = absences_.elsewhere;
   return one ? std::optional(peers_[*one].robot) : std::nullopt;
 }
 
@@ -152,10 +152,7 @@ void Fleet::count_absence(Peer& p, double now) {
   Absences& count = absences_;
   const double silent = silence(p, now) / second();
   const auto number = static_cast<std::size_t>(&p - peers_.data());
-  if (silent > long_absence && heard_elsewhere(p, now)) {
-    ++count.elsewhere;
-    count.somebody_elsewhere = number;
-  }
+  if (silent > long_absence && heard_elsewhere(p, now)) count.elsewhere = number;
   if (silent > absence) (p.dead ? missing_dead_ : missing_).push_back(number);
   count.dead += p.dead;
   if (p.dead) return;
@@ -184,7 +181,7 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
   copies_ = count.alive > 0 ? loss_.copies_for(std::min(count.alive, sure_witnesses)) : 1;
   somebody_missing_ = count.absent + count.never_came + count.dead > 0;
   cut_off_ = now < minority_until_ || is_alone(count) || unheard_by_all(count, now) ||
-             count.long_absent > 1 || count.elsewhere > 0;
+             count.long_absent > 1 || count.elsewhere;
   out_of_touch_ = is_alone(count) || unheard_by_all(count, now) ||
                   (count.long_absent > 0 && 2 * count.long_absent >= count.alive);
 }

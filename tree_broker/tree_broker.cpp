@@ -107,28 +107,20 @@ void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
 
 /// Of several that lead, because they did not hear of each other, the one that has done so for longest goes
 /// on.
-bool TreeBroker::another_leads(WallTime now) const {
-  return std::ranges::any_of(others_, [&](const auto& entry) {
-    const auto& [id, other] = entry;
-    if (!other.leads_since || now - other.heard_at > lease) return false;
-    return !leads() || std::pair(*other.leads_since, id) < std::pair(*leads_since_, id_);
-  });
-}
-
-/// The one that leads may have begun anew, without what its predecessor knew and only this one has heard.
-void TreeBroker::follow(WallTime now) {
-  std::uint64_t leader = 0;
-  WallTime since = 0;
+std::optional<TreeBroker::Leader> TreeBroker::leader_among_others(WallTime now) const {
+  std::optional<Leader> leader;
   for (const auto& [id, other] : others_) {
     if (!other.leads_since || now - other.heard_at > lease) continue;
-    if (leader == 0 || *other.leads_since < since) {
-      leader = id;
-      since = *other.leads_since;
-    }
+    const Leader one{*other.leads_since, id};
+    if (!leader || one < *leader) leader = one;
   }
-  if (leads() || leader == 0 || leader == followed_) return;
-  const bool is_another = std::exchange(followed_, leader) != 0;
-  if (!is_another || !forest_) return;
+  return leader;
+}
+
+/// That one may have begun anew, without what its predecessor knew and only this broker has heard.
+void TreeBroker::follow(const Leader& leader, WallTime now) {
+  const std::uint64_t before = std::exchange(followed_, leader.second);
+  if (before == 0 || before == followed_ || !forest_) return;
   listens_until_ = now;
   forest_->recalled.insert(forest_->unsaid.begin(), forest_->unsaid.end());
 }
@@ -207,9 +199,11 @@ std::vector<Message> TreeBroker::step(WallTime now) {
   std::vector<Message> out;
   reckon_with_a_clock_set_back(now);
   const bool led = leads();
-  const bool may_lead = now >= listens_until_ && !another_leads(now);
+  const std::optional<Leader> other = leader_among_others(now);
+  const bool another_leads = other && (!led || *other < Leader{*leads_since_, id_});
+  const bool may_lead = now >= listens_until_ && !another_leads;
   if (may_lead != led) leads_since_ = may_lead ? std::optional(now) : std::nullopt;
-  follow(now);
+  if (other && !leads()) follow(*other, now);
   bool grows = forest_ != nullptr && leads();
   for (int i = 0; i < iterations_a_step && grows; ++i) grows = grow();
   if (forest_ && leads()) publish_trees(out);
@@ -224,10 +218,7 @@ std::vector<Message> TreeBroker::step(WallTime now) {
     shows_active_trees_ = grows;
   }
   next_wake_ = grows ? now : next_status_;
-  for (const auto& [id, other] : others_) {
-    if (!leads() && other.leads_since && other.heard_at + lease > now)
-      next_wake_ = std::min(next_wake_, other.heard_at + lease);
-  }
+  if (other && !leads()) next_wake_ = std::min(next_wake_, others_.at(other->second).heard_at + lease);
   return out;
 }
 

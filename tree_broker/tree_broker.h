@@ -17,6 +17,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bus/bus.h"
@@ -60,6 +61,7 @@ class TreeBroker {
     std::vector<TreeId> unsaid{};  ///< inactive, and not published by this broker yet
     std::set<TreeId> recalled{};   ///< of these, those that nobody has published since
   };
+  using Leader = std::pair<WallTime, std::uint64_t>;  ///< since when, and who
   /// Another broker.
   struct Other {
     std::optional<WallTime> leads_since{};
@@ -81,8 +83,8 @@ class TreeBroker {
   Group* group_of(const RobotName& robot, WallTime run, std::uint32_t mission);
   void end_group(const RobotName& robot);
   void reckon_with_a_clock_set_back(WallTime now);
-  bool another_leads(WallTime now) const;
-  void follow(WallTime now);
+  std::optional<Leader> leader_among_others(WallTime now) const;
+  void follow(const Leader& leader, WallTime now);
   bool grow();
   void take_up_waiting_trees(WallTime now);
   void publish_trees(std::vector<Message>& out);

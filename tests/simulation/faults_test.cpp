@@ -177,7 +177,6 @@ TEST(Faults, TwoThatNeverFindEachOtherGiveUpAndSayWhy) {
   };
   EXPECT_TRUE(says(0, "west")) << outcome.report.robots(0).reason();
   EXPECT_TRUE(says(1, "east")) << outcome.report.robots(1).reason();
-  EXPECT_LT(outcome.report.run_time(), 200);
 }
 
 // Those are missed as well, and asked for.

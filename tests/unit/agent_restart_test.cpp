@@ -8,6 +8,7 @@
 #include "robot_agent/memory.h"
 #include "robot_agent/robot_agent.h"
 #include "tests/unit/roles.h"
+#include "tests/unit/states.h"
 
 namespace coppice {
 namespace {
@@ -38,16 +39,8 @@ struct AgentRun {
     }
   }
   RobotState standing_b(double now) const {
-    RobotState state{.robot = "b",
-                     .sequence = static_cast<std::uint32_t>(now / 0.05),
-                     .stamp = now,
-                     .position = {20, 20},
-                     .radius = 5,
-                     .max_speed = 20,
-                     .max_acceleration = 40,
-                     .promise = {now + 0.05, {0, 0}, now + 0.1},
-                     .knot = {},
-                     .echoes = {}};
+    RobotState state = state_of("b", now, {20, 20});
+    state.sequence = static_cast<std::uint32_t>(now / 0.05);
     if (!said.empty()) state.echoes.push_back({"a", now, now});
     return state;
   }
@@ -164,20 +157,11 @@ TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
 }
 
 TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
-  RobotState state{.robot = "a",
-                   .stamp = 1,
-                   .position = {20, 60},
-                   .radius = 5,
-                   .max_speed = 20,
-                   .max_acceleration = 40,
-                   .promise = {1.05, {0, 0}, 1.1},
-                   .knot = {7, "b", {20, 60}, 30},
-                   .stage = Stage::ordered};
+  RobotState state = state_of("a", 1, {20, 60});
+  state.knot = {7, "b", {20, 60}, 30};
+  state.stage = Stage::ordered;
   std::vector<Message> kept{mission_of_a(0), state};
-  state.stamp = 5;
-  state.promise = {5.05, {0, 0}, 5.1};
-  state.knot = {};
-  state.stage = Stage::free;
+  state = state_of("a", 5, {20, 60});
   state.is_new = true;
   kept.emplace_back(state);
   EXPECT_EQ(memory_of(kept)->stage, Stage::ordered);

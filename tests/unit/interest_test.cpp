@@ -9,11 +9,10 @@
 
 #include "bus/validation.h"
 #include "robot_agent/fleet.h"
+#include "tests/unit/states.h"
 
 namespace coppice {
 namespace {
-
-constexpr double period = control_period;
 
 TEST(Interest, TheFurtherTheRarer) {
   EXPECT_EQ(stride_over(-1, 40), 1);
@@ -69,18 +68,11 @@ class Row {
   static Point2 place(int k) { return {10 + 100.0 * k, 10}; }
 
   void hear(int k, double stamp, double arrived, std::vector<Echo> echoes = {}, How how = {}) {
-    const RobotState state{.robot = name(k),
-                           .stamp = stamp,
-                           .position = place(k),
-                           .radius = 5,
-                           .max_speed = 20,
-                           .max_acceleration = 40,
-                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
-                           .knot = {},
-                           .passed_on = how.passed_on,
-                           .wants_echo = how.wants_echo,
-                           .misses = how.misses,
-                           .echoes = std::move(echoes)};
+    RobotState state = state_of(name(k), stamp, place(k));
+    state.passed_on = how.passed_on;
+    state.wants_echo = how.wants_echo;
+    state.misses = how.misses;
+    state.echoes = std::move(echoes);
     fleet_.hear(std::make_shared<const RobotState>(state), arrived);
   }
   void judge(double now) { fleet_.judge_silence(now, place(0), {}, field_); }
@@ -209,12 +201,8 @@ TEST(Interest, AnAnswerWaitsForTheNextState) {
 TEST(Interest, NobodyIsAskedBeforeThisRobotHasAMission) {
   Fleet fleet("a");
   for (const char* robot : {"b", "c"}) {
-    const RobotState state{.robot = robot,
-                           .radius = 5,
-                           .max_speed = 20,
-                           .max_acceleration = 40,
-                           .knot = {},
-                           .misses = {"b", "c"}};
+    RobotState state = state_of(robot, 0, {10, 10});
+    state.misses = {"b", "c"};
     EXPECT_TRUE(fleet.hear(std::make_shared<const RobotState>(state), 0.001));
   }
   EXPECT_TRUE(fleet.address(0, nullptr, {}, 0).agents.empty());
@@ -238,7 +226,7 @@ TEST(Interest, AsksForAllWhoAreMissing) {
 }
 
 // Strides are powers of two: whoever hears one state of so many still hears of all.
-TEST(Interest, AsksForManyInTurnAndOfTheDeadLast) {
+TEST(Interest, AsksForManyInTurn) {
   for (const int robots : {21, 25, 35}) {
     Row row(robots);
     std::map<RobotName, int> asked_for;

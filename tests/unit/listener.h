@@ -7,10 +7,9 @@
 
 #include "planning/clearance_field.h"
 #include "robot_agent/fleet.h"
+#include "tests/unit/states.h"
 
 namespace coppice {
-
-inline constexpr double period = control_period;
 
 /// A robot "a" that may hear "b" and "c".
 class Listener {
@@ -33,33 +32,17 @@ class Listener {
   }
   void hear(const RobotName& robot, double stamp, std::vector<Echo> echoes = {},
             const Point2& velocity = Point2::Zero(), const Point2& position = {100, 100}) {
-    const RobotState state{.robot = robot,
-                           .stamp = stamp,
-                           .position = position,
-                           .velocity = velocity,
-                           .radius = 5,
-                           .max_speed = 20,
-                           .max_acceleration = 40,
-                           .promise = {stamp + period, velocity, stamp + 2 * period},
-                           .knot = {},
-                           .echoes = std::move(echoes)};
-    fleet_.hear(std::make_shared<const RobotState>(state), stamp + 0.001);
+    RobotState state = state_of(robot, stamp, position, velocity);
+    state.echoes = std::move(echoes);
+    hear(state);
   }
   void hear(const RobotState& state) {
     fleet_.hear(std::make_shared<const RobotState>(state), state.stamp + 0.001);
   }
   /// What somebody says to be the last state of `robot`; false if it was not taken up.
   bool hear_passed_on(const RobotName& robot, double stamp, double now, const Point2& position) {
-    const RobotState state{.robot = robot,
-                           .stamp = stamp,
-                           .position = position,
-                           .radius = 5,
-                           .max_speed = 20,
-                           .max_acceleration = 40,
-                           .promise = {stamp + period, Point2::Zero(), stamp + 2 * period},
-                           .knot = {},
-                           .passed_on = true,
-                           .echoes = {}};
+    RobotState state = state_of(robot, stamp, position);
+    state.passed_on = true;
     return fleet_.hear(std::make_shared<const RobotState>(state), now);
   }
   double now() const { return now_; }

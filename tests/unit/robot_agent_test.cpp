@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/roles.h"
+#include "tests/unit/states.h"
 
 namespace coppice {
 namespace {
@@ -351,16 +352,10 @@ TEST(RobotAgent, OneWhoseClockWasSetStandsAllThatTimeAndGoesOn) {
 
 /// Of one that has heard "a" a period ago.
 RobotState standing(const char* robot, std::uint32_t sequence, double now, const Point2& place) {
-  return {.robot = robot,
-          .sequence = sequence,
-          .stamp = now,
-          .position = place,
-          .radius = 5,
-          .max_speed = 20,
-          .max_acceleration = 40,
-          .promise = {now + 0.05, Point2::Zero(), now + 0.1},
-          .knot = {},
-          .echoes = {{"a", now - 0.05, now}}};
+  RobotState state = state_of(robot, now, place);
+  state.sequence = sequence;
+  state.echoes = {{"a", now - 0.05, now}};
+  return state;
 }
 
 TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {

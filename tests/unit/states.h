@@ -1,0 +1,25 @@
+// What a robot of five metres that drives at up to 20 m/s says of itself.
+#pragma once
+
+#include "bus/messages.h"
+#include "robot_agent/fleet.h"
+
+namespace coppice {
+
+inline constexpr double period = control_period;
+
+/// It keeps its velocity for a period, and then brakes.
+inline RobotState state_of(const RobotName& robot, double stamp, const Point2& position,
+                           const Point2& velocity = Point2::Zero()) {
+  return {.robot = robot,
+          .stamp = stamp,
+          .position = position,
+          .velocity = velocity,
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .promise = {stamp + period, velocity, stamp + 2 * period},
+          .knot = {}};
+}
+
+}  // namespace coppice
