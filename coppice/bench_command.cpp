@@ -66,7 +66,7 @@ int bench_command(const BenchOptions& options, const std::string& program) {
                       .security = options.security,
                       .report = options.report};
   if (options.quick) scale.fleet_seconds = 5;
-  if (options.experiment == "scale") bench_scale(experiment, scale, program);
+  if (options.experiment == "scale") return bench_scale(experiment, scale, program) ? 0 : 1;
   return 0;
 }
 

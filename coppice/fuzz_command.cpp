@@ -57,6 +57,7 @@ struct Sum {
 /// One case, with its files.
 int replay(const FuzzOptions& options) {
   const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts);
+  check_results(options.files, fuzz_case.scenario, options.record.file);
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   SimulationRecording recording(simulation, options.record);
   simulation.run(go_on);

@@ -27,11 +27,11 @@ void refuse_size(const MapOptions& options) {
         fmt::format("--{}: {} has a size of its own", options.width ? "width" : "height", options.kind));
 }
 
-/// Random tasks on a generated map, or on that of a file.
-Scenario random_scenario(const MapOptions& options) {
+/// Random tasks on a generated map, or, named `file`, on that of a file.
+Scenario random_scenario(const MapOptions& options, const std::string& file = {}) {
   Random random(options.seed);
   const double radius = options.radius.value_or(default_radius);
-  Scenario scenario{.map_name = {},
+  Scenario scenario{.map_name = file,
                     .map = read_or_generate_map(options.kind, options.width.value_or(default_side),
                                                 options.height.value_or(default_side), random),
                     .seed = options.seed,
@@ -49,6 +49,7 @@ Scenario random_scenario(const MapOptions& options) {
   return scenario;
 }
 
+/// A name of a kind is that, whatever files there are.
 Scenario scenario_of_kind(const MapOptions& options) {
   const auto& trials = scenario_kinds();
   const auto trial = std::ranges::find(trials, options.kind, &ScenarioKind::name);
@@ -63,7 +64,7 @@ Scenario scenario_of_kind(const MapOptions& options) {
   std::error_code too_long;  // as a name
   if (std::filesystem::exists(options.kind, too_long)) {
     refuse_size(options);
-    return random_scenario(options);
+    return random_scenario(options, options.kind);
   }
   std::string names = "blank, dense, maze, room";
   for (const ScenarioKind& known : trials) names += ", " + known.name;
@@ -77,10 +78,13 @@ int map_command(const MapOptions& options) {
   if (file.extension() != ".json")
     throw InputError(fmt::format("{}: expected a name that ends in .json", options.output));
   Scenario scenario = scenario_of_kind(options);
-  if (std::filesystem::exists(options.kind)) {
+  if (!scenario.map_name.empty()) {
     scenario.map_name = std::filesystem::proximate(options.kind, absolute(file).parent_path()).string();
   } else {
     const std::filesystem::path map_file = std::filesystem::path(file).replace_extension(".map");
+    if (std::filesystem::exists(map_file) && !std::filesystem::exists(file))
+      throw InputError(fmt::format("{}: is there already, and may belong to something else than {}",
+                                   map_file.string(), file.string()));
     scenario.map_name = map_file.filename().string();
     write_map(map_file, scenario.map);
   }

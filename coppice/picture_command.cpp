@@ -65,7 +65,7 @@ void draw_png(const PictureContent& content, const fs::path& file, const fs::pat
 }
 
 double checked_time(const PictureBook& book, double time, const std::string& option) {
-  if (time < book.begin() || time > book.end())
+  if (!(time >= book.begin() && time <= book.end()))  // nor NaN
     throw InputError(fmt::format("{} {:g}: the recording is of fleet times from {:.2f} to {:.2f} s", option,
                                  time, book.begin(), book.end()));
   return time;

@@ -167,8 +167,8 @@ PictureContent picture_of(const Scenario& scenario, const Plans& plans) {
 }  // namespace
 
 int plan_command(const RunOptions& options) {
-  check_results(options);
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  check_results(options, scenario);
   install_stop_signals();
   const auto begin = Clock::now();
   const ClearanceField field(scenario.map);

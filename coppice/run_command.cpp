@@ -287,11 +287,14 @@ bool end_all(ProcessFleet& fleet) {
 /// Who ended early, and is to be started again.
 class Restarts {
  public:
-  void note(const ProcessFleet::Ended& ended) {
+  /// Whether it is.
+  bool note(const ProcessFleet::Ended& ended) {
     // Bad usage does not get better; but of one that ran before, only the system may have refused something.
     int& refusals = refusals_.try_emplace(ended.name, most_refusals).first->second;
     refusals = ended.exit_code == 2 ? refusals + 1 : 0;
-    if (refusals <= most_refusals) due_.emplace(Clock::now() + pause_before_restart, ended.name);
+    if (refusals > most_refusals) return false;
+    due_.emplace(Clock::now() + pause_before_restart, ended.name);
+    return true;
   }
   void start_those_due(ProcessFleet& fleet) {
     if (due_.empty() || due_.begin()->first > Clock::now()) return;
@@ -331,16 +334,17 @@ int watch(ProcessFleet& fleet, bool restarts,
       std::this_thread::sleep_for(poll_period);
       continue;
     }
-    const bool done = ended->name == service_name && ended->exit_code <= 2;
-    if (!done) tell_of_end(*ended);
+    const bool is_service = ended->name == service_name;
+    const bool has_reported = is_service && ended->exit_code <= 1;
+    const bool says_why = is_service && ended->exit_code <= 2;
+    if (!says_why) tell_of_end(*ended);
     if (ended->name == recorder_name) recorded = false;
     // A recording that was cut off is not to be replaced.
-    if (restarts && !done && !stop.is_there() && ended->name != recorder_name) {
-      to_start.note(*ended);
-    } else if (ended->name == service_name) {
-      recorded = end_all(fleet) && recorded;
-      return done ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;
-    }
+    const bool may_go_on = restarts && !has_reported && !stop.is_there() && ended->name != recorder_name &&
+                           to_start.note(*ended);
+    if (may_go_on || !is_service) continue;
+    recorded = end_all(fleet) && recorded;
+    return says_why ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;
   }
 }
 
@@ -348,8 +352,8 @@ int watch(ProcessFleet& fleet, bool restarts,
 
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
   // Bad input: before anything starts.
-  check_results(options);
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  check_results(options, scenario, fleet_options.record.file);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(names_of(scenario));
   check_servers(fleet_options);

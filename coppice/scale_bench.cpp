@@ -26,6 +26,7 @@
 #include "coppice/time_scale.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
+#include "planning/map_generator.h"
 
 namespace coppice {
 
@@ -161,11 +162,13 @@ double most(const std::vector<double>& values) {
   return quantile(values, 1);
 }
 
+constexpr const char* nobody_knows = "-";
+
 /// When the last agent was matched with the last other one, seconds after the command; "-" if some are not.
 std::string all_matched(const Run& run) {
   double last = 0;
   for (const auto& robot : run.report.robots()) {
-    if (static_cast<int>(robot.load().agents_matched()) + 1 < run.report.robots_size()) return "-";
+    if (static_cast<int>(robot.load().agents_matched()) + 1 < run.report.robots_size()) return nobody_knows;
     last = std::max(last, robot.load().matched_at());
   }
   return fmt::format("{:.1f}", last - run.began_at);
@@ -241,11 +244,15 @@ const std::vector<std::string> columns{"robots",
 
 }  // namespace
 
-void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings,
+bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings,
                  const std::string& program) {
+  if (options.maps.size() != 1 || !map_kind(options.maps.front()))
+    throw InputError(
+        "--maps: scale makes a map as large as its robots need, expected one of blank, dense, maze, room");
   const TemporaryFolder folder;
   const std::string executable = std::filesystem::canonical(program).string();
   Table table{columns, {}};
+  bool all_well = true;
   Series states{"states of others", {}, {}, {}};
   Series samples{"all samples", {}, {}, {}};
   for (const int robots : options.robots) {
@@ -263,10 +270,13 @@ void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
     states.y.push_back(number(5));
     samples.x.push_back(robots);
     samples.y.push_back(number(6));
+    all_well = all_well && table.rows.back()[2] != nobody_knows && run.report.collisions() == 0;
+    // Each time: the next one may fail.
+    write_experiment(options, "scale", table, table,
+                     {{"received by an agent", "robots", "a fleet second", false, {states, samples}}}, 1);
+    if (!settings.report.empty()) write_file(std::filesystem::path(settings.report), as_json(table));
   }
-  write_experiment(options, "scale", table, table,
-                   {{"received by an agent", "robots", "a fleet second", false, {states, samples}}}, 1);
-  if (!settings.report.empty()) write_file(std::filesystem::path(settings.report), as_json(table));
+  return all_well;
 }
 
 }  // namespace coppice

@@ -17,7 +17,9 @@ struct ScaleSettings {
   std::string report{};       ///< JSON; empty: none
 };
 
-/// Writes scale.csv, scale.md and scale.svg. `program` is the coppice executable.
-void bench_scale(const ExperimentOptions& options, const ScaleSettings& settings, const std::string& program);
+/// Writes scale.csv, scale.md and scale.svg, anew after each fleet. `program` is the coppice executable.
+/// False: robots touched something, or not all agents found each other. Throws InputError for maps' files:
+/// these have sizes of their own.
+bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings, const std::string& program);
 
 }  // namespace coppice

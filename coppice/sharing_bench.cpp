@@ -1,6 +1,7 @@
 #include "coppice/sharing_bench.h"
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -15,6 +16,7 @@
 #include "coppice/commands.h"
 #include "coppice/temporary_folder.h"
 #include "files/report_file.h"
+#include "planning/map_generator.h"
 #include "planning/planner_kind.h"
 
 namespace coppice {
@@ -68,9 +70,11 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
       for (int k = 0; k < options.seeds && !options.stop(); ++k) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
         const std::string scenario = (folder.path() / "scenario.json").string();
+        const auto side =
+            map_kind(source) ? std::optional(options.side) : std::nullopt;  // a file has its own
         map_command({.kind = source,
-                     .width = options.side,
-                     .height = options.side,
+                     .width = side,
+                     .height = side,
                      .seed = static_cast<std::uint32_t>(seed),
                      .robots = robots,
                      .radius = options.radius,

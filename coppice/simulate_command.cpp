@@ -15,8 +15,8 @@
 namespace coppice {
 
 int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record) {
-  check_results(options);
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  check_results(options, scenario, record.file);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)
       throw InputError(options.scenario + ": --kill: there is no robot " + kill.robot);

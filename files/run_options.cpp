@@ -54,10 +54,14 @@ PlannerKind chosen_planner(const RunOptions& options) {
   return planner_kind(options.planner).value();  // checked when the option was read
 }
 
-void check_results(const RunOptions& options) {
+void check_results(const RunOptions& options, const Scenario& scenario, const std::string& recording) {
   namespace fs = std::filesystem;
-  std::map<fs::path, std::string> names{{fs::weakly_canonical(options.scenario), options.scenario}};
-  for (const std::string& file : {options.report, options.trajectory, options.picture}) {
+  std::map<fs::path, std::string> names;
+  if (!options.scenario.empty()) {
+    const std::string map = (fs::path(options.scenario).parent_path() / scenario.map_name).string();
+    names = {{fs::weakly_canonical(options.scenario), options.scenario}, {fs::weakly_canonical(map), map}};
+  }
+  for (const std::string& file : {recording, options.report, options.trajectory, options.picture}) {
     const bool is_device = fs::exists(file) && !fs::is_regular_file(file);
     if (file.empty() || is_device) continue;
     const auto [other, fresh] = names.try_emplace(fs::weakly_canonical(file), file);

@@ -41,8 +41,8 @@ inline constexpr double default_plan_budget = 1;
 
 PlannerKind chosen_planner(const RunOptions& options);
 
-/// Throws InputError if one file is to be two of them, or the scenario's.
-void check_results(const RunOptions& options);
+/// Throws InputError if one file is to be two of these, or is the scenario's, its map's or the recording's.
+void check_results(const RunOptions& options, const Scenario& scenario, const std::string& recording = {});
 
 /// Writes the files that were asked for; `picture()` makes the content of one. Throws InputError, which names
 /// them all, if some cannot be written; the others are.

@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -48,14 +49,32 @@ std::optional<double> optional_field(bool there, const Message& value) {
   return there ? std::optional<double>(value) : std::nullopt;
 }
 
+/// Of what the parser says of bad syntax: a line that tells what is wrong, what is around that in the text,
+/// and a caret below. The number of the text's line; none if that is said of something else, or of more than
+/// one place.
+std::optional<std::ptrdiff_t> line_of(std::string_view problem, std::string_view text) {
+  const auto quote = problem.find('\n');
+  const auto pointer = problem.rfind('\n');
+  if (quote == pointer || !problem.ends_with('^')) return std::nullopt;
+  const std::string_view around = problem.substr(quote + 1, pointer - quote - 1);
+  const auto place = text.find(around);
+  if (place == std::string_view::npos || text.find(around, place + 1) != std::string_view::npos)
+    return std::nullopt;
+  const auto before = text.substr(0, place + (problem.size() - pointer - 2));
+  return 1 + std::ranges::count(before, '\n');
+}
+
 proto::Scenario parse_json(const std::filesystem::path& path) {
   proto::Scenario scenario;
-  const auto status = google::protobuf::util::JsonStringToMessage(read_file(path), &scenario);
+  const std::string text = read_file(path);
+  const auto status = google::protobuf::util::JsonStringToMessage(text, &scenario);
   if (!status.ok()) {
+    std::string problem(status.message());
+    if (const auto line = line_of(problem, text))
+      throw InputError(fmt::format("{}:{}: {}", path.string(), *line, problem.substr(0, problem.find('\n'))));
     // One line, whatever the parser quotes of the file.
-    std::string text(status.message());
-    std::ranges::replace(text, '\n', ' ');
-    throw InputError(fmt::format("{}: {}", path.string(), text));
+    std::ranges::replace(problem, '\n', ' ');
+    throw InputError(fmt::format("{}: {}", path.string(), problem));
   }
   return scenario;
 }
@@ -114,6 +133,8 @@ void check_name(const std::string& name, std::set<std::string>& names, const std
 Point2 checked_place(bool there, const proto::Position& place, const ClearanceField& field, double radius,
                      const OccupancyMap& map, const std::filesystem::path& path, const std::string& name) {
   if (!there) fail(path, name, "is missing, expected {\"x\": ..., \"y\": ...}");
+  if (!place.has_x() || !place.has_y())
+    fail(path, name + (place.has_x() ? ".y" : ".x"), "is missing, expected a number");
   const Point2 p(place.x(), place.y());
   if (!p.allFinite()) fail(path, name, "is not finite, expected numbers");
   const Box<2> box = map.bounds();

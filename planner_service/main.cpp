@@ -176,8 +176,8 @@ bool everybody_arrives(const RunOptions& options, const ProcessOptions& process,
 /// Exit code: 0 if every robot arrived.
 int run(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros) {
   check_ros(in_ros, process.network.discovery, process.network.security);
-  check_results(options);
   Scenario scenario = read_scenario(options.scenario, options.overrides);
+  check_results(options, scenario);
   if (in_ros.on) check_ros_names(names_of(scenario));
   auto journal = journal_of_service(process.state);
   const bool all =

@@ -23,7 +23,6 @@ constexpr WallTime longest_nap = 1;  // seconds between two steps: while it slee
 // One that is lost may only be cut off, or paused, and come back: for so long a run does not end without it,
 // unless it said that it was told to stop.
 constexpr WallTime longest_cut = 60;
-// Until agents have found a service that begins anew.
 constexpr WallTime least_meeting = 10;
 constexpr WallTime meeting_of_each = 0.2;
 constexpr WallTime longest_wait_for_tracks = 3;  // once all stand
@@ -297,11 +296,17 @@ bool PlannerService::recall(std::span<const Message> kept, WallTime now) {
     }
   }
   says_missions_again_ = missions_published_;
+  meets_until_ = now + meeting();
   // Not the goals that were drawn already.
   std::uint64_t drawn = 0;
   for (const auto& [name, robot] : robots_) drawn += robot.mission - 1;
   random_ = Random(scenario_.seed + drawn);
   return true;
+}
+
+/// Until agents have found a service that begins anew.
+WallTime PlannerService::meeting() const {
+  return least_meeting + meeting_of_each * static_cast<double>(robots_.size());
 }
 
 /// Who fell silent long before this service began anew is not waited for from the beginning.
@@ -313,9 +318,8 @@ void PlannerService::reckon_with_silence_before(const Message& kept, WallTime no
   if (known == robots_.end()) return;
   const auto last = record_.last(known->second.index);
   if (!last || !missions_published_) return;
-  const WallTime meeting = least_meeting + meeting_of_each * static_cast<double>(robots_.size());
   known->second.last_heard =
-      std::clamp(clock_.wall_time(last->time), now - std::max(0.0, longest_cut - meeting), now);
+      std::clamp(clock_.wall_time(last->time), now - std::max(0.0, longest_cut - meeting()), now);
 }
 
 bool PlannerService::take_up(const Mission& mission, WallTime now) {
@@ -407,7 +411,8 @@ std::vector<Message> PlannerService::step(WallTime now) {
     publish_missions(out);  // as cancelled
   }
   if (ended_) ended_ = std::min(*ended_, now);  // likewise
-  if (ended_) finished_ = tracks_complete() || now - *ended_ > wait_for_tracks_;
+  meets_until_ = std::min(meets_until_, now + meeting());
+  if (ended_) finished_ = tracks_complete() || now > std::max(*ended_, meets_until_) + wait_for_tracks_;
   next_wake_ = now + beat;
   return out;
 }

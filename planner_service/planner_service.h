@@ -124,6 +124,7 @@ class PlannerService {
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
   void publish_missions(std::vector<Message>& out) const;
+  WallTime meeting() const;
   void reckon_with_silence_before(const Message& kept, WallTime now);
   bool take_up(const Mission& mission, WallTime now);
   static void begin_next_mission(Robot& robot, const Point2& start, const Point2& goal);
@@ -166,6 +167,7 @@ class PlannerService {
   std::optional<std::uint32_t> forest_size_;  ///< trees that cover the map; none: not yet
   bool missions_published_ = false;
   bool says_missions_again_ = false;
+  WallTime meets_until_ = 0;  ///< the agents, who were told missions by the one before
   bool interrupted_ = false;
   bool timed_out_ = false;
   bool finished_ = false;

@@ -8,10 +8,11 @@ namespace coppice {
 
 inline constexpr std::size_t longest_robot_name = 64;
 
-inline constexpr std::string_view robot_name_rule = "1 to 64 printable characters without spaces and slashes";
+inline constexpr std::string_view robot_name_rule =
+    "1 to 64 printable characters without spaces, slashes, commas and double quotes";
 
 inline bool is_robot_name(std::string_view name) {
-  const auto allowed = [](char c) { return c > ' ' && c < 127 && c != '/'; };
+  const auto allowed = [](char c) { return c > ' ' && c < 127 && c != '/' && c != ',' && c != '"'; };
   return !name.empty() && name.size() <= longest_robot_name && std::ranges::all_of(name, allowed);
 }
 

@@ -46,7 +46,7 @@ void Recollection::receive(const RobotState& state) {
     memory_->body = body;
     memory_->sequence = state.sequence;
     // One that was started anew has left its predecessor's part in a knot, and has not told the others yet.
-    if (state.is_new && state.stage == Stage::free) return;
+    if (state.knot.epoch == 0) return;
     memory_->knot_epoch = state.knot.epoch;
     memory_->stage = state.stage;
   }

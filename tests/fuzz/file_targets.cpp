@@ -1,13 +1,15 @@
-// Maps, pictures, scenarios and recordings.
+// Maps, pictures, scenarios, recordings and journals.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "bus/journal.h"
 #include "files/input_error.h"
 #include "files/map_file.h"
 #include "files/scenario_file.h"
@@ -168,9 +170,45 @@ std::vector<Input> recording_seeds() {
   return seeds;
 }
 
+/// An empty one, with its first line only.
+std::filesystem::path new_journal() {
+  const std::filesystem::path file = folder().write("a.journal", {});
+  const Journal begins(file);
+  return file;
+}
+
+/// Of what stands behind the first line, the whole records count: the same whenever it is opened, and more
+/// can be added.
+void journal(Bytes data) {
+  const std::filesystem::path file = new_journal();
+  std::ofstream(file, std::ios::binary | std::ios::app)
+      .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
+  std::size_t count = 0;
+  {
+    Journal journal(file);
+    count = journal.messages().size();
+    journal.append(Claim{7, 2, "a"});
+  }
+  if (Journal(file).messages().size() != count + 1) std::abort();
+}
+std::vector<Input> journal_seeds() {
+  const std::filesystem::path file = new_journal();
+  const auto first_line = std::filesystem::file_size(file);
+  {
+    Journal journal(file);
+    journal.append(Claim{7, 2, "a"});
+    journal.append(PathMessage{"a", 1, {{4, 8}, {12, 8}}});
+  }
+  std::ifstream stored(file, std::ios::binary);
+  const std::string bytes(std::istreambuf_iterator<char>(stored), {});
+  const Input whole = input(std::string_view(bytes).substr(first_line));
+  return {whole, {whole.begin(), whole.end() - 5}};
+}
+
 constexpr std::array all{Target{"moving_ai_map", moving_ai_map, moving_ai_map_seeds},
                          Target{"ros_map", ros_map, ros_map_seeds},
                          Target{"recording", recording, recording_seeds},
+                         Target{"journal", journal, journal_seeds},
                          Target{"scenario_json", scenario_json, scenario_json_seeds},
                          Target{"scenario_scen", scenario_scen, scenario_scen_seeds}};
 
@@ -181,7 +219,7 @@ std::span<const Target> file_targets() {
 }
 
 const Target* find_target(std::string_view name) {
-  for (const auto& targets : {file_targets(), bus_targets()}) {
+  for (const auto& targets : all_targets()) {
     for (const Target& target : targets) {
       if (target.name == name) return &target;
     }

@@ -35,7 +35,7 @@ int replay(const Target& target, const std::filesystem::path& folder) {
 int main(int argc, char** argv) {
   const std::vector<std::string> arguments(argv + 1, argv + argc);
   if (arguments == std::vector<std::string>{"--targets"}) {
-    for (const auto& targets : {file_targets(), bus_targets()}) {
+    for (const auto& targets : all_targets()) {
       for (const Target& target : targets) std::cout << target.name << '\n';
     }
     return 0;

@@ -2,6 +2,7 @@
 // with any bytes, soon and with little memory; what it finds bad it says by an InputError, or drops.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -20,6 +21,10 @@ struct Target {
 
 std::span<const Target> file_targets();
 std::span<const Target> bus_targets();
+std::span<const Target> client_targets();
+inline std::array<std::span<const Target>, 3> all_targets() {
+  return {file_targets(), bus_targets(), client_targets()};
+}
 
 /// Null if there is none of that name.
 const Target* find_target(std::string_view name);

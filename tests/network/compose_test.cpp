@@ -1,5 +1,5 @@
 // What deploy/ holds for operations: the compose file is valid, and its fleet runs with each container a host
-// of its own on a network without multicast; the systemd units are valid.
+// of its own on a network without multicast; the Kubernetes manifest and the systemd units are valid.
 
 #include <cstdlib>
 #include <filesystem>
@@ -24,6 +24,17 @@ TEST(Deploy, TheComposeFileIsValid) {
   const test::Outcome outcome =
       test::shell("docker-compose -f '" + (deploy / "docker-compose.yml").string() + "' config --quiet");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
+TEST(Deploy, TheKubernetesManifestFitsThePrograms) {
+  if (test::shell("/usr/bin/python3 -c 'import yaml'").exit_code != 0)
+    GTEST_SKIP() << "python3-yaml is not installed";
+  const std::filesystem::path check = std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/network/manifest.py";
+  const test::Outcome outcome =
+      test::shell("/usr/bin/python3 '" + check.string() + "' '" + (deploy / "kubernetes.yaml").string() +
+                  "' '" + COPPICE_BIN_DIR + "'");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.output, "");
 }
 
 /// With the programs of this build, on this machine's own root file system; COPPICE_IMAGE_ROOT names an

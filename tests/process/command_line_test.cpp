@@ -89,6 +89,9 @@ TEST(CommandLine, BadInputIsOneLineThatNamesThePlace) {
       {"negative radius", scenario("good.map", fine, R"("radius": -1, )"), "radius"},
       {"negative tolerance", scenario("good.map", fine, R"("radius": 1, "goal_tolerance": -1, )"),
        "goal_tolerance"},
+      {"forgotten coordinate", scenario("good.map", R"({"x": 5})"), "robots[0].start.y: is missing"},
+      {"no comma", scenario("good.map", "\n{\"x\": 5\n\"y\": 5}"), "bad.json:3: Expected , or }"},
+      {"comma in a name", R"({"map": "good.map", "robots": [{"name": "a,b"}]})", "robots[0].name"},
       {"no JSON", "{\"map\": ", "bad.json"},
       {"empty", "", "bad.json"},
   };
@@ -168,6 +171,7 @@ TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
       {"", "--plan-budget 1e10", "--plan-budget"},
       {"", "--report /tmp/coppice-one --trajectory /tmp/../tmp/coppice-one", "is to be two files"},
       {"", "--report " + rooms(), "is to be two files"},
+      {"", "--record /tmp/coppice-one --report /tmp/coppice-one", "is to be two files"},
       {"ROS_DISCOVERY_SERVER=nonsense", "", "\"nonsense\" names no discovery servers"},
       {"", "--discovery host.invalid:7400", "\"host.invalid:7400\" names no discovery servers"},
       {"", "--discovery 127.0.0.1:7400 --security /none", "--security goes without discovery servers"},

@@ -164,9 +164,11 @@ TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
   state = state_of("a", 5, {20, 60});
   state.is_new = true;
   kept.emplace_back(state);
+  state.is_new = false;  // but it waits for its robot, which follows it, before it calls a knot
+  kept.emplace_back(state);
   EXPECT_EQ(memory_of(kept)->stage, Stage::ordered);
   EXPECT_EQ(memory_of(kept)->knot_epoch, 7u);
-  state.is_new = false;
+  state.knot = {8, "a", {20, 60}, 30};
   kept.emplace_back(state);
   EXPECT_EQ(memory_of(kept)->stage, Stage::free);
 }

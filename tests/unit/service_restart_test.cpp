@@ -84,7 +84,29 @@ TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
   PlannerService after(one_robot(), before.settings, 10);
   ASSERT_TRUE(after.recall(before.kept.store.messages, 10));
   EXPECT_TRUE(of<Mission>(after.step(10)).at(0).cancelled);
-  after.step(13.6);
+  after.step(23.6);
+  EXPECT_FALSE(after.finished());  // its agent may only now find it, and has the end of the track
+  after.step(23.8);
+  EXPECT_TRUE(after.finished());
+  EXPECT_TRUE(after.everybody_arrived());
+}
+
+// The agents' bus finds a service that is started anew after seconds.
+TEST(PlannerServiceAnew, WaitsForTheEndOfTheTracksOfARunThatHadEnded) {
+  ServiceRun before;
+  before.step(0);
+  before.step(begins);
+  before.hear(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {5, {99, 60}, {1, 0}}}, begins}, 9);
+  before.hear(arrived(1, 2), 9);
+  before.step(9.1);
+  PlannerService after(one_robot(), before.settings, 10);
+  ASSERT_TRUE(after.recall(before.kept.store.messages, 10));
+  after.step(10);
+  AgentStatus stopped = arrived(1, 3);
+  stopped.phase = Phase::stopped;
+  after.on(arrival_of(TrackMessage{"a", 1, 2, {{5.05, {99.5, 60}, {0, 0}}}, begins}, 18));
+  after.on(arrival_of(stopped, 18));
+  after.step(18);
   EXPECT_TRUE(after.finished());
   EXPECT_TRUE(after.everybody_arrived());
 }
