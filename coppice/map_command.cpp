@@ -27,11 +27,11 @@ void refuse_size(const MapOptions& options) {
         fmt::format("--{}: {} has a size of its own", options.width ? "width" : "height", options.kind));
 }
 
-/// Random tasks on a generated map, or, named `file`, on that of a file.
-Scenario random_scenario(const MapOptions& options, const std::string& file = {}) {
+/// Random tasks on a generated map, or on that of a file.
+Scenario random_scenario(const MapOptions& options) {
   Random random(options.seed);
   const double radius = options.radius.value_or(default_radius);
-  Scenario scenario{.map_name = file,
+  Scenario scenario{.map_name = {},
                     .map = read_or_generate_map(options.kind, options.width.value_or(default_side),
                                                 options.height.value_or(default_side), random),
                     .seed = options.seed,
@@ -50,6 +50,10 @@ Scenario random_scenario(const MapOptions& options, const std::string& file = {}
 }
 
 /// A name of a kind is that, whatever files there are.
+bool is_kind(const std::string& name) {
+  return map_kind(name) || std::ranges::count(scenario_kinds(), name, &ScenarioKind::name) > 0;
+}
+
 Scenario scenario_of_kind(const MapOptions& options) {
   const auto& trials = scenario_kinds();
   const auto trial = std::ranges::find(trials, options.kind, &ScenarioKind::name);
@@ -64,7 +68,7 @@ Scenario scenario_of_kind(const MapOptions& options) {
   std::error_code too_long;  // as a name
   if (std::filesystem::exists(options.kind, too_long)) {
     refuse_size(options);
-    return random_scenario(options, options.kind);
+    return random_scenario(options);
   }
   std::string names = "blank, dense, maze, room";
   for (const ScenarioKind& known : trials) names += ", " + known.name;
@@ -78,7 +82,7 @@ int map_command(const MapOptions& options) {
   if (file.extension() != ".json")
     throw InputError(fmt::format("{}: expected a name that ends in .json", options.output));
   Scenario scenario = scenario_of_kind(options);
-  if (!scenario.map_name.empty()) {
+  if (!is_kind(options.kind)) {
     scenario.map_name = std::filesystem::proximate(options.kind, absolute(file).parent_path()).string();
   } else {
     const std::filesystem::path map_file = std::filesystem::path(file).replace_extension(".map");

@@ -118,11 +118,32 @@ TEST(CoppiceBench, TakesMapsFromFiles) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_NE(test::contents(folder.path() / "lifelong.md").find("| yard"), std::string::npos);
   EXPECT_EQ(shell(program("coppice") + " bench lifelong --maps /no/such.map").exit_code, 2);
+  const Outcome fleets = shell(program("coppice") + " bench sharing --maps " + map +
+                               " --robots 2 --seeds 1 --output " + folder.path().string());
+  EXPECT_EQ(fleets.exit_code, 0) << fleets.output;
+  const Outcome scale = shell(program("coppice") + " bench scale --maps " + map);
+  EXPECT_EQ(scale.exit_code, 2);
+  EXPECT_NE(scale.output.find("--maps"), std::string::npos) << scale.output;
 
   const std::string scenario = (folder.path() / "tasks.json").string();
   EXPECT_EQ(shell(program("coppice") + " map " + map + " " + scenario).exit_code, 0);
   EXPECT_NE(test::contents(scenario).find("\"yard.map\""), std::string::npos);
   EXPECT_EQ(shell(program("coppice") + " plan " + scenario).exit_code, 0);
+}
+
+// A name of a kind is that kind, and the map beside a scenario is that scenario's.
+TEST(Coppice, MapTakesNoFileForWhatItIsNot) {
+  const TemporaryFolder folder;
+  const std::string at = "cd " + folder.path().string() + " && " + program("coppice") + " map ";
+  folder.write("rooms", "no map");
+  EXPECT_EQ(shell(at + "rooms mine.json").exit_code, 0);
+  EXPECT_NE(test::contents(folder.path() / "mine.json").find("\"mine.map\""), std::string::npos);
+  EXPECT_EQ(shell(at + "rooms mine.json").exit_code, 0);
+  folder.write("site.map", "somebody's");
+  const Outcome outcome = shell(at + "room site.json");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.output.find("site.map: is there already"), std::string::npos) << outcome.output;
+  EXPECT_EQ(test::contents(folder.path() / "site.map"), "somebody's");
 }
 
 TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
