@@ -101,14 +101,21 @@ template <class M>
 struct Ends {
   dds::DataWriter* writer = nullptr;
   dds::DataReader* reader = nullptr;
-  WallTime run = 0;  ///< of the last sample that was written, where all are kept
+  WallTime run = 0;    ///< of the last sample that was written, where all of a run are kept
+  std::string map_id;  ///< likewise, of a map
 };
 
-/// Whether a writer keeps all samples of a run for who comes late.
+/// Whether what a writer keeps for who comes late, all of a run or all trees of a map, is of use to nobody
+/// once this is said: processes may live for months.
 template <class M>
-constexpr bool keeps_all = Topic<M>::info.depth == 0 && requires(const M& m) {
-  m.run;
-};
+bool outdates(const M& message, Ends<M>& ends) {
+  if constexpr (std::is_same_v<M, InactiveTreeMessage>)
+    return std::exchange(ends.map_id, message.map_id) != message.map_id;
+  else if constexpr (Topic<M>::info.depth == 0 && requires { message.run; })
+    return std::exchange(ends.run, message.run) != message.run;
+  else
+    return false;
+}
 
 }  // namespace
 
@@ -326,11 +333,9 @@ void DdsBus::publish(const Outgoing& outgoing) {
         dds::DataWriter* writer = std::get<Ends<M>>(implementation_->topics).writer;
         if (writer == nullptr)
           throw std::logic_error("this role does not write " + std::string(Topic<M>::info.name));
-        // Of the runs before nobody asks any more: processes may live for months.
-        if constexpr (keeps_all<M>) {
-          const bool is_next = std::exchange(std::get<Ends<M>>(implementation_->topics).run, m.run) != m.run;
-          if (is_next && implementation_->role != Role::replayer) writer->clear_history(nullptr);
-        }
+        if (outdates(m, std::get<Ends<M>>(implementation_->topics)) &&
+            implementation_->role != Role::replayer)
+          writer->clear_history(nullptr);
         auto sample = to_dds(m);
         std::optional<Audience::Limit> limit;
         if (outgoing.agents) limit.emplace(implementation_->audience, *outgoing.agents);

@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "bus/dds_bus.h"
+#include "bus/dds_qos.h"
 #include "bus/dds_transport.h"
 
 namespace coppice {
@@ -76,6 +77,7 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
                                                                    .traffic = implementation_->traffic,
                                                                    .largest_datagram = datagram_for_networks,
                                                                    .is_secure = false}));
+  qos.allocation().locators.max_unicast_locators = most_addresses;
   auto& builtin = qos.wire_protocol().builtin;
   builtin.discovery_config.discoveryProtocol = rtps::DiscoveryProtocol_t::SERVER;
   builtin.discovery_config.leaseDuration = eprosima::fastrtps::Duration_t(server_lease);

@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "bus/dds_discovery_server.h"
+#include "bus/dds_qos.h"
 #include "bus/dds_security.h"
 #include "bus/dds_server_list.h"
 #include "bus/dds_static_endpoints.h"
@@ -82,6 +83,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
                              .is_secure = !settings.security.empty()}));
   // Otherwise ten from the beginning, each as long as a datagram.
   qos.allocation().send_buffers = {.preallocated_number = 1, .dynamic = true};
+  qos.allocation().locators.max_unicast_locators = most_addresses;
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
   // The transport leaves out most of these: it takes long to set up hundreds of participants at once.

@@ -12,6 +12,10 @@
 
 namespace coppice {
 
+/// Of a host, in all its networks: Fast DDS makes room for so many with each endpoint, and drops the rest
+/// without a word; its own four are soon those of bridges to containers.
+inline constexpr std::size_t most_addresses = 16;
+
 // Each remote writer and reader that is met has room for so many set aside: a service meets a thousand.
 inline constexpr int samples_at_first = 2;
 

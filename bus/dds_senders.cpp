@@ -29,10 +29,11 @@ void Senders::discover(const rtps::ParticipantDiscoveryInfo& info) {
   std::erase_if(senders_, [&](const auto& entry) {
     return entry.second.gone_at && now - *entry.second.gone_at > remembered;
   });
-  Sender& sender = senders_[info.info.m_guid.guidPrefix];
+  const auto [known, fresh] = senders_.try_emplace(info.info.m_guid.guidPrefix);
+  Sender& sender = known->second;
   if (gone) {
     sender.gone_at = now;
-  } else {
+  } else if (fresh || sender.gone_at) {  // none becomes another while it is there: only who forges says so
     const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
     sender = {coppice::robot_of(data), data == user_data_of_replayer(), std::nullopt};
   }

@@ -41,6 +41,8 @@ constexpr std::chrono::milliseconds seldom{30'000};
 
 constexpr std::chrono::milliseconds between_heartbeats{300};
 
+constexpr std::size_t most_met = 20'000;  // participants
+
 constexpr std::string_view robot_key = "robot=";
 constexpr std::string_view replayer_data = "replayer";
 
@@ -64,8 +66,9 @@ void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
   const Announced announced{robot_of(info.info.m_userData), {addresses.begin(), addresses.end()}};
   const std::scoped_lock lock(mutex_);
   if (gone) {
-    // By participant, and not by address: there may be its successor, after a restart.
-    std::erase_if(agent_at_, [&](const auto& entry) { return entry.second.participant == participant; });
+    for (auto& [address, there] : at_)
+      std::erase_if(there, [&](const Process& p) { return p.participant == participant; });
+    std::erase_if(at_, [](const auto& entry) { return entry.second.empty(); });
     unproven_.erase(participant);
     authenticated_.erase(participant);
   } else if (!is_secure_) {
@@ -86,18 +89,22 @@ void Audience::authenticate(const Guid& participant) {
 
 void Audience::place(const Guid& participant, const Announced& announced) {
   for (const Address& address : announced.addresses) {
-    if (announced.robot.empty()) {
-      agent_at_.erase(address);  // of an agent that was killed there: DDS misses it much later
+    std::vector<Process>& there = at_[address];
+    const auto known = std::ranges::find(there, participant, &Process::participant);
+    if (known == there.end()) {
+      there.push_back({participant, announced.robot});
     } else {
-      agent_at_[address] = {announced.robot, participant};
+      known->robot = announced.robot;
     }
   }
 }
 
 bool Audience::includes(const rtps::Locator_t& address) const {
   const std::scoped_lock lock(mutex_);
-  const auto agent = agent_at_.find(address);
-  return agent == agent_at_.end() || std::ranges::binary_search(agents_, agent->second.robot);
+  const auto known = at_.find(address);
+  return known == at_.end() || std::ranges::any_of(known->second, [&](const Process& p) {
+           return p.robot.empty() || std::ranges::binary_search(agents_, p.robot);
+         });
 }
 
 std::vector<std::uint8_t> user_data_of(const RobotName& robot) {
@@ -268,6 +275,7 @@ bool is_handshake_of_others(Bytes message) {
 
 void Announcements::hear(Bytes announcement) {
   const std::scoped_lock lock(mutex_);
+  if (met_.size() >= most_met) met_.clear();  // names that somebody makes up: those are never given up
   if (!met_.insert(sender_of(announcement)).second) return;
   const std::vector<rtps::Locator_t> addresses = addresses_in(announcement);
   // Within a host it is reached by the loopback, whatever it says.

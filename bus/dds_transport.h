@@ -80,7 +80,7 @@ class Audience {
   void authenticate(const eprosima::fastrtps::rtps::GUID_t& participant);
 
   bool is_limited() const { return limited_in_ == std::this_thread::get_id(); }
-  /// While it is limited: whether this is not the address of an agent outside.
+  /// While it is limited: whether this is not an address of agents outside alone.
   bool includes(const eprosima::fastrtps::rtps::Locator_t& address) const;
 
  private:
@@ -94,13 +94,15 @@ class Audience {
 
   std::atomic<std::thread::id> limited_in_{};  ///< the thread; none: not
   std::vector<RobotName> agents_;              ///< sorted
-  struct Agent {
-    RobotName robot;
+  struct Process {
     Guid participant;
+    RobotName robot;  ///< empty: it is no agent
   };
   bool is_secure_;
   mutable std::mutex mutex_;  // DDS discovers in a thread of its own
-  std::unordered_map<Address, Agent, AddressHash> agent_at_;
+  /// Several at one: after a restart, and where hosts have an address in common, as that of a bridge to their
+  /// containers: Fast DDS takes that of another host for the loopback.
+  std::unordered_map<Address, std::vector<Process>, AddressHash> at_;
   std::map<Guid, Announced> unproven_;  ///< only where it is secure, as the next
   std::set<Guid> authenticated_;
 };

@@ -72,7 +72,11 @@ void ClaimDesk::take_up(const Claim& claim, WallTime now) {
   const auto known = seat_of_.find(claim.robot);
   if (known == seat_of_.end()) return;
   Seat& seat = seats_[known->second];
-  if (seat.claimant != 0 && seat.claimant != claim.claimant) return;  // lost it, and hears of that
+  if (seat.claimant != 0 && seat.claimant != claim.claimant) {
+    seat.answer_due =
+        true;  // it has lost it, and may not have heard of that: a desk before this one gave it away
+    return;
+  }
   seat.claimant = claim.claimant;
   seat.number = claim.number;
   seat.taken_up = true;

@@ -208,10 +208,11 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
     Listeners listeners{past->keeper(), ros_link(all_options.ros, bus, robot)};
     claim_again(bus);
-    while (!agent.lost() && !stop_requested()) {
+    while (!stop_requested()) {
+      keep_the_claim();  // first, for it may have slept
+      if (agent.lost()) break;
       turn(bus, agent, listeners);
       if (asking && bus.matched_readers<Claim>() > 0) asking.reset();
-      keep_the_claim();
     }
     if (!agent.lost()) end(bus, agent, listeners);
   }

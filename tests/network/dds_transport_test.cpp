@@ -345,6 +345,22 @@ TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
   EXPECT_TRUE(reaches(a));
 }
 
+// Fast DDS takes the address of another host that this one has, too, for this one's loopback.
+TEST(Transport, TwoAgentsAtOneAddressAreBothReached) {
+  const auto shared = address("127.0.0.1", 7411);
+  Audience audience;
+  rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
+  audience.discover(info(data, "here", 1, shared));
+  audience.discover(info(data, "on_another_host", 2, shared));
+  const auto reaches = [&](const RobotName& robot) {
+    const Audience::Limit limit(audience, {robot});
+    return audience.includes(shared);
+  };
+  EXPECT_TRUE(reaches("here"));
+  EXPECT_TRUE(reaches("on_another_host"));
+  EXPECT_FALSE(reaches("c"));
+}
+
 TEST(Transport, WhoIsNoAgentHearsAllWhereAnAgentWasKilled) {
   const auto a = address("10.0.0.1", 7411);
   for (const bool is_secure : {false, true}) {
@@ -367,6 +383,10 @@ TEST(Transport, WhoIsNoAgentHearsAllWhereAnAgentWasKilled) {
     come("", 3);
     EXPECT_TRUE(reaches_a());
     come("a", 4);
+    EXPECT_TRUE(reaches_a()) << "it may still be there";
+    auto gone = info(data, "", 3, a);
+    gone.status = rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+    audience.discover(gone);
     EXPECT_FALSE(reaches_a()) << "an agent again";
   }
 }

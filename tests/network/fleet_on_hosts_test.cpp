@@ -49,6 +49,19 @@ TEST_F(FleetOnHostsTest, MeetsByMulticastAndArrives) {
   fleet.expect_good_end();
 }
 
+// As bridges to containers have: they lead to nobody else, and come before the one in the common network.
+TEST_F(FleetOnHostsTest, HostsWithManyAddressesOfWhichAllHaveTheSameArrive) {
+  const Hosts hosts(2);
+  for (std::size_t host = 0; host < hosts.size(); ++host) {
+    hosts.on(host, [] {
+      for (int k = 0; k < 6; ++k)
+        ASSERT_EQ(shell("ip address add 172.17." + std::to_string(k) + ".1/24 dev lo").exit_code, 0);
+    });
+  }
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 182, .time_scale = 4});
+  fleet.expect_good_end();
+}
+
 TEST_F(FleetOnHostsTest, WithoutMulticastMeetsThroughADiscoveryServer) {
   Hosts hosts(3);
   hosts.links("multicast off");

@@ -39,11 +39,18 @@ TEST(ServerList, OneWithoutAnAddressLeavesTheOthersTheirPlaces) {
 }
 
 TEST(ServerList, WhatIsNoServerIsNoHostWithoutAnAddress) {
-  for (const char* text : {"10.0.0.1:0", "10.0.0.1:70000", "a b", "10.0.0.300"}) {
+  for (const char* text : {"10.0.0.1:0", "10.0.0.1:70000", "a b", "10.0.0.300", "[::1]:11811", "::1"}) {
     const ServerList list = look_up_servers(std::string("10.0.0.2;") + text);
     EXPECT_EQ(list.found.size(), 1u) << text;
     EXPECT_EQ(list.malformed, Texts{text}) << text;
   }
+}
+
+TEST(ServerList, AHostIsLookedUpWhateverItsNameIsLike) {
+  EXPECT_EQ(look_up_servers("beef.invalid:11811;dc1-.invalid").unknown.size(), 2u);
+  const ServerList list = look_up_servers("localhost:11811");
+  ASSERT_EQ(list.found.size(), 1u);
+  EXPECT_EQ(places(list), places(look_up_servers("127.0.0.1:11811")));
 }
 
 TEST(ServerList, NothingNamesNone) {
