@@ -144,6 +144,16 @@ TEST_F(SecurityFiles, RevokedAreAllCertificatesThatTheRoleHasHad) {
         << taken_back << ": " << verdict(taken_back).output;
   for (const char* good : {"agent/cert.pem", "broker/cert.pem", "observer/cert.pem"})
     EXPECT_EQ(verdict(good).exit_code, 0) << verdict(good).output;
+
+  // Cut off before there was a list, and again.
+  fs::copy(keys / "agent" / "cert.pem", keys / "third.pem");
+  const test::Outcome cut_off = test::shell(
+      "cd '" + (keys / "ca").string() +
+      "' && rm identity_crl.pem && for serial in $(awk -F '\t' '$1 == \"V\" && $6 == \"/CN=agent\" "
+      "{ print $4 }' index.txt); do openssl ca -config openssl.cnf -revoke issued/$serial.pem; done");
+  ASSERT_EQ(cut_off.exit_code, 0) << cut_off.output;
+  EXPECT_EQ(make_keys("'" + keys.string() + "' --revoke agent").exit_code, 0);
+  EXPECT_NE(verdict("third.pem").output.find("certificate revoked"), std::string::npos);
 }
 
 // Ten thousand topics more than the role needs: 300 KB.
