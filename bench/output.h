@@ -7,6 +7,7 @@
 #include "bench/experiments.h"
 #include "bench/plot.h"
 #include "bench/table.h"
+#include "files/text_file.h"
 
 namespace coppice {
 

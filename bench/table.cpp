@@ -1,12 +1,9 @@
 #include "bench/table.h"
 
 #include <algorithm>
-#include <fstream>
 #include <regex>
 
 #include <fmt/format.h>
-
-#include "files/input_error.h"
 
 namespace coppice {
 
@@ -47,13 +44,6 @@ std::string as_json(const Table& table) {
     text += "}";
   }
   return text + "\n]\n";
-}
-
-void write_file(const std::filesystem::path& path, const std::string& content) {
-  std::ofstream out(path, std::ios::binary);
-  out << content;
-  out.close();
-  if (!out) throw InputError(path.string() + ": cannot be written");
 }
 
 }  // namespace coppice

@@ -1,7 +1,6 @@
 // A table of results, as CSV for programs and as Markdown for people.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,5 @@ std::string as_csv(const Table& table);
 std::string as_markdown(const Table& table);
 /// An array with an object for each row; what is a number stays one.
 std::string as_json(const Table& table);
-
-/// Throws InputError if the file cannot be written.
-void write_file(const std::filesystem::path& path, const std::string& content);
 
 }  // namespace coppice

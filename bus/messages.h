@@ -177,12 +177,12 @@ struct RobotState {
   Promise promise;
   KnotId knot;
   Stage stage = Stage::free;
-  double progress = 0;  ///< metres along its moves of the joint plan, while ordered
-  RobotName waits_for;  ///< empty: for nobody
-  std::uint8_t copies =
-      1;  ///< so often, or more often, are it and those after it said, until one tells another number
-  std::uint8_t copy = 0;        ///< which of these it is
-  bool passed_on = false;       ///< by another robot, which hears no more of this one
+  double progress = 0;      ///< metres along its moves of the joint plan, while ordered
+  RobotName waits_for;      ///< empty: for nobody
+  std::uint8_t copies = 1;  ///< this state and those after it are each said at least so many times, until one
+                            ///< gives another number
+  std::uint8_t copy = 0;    ///< which of these it is
+  bool passed_on = false;   ///< by another robot, which hears no more of this one
   bool counts_as_dead = false;  ///< to the one that passes it on
   bool is_new =
       false;  ///< started anew in mid-run, or out of touch of late: it may not know where all others are

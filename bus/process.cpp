@@ -139,18 +139,15 @@ void Heartbeat::beat(WallTime now) {
   tell_systemd("WATCHDOG=1");
 }
 
-bool set_up_logging(const std::string& name, const std::string& level, bool as_json) {
-  const auto known = spdlog::level::from_str(level);
-  if (known == spdlog::level::off && level != "off") return false;
+void set_up_logging(const std::string& name, const std::string& level, bool as_json) {
   auto logger = spdlog::stderr_color_mt(name);
   if (as_json) {
     logger->set_formatter(json_lines());
   } else {
     logger->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %n: %v");
   }
-  logger->set_level(known);
+  logger->set_level(spdlog::level::from_str(level));
   spdlog::set_default_logger(std::move(logger));
-  return true;
 }
 
 int exit_code_of(const std::function<int()>& program) {

@@ -47,9 +47,9 @@ class Heartbeat {
   WallTime next_ = 0;
 };
 
-/// Logs to standard error at the level that is named (trace ... off); false for an unknown name. As lines of
-/// text, or of JSON: {"time":"...","level":"...","name":"...","message":"..."}.
-bool set_up_logging(const std::string& name, const std::string& level, bool as_json = false);
+/// Logs to standard error at the level that is named (trace ... off). As lines of text, or of JSON:
+/// {"time":"...","level":"...","name":"...","message":"..."}.
+void set_up_logging(const std::string& name, const std::string& level, bool as_json = false);
 
 /// Runs a program and returns its exit code: 2 if it throws, which is then the last line of its log, whatever
 /// the level of that.

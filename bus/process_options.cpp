@@ -71,7 +71,7 @@ void check_ros(const RosOptions& options, const std::string& discovery, const st
 }
 
 void add_log_options(CLI::App& app, LogOptions& options) {
-  app.add_option("--log-level", options.level, "trace, debug, info, warning, error or off")
+  app.add_option("--log-level", options.level, "trace, debug, info, warning, error, critical or off")
       ->check(CLI::IsMember(
           std::vector<std::string>{"trace", "debug", "info", "warning", "error", "critical", "off"}));
   app.add_flag("--log-json", options.json, "log lines of JSON");

@@ -3,7 +3,6 @@
 // Used by every bus and by the tests; a topic is declared nowhere else.
 #pragma once
 
-#include <array>
 #include <string_view>
 
 #include "bus/bus.h"

@@ -39,7 +39,6 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   if (options.quick) {
     experiment.seeds = 3;
     experiment.maze_seeds = 1;
-    experiment.cap = 0.2;
     if (options.experiment == "paper") experiment.robots = {2, 10};
     if (options.experiment == "peers") experiment.robots = {10};
     if (options.experiment == "sharing") experiment.robots = {5};

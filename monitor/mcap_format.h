@@ -5,13 +5,11 @@
 // record is its opcode, the length of its content in eight bytes, and that.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace coppice::mcap {
 

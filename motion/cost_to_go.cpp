@@ -40,7 +40,6 @@ std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph) {
 CostToGo::CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Place goal, Place start)
     : graph_(&graph),
       numbers_(numbers),
-      goal_(goal),
       towards_(graph.at(start)),
       known_((graph.size() + Known::places - 1) / Known::places) {
   reach(goal, 0);

@@ -27,7 +27,6 @@ class CostToGo {
   /// `goal` towards `start`, where the first questions are.
   CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Place goal, Place start);
 
-  Place goal() const { return goal_; }
   /// The length of the shortest way; infinite where there is none.
   float from(Place place);
 
@@ -51,7 +50,6 @@ class CostToGo {
 
   const PlaceGraph* graph_;
   std::span<const Place> numbers_;
-  Place goal_;
   Point2 towards_;
   std::vector<std::unique_ptr<Known>> known_;  ///< null: nothing
   std::vector<Entry> open_;                    ///< a heap

@@ -1,8 +1,6 @@
 // Whether a disc may move straight on from where it is.
 #pragma once
 
-#include <algorithm>
-
 #include "planning/clearance_field.h"
 #include "planning/geometry.h"
 

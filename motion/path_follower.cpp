@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "motion/free_way.h"
 
@@ -25,26 +24,10 @@ constexpr std::array lane_shares{1.0, 0.75, 0.5, 0.25};
 
 }  // namespace
 
-PathFollower::PathFollower(Path path, double radius) : path_(std::move(path)), radius_(radius) {
-  along_.push_back(0);
-  for (std::size_t i = 1; i < path_.size(); ++i) {
-    along_.push_back(along_.back() + (path_[i] - path_[i - 1]).norm());
-  }
-}
-
-Point2 PathFollower::point_at(double along) const {
-  const auto next = std::upper_bound(along_.begin(), along_.end(), along);
-  if (next == along_.end()) return path_.back();
-  if (next == along_.begin()) return path_.front();
-  const auto i = static_cast<std::size_t>(next - along_.begin());
-  const double share = (along - along_[i - 1]) / (along_[i] - along_[i - 1]);
-  return path_[i - 1] + share * (path_[i] - path_[i - 1]);
-}
-
 Path PathFollower::rest() const {
-  Path rest{point_at(seen_)};
-  for (std::size_t i = 0; i < path_.size(); ++i) {
-    if (along_[i] > seen_) rest.push_back(path_[i]);
+  Path rest{path_.at(seen_)};
+  for (std::size_t i = 0; i < path_.points.size(); ++i) {
+    if (path_.along[i] > seen_) rest.push_back(path_.points[i]);
   }
   return rest;
 }
@@ -53,15 +36,15 @@ Path PathFollower::rest() const {
 double PathFollower::advance_progress(const Point2& position) {
   const double window_end = progress_ + projection_window_radii * radius_;
   double best = progress_;
-  double best_distance = (point_at(progress_) - position).squaredNorm();
-  for (std::size_t i = 1; i < path_.size(); ++i) {
-    if (along_[i] < progress_ || along_[i - 1] > window_end) continue;
-    const Point2 edge = path_[i] - path_[i - 1];
+  double best_distance = (path_.at(progress_) - position).squaredNorm();
+  for (std::size_t i = 1; i < path_.points.size(); ++i) {
+    if (path_.along[i] < progress_ || path_.along[i - 1] > window_end) continue;
+    const Point2 edge = path_.points[i] - path_.points[i - 1];
     const double squared = edge.squaredNorm();
     if (squared == 0) continue;
-    const double share = std::clamp((position - path_[i - 1]).dot(edge) / squared, 0.0, 1.0);
-    const double along = along_[i - 1] + share * (along_[i] - along_[i - 1]);
-    const double distance = (path_[i - 1] + share * edge - position).squaredNorm();
+    const double share = std::clamp((position - path_.points[i - 1]).dot(edge) / squared, 0.0, 1.0);
+    const double along = path_.along[i - 1] + share * (path_.along[i] - path_.along[i - 1]);
+    const double distance = (path_.points[i - 1] + share * edge - position).squaredNorm();
     if (along >= progress_ && along <= window_end && distance < best_distance) {
       best = along;
       best_distance = distance;
@@ -74,8 +57,8 @@ double PathFollower::advance_progress(const Point2& position) {
 /// way does so too, and they pass. The nearer the goal, the less.
 Point2 PathFollower::keeping_right(const Point2& position, const Point2& target, double along,
                                    const ClearanceField& field) const {
-  const Point2 way = target - point_at(progress_);
-  const double remaining = along_.back() - along;
+  const Point2 way = target - path_.at(progress_);
+  const double remaining = path_.length() - along;
   const double most = std::min(lane_radii * radius_, remaining / 4);
   if (way.norm() < 1e-9 || most <= 0) return target;
   const Point2 right = Point2(way.y(), -way.x()) / way.norm();
@@ -87,32 +70,31 @@ Point2 PathFollower::keeping_right(const Point2& position, const Point2& target,
   return target;
 }
 
+/// Where the robot heads for on its path, and sees: half as far ahead, and half of that, until it does.
+std::optional<Point2> PathFollower::furthest_in_sight(const Point2& position, const ClearanceField& field,
+                                                      double ahead) {
+  for (int i = 0; i <= halvings + 1; ++i, ahead /= 2) {
+    if (i > halvings) ahead = 0;
+    const Point2 target = path_.at(progress_ + ahead);
+    if (!way_free(field, position, target, radius_)) continue;
+    seen_ = progress_ + ahead;
+    return target;
+  }
+  return std::nullopt;
+}
+
 Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceField& field,
                                         const Limits& limits, double period) {
   progress_ = advance_progress(position);
-  const double total = along_.back();
-  double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
-  Point2 target = point_at(progress_ + ahead);
-  lost_ = !way_free(field, position, target, radius_);
-  for (int i = 0; i < halvings && lost_; ++i) {
-    ahead /= 2;
-    target = point_at(progress_ + ahead);
-    lost_ = !way_free(field, position, target, radius_);
-  }
-  if (lost_) {
-    ahead = 0;
-    target = point_at(progress_);
-    lost_ = !way_free(field, position, target, radius_);
-  }
+  const double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
+  const auto seen = furthest_in_sight(position, field, ahead);
+  lost_ = !seen;
   if (lost_) return Point2::Zero();
-  seen_ = progress_ + ahead;
-
-  target = keeping_right(position, target, progress_ + ahead, field);
-
+  const Point2 target = keeping_right(position, *seen, seen_, field);
   const Point2 gap = target - position;
   const double distance = gap.norm();
   if (distance < 1e-9) return Point2::Zero();
-  const double remaining = distance + std::max(0.0, total - progress_ - ahead);
+  const double remaining = distance + std::max(0.0, path_.length() - seen_);
   const double speed =
       std::min({limits.max_speed, speed_to_stop_within(remaining, limits, period), remaining / period});
   return gap * (speed / distance);

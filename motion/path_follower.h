@@ -4,7 +4,11 @@
 // Metres in the map frame, seconds, metres per second.
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "motion/kinematics.h"
+#include "motion/polyline.h"
 #include "planning/clearance_field.h"
 #include "planning/geometry.h"
 
@@ -13,7 +17,7 @@ namespace coppice {
 class PathFollower {
  public:
   /// `path` holds at least one point; it keeps `radius` clear.
-  PathFollower(Path path, double radius);
+  PathFollower(Path path, double radius) : path_(std::move(path)), radius_(radius) {}
 
   /// Towards the path and along it; slows down so as to stand at its end. Zero where the robot sees no point
   /// of the path from where it is: then `lost()` holds, and a new path is needed.
@@ -25,19 +29,18 @@ class PathFollower {
   Path rest() const;
   /// What is left to drive from a place near the path, metres.
   double remaining(const Point2& position) const {
-    return (point_at(progress_) - position).norm() + along_.back() - progress_;
+    return (path_.at(progress_) - position).norm() + path_.length() - progress_;
   }
   double progress() const { return progress_; }  ///< how far along the path the robot has come, metres
-  const Path& path() const { return path_; }
+  const Path& path() const { return path_.points; }
 
  private:
   Point2 keeping_right(const Point2& position, const Point2& target, double along,
                        const ClearanceField& field) const;
-  Point2 point_at(double along) const;
+  std::optional<Point2> furthest_in_sight(const Point2& position, const ClearanceField& field, double ahead);
   double advance_progress(const Point2& position);
 
-  Path path_;
-  std::vector<double> along_;  ///< distance of each waypoint from the path's beginning
+  Polyline path_;
   double radius_;
   double progress_ = 0;  ///< how far along the path the robot has come
   double seen_ = 0;      ///< the same, of the point that the robot last saw

@@ -16,7 +16,6 @@
 // Metres in the map frame, seconds (one time base for everything that is compared), metres per second.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,8 +51,8 @@ struct Neighbour {
 /// Where a robot stands in the end that brakes in a straight line after its commitment.
 Point2 rest_after(const Commitment& commitment, const Limits& limits, double period);
 
-/// Where it may stand if up to `unheard` more decisions came after this commitment: along its heading,
-/// further than it can be by the last; at most `step` metres apart. The first is rest_after.
+/// Where it may have come to rest if up to `unheard` later decisions were not heard: points along its
+/// heading, at most `step` metres apart, from rest_after to where it would stand had it sped up each time.
 std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limits, double period,
                                 int unheard, double step);
 

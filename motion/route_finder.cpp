@@ -69,6 +69,13 @@ void RouteFinder::mark(const Point2& a, const Point2& b, double distance, Mark w
   });
 }
 
+/// So far around that no edge between vertices without a mark comes closer than the distance: half of the
+/// longest, a diagonal, is the spacing over the root of two.
+void RouteFinder::mark_walls(std::span<const Obstacle> walls) {
+  for (const Obstacle& o : walls)
+    mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
+}
+
 std::vector<RouteFinder::Obstacle> RouteFinder::obstacles(std::span<const Disc> discs, const Point2& from,
                                                           const std::optional<Point2>& to) const {
   // Where an end lies closer to a disc than is comfortable, the way there may use up half of what is left.
@@ -183,8 +190,7 @@ Path RouteFinder::route(const Point2& from, const Point2& to, std::span<const Di
   }
   if (SpaceWithDiscs<Obstacle>{field_, walls}.segment_free(from, to, radius_)) return {from, to};
   begin_search();
-  for (const Obstacle& o : walls)
-    mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
+  mark_walls(walls);
   return straightened(search(from, {to}, walls), walls);
 }
 
@@ -192,8 +198,7 @@ Path RouteFinder::route_through(const Point2& from, const Point2& to, std::span<
                                 std::span<const Disc> movable) {
   begin_search();
   const std::vector<Obstacle> walls = obstacles(discs, from, to);
-  for (const Obstacle& o : walls)
-    mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
+  mark_walls(walls);
   for (const Obstacle& o : obstacles(movable, from, std::nullopt))
     mark(o.centre, o.centre, o.distance, crossing);
   return search(from, {to}, walls);
@@ -203,8 +208,7 @@ Path RouteFinder::refuge(const Point2& from, std::span<const Disc> discs, std::s
                          std::span<const Sweep> sweeps, std::span<const Sweep> avoid) {
   begin_search();
   const std::vector<Obstacle> walls = obstacles(discs, from, std::nullopt);
-  for (const Obstacle& o : walls)
-    mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
+  mark_walls(walls);
   for (const Obstacle& o : obstacles(movable, from, std::nullopt))
     mark(o.centre, o.centre, o.distance, crossing);
   const auto mark_all = [&](std::span<const Sweep> all, Mark what) {
@@ -224,8 +228,7 @@ Path RouteFinder::to_nearest(const Point2& from, std::span<const Disc> discs,
                              const std::function<bool(const Point2&)>& wanted) {
   begin_search();
   const std::vector<Obstacle> walls = obstacles(discs, from, std::nullopt);
-  for (const Obstacle& o : walls)
-    mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
+  mark_walls(walls);
   return straightened(search(from, {.wanted = &wanted}, walls), walls);
 }
 
@@ -235,8 +238,8 @@ std::size_t RouteFinder::flood(const Point2& from, std::span<const Disc> discs) 
   for (const Disc& disc : discs) {
     const double distance = std::min(radius_ + disc.radius + standing_gap, (from - disc.centre).norm());
     walls.push_back({disc.centre, distance});
-    mark(disc.centre, disc.centre, std::hypot(distance, spacing() / std::numbers::sqrt2), wall);
   }
+  mark_walls(walls);
   std::vector<Vertex> open;
   const auto reach = [&](Vertex v, double) {
     if (labels_[v].search == search_) return;

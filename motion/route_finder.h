@@ -30,7 +30,6 @@ class RouteFinder {
   /// For a disc of `radius` on `field`, which outlives it; lattice.h says what becomes of `spacing`.
   RouteFinder(const ClearanceField& field, double radius, double spacing);
 
-  double radius() const { return radius_; }
   double spacing() const { return lattice_.spacing(); }
   /// Vertices that all searches have looked at, or marked.
   std::size_t effort() const { return effort_; }
@@ -85,6 +84,7 @@ class RouteFinder {
   bool passable(Vertex v) const { return (marks(v) & wall) == 0; }
   void begin_search();
   void mark(const Point2& a, const Point2& b, double distance, Mark what);
+  void mark_walls(std::span<const Obstacle> walls);
   std::vector<Obstacle> obstacles(std::span<const Disc> discs, const Point2& from,
                                   const std::optional<Point2>& to) const;
   template <class Fn>

@@ -38,18 +38,4 @@ inline double point_path_distance(const Point2& p, const Path& path) {
   return least;
 }
 
-/// Twice the signed area of the triangle a, b, c: above 0 where c lies to the left of the way from a to b.
-inline double turn_of(const Point2& a, const Point2& b, const Point2& c) {
-  return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-}
-
-/// Distance between the segments a0 a1 and b0 b1: 0 where they cross, else it is at an end of one of them.
-inline double segment_distance(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
-  const bool cross =
-      turn_of(a0, a1, b0) * turn_of(a0, a1, b1) < 0 && turn_of(b0, b1, a0) * turn_of(b0, b1, a1) < 0;
-  if (cross) return 0;
-  return std::min({point_segment_distance(a0, b0, b1), point_segment_distance(a1, b0, b1),
-                   point_segment_distance(b0, a0, a1), point_segment_distance(b1, a0, a1)});
-}
-
 }  // namespace coppice

@@ -14,47 +14,36 @@ constexpr double window_radii = 2;     // of the search for the nearest point of
 constexpr double braking_share = 0.5;  // of the acceleration, the rest is for turning
 constexpr double there_radii = 0.01;   // this near counts as there
 
+/// Each begins where the one before ends.
+Path joined(std::span<const Path> legs) {
+  Path way{legs.front().front()};
+  for (const Path& leg : legs) way.insert(way.end(), leg.begin() + 1, leg.end());
+  return way;
+}
+
 }  // namespace
 
 WayFollower::WayFollower(std::span<const Path> legs, std::vector<Gate> gates, double radius)
-    : way_{legs.front().front()},
-      along_{0},
-      gates_(std::move(gates)),
-      radius_(radius),
-      look_ahead_(look_ahead_radii * radius) {
-  for (const Path& leg : legs) {
-    for (std::size_t i = 1; i < leg.size(); ++i) {
-      along_.push_back(along_.back() + (leg[i] - way_.back()).norm());
-      way_.push_back(leg[i]);
-    }
-    leg_ends_.push_back(along_.back());
-  }
-}
-
-Point2 WayFollower::point_at(double along) const {
-  const auto next = std::upper_bound(along_.begin(), along_.end(), along);
-  if (next == along_.end()) return way_.back();
-  if (next == along_.begin()) return way_.front();
-  const auto i = static_cast<std::size_t>(next - along_.begin());
-  const double share = (along - along_[i - 1]) / (along_[i] - along_[i - 1]);
-  return way_[i - 1] + share * (way_[i] - way_[i - 1]);
+    : way_(joined(legs)), gates_(std::move(gates)), radius_(radius), look_ahead_(look_ahead_radii * radius) {
+  std::size_t end = 0;
+  for (const Path& leg : legs) leg_ends_.push_back(way_.along[end += leg.size() - 1]);
 }
 
 /// To the nearest point of the leg within the window; never back. The next leg begins when this one's end is
 /// reached.
 void WayFollower::advance_progress(const Point2& position) {
   const double window_end = std::min(progress_ + window_radii * radius_, leg_ends_[leg_]);
-  const auto first = std::upper_bound(along_.begin(), along_.end(), progress_);
+  const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
   double best = progress_;
-  double best_distance = (point_at(progress_) - position).norm();
-  for (auto i = static_cast<std::size_t>(first - along_.begin());
-       i < way_.size() && along_[i - 1] < window_end; ++i) {
-    const Point2 edge = way_[i] - way_[i - 1];
+  double best_distance = (way_.at(progress_) - position).norm();
+  for (auto i = static_cast<std::size_t>(first - way_.along.begin());
+       i < way_.points.size() && way_.along[i - 1] < window_end; ++i) {
+    const Point2 edge = way_.points[i] - way_.points[i - 1];
     const double squared = edge.squaredNorm();
     if (squared == 0) continue;
-    const double share = std::clamp((position - way_[i - 1]).dot(edge) / squared, 0.0, 1.0);
-    const double along = along_[i - 1] + share * (along_[i] - along_[i - 1]);
-    const double distance = (way_[i - 1] + share * edge - position).norm();
+    const double share = std::clamp((position - way_.points[i - 1]).dot(edge) / squared, 0.0, 1.0);
+    const double along = way_.along[i - 1] + share * (way_.along[i] - way_.along[i - 1]);
+    const double distance = (way_.points[i - 1] + share * edge - position).norm();
     if (along > progress_ && along <= window_end && distance < best_distance) {
       best = along;
       best_distance = distance;
@@ -62,21 +51,21 @@ void WayFollower::advance_progress(const Point2& position) {
   }
   progress_ = best;
   if (window_end == leg_ends_[leg_] &&
-      (point_at(leg_ends_[leg_]) - position).norm() <= there_radii * radius_) {
+      (way_.at(leg_ends_[leg_]) - position).norm() <= there_radii * radius_) {
     progress_ = leg_ends_[leg_];
     if (leg_ + 1 < leg_ends_.size()) ++leg_;
   }
 }
 
 bool WayFollower::finished() const {
-  return progress_ == along_.back();
+  return progress_ == way_.length();
 }
 
 /// The speed at which an arc that strays by no more than is allowed takes the robot round the corner.
 double WayFollower::corner_speed(std::size_t corner, const Limits& limits, double period) const {
   const double turns_at_once = limits.max_acceleration * period;
-  const Point2 in = way_[corner] - way_[corner - 1];
-  const Point2 out = way_[corner + 1] - way_[corner];
+  const Point2 in = way_.points[corner] - way_.points[corner - 1];
+  const Point2 out = way_.points[corner + 1] - way_.points[corner];
   const double lengths = in.norm() * out.norm();
   if (lengths == 0) return limits.max_speed;
   // The cosine of half of the turn. The arc of radius R that touches both edges strays by R (1 / cos - 1)
@@ -94,11 +83,11 @@ double WayFollower::speed_limit(double stop, const Limits& limits, double period
   const Limits braking{limits.max_speed, braking_share * limits.max_acceleration};
   double speed = std::min(limits.max_speed, speed_to_stop_within(stop - progress_, limits, period));
   const double far = limits.max_speed * limits.max_speed / (2 * braking.max_acceleration);
-  const auto first = std::upper_bound(along_.begin(), along_.end(), progress_);
-  for (auto i = static_cast<std::size_t>(first - along_.begin());
-       i + 1 < way_.size() && along_[i] < progress_ + far; ++i) {
+  const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
+  for (auto i = static_cast<std::size_t>(first - way_.along.begin());
+       i + 1 < way_.points.size() && way_.along[i] < progress_ + far; ++i) {
     const double corner = corner_speed(i, limits, period);
-    const double room = std::max(0.0, along_[i] - progress_ - look_ahead_);
+    const double room = std::max(0.0, way_.along[i] - progress_ - look_ahead_);
     speed = std::min(speed, std::sqrt(corner * corner + 2 * braking.max_acceleration * room));
   }
   return speed;
@@ -113,12 +102,12 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
     ahead = gates_[next_gate_].needed - passed(gates_[next_gate_].robot);
     if (ahead > slack) break;
   }
-  const double gate = next_gate_ < gates_.size() ? gates_[next_gate_].at : along_.back();
+  const double gate = next_gate_ < gates_.size() ? gates_[next_gate_].at : way_.length();
   const double stop = std::min(gate, leg_ends_[leg_]);
   waits_for_ = next_gate_ < gates_.size() && gate - progress_ < slack
                    ? std::optional(Wait{gates_[next_gate_].robot, ahead})
                    : std::nullopt;
-  const Point2 gap = point_at(std::min(progress_ + look_ahead_, stop)) - position;
+  const Point2 gap = way_.at(std::min(progress_ + look_ahead_, stop)) - position;
   const double distance = gap.norm();
   if (stop <= progress_ - slack || distance <= 1e-9) return Point2::Zero();
   // Never past the point that it heads for: in a passage without slack, that would lead into the wall.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "motion/kinematics.h"
+#include "motion/polyline.h"
 #include "motion/precedence.h"
 
 namespace coppice {
@@ -39,14 +40,12 @@ class WayFollower {
   const std::optional<Wait>& waits_for() const { return waits_for_; }
 
  private:
-  Point2 point_at(double along) const;
   void advance_progress(const Point2& position);
   double corner_speed(std::size_t corner, const Limits& limits, double period) const;
   double speed_limit(double stop, const Limits& limits, double period) const;
 
-  Path way_;
-  std::vector<double> along_;     ///< distance of each point from the way's beginning
-  std::vector<double> leg_ends_;  ///< the same for the ends of the legs
+  Polyline way_;
+  std::vector<double> leg_ends_;  ///< distance of the ends of the legs from the way's beginning
   std::size_t leg_ = 0;
   std::vector<Gate> gates_;
   std::size_t next_gate_ = 0;

@@ -74,9 +74,7 @@ void FleetPlanner::take_first_paths() {
     if (robot.group && planner_->solved(*robot.group))
       robot.improved = improver_->add_robot(std::move(paths[*robot.group]), robot.problem.radius);
   }
-  const Trees<2>& trees = planner_->trees();
-  for (NodeId n = 0; n < trees.node_count(); ++n)
-    improver_->add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+  improver_->add_places(planner_->trees());
 }
 
 const Path& FleetPlanner::path(std::size_t robot) const {

@@ -69,7 +69,6 @@ class Forest {
       if (layers_[l].radius <= radius) unite(layers_[l], a, b, [&](const Graft& g) { met(l, g); });
     }
   }
-  std::size_t link_count() const { return links_.size(); }
 
  private:
   struct Link {

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,6 +20,7 @@
 #include "planning/random.h"
 #include "planning/roadmap.h"
 #include "planning/space.h"
+#include "planning/trees.h"
 
 namespace coppice {
 
@@ -41,6 +41,11 @@ class PathImprover {
 
   /// A place where a ball of `radius` is free.
   void add_place(const P& p, double radius) { places_.push_back({p, radius}); }
+  /// All that trees have found.
+  void add_places(const Trees<D>& trees) {
+    for (NodeId n = 0; n < trees.node_count(); ++n)
+      add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+  }
   std::size_t places() const { return places_.size(); }
   /// A robot with its first path; its number. Before the first step, with this or any of the radii of earlier
   /// robots.

@@ -15,7 +15,6 @@
 #include <limits>
 #include <numbers>
 #include <queue>
-#include <span>
 #include <utility>
 #include <vector>
 

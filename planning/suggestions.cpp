@@ -1,7 +1,6 @@
 #include "planning/suggestions.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace coppice {
 

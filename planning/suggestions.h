@@ -9,8 +9,7 @@
 namespace coppice {
 
 /// Epsilon for robots of `radius`, metres: in proportion to the width of the room that the places where such
-/// a robot fits leave around it. Measured in bench/ (docs/planning.md): four times too large costs ten times
-/// the time.
+/// a robot fits leave around it (measured: docs/planning.md).
 double suggested_epsilon(const ClearanceField& field, double radius);
 
 /// Disjointed trees that grow at a time: in proportion to the map's size in steps, within bounds.

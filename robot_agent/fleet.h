@@ -189,13 +189,13 @@ class Fleet {
     std::unique_ptr<const Mission> mission{};
     std::vector<Point2> rests{};  ///< where it may stand, if it counts as dead; else empty
 
-    double doubted_until = 0;      ///< fleet time: it may only be cut off, and have driven on until it
-    double strays = 0;             ///< noticed: metres from where it stands else
+    double doubted_until = 0;      ///< fleet time until which it may be alive, and only cut off
+    double strays = 0;             ///< metres that it may be from `place` until then
     double back_at = 0;            ///< fleet time: it was out of touch, and was heard of again
     WallTime said_again_from = 0;  ///< its last state was said again and again: first and last
     WallTime said_again_at = 0;
-    double echoed = 0;            ///< the newest stamp of its own that others have heard, while somebody is
-    double echo_holds_until = 0;  ///< missing here; and until when a newer one is still to be expected
+    double echoed = 0;  ///< the newest of its stamps that others say to have heard, while somebody is missing
+    double echo_holds_until = 0;  ///< fleet time until which that shows it alive, though no newer one comes
   };
   static_assert(sizeof(RobotName) != 32 || sizeof(Peer) == 256);
 
@@ -287,8 +287,8 @@ class Fleet {
   std::vector<std::size_t> missing_dead_;      ///< likewise, those that count as dead
   std::size_t asked_for_ = 0;                  ///< of these, by all states so far
   Absences absences_;
-  double counted_at_ = 0;         ///< fleet time: these, and
-  double clock_error_ = 0;        ///< the largest of those alive
+  double counted_at_ = 0;         ///< fleet time of the last count of absences
+  double clock_error_ = 0;        ///< the largest of those alive then
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   std::uint32_t turns_for_the_better_ = 0;
   std::uint32_t new_goals_ = 0;

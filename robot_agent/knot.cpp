@@ -25,7 +25,7 @@ constexpr double same_place = 0.01;   // metres between where a plan begins and 
 }  // namespace
 
 void Knot::join(const KnotId& id) {
-  let_go();
+  leave();
   id_ = id;
   note_epoch(id.epoch);
   stage_ = Stage::holding;
@@ -39,7 +39,7 @@ void Knot::note_epoch(std::uint32_t epoch) {
   if (is_later_epoch(epoch, latest_epoch_)) latest_epoch_ = epoch;
 }
 
-void Knot::let_go() {
+void Knot::leave() {
   stage_ = Stage::free;
   planner_.reset();
   follower_.reset();
@@ -56,7 +56,7 @@ void Knot::hear(const RobotState& state, const std::optional<Point2>& position) 
   if (member != members_.end()) {
     const auto index = static_cast<std::size_t>(member - members_.begin());
     if (through) done_[index] = true;
-    if (called_on && !done_[index]) let_go();
+    if (called_on && !done_[index]) leave();
   }
   if (called_on && state.stage == Stage::holding && position && state.knot.includes(*position))
     join(state.knot);
@@ -111,7 +111,7 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
       now - *holding_since_ > std::max(longest_hold, least_hold * fleet.second())) {
     call(self, fleet, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
-    let_go();  // it came too late for the plan
+    leave();  // it came too late for the plan
   }
 }
 
@@ -157,7 +157,7 @@ std::optional<JointPlanMessage> Knot::take_own_plan() {
 }
 
 void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
-  let_go();
+  leave();
   members_.clear();
   std::vector<double> radii;
   for (const JointPlanMessage::Member& member : plan.members) {

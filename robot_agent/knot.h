@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -64,7 +63,7 @@ class Knot {
   void hear(std::shared_ptr<const JointPlanMessage> plan);
 
   /// It takes no more part.
-  void leave() { let_go(); }
+  void leave();
 
   /// Begins a new knot of the crowd around, or of the whole fleet, with this robot as its leader.
   void call(const FleetMember& self, const Fleet& fleet, double now);
@@ -96,7 +95,6 @@ class Knot {
   void join(const KnotId& id);
   void note_epoch(std::uint32_t epoch);
   void begin(const FleetMember& self, double reach, double now);
-  void let_go();
   void lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);
   void publish(const FleetMember& self, double now);
   void take_up(const JointPlanMessage& plan, const FleetMember& self);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/tree_message.h"
 #include "planning/reachability.h"
 #include "planning/suggestions.h"
 
@@ -47,12 +48,7 @@ PathFinder::PathFinder(const ClearanceField& field, PathImprover<ClearanceField>
 void PathFinder::take(const InactiveTreeMessage& message) {
   if (mission_.planner != PlannerKind::ma_rrdt_star) return;
   steps_without_news_ = 0;
-  FrozenTree<2> tree{.radius = message.radius, .nodes = {}, .parents = {}};
-  for (const InactiveTreeMessage::Node& node : message.nodes) {
-    tree.nodes.push_back(node.position);
-    tree.parents.push_back(node.parent);
-  }
-  planner_.add_inactive_tree(tree);
+  planner_.add_inactive_tree(frozen_tree_of(message));
 }
 
 std::optional<PathFinder::Result> PathFinder::step() {
@@ -82,11 +78,7 @@ double PathFinder::pause() const {
 
 /// Straight off the trees; from now on it may become shorter.
 Path PathFinder::take_first_path(Path path) {
-  if (improver_.places() == 0) {
-    const Trees<2>& trees = planner_.trees();
-    for (NodeId n = 0; n < trees.node_count(); ++n)
-      improver_.add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
-  }
+  if (improver_.places() == 0) improver_.add_places(planner_.trees());
   improver_.forget_robots();
   improver_.add_robot(std::move(path), mission_.radius);
   return improver_.path(0);

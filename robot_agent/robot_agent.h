@@ -181,8 +181,8 @@ class RobotAgent {
   Steady last_said_;
   std::uint8_t copies_promised_ = 1;  ///< by its last state
   bool first_control_ = true;
-  double gave_up_at_ = 0;             ///< fleet time, the last time; and
-  std::uint32_t new_goals_ = 0;       ///< of others until then
+  double gave_up_at_ = 0;             ///< fleet time at which it last gave up
+  std::uint32_t new_goals_ = 0;       ///< that others had been given until then
   double missed_news_until_ = 0;      ///< fleet time: until then it asks who has died
   bool said_that_it_stands_ = false;  ///< since it was stopped
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< fleet time

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "bus/tree_message.h"
 #include "bus/validation.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"
@@ -79,12 +80,7 @@ void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
     ++impossible_;
     return;
   }
-  FrozenTree<2> frozen{.radius = tree.radius, .nodes = {}, .parents = {}};
-  for (const InactiveTreeMessage::Node& node : tree.nodes) {
-    frozen.nodes.push_back(node.position);
-    frozen.parents.push_back(node.parent);
-  }
-  forest_->inactive.emplace(tree.tree, forest_->planner.add_inactive_tree(frozen));
+  forest_->inactive.emplace(tree.tree, forest_->planner.add_inactive_tree(frozen_tree_of(tree)));
   forest_->unsaid.push_back(tree.tree);
 }
 

@@ -200,7 +200,7 @@ TEST(Heartbeat, EachProgramTouchesItsFileAndTellsSystemd) {
 
 TEST(Logs, AreLinesOfJsonIfWanted) {
   const test::TemporaryFolder folder;
-  const std::string name = "a_\"quoted\"_\\_name";
+  const std::string name = "a_\\_name";  // which JSON escapes
   Program agent(folder, {"robot_agent", "--name", name, "--domain", "138", "--log-json"});
   ASSERT_TRUE(agent.says("on domain 138"));
   EXPECT_EQ(agent.ends_by(SIGTERM), 0);

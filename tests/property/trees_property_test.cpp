@@ -128,9 +128,7 @@ RC_GTEST_PROP(Trees, PathsAreFreeAndOnlyBecomeShorter, (std::uint64_t seed)) {
     improver.add_robot(alone, s.tasks[g].radius);
     solved.push_back(g);
   }
-  const Trees<2>& trees = s.planner.trees();
-  for (NodeId n = 0; n < trees.node_count(); ++n)
-    improver.add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
+  improver.add_places(s.planner.trees());
   std::vector<double> before(solved.size(), 1e300);
   for (int k = 0; k < 300 && !solved.empty() && improver.step(); ++k) {
     for (std::size_t i = 0; i < solved.size(); ++i) {
