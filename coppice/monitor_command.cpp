@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -71,8 +73,12 @@ void show_recording(const MonitorOptions& options) {
   while (!stop_requested()) {
     const WallTime now = wall_now();
     bool steered = false;
-    for (const live::FromPage& wish : monitor.wishes()) {
-      if (player.heed(wish, now)) monitor.forget();
+    const std::vector<live::FromPage> wishes = monitor.wishes();
+    const auto seeks = [](const live::FromPage& wish) { return wish.has_seek(); };
+    for (auto wish = wishes.begin(); wish != wishes.end(); ++wish) {
+      // Each reads the recording anew: of those of a page that is dragged the last counts.
+      if (seeks(*wish) && std::any_of(wish + 1, wishes.end(), seeks)) continue;
+      if (player.heed(*wish, now)) monitor.forget();
       steered = true;
     }
     monitor.take(player.due(now));

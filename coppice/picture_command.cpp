@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -96,6 +97,7 @@ void make_movie(PictureBook& book, const PictureOptions& options) {
     if (!options.quiet) std::cout << fmt::format("\rframe {} of {:g}", frame + 1, frames) << std::flush;
   }
   if (!options.quiet) std::cout << '\n';
+  if (stop_requested()) throw std::runtime_error("interrupted: " + options.output + " was not written");
   std::vector<std::string> arguments{"-y",
                                      "-loglevel",
                                      "error",

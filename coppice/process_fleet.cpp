@@ -55,7 +55,9 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-ProcessFleet::ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {}
+ProcessFleet::ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {
+  std::signal(SIGCHLD, SIG_DFL);  // where whoever started this one ignores it, no child's end would be told
+}
 
 ProcessFleet::~ProcessFleet() {
   terminate_all(last_grace);

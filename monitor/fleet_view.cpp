@@ -14,6 +14,7 @@ constexpr std::size_t most_root_nodes = 200'000;  // of a robot
 constexpr WallTime share_period = 1;              // seconds over which a share is taken, at least
 constexpr std::uint32_t missed_period = 20;       // the same, control periods
 constexpr WallTime broker_lease = 3;              // seconds: who is silent for longer is gone
+constexpr WallTime silence = 3;                   // seconds, of all robots: their run is over
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -118,15 +119,26 @@ SeenRobot* FleetView::robot(const RobotName& name) {
   return &robots_[number];
 }
 
-void FleetView::receive(const Mission& mission, WallTime) {
-  if (clock_ && mission.clock.epoch < clock_->epoch) return;  // of an earlier run
+/// A run that is heard of is not over because somebody still tells of an earlier one.
+bool FleetView::is_under_way(WallTime now) const {
+  return std::ranges::any_of(robots_, [&](const SeenRobot& seen) {
+    const bool is_over = seen.mission && seen.mission->cancelled;
+    return seen.state && !is_over && now - seen.heard < silence;
+  });
+}
+
+void FleetView::receive(const Mission& mission, WallTime at) {
+  // Of an earlier run, or the clock was set back, or a recording is replayed again, from a later place.
+  if (clock_ && mission.clock.epoch < clock_->epoch && (mission.cancelled || is_under_way(at))) return;
   if (clock_ && *clock_ != mission.clock) begin_anew();
   clock_ = mission.clock;
   SeenRobot* const seen = robot(mission.robot);
   if (seen == nullptr || (seen->mission && seen->mission->number > mission.number)) return;
   if (seen->mission && seen->mission->number != mission.number) {
-    seen->path.clear();
-    ++seen->path_revision;
+    if (seen->path_mission != mission.number) {  // else it came before its mission
+      seen->path.clear();
+      ++seen->path_revision;
+    }
     seen->root_nodes.clear();
   }
   seen->mission = mission;
@@ -164,6 +176,7 @@ void FleetView::receive(const PathMessage& path, WallTime) {
   SeenRobot* const seen = robot(path.robot);
   if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
   seen->path = path.waypoints;
+  seen->path_mission = path.mission;
   ++seen->path_revision;
 }
 

@@ -48,7 +48,8 @@ struct SeenRobot {
   WallTime heard = 0;                 ///< when that came
   std::optional<AgentStatus> status{};
   std::uint32_t missions_fulfilled = 0;
-  Path path{};                                ///< of its mission; empty: none
+  Path path{};                                ///< of its mission, or of its next; empty: none
+  std::uint32_t path_mission = 0;             ///< of which one
   std::uint32_t path_revision = 0;            ///< grows when it changes
   std::vector<RootNodes::Node> root_nodes{};  ///< of its mission, in order: they only grow until the next
   ProcessorShare processor{};
@@ -103,6 +104,7 @@ class FleetView {
  private:
   void receive(const MapMessage& map, WallTime at);
   void receive(const Mission& mission, WallTime at);
+  bool is_under_way(WallTime now) const;
   bool is_of_earlier_run(WallTime run) const;
   void receive(const RootNodes& batch, WallTime at);
   void receive(const RobotState& state, WallTime at);

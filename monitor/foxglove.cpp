@@ -178,8 +178,10 @@ void FoxgloveFeed::subscribe(std::uint32_t id, std::uint32_t channel) {
     return complain(fmt::format("There is no channel {}.", channel));
   if (std::ranges::find(subscriptions_, id, &Subscription::id) != subscriptions_.end())
     return complain(fmt::format("There is a subscription {} already.", id));
-  if (subscriptions_.size() >= most_subscriptions) return complain("Too many subscriptions.");
-  subscriptions_.push_back({.id = id, .topic = channels()[channel - 1].topic});
+  const Topic topic = channels()[channel - 1].topic;
+  if (std::ranges::find(subscriptions_, topic, &Subscription::topic) != subscriptions_.end())
+    return complain(fmt::format("There is a subscription to channel {} already.", channel));
+  subscriptions_.push_back({.id = id, .topic = topic});
 }
 
 void FoxgloveFeed::complain(const std::string& what) {

@@ -24,13 +24,11 @@ inline constexpr std::string_view foxglove_subprotocol = "foxglove.websocket.v1"
 
 class FoxgloveFeed {
  public:
-  /// More subscriptions than these are refused.
-  static constexpr std::size_t most_subscriptions = 64;
-
   /// `live` has looked at this view.
   std::vector<Outbound> next(const FleetView& view, const LiveStream& live);
 
-  /// What the client says. Nonsense is answered by an error, and changes nothing.
+  /// What the client says. Nonsense, as a second subscription to a channel, is answered by an error, and
+  /// changes nothing.
   void on(std::string_view message, bool text);
 
   enum class Topic : std::uint8_t { map, robots, poses, transforms, paths, trees, root_trees, log, fleet };

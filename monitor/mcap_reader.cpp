@@ -117,7 +117,7 @@ bool McapReader::read_summary(std::uint64_t first) {
     note(record.opcode, fields);
     if (record.opcode == Opcode::statistics) {
       statistics_ = mcap::statistics_in(fields);
-      has_statistics = true;
+      has_statistics = statistics_.start <= statistics_.end;
     }
     if (record.opcode == Opcode::chunk_index) {
       const mcap::ChunkIndex index = mcap::chunk_index_in(fields);

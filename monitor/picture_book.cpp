@@ -80,7 +80,8 @@ PictureContent::Robot PictureBook::drawn(const SeenRobot& seen, double time) con
   }
   if (!seen.state) return robot;
   robot.radius = seen.state->radius;
-  robot.body = position_at(*seen.state, time);
+  // Of another run than the first, fleet time is another.
+  robot.body = position_at(*seen.state, view_.fleet_time(clock_.wall_time(time)).value_or(time));
   if (const auto known = driven_.find(seen.name); known != driven_.end()) robot.track = known->second;
   robot.track.push_back(*robot.body);
   return robot;

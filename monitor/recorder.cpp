@@ -8,6 +8,8 @@ namespace coppice {
 
 namespace {
 
+constexpr WallTime longest_late = 5;  // seconds: what is older was stamped by a clock that was set back
+
 /// Which of the recorder's chunks takes a topic's messages. What a seek reads of a topic decides: nothing,
 /// the latest of each key, or all (recording.h); so that it need not read the others.
 std::size_t chunk_of(const TopicInfo& info) {
@@ -37,7 +39,8 @@ void Recorder::add(const Arrival& arrival) {
     ++left_out_;
     return;
   }
-  latest_ = std::max(latest_, arrival.at);
+  if (arrival.at + ahead_ < latest_ - longest_late) ahead_ = latest_ - arrival.at;  // the clock was set back
+  latest_ = std::max(latest_, arrival.at + ahead_);
   McapChunk& chunk = chunks_[chunk_of(topic_infos[topic])];
   chunk.add(channels_[topic], counts_[topic]++, nanoseconds(latest_), bytes);
   if (chunk.size() >= chunk_size) writer_.write(std::exchange(chunk, {}));
@@ -45,7 +48,7 @@ void Recorder::add(const Arrival& arrival) {
 
 mcap::Bytes Recorder::step(WallTime now) {
   const bool has_some = std::ranges::any_of(chunks_, [](const McapChunk& chunk) { return !chunk.empty(); });
-  if (has_some && !begun_) begun_ = now;
+  if (has_some) begun_ = std::min(begun_.value_or(now), now);
   if (begun_ && now - *begun_ >= chunk_period) end_chunks();
   return writer_.take();
 }

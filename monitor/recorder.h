@@ -43,6 +43,7 @@ class Recorder {
   std::array<McapChunk, 3> chunks_;
   std::optional<WallTime> begun_{};  ///< when the first message came that is in no chunk of the file yet
   WallTime latest_ = 0;
+  WallTime ahead_ = 0;  ///< of the clock, where that was set back: the file's time goes on
   std::array<std::uint32_t, topic_count> counts_{};
   std::uint64_t left_out_ = 0;
 };

@@ -104,6 +104,33 @@ TEST_F(AFleetView, BeginsAnewWithAnotherRunOrMap) {
   EXPECT_TRUE(view.robots().empty());
 }
 
+// The clock was set back, or a recording is replayed again from a later place.
+TEST_F(AFleetView, FollowsARunThatBeganEarlierOnceItsOwnIsOver) {
+  hear(mission_of("a", 1, {200, 1}), 210);
+  RobotState state = state_of("a", 10, {1, 1});
+  state.run = 200;
+  hear(state, 210);
+  hear(mission_of("b", 1, {100, 1}), 212);
+  ASSERT_EQ(view.robots().size(), 1u);
+  EXPECT_EQ(view.robots()[0].name, "a");
+  Mission over = mission_of("c", 1, {100, 1});
+  over.cancelled = true;
+  hear(over, 220);
+  EXPECT_EQ(view.robots()[0].name, "a");
+  hear(mission_of("b", 1, {100, 1}), 220);
+  ASSERT_EQ(view.robots().size(), 1u);
+  EXPECT_EQ(view.robots()[0].name, "b");
+}
+
+TEST_F(AFleetView, ShowsAPathThatCameBeforeItsMission) {
+  hear(mission_of("a", 1));
+  hear(PathMessage{"a", 2, {{0, 0}, {1, 1}}});
+  hear(mission_of("a", 2));
+  EXPECT_EQ(robot("a").path.size(), 2u);
+  hear(mission_of("a", 3));
+  EXPECT_TRUE(robot("a").path.empty());
+}
+
 TEST_F(AFleetView, ShowsNothingOfTheRunBefore) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}, 50});

@@ -167,13 +167,12 @@ TEST_F(FoxgloveTest, DeepNonsenseIsNonsense) {
 TEST_F(FoxgloveTest, SubscriptionsAndComplaintsAreBounded) {
   small_fleet();
   after(0);
-  for (std::uint32_t id = 0; id < 2 * FoxgloveFeed::most_subscriptions; ++id)
+  for (std::uint32_t id = 0; id < 100; ++id)
     feed.on(R"({"op":"subscribe","subscriptions":[{"id":)" + std::to_string(id) + R"(,"channelId":3}]})",
             true);
   const auto out = after(0.5);
   EXPECT_EQ(std::ranges::count_if(out, &Outbound::text), 8);
-  EXPECT_EQ(std::ranges::count_if(out, std::not_fn(&Outbound::text)),
-            static_cast<int>(FoxgloveFeed::most_subscriptions));
+  EXPECT_EQ(std::ranges::count_if(out, std::not_fn(&Outbound::text)), 1);
 }
 
 TEST_F(FoxgloveTest, DownwardMapsAreTurnedSoThatTheyLookAsTheirFiles) {

@@ -200,6 +200,25 @@ TEST_F(ARecording, KeepsItsOrderWhereMessagesComeLate) {
   EXPECT_NEAR(all[2].at, epoch + 2, 1e-6);
 }
 
+TEST_F(ARecording, GoesOnInOrderWhereTheClockIsSetBack) {
+  Recorder recorder;
+  std::string bytes;
+  const auto step = [&](double t, double clock) {
+    recorder.on({arrival_of(state("a", t), clock)});
+    bytes += recorder.step(clock);
+  };
+  for (int k = 0; k < 100; ++k) step(0.1 * k, epoch + 0.1 * k);
+  for (int k = 0; k < 100; ++k) step(10 + 0.1 * k, epoch - 3600 + 0.1 * k);
+  EXPECT_GT(bytes.size(), 5'000u) << "what is said is written within a second";
+  bytes += recorder.finish();
+  const std::string file = folder_.write("back.mcap", bytes).string();
+  const Recording recording(file);
+  EXPECT_NEAR(recording.end() - recording.begin(), 19.8, 0.1);
+  const auto all = play(recording, recording.begin());
+  ASSERT_EQ(all.size(), 200u);
+  for (std::size_t k = 1; k < all.size(); ++k) EXPECT_GE(all[k].at, all[k - 1].at);
+}
+
 TEST_F(ARecording, IsNoFileOfSomethingElse) {
   McapWriter writer("other");
   writer.add_channel("/chatter", "protobuf", "std.String", "");
