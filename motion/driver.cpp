@@ -97,7 +97,7 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   if (safe(next_velocity_, neighbours, field, suspect)) return;
 
   std::vector<Point2> candidates{velocity_};
-  const double reach = limits_.max_acceleration * period_;
+  const double reach = std::min(limits_.max_acceleration * period_, limits_.max_speed);
   for (const double share : shares) {
     for (int k = 0; k < directions; ++k) {
       const double angle = 2 * std::numbers::pi * k / directions;

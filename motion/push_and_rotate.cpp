@@ -233,6 +233,7 @@ bool PushAndRotate::clear(std::size_t robot, const Path& way, std::vector<Sweep>
 /// away first.
 bool PushAndRotate::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
                              std::vector<std::size_t>& waiting, int depth) {
+  if (finders_.effort() > most_effort) return false;
   std::vector<Sweep> avoid;
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && wants_to_move(i)) avoid.push_back({direct_[i], tasks_[i].radius});

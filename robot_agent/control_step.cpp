@@ -39,6 +39,7 @@ constexpr double stall = 3;             // seconds without progress that make a 
 constexpr double longest_stall = 30;
 constexpr double around_radii = 16;  // within these, others' joint plans concern a robot
 constexpr double stall_radii = 0.5;  // metres that count as progress, in radii
+constexpr double stall_share = 0.5;  // the same, at most so much of what its limits allow
 // A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
 // It takes them as long as a sample is under way to hear of it, and they allow for clocks that are as far
 // off.
@@ -64,6 +65,14 @@ constexpr double recorded_after_the_end = 60;  // seconds
 Point2 leaning_right(const Point2& v, double stalled) {
   const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
   return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
+}
+
+/// Metres that count as progress.
+double least_gain(double radius, const Limits& limits) {
+  const double speeds_up = std::min(stall, limits.max_speed / limits.max_acceleration);
+  const double most =
+      limits.max_acceleration * speeds_up * speeds_up / 2 + limits.max_speed * (stall - speeds_up);
+  return std::min(stall_radii * radius, stall_share * most);
 }
 
 }  // namespace
@@ -246,7 +255,7 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
   }
   body_->choose(wanted, neighbours, ground_->field);
   if (body_->bound_to_stand()) last_bound_time_ = fleet_now;
-  if (follower_->progress() >= last_gain_ + stall_radii * body_->radius()) {
+  if (follower_->progress() >= last_gain_ + least_gain(body_->radius(), body_->limits())) {
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;
   }
@@ -412,11 +421,11 @@ void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) 
   auto [agents, echoes, misses] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
   said.misses = std::move(misses);
-  if (said.is_new) return out.push_back(Outgoing(std::move(said)));  // to all
   const int copies = std::max(said.copies, std::exchange(copies_promised_, said.copies));
   const std::vector<RobotName> again =
       copies > 1 ? fleet_.who_hears_copies(agents) : std::vector<RobotName>();
   for (; said.copy + 1 < copies; ++said.copy) out.emplace_back(said, again);
+  if (said.is_new) return out.push_back(Outgoing(std::move(said)));  // to all
   out.emplace_back(std::move(said), std::move(agents));
 }
 

@@ -184,12 +184,16 @@ void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double no
   }
 }
 
-void Fleet::add_neighbours(const Peer& p, double now, std::vector<Neighbour>& near) const {
+void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
+                           std::vector<Neighbour>& near) const {
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
   if (p.dead && now < p.doubted_until) {
     near.push_back({standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true});
   } else if (p.dead) {
-    for (const Point2& rest : p.rests) near.push_back({standing_for_ever_at(rest), p.radius, limits});
+    for (const Point2& rest : p.rests) {
+      const double room = (rest - position).norm() - own_mission_->radius - standing_gap;
+      near.push_back({standing_for_ever_at(rest), std::clamp(room, p.radius, covers_rests(p)), limits});
+    }
   } else if (p.state) {
     near.push_back({commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now)});
   } else {  // it stands where its mission begins
@@ -215,7 +219,7 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
       }
       if (p.clock.known()) ages.add(now - s.stamp - p.clock.estimate());
     }
-    add_neighbours(p, now, near);
+    add_neighbours(p, position, now, near);
   }
 }
 
@@ -256,7 +260,7 @@ std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) 
     for (const Point2& rest : p.rests) {
       // Who stands closer than a plan would lead it must get away again.
       const double room = room_at(rest, position, now) - standing_gap;
-      places.push_back({rest, std::clamp(room, 0.0, p.radius)});
+      places.push_back({rest, std::clamp(room, 0.0, covers_rests(p))});
     }
   }
   return places;

@@ -260,7 +260,9 @@ class Fleet {
   void bury(Peer& peer, int unheard, const ClearanceField& field, double now);
   void doubt(Peer& lost, double now);
   void end_doubts(double now);
-  void add_neighbours(const Peer& peer, double now, std::vector<Neighbour>& near) const;
+  void add_neighbours(const Peer& peer, const Point2& position, double now,
+                      std::vector<Neighbour>& near) const;
+  double covers_rests(const Peer& peer) const;
   FleetMember member(const Peer& peer) const;
 
   RobotName self_;

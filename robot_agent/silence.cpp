@@ -39,10 +39,11 @@ constexpr double from_the_beginning = 30;  // beyond that and the longest cut, n
 constexpr double lost_in_a_row = 10;
 constexpr double slow_beat = standing_stride * control_period;  // of one that stands close by
 constexpr double looks_at_silence = 0.5;                        // seconds between two
-constexpr double relay_until = 4;     // seconds in which the last states of the silent are passed on
-constexpr double rests_clear = 0.9;   // of its radius: it may have turned a little
-constexpr double rests_radii = 0.25;  // between the places where a dead robot may stand
-constexpr double most_rests = 1e6;    // of one robot, whatever it says of its size and speed
+constexpr double relay_until = 4;    // seconds in which the last states of the silent are passed on
+constexpr double rests_clear = 0.9;  // of its radius: it may have turned a little
+constexpr double rests_radii = 0.1;  // between the places where a dead robot may stand
+constexpr int halvings = 6;          // of that, where somebody else stands in between
+constexpr double most_rests = 1e6;   // of one robot, whatever it says of its size and speed
 
 /// Seconds; who sends at every so many turns may not be heard for so long.
 double lost_over(int stride) {
@@ -53,6 +54,16 @@ double lost_over(int stride) {
 double time_to_rest(const RobotState& s) {
   const int periods = braking_periods(s.promise.velocity.norm(), limits_of(s), control_period);
   return s.promise.expiry - s.stamp + periods * control_period;
+}
+
+/// On the way from a place where a robot may stand to one where it cannot.
+template <class Possible>
+Point2 last_possible(Point2 place, Point2 impossible, Possible&& possible) {
+  for (int k = 0; k < halvings; ++k) {
+    const Point2 middle = (place + impossible) / 2;
+    (possible(middle) ? place : impossible) = middle;
+  }
+  return place;
 }
 
 }  // namespace
@@ -294,15 +305,30 @@ double Fleet::room_at(const Point2& q, const Point2& position, double now) const
   return room;
 }
 
+/// Of the places where a dead robot may stand: so much around each, and nothing between two is left out.
+double Fleet::covers_rests(const Peer& p) const {
+  const double reach = own_mission_->radius + p.radius;
+  return p.rests.size() < 2 ? p.radius : p.radius + std::hypot(reach, rests_radii * p.radius / 2) - reach;
+}
+
 /// Where one that is alive has come to stand meanwhile, no dead one does.
 void Fleet::look_at_the_dead(double now) {
   next_look_at_the_dead_ = now + looks_at_silence;
   for (Peer& p : peers_) {
     if (p.rests.size() < 2 || !p.state) continue;
-    const auto disproved = std::remove_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& rest) {
-      return room_at(rest, position_, now) < p.state->radius;
-    });
-    p.rests.erase(disproved, p.rests.end());
+    const auto possible = [&](const Point2& rest) {
+      return room_at(rest, position_, now) >= p.state->radius;
+    };
+    std::vector<Point2> left{p.rests.front()};
+    for (std::size_t k = 1; k < p.rests.size(); ++k) {
+      const Point2& before = p.rests[k - 1];
+      const Point2& rest = p.rests[k];
+      if (possible(before) != possible(rest))
+        left.push_back(possible(rest) ? last_possible(rest, before, possible)
+                                      : last_possible(before, rest, possible));
+      if (possible(rest)) left.push_back(rest);
+    }
+    p.rests = std::move(left);
   }
 }
 
@@ -319,10 +345,14 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
   const double furthest = s.max_speed * (unheard * control_period + longest_braking);
   const double step = std::max(rests_radii * s.radius, furthest / most_rests);
   p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, step);
-  const auto impossible = std::find_if(p.rests.begin() + 1, p.rests.end(), [&](const Point2& q) {
-    return !field.is_free(q, rests_clear * s.radius) || room_at(q, position_, now) < s.radius + standing_gap;
-  });
-  p.rests.erase(impossible, p.rests.end());
+  const auto possible = [&](const Point2& q) {
+    return field.is_free(q, rests_clear * s.radius) && room_at(q, position_, now) >= s.radius + standing_gap;
+  };
+  const auto end = std::find_if_not(p.rests.begin() + 1, p.rests.end(), possible);
+  if (end != p.rests.end()) {
+    *end = last_possible(*(end - 1), *end, possible);
+    p.rests.erase(end + 1, p.rests.end());
+  }
   p.place = p.rests.front();
 }
 

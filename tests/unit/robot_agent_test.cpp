@@ -440,6 +440,47 @@ TEST(RobotAgent, OneThatIsTooBusyForItsDecisionsSaysThemOnceButNeverLessOftenTha
   }
 }
 
+// Who buries it counts on that.
+TEST(RobotAgent, OneThatAsksForNewsSaysEverythingAsOftenAsItPromised) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  std::vector<RobotState> said;
+  for (double now = 0.1; now < 12; now += 0.05) {
+    RobotState other = standing_b(now);
+    if (now < 3 || now > 6) other.echoes.push_back({"a", now, now});
+    agent.on(arrival_of(other, now));
+    for (const RobotState& state : of<RobotState>(run(agent, now, now + 0.05))) said.push_back(state);
+  }
+  const auto copies = copies_of(said);
+  int promised = 0;
+  for (std::size_t k = 1; k < said.size(); ++k) {
+    if (said[k].sequence == said[k - 1].sequence) continue;
+    EXPECT_GE(copies.at(said[k].sequence), said[k - 1].copies) << said[k].sequence;
+    promised += said[k].is_new && said[k].copies > 1;
+  }
+  EXPECT_GT(promised, 0);
+}
+
+// A slow one comes on slowly: in an empty hall it calls nobody together.
+TEST(RobotAgent, ASlowOneThatIsAloneCallsNoKnot) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  scenario.robots[0].max_speed = 0.15;
+  scenario.robots[0].max_acceleration = 0.3;
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  double driven = 0;
+  for (double now = 0.1; now < 30; now += 0.05) {
+    for (const RobotState& state : of<RobotState>(run(agent, now, now + 0.05))) {
+      EXPECT_EQ(state.knot.epoch, 0u) << now;
+      driven += 0.05 * state.velocity.norm();
+    }
+  }
+  EXPECT_GT(driven, 1);
+}
+
 // Nobody answers to that.
 TEST(RobotAgent, WhoWasAwayIsToldOfTheDeadAsOftenAsItTakesThatItHearsIt) {
   PlannerService service(two_robots(), {}, 0);
