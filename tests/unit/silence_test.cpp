@@ -145,8 +145,8 @@ std::vector<Disc> places_of_b(const Point2& c) {
   return a.dead_seen_from({20, 20}, 5);
 }
 
-// 0.5 m off the places that were kept clear it could be touched: by up to 0.5 m where somebody stood before it,
-// by millimetres between two.
+// It could be touched off the places that were kept clear: by half a metre where somebody stood before it, by
+// millimetres between two.
 TEST(Silence, NoPlaceWhereADeadRobotMayStandIsLeftOut) {
   const std::vector<Disc> all = places_of_b({20, 100});
   for (std::size_t k = 1; k < all.size(); ++k) {
