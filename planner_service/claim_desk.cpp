@@ -73,8 +73,8 @@ void ClaimDesk::take_up(const Claim& claim, WallTime now) {
   if (known == seat_of_.end()) return;
   Seat& seat = seats_[known->second];
   if (seat.claimant != 0 && seat.claimant != claim.claimant) {
-    seat.answer_due =
-        true;  // it has lost it, and may not have heard of that: a desk before this one gave it away
+    // It has lost it, and may not have heard of that: a desk before this one gave it away.
+    seat.answer_due = true;
     return;
   }
   seat.claimant = claim.claimant;

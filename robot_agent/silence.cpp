@@ -323,10 +323,11 @@ void Fleet::look_at_the_dead(double now) {
     for (std::size_t k = 1; k < p.rests.size(); ++k) {
       const Point2& before = p.rests[k - 1];
       const Point2& rest = p.rests[k];
-      if (possible(before) != possible(rest))
-        left.push_back(possible(rest) ? last_possible(rest, before, possible)
-                                      : last_possible(before, rest, possible));
-      if (possible(rest)) left.push_back(rest);
+      if (possible(before) && !possible(rest)) left.push_back(last_possible(before, rest, possible));
+      if (!possible(rest)) continue;
+      // The first one stays, whoever stands there, and covers what is between.
+      if (!possible(before) && k > 1) left.push_back(last_possible(rest, before, possible));
+      left.push_back(rest);
     }
     p.rests = std::move(left);
   }

@@ -163,6 +163,20 @@ TEST(Silence, NoPlaceWhereADeadRobotMayStandIsLeftOut) {
   }
 }
 
+TEST(Silence, WhoStandsBesideADeadRobotMakesItNoMorePlaces) {
+  const std::vector<Disc> all = places_of_b({20, 100});
+  for (const double along : {-1.0, 0.0, 0.3, 1.2}) {
+    Listener a;
+    a.hear("b", 0, {}, {0, 10});
+    const Point2 beside = all.front().centre + Point2(9.9, along);
+    for (double now = 0; now < 65; now += period) {
+      a.hear("c", now, {}, Point2::Zero(), now < 5 ? Point2(20, 100) : beside);
+      a.judge(now);
+    }
+    EXPECT_LE(a.dead_seen_from({20, 20}, 65).size(), all.size() + 2) << along;
+  }
+}
+
 TEST(Silence, WhereADeadRobotOfImpossibleSpeedMayStandIsSoonSaid) {
   Listener a;
   RobotState absurd{.robot = "b",
