@@ -11,6 +11,16 @@
 
 namespace coppice {
 
+/// Whether the bytes are a sample of the generated type, and no more than any takes; never throws.
+template <class Support>
+bool deserialized(Support& type, eprosima::fastrtps::rtps::SerializedPayload_t* bytes, void* data) {
+  try {
+    return bytes->length <= type.m_typeSize && type.Support::deserialize(bytes, data);
+  } catch (const eprosima::fastcdr::exception::Exception&) {  // as if it were too short
+    return false;
+  }
+}
+
 /// `Support`: generated, of one topic.
 template <class Support>
 class CheckedType final : public Support {
@@ -18,11 +28,7 @@ class CheckedType final : public Support {
   /// A sample of bytes that are none, or more than any sample takes, is one without a name: validation.h
   /// refuses it, so that it is counted as others are.
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* bytes, void* data) override {
-    try {
-      if (bytes->length <= this->m_typeSize && Support::deserialize(bytes, data)) return true;
-    } catch (const eprosima::fastcdr::exception::Exception&) {  // as if it were too short
-    }
-    *static_cast<typename Support::type*>(data) = {};
+    if (!deserialized<Support>(*this, bytes, data)) *static_cast<typename Support::type*>(data) = {};
     return true;
   }
 

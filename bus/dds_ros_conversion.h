@@ -1,9 +1,9 @@
 // Samples of ROS 2's types (idl/ros2.idl) and what they mean here.
 #pragma once
 
-#include <fastcdr/exceptions/Exception.h>
 #include <fastdds/rtps/common/SerializedPayload.h>
 
+#include "bus/dds_checked_type.h"
 #include "bus/ros_conversion.h"
 #include "planning/occupancy_map.h"
 #include "ros2.h"
@@ -25,10 +25,7 @@ template <class Support>
 class CheckedRosType final : public Support {
  public:
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* bytes, void* data) override {
-    try {
-      if (bytes->length <= this->m_typeSize && Support::deserialize(bytes, data)) return true;
-    } catch (const eprosima::fastcdr::exception::Exception&) {  // as if it were too short
-    }
+    if (deserialized<Support>(*this, bytes, data)) return true;
     auto& sample = *static_cast<typename Support::type*>(data);
     sample = {};
     sample.header().frame_id("(unreadable)");

@@ -190,9 +190,10 @@ void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
   if (p.dead && now < p.doubted_until) {
     near.push_back({standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true});
   } else if (p.dead) {
+    const double covers = covers_rests(p);
     for (const Point2& rest : p.rests) {
       const double room = (rest - position).norm() - own_mission_->radius - standing_gap;
-      near.push_back({standing_for_ever_at(rest), std::clamp(room, p.radius, covers_rests(p)), limits});
+      near.push_back({standing_for_ever_at(rest), std::clamp(room, p.radius, covers), limits});
     }
   } else if (p.state) {
     near.push_back({commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now)});
@@ -257,10 +258,11 @@ FleetMember Fleet::member(const Peer& p) const {
 std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) const {
   std::vector<Disc> places;
   for (const Peer& p : peers_) {
+    const double covers = covers_rests(p);
     for (const Point2& rest : p.rests) {
       // Who stands closer than a plan would lead it must get away again.
       const double room = room_at(rest, position, now) - standing_gap;
-      places.push_back({rest, std::clamp(room, 0.0, covers_rests(p))});
+      places.push_back({rest, std::clamp(room, 0.0, covers)});
     }
   }
   return places;

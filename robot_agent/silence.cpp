@@ -320,14 +320,16 @@ void Fleet::look_at_the_dead(double now) {
       return room_at(rest, position_, now) >= p.state->radius;
     };
     std::vector<Point2> left{p.rests.front()};
+    bool was_possible = possible(p.rests.front());
     for (std::size_t k = 1; k < p.rests.size(); ++k) {
       const Point2& before = p.rests[k - 1];
       const Point2& rest = p.rests[k];
-      if (possible(before) && !possible(rest)) left.push_back(last_possible(before, rest, possible));
-      if (!possible(rest)) continue;
+      const bool is_possible = possible(rest);
+      if (was_possible && !is_possible) left.push_back(last_possible(before, rest, possible));
       // The first one stays, whoever stands there, and covers what is between.
-      if (!possible(before) && k > 1) left.push_back(last_possible(rest, before, possible));
-      left.push_back(rest);
+      if (!was_possible && is_possible && k > 1) left.push_back(last_possible(rest, before, possible));
+      if (is_possible) left.push_back(rest);
+      was_possible = is_possible;
     }
     p.rests = std::move(left);
   }

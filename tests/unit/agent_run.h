@@ -1,0 +1,22 @@
+// An agent by itself, with the time in the test's hands.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "robot_agent/robot_agent.h"
+#include "tests/unit/roles.h"
+
+namespace coppice {
+
+/// A lone agent, stepped whenever it wants, each time so late, for so many seconds.
+inline std::vector<Message> run(RobotAgent& agent, double from, double until, double late = 0) {
+  std::vector<Message> all;
+  for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake() + late)) {
+    for (Message& message : messages(agent.step(now))) all.push_back(std::move(message));
+  }
+  return all;
+}
+
+}  // namespace coppice
