@@ -124,8 +124,8 @@ struct MapOptions {
   std::optional<int> height;  ///< the same
   std::uint32_t seed = 1;
   std::optional<int> robots;        ///< as many as the kind is meant for
-  std::optional<double> radius;     ///< metres (5); a kind of scenario has its own
-  std::optional<double> max_speed;  ///< metres per second (20); the same
+  std::optional<double> radius;     ///< metres (5 cells); a kind of scenario has its own
+  std::optional<double> max_speed;  ///< metres per second (20 cells); the same
   std::string output;               ///< scenario (.json); the map is written beside it
 };
 

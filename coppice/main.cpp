@@ -14,6 +14,7 @@
 #include "coppice/commands.h"
 #include "coppice/fault_options.h"
 #include "coppice/watching_options.h"
+#include "files/map_file.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/run_options.h"
@@ -148,23 +149,37 @@ void add_plan(CLI::App& app, RunOptions& options, int& exit_code) {
   command->callback([&] { exit_code = plan_command(options); });
 }
 
+std::string kinds_in_words() {
+  std::string kinds =
+      "Kinds of map, of any size, with random tasks:\n"
+      "  blank          no obstacles\n"
+      "  dense          many small obstacles\n"
+      "  maze           corridors, one way between any two places\n"
+      "  room           rooms with doors\n"
+      "Kinds of scenario that try coordination, with maps and robots of their own:\n";
+  for (const ScenarioKind& kind : scenario_kinds())
+    kinds += fmt::format("  {:<14} {} robots: {}\n", kind.name, kind.robots, kind.what);
+  return kinds;
+}
+
 void add_map(CLI::App& app, MapOptions& options, int& exit_code) {
   auto* command = app.add_subcommand("map", "generate a map and a scenario on it");
-  command->add_option("kind", options.kind, "blank, dense, maze, room, a map's file, or one of those below")
+  command->add_option("kind", options.kind, "a kind of map or of scenario, as below, or a map's file")
       ->required();
-  std::string kinds = "Kinds that try coordination:\n";
-  for (const ScenarioKind& kind : scenario_kinds())
-    kinds += fmt::format("  {:<12} {} robots: {}\n", kind.name, kind.robots, kind.what);
-  command->footer(kinds);
+  command->footer(kinds_in_words());
   command->add_option("output", options.output, "scenario to write (.json); the map goes beside it")
       ->required();
-  command->add_option("--width", options.width, "cells");
-  command->add_option("--height", options.height, "cells");
+  command->add_option("--width", options.width, "of a kind of map, cells (512)")
+      ->check(CLI::Range(1, largest_map_file_side));
+  command->add_option("--height", options.height, "of a kind of map, cells (512)")
+      ->check(CLI::Range(1, largest_map_file_side));
   command->add_option("--seed", options.seed, "of every random choice");
-  command->add_option("--robots", options.robots, "robots")
+  command->add_option("--robots", options.robots, "robots (8; of a scenario: see below)")
       ->check(CLI::Range(1, static_cast<int>(most_robots)));
-  command->add_option("--radius", options.radius, "of the robots, metres")->check(number_above_zero());
-  command->add_option("--max-speed", options.max_speed, "of the robots, m/s")->check(number_above_zero());
+  command->add_option("--radius", options.radius, "of the robots, metres (5 cells)")
+      ->check(number_above_zero());
+  command->add_option("--max-speed", options.max_speed, "of the robots, m/s (20 cells a second)")
+      ->check(number_above_zero());
   command->callback([&] { exit_code = map_command(options); });
 }
 

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -17,9 +18,7 @@ namespace {
 
 constexpr int default_side = 512;  // cells
 constexpr int default_robots = 8;
-constexpr double default_radius = 5;      // metres
-constexpr double default_max_speed = 20;  // metres per second
-constexpr double least_way = 0.4;         // of the map's diagonal, from start to goal
+constexpr double least_way = 0.4;  // of the diagonal of what the robots reach, from start to goal
 
 void refuse_size(const MapOptions& options) {
   if (options.width || options.height)
@@ -27,52 +26,64 @@ void refuse_size(const MapOptions& options) {
         fmt::format("--{}: {} has a size of its own", options.width ? "width" : "height", options.kind));
 }
 
+std::vector<StartAndGoal> draw_tasks(const OccupancyMap& map, const MapOptions& options, double radius,
+                                     Random& random) {
+  try {
+    return random_tasks(ClearanceField(map), options.robots.value_or(default_robots), radius, least_way,
+                        random);
+  } catch (const std::invalid_argument& problem) {
+    throw InputError(fmt::format("{}: {}", options.kind, problem.what()));
+  }
+}
+
 /// Random tasks on a generated map, or on that of a file.
 Scenario random_scenario(const MapOptions& options) {
   Random random(options.seed);
-  const double radius = options.radius.value_or(default_radius);
   Scenario scenario{.map_name = {},
                     .map = read_or_generate_map(options.kind, options.width.value_or(default_side),
                                                 options.height.value_or(default_side), random),
                     .seed = options.seed,
                     .robots = {}};
-  const ClearanceField field(scenario.map);
-  for (const auto& [start, goal] :
-       random_tasks(field, options.robots.value_or(default_robots), radius, least_way, random)) {
+  const double cell = scenario.map.resolution;
+  const double radius = options.radius.value_or(default_radius_cells * cell);
+  for (const auto& [start, goal] : draw_tasks(scenario.map, options, radius, random)) {
     scenario.robots.push_back({.name = fmt::format("r{}", scenario.robots.size() + 1),
                                .start = start,
                                .goal = goal,
                                .radius = radius,
-                               .max_speed = options.max_speed.value_or(default_max_speed),
-                               .goal_tolerance = 1});
+                               .max_speed = options.max_speed.value_or(default_speed_cells * cell),
+                               .goal_tolerance = default_tolerance_cells * cell});
   }
   return scenario;
 }
 
 /// A name of a kind is that, whatever files there are.
 bool is_kind(const std::string& name) {
-  return map_kind(name) || std::ranges::count(scenario_kinds(), name, &ScenarioKind::name) > 0;
+  return map_kind(name) || scenario_kind(name);
 }
 
+Scenario trial_of_kind(const MapOptions& options, const ScenarioKind& kind) {
+  refuse_size(options);
+  if (options.radius || options.max_speed)
+    throw InputError(
+        fmt::format("--{}: {} has robots of its own", options.radius ? "radius" : "max-speed", options.kind));
+  return make_scenario(options.kind, options.robots.value_or(kind.robots), options.seed);
+}
+
+/// A name that is of a map and was of a scenario means the map.
 Scenario scenario_of_kind(const MapOptions& options) {
-  const auto& trials = scenario_kinds();
-  const auto trial = std::ranges::find(trials, options.kind, &ScenarioKind::name);
-  if (trial != trials.end()) {
-    refuse_size(options);
-    if (options.radius || options.max_speed)
-      throw InputError(fmt::format("--{}: {} has robots of its own", options.radius ? "radius" : "max-speed",
-                                   options.kind));
-    return make_scenario(options.kind, options.robots.value_or(trial->robots), options.seed);
-  }
   if (map_kind(options.kind)) return random_scenario(options);
+  if (const auto kind = scenario_kind(options.kind)) return trial_of_kind(options, *kind);
   std::error_code too_long;  // as a name
   if (std::filesystem::exists(options.kind, too_long)) {
     refuse_size(options);
     return random_scenario(options);
   }
-  std::string names = "blank, dense, maze, room";
-  for (const ScenarioKind& known : trials) names += ", " + known.name;
-  throw InputError(fmt::format("kind: \"{}\", expected a map's file or one of {}", options.kind, names));
+  std::string names;
+  for (const ScenarioKind& known : scenario_kinds()) names += (names.empty() ? "" : ", ") + known.name;
+  throw InputError(fmt::format(
+      "kind: \"{}\", expected a map's file, a kind of map (blank, dense, maze, room) or of scenario ({})",
+      options.kind, names));
 }
 
 }  // namespace

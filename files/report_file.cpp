@@ -79,6 +79,8 @@ std::string report_table(const proto::Report& report) {
                                   planned, n, arrived, n);
   if (static_cast<int>(report.missions()) > n)
     table += fmt::format("{} missions fulfilled\n", report.missions());
+  if (report.robots_without_goal() > 0)
+    table += fmt::format("robots that arrived and got no new goal: {}\n", report.robots_without_goal());
   table += fmt::format(
       "plan time {:.3f} s, shorter paths after {:.3f} s, run time {:.2f} s, mean path length {:.1f} m\n",
       report.plan_time(), report.improve_time(), report.run_time(), report.path_length());

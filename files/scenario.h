@@ -12,6 +12,11 @@
 
 namespace coppice {
 
+// Defaults in cells of the map, so that they suit a map in metres as well as one in centimetres.
+inline constexpr double default_radius_cells = 5;
+inline constexpr double default_speed_cells = 20;  // a second
+inline constexpr double default_tolerance_cells = 1;
+
 struct RobotTask {
   std::string name;
   Point2 start = Point2::Zero();

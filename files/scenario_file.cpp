@@ -22,10 +22,6 @@ namespace coppice {
 
 namespace {
 
-// Defaults in cells of the map, so that they suit a map in metres as well as one in centimetres.
-constexpr double default_radius_cells = 5;
-constexpr double default_speed_cells = 20;
-constexpr double default_tolerance_cells = 1;
 constexpr double speeds_a_second = 2;  // default acceleration: full speed within half a second
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& field,

@@ -21,6 +21,7 @@ namespace {
 
 constexpr double radius = 5;
 constexpr double speed = 20;
+constexpr double spare = 1;  // metres from obstacles, beside the radius, where starts and goals are drawn
 
 OccupancyMap filled(int width, int height, bool blocked) {
   OccupancyMap map{.width = width, .height = height, .blocked = {}};
@@ -147,7 +148,8 @@ void crossing(Scenario& scenario, int robots, Random& random) {
 /// On a generated map, anywhere to anywhere.
 void random_goals(Scenario& scenario, MapKind kind, int robots, Random& random) {
   scenario.map = generate_map(kind, 512, 512, random);
-  for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, radius, 0.1, random))
+  for (const auto& [start, goal] :
+       random_tasks(ClearanceField(scenario.map), robots, radius, 0.1, random, spare))
     add_robot(scenario, start, goal);
 }
 
@@ -195,7 +197,7 @@ void dead_end(Scenario& scenario, int robots, Random& random) {
 void mixed(Scenario& scenario, int robots, Random& random) {
   scenario.map = generate_map(MapKind::dense, 512, 512, random);
   // Room for the largest is room for all.
-  for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, 8, 0.1, random))
+  for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, 8, 0.1, random, spare))
     add_robot(scenario, start, goal, random.uniform(2, 8), random.uniform(5, 20));
 }
 
@@ -225,9 +227,9 @@ const std::vector<Entry>& entries() {
       {{"door-20", 20, 154, "the same, 20 wide"},
        [](Scenario& s, int n, Random& r) { halls(s, n, 20, 4, r); }},
       {{"crossing", 40, 128, "four streams where two corridors 24 wide cross"}, crossing},
-      {{"rooms", 20, most_by_chance, "rooms, anywhere to anywhere"},
+      {{"rooms-traffic", 20, most_by_chance, "rooms, anywhere to anywhere", "rooms"},
        [](Scenario& s, int n, Random& r) { random_goals(s, MapKind::room, n, r); }},
-      {{"maze", 10, most_by_chance, "a maze, anywhere to anywhere"},
+      {{"maze-traffic", 10, most_by_chance, "a maze, anywhere to anywhere", "maze"},
        [](Scenario& s, int n, Random& r) { random_goals(s, MapKind::maze, n, r); }},
       {{"warehouse", 30, 80, "aisles one robot wide, from slot to slot"}, warehouse},
       {{"dead-end", 6, 10, "a dead end that fills in the wrong order"}, dead_end},
@@ -247,17 +249,26 @@ const std::vector<ScenarioKind>& scenario_kinds() {
   return kinds;
 }
 
+std::optional<ScenarioKind> scenario_kind(const std::string& name) {
+  const auto known = std::ranges::find_if(scenario_kinds(), [&](const ScenarioKind& kind) {
+    return !name.empty() && (kind.name == name || kind.former_name == name);
+  });
+  return known != scenario_kinds().end() ? std::optional(*known) : std::nullopt;
+}
+
 Scenario make_scenario(const std::string& name, int robots, std::uint32_t seed) {
-  const auto entry = std::ranges::find(entries(), name, [](const Entry& e) { return e.kind.name; });
-  if (entry == entries().end()) throw InputError(fmt::format("there is no kind of scenario \"{}\"", name));
-  if (robots > entry->kind.most)
-    throw InputError(fmt::format("{} has room for {} robots, not for {}", name, entry->kind.most, robots));
+  const auto kind = scenario_kind(name);
+  if (!kind) throw InputError(fmt::format("there is no kind of scenario \"{}\"", name));
+  if (robots > kind->most)
+    throw InputError(fmt::format("{} has room for {} robots, not for {}", name, kind->most, robots));
+  const auto entry = std::ranges::find(
+      entries(), kind->name, [](const Entry& e) -> const auto& { return e.kind.name; });
   Random random(seed);
-  Scenario scenario{.map_name = name + ".map", .map = {}, .seed = seed, .robots = {}};
+  Scenario scenario{.map_name = kind->name + ".map", .map = {}, .seed = seed, .robots = {}};
   try {
     entry->make(scenario, robots, random);
   } catch (const std::invalid_argument& problem) {
-    throw InputError(problem.what());
+    throw InputError(fmt::format("{}: {}", name, problem.what()));
   }
   return scenario;
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,11 @@ struct ScenarioKind {
   int robots;  ///< that it is meant for first
   int most;    ///< robots that there is room for
   std::string what;
+  std::string former_name{};  ///< that it is known by, too; empty: none
 };
 const std::vector<ScenarioKind>& scenario_kinds();
+/// By its name or its former name; nothing for an unknown one.
+std::optional<ScenarioKind> scenario_kind(const std::string& name);
 
 /// Throws InputError for an unknown name or where there is no room for so many robots.
 Scenario make_scenario(const std::string& name, int robots, std::uint32_t seed);

@@ -7,6 +7,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -122,10 +123,20 @@ void take_goals(DdsRosFleet& ros, PlannerService& service) {
   }
 }
 
+/// Says once of each robot that it gets no new goal. `told`: of whom that was said last time.
+void tell_of_missing_goals(const PlannerService& service, std::vector<std::string>& told) {
+  std::vector<std::string> without = service.robots_without_goal();
+  for (const std::string& line : without) {
+    if (std::ranges::count(told, line) == 0) spdlog::warn("{}", line);
+  }
+  told = std::move(without);
+}
+
 /// The service and its desk on one bus, until the run has ended. `display`: null: shows nothing.
 void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& desk,
            Keeper<RunRecord, Journal>& keeper, Heartbeat& heart, ProgressDisplay* display) {
   KeepsNothing of_desk;
+  std::vector<std::string> without_goal;
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
     bus.wait(std::clamp(std::min(service.next_wake(), desk.next_wake()) - wall_now(), 0.0, longest_wait));
@@ -136,6 +147,7 @@ void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& de
     }
     if (ros != nullptr) take_goals(*ros, service);
     step_role(bus, service, keeper);
+    tell_of_missing_goals(service, without_goal);
     step_role(bus, desk, of_desk);
     heart.beat(wall_now());
     if (display != nullptr) display->show(service.progress(wall_now()), wall_now());
@@ -143,9 +155,9 @@ void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& de
   if (display != nullptr) display->finish(service.progress(wall_now()));
 }
 
-/// The run, and what is written of it. True if every robot arrived.
-bool everybody_arrives(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros,
-                       Scenario scenario, Journal* journal) {
+/// The run, and what is written of it. True if it succeeded.
+bool run_succeeds(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros,
+                  Scenario scenario, Journal* journal) {
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
   const auto ros = ros_of(in_ros, bus, scenario);
@@ -170,18 +182,17 @@ bool everybody_arrives(const RunOptions& options, const ProcessOptions& process,
   const proto::Report report = service.report();
   if (!options.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options, report, service.tracks(), [&] { return service.picture(); });
-  return service.everybody_arrived();
+  return service.succeeded();
 }
 
-/// Exit code: 0 if every robot arrived.
+/// Exit code: 0 if the run succeeded.
 int run(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros) {
   check_ros(in_ros, process.network.discovery, process.network.security);
   Scenario scenario = read_scenario(options.scenario, options.overrides);
   check_results(options, scenario);
   if (in_ros.on) check_ros_names(names_of(scenario));
   auto journal = journal_of_service(process.state);
-  const bool all =
-      everybody_arrives(options, process, in_ros, std::move(scenario), journal ? &*journal : nullptr);
+  const bool all = run_succeeds(options, process, in_ros, std::move(scenario), journal ? &*journal : nullptr);
   // Last of all: one that is killed before that, and started anew, ends this run again, and begins none.
   if (journal) std::filesystem::remove(journal->file());
   return all ? 0 : 1;

@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "planning/map_generator.h"
-
 namespace coppice {
 
 namespace {
@@ -28,8 +26,8 @@ constexpr WallTime meeting_of_each = 0.2;
 constexpr WallTime longest_wait_for_tracks = 3;  // once all stand
 constexpr double slowest = 1e-6;                 // metres a second: who is slower stands
 constexpr WallTime longest_wait_for_forest = 3;
-constexpr double least_new_way = 0.2;  // of the map's diagonal, from one goal to the next
-constexpr int most_goal_draws = 1000;
+constexpr double least_new_way = 0.2;  // of the diagonal of what the robot reaches, from one goal to the next
+constexpr WallTime goal_draws = 1;     // seconds between two where the first found no goal
 constexpr double same_beginning = 0.01;                // fleet seconds
 constexpr double largest_clock_error = 3600;           // fleet seconds
 constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
@@ -219,14 +217,34 @@ void PlannerService::publish_missions(std::vector<Message>& out) const {
 }
 
 /// A new mission for everybody who has fulfilled the one before.
-void PlannerService::give_new_goals(std::vector<Message>& out) {
+void PlannerService::give_new_goals(std::vector<Message>& out, WallTime now) {
   for (Robot* robot : order_) {
-    if (!robot->arrived()) continue;
-    const auto goal = draw_goal(*robot);
-    if (!goal) continue;
-    begin_next_mission(*robot, robot->task.goal, *goal);
-    out.emplace_back(mission_of(*robot));
+    robot->next_draw = std::min(robot->next_draw, now + goal_draws);  // the clock may have been set back
+    if (!robot->arrived() || now < robot->next_draw) continue;
+    if (const auto goal = draw_goal(*robot)) {
+      begin_next_mission(*robot, robot->task.goal, *goal);
+      out.emplace_back(mission_of(*robot));
+    } else {
+      goes_without_goal(*robot, now);
+    }
   }
+}
+
+void PlannerService::goes_without_goal(Robot& robot, WallTime now) {
+  robot.next_draw = now + goal_draws;
+  if (!robot.without_goal.empty()) return;
+  const std::size_t places = part_of(robot).size();
+  robot.without_goal =
+      places < 2 ? "gets no new goal: it can go nowhere else"
+                 : fmt::format("gets no new goal: other robots take all {} places that it can go to", places);
+}
+
+std::vector<std::string> PlannerService::robots_without_goal() const {
+  std::vector<std::string> lines;
+  for (const Robot* robot : order_) {
+    if (!robot->without_goal.empty()) lines.push_back(robot->task.name + " " + robot->without_goal);
+  }
+  return lines;
 }
 
 std::optional<std::string> PlannerService::on(const RosGoal& goal) {
@@ -281,6 +299,8 @@ void PlannerService::begin_next_mission(Robot& robot, const Point2& start, const
   ++robot.mission;
   robot.task.start = start;
   robot.task.goal = goal;
+  robot.without_goal.clear();
+  robot.next_draw = 0;
   robot.status.reset();
   robot.path.clear();
   robot.root_nodes.clear();
@@ -341,33 +361,37 @@ bool PlannerService::take_up(const Mission& mission, WallTime now) {
   return true;
 }
 
-/// Some way off, and where no other robot wants to go or stands; none if chance does not find one.
+/// What it reaches from its goal, where it is. Few robots reach different parts: each is filled once.
+const ReachablePart& PlannerService::part_of(const Robot& robot) {
+  const double radius = robot.task.radius + settings_.margin;
+  const auto known = std::ranges::find_if(parts_, [&](const ReachablePart& part) {
+    return part.radius() == radius && part.contains(robot.task.goal);
+  });
+  if (known != parts_.end()) return *known;
+  return parts_.emplace_back(ReachablePart::around(field(), radius, robot.task.goal));
+}
+
+/// Where others want to go, and where those stand that go nowhere any more.
+std::vector<KeepOut> PlannerService::taken_by_others(const Robot& robot, double spare) const {
+  std::vector<KeepOut> taken;
+  for (const Robot* other : order_) {
+    if (other == &robot) continue;
+    const double apart = other->task.radius + robot.task.radius + 2 * settings_.margin + spare;
+    taken.push_back({other->task.goal, apart});
+    if (goes_on(*other)) continue;
+    if (const auto last = record_.last(other->index)) taken.push_back({last->position, apart});
+  }
+  return taken;
+}
+
+/// Some way off, a cell beside all others if there is room for that; none if they leave no room.
 std::optional<Point2> PlannerService::draw_goal(const Robot& robot) {
-  const double cell = scenario_.map.resolution;
-  const auto [entry, fresh] = places_.try_emplace(robot.task.radius);
-  if (fresh) entry->second = open_places(field(), robot.task.radius + settings_.margin + cell);
-  const std::vector<Point2>& places = entry->second;
-  const auto y = [](const Point2& p) { return p.y(); };  // they come row by row
-  const bool within_reach =
-      std::any_of(std::ranges::lower_bound(places, robot.task.goal.y() - 2 * cell, {}, y),
-                  std::ranges::upper_bound(places, robot.task.goal.y() + 2 * cell, {}, y),
-                  [&](const Point2& p) { return (p - robot.task.goal).norm() <= 2 * cell; });
-  if (!within_reach) return std::nullopt;
-  const Box<2> box = scenario_.map.bounds();
-  const double least_way = least_new_way * (box.upper - box.lower).norm();
-  for (int draw = 0; draw < most_goal_draws; ++draw) {
-    const Point2 p = places[random_.index(places.size())];
-    if ((p - robot.task.goal).norm() < least_way) continue;
-    const bool taken = std::ranges::any_of(robots_, [&](const auto& other) {
-      const RobotTask& task = other.second.task;
-      const double apart = task.radius + robot.task.radius + 2 * settings_.margin + cell;
-      if (task.name == robot.task.name) return false;
-      if ((task.goal - p).norm() < apart) return true;
-      if (goes_on(other.second)) return false;
-      const auto last = record_.last(other.second.index);
-      return last && (last->position - p).norm() < apart;
-    });
-    if (!taken) return p;
+  const ReachablePart& part = part_of(robot);
+  if (part.empty()) return std::nullopt;
+  const double least_way = least_new_way * (part.box().upper - part.box().lower).norm();
+  for (const double spare : {scenario_.map.resolution, 0.0}) {
+    const auto goal = draw_place(part, robot.task.goal, least_way, taken_by_others(robot, spare), random_);
+    if (goal) return goal;
   }
   return std::nullopt;
 }
@@ -405,7 +429,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
   if (std::exchange(says_missions_again_, false)) publish_missions(out);
   watch_liveliness(now);
   if (!ended_ && missions_published_) give_wanted_goals(out);
-  if (!ended_ && goals_go_on(now)) give_new_goals(out);
+  if (!ended_ && goals_go_on(now)) give_new_goals(out, now);
   if (!ended_ && run_is_over(now)) {
     ended_ = now;
     publish_missions(out);  // as cancelled

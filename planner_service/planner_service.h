@@ -22,6 +22,8 @@
 #include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/random.h"
+#include "planning/random_places.h"
+#include "planning/reachability.h"
 #include "report.pb.h"
 
 namespace coppice {
@@ -63,6 +65,8 @@ class PlannerService {
   /// several the last counts. What is wrong with it, or nothing: then it is refused, and counted.
   std::optional<std::string> on(const RosGoal& goal);
   std::uint32_t goals_refused() const { return goals_refused_; }
+  /// Of each robot that arrived, was to get a new goal, and has none so far: its name and the reason.
+  std::vector<std::string> robots_without_goal() const;
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
@@ -71,6 +75,8 @@ class PlannerService {
   /// The run has ended and all tracks are there, or nobody sends them any more.
   bool finished() const { return finished_; }
   bool everybody_arrived() const;
+  /// Every robot arrived, and every one that was to get a new goal got one.
+  bool succeeded() const { return everybody_arrived() && robots_without_goal().empty(); }
 
   Progress progress(WallTime now) const;
   /// From what the agents recorded.
@@ -91,6 +97,8 @@ class PlannerService {
     std::uint32_t mission = 1;
     std::uint32_t replaced = 0;               ///< missions that another one ended before they were fulfilled
     std::optional<Point2> wanted;             ///< where somebody wants it to go next
+    std::string without_goal;                 ///< why it gets no new one; empty: it does
+    WallTime next_draw = 0;                   ///< then: when that is tried again
     std::optional<AgentStatus> status;        ///< of this mission
     std::optional<AgentStatus> first_status;  ///< of its first
     SampleCounts earlier_nodes;               ///< of the missions before this one
@@ -131,8 +139,11 @@ class PlannerService {
   std::optional<std::string> problem_with_goal(const Robot& robot, const Point2& goal);
   const ClearanceField& field();
   void give_wanted_goals(std::vector<Message>& out);
-  void give_new_goals(std::vector<Message>& out);
+  void give_new_goals(std::vector<Message>& out, WallTime now);
+  const ReachablePart& part_of(const Robot& robot);
+  std::vector<KeepOut> taken_by_others(const Robot& robot, double spare) const;
   std::optional<Point2> draw_goal(const Robot& robot);
+  void goes_without_goal(Robot& robot, WallTime now);
   bool goals_go_on(WallTime now) const;
   bool everybody_has_the_forest() const;
   bool time_for_missions(WallTime now) const;
@@ -149,9 +160,9 @@ class PlannerService {
   Scenario scenario_;
   ServiceSettings settings_;
   std::string map_id_;
-  Random random_;                                   ///< of new goals
-  std::optional<ClearanceField> field_;             ///< of the map, once it is needed
-  std::map<double, std::vector<Point2>> places_{};  ///< where goals may be, by radius
+  Random random_;                        ///< of new goals
+  std::optional<ClearanceField> field_;  ///< of the map, once it is needed
+  std::vector<ReachablePart> parts_{};   ///< of it, in which goals are drawn
   std::uint32_t goals_refused_ = 0;
   FleetClock clock_;
   std::map<RobotName, Robot> robots_;

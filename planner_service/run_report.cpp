@@ -86,7 +86,7 @@ std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
 }  // namespace
 
 std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
-  if (at_goal) return {};
+  if (at_goal) return robot.without_goal;
   if (robot.began_anew)
     return "its agent was started anew without its journal (--state), and does not know where the robot was";
   if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
@@ -171,10 +171,12 @@ void PlannerService::describe_run(proto::Report& report) const {
     report.set_nodes_invalid(report.nodes_invalid() + broker.nodes_invalid);
   }
   report.set_trees_published(static_cast<std::uint32_t>(trees_seen_.size()));
-  report.set_outcome(all_arrived    ? "arrived"
-                     : interrupted_ ? "interrupted"
-                     : timed_out_   ? "timeout"
-                                    : "incomplete");
+  const auto without_goal = static_cast<std::uint32_t>(robots_without_goal().size());
+  report.set_robots_without_goal(without_goal);
+  report.set_outcome(all_arrived && without_goal == 0 ? "arrived"
+                     : interrupted_                   ? "interrupted"
+                     : timed_out_                     ? "timeout"
+                                                      : "incomplete");
   report.set_plan_time(plan_time());
   report.set_improve_time(improve_time());
   report.set_last_path_at(clock_.wall_time(last_path()));

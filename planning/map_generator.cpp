@@ -4,8 +4,13 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <utility>
+
+#include "planning/random_places.h"
+#include "planning/shuffle.h"
 
 namespace coppice {
 
@@ -135,61 +140,101 @@ OccupancyMap generate_map(MapKind kind, int width, int height, Random& random) {
   return map;
 }
 
-std::vector<Point2> open_places(const ClearanceField& field, double radius) {
-  const GridFrame& frame = field.frame();
-  const auto width = static_cast<std::size_t>(frame.width);
-  const auto centre = [&](std::size_t cell) {
-    return Point2(frame.origin + frame.resolution * Point2(static_cast<double>(cell % width) + 0.5,
-                                                           static_cast<double>(cell / width) + 0.5));
-  };
-  std::vector<std::uint8_t> open(frame.cells());
-  for (std::size_t cell = 0; cell < open.size(); ++cell) open[cell] = field.is_free(centre(cell), radius);
-  std::vector<std::size_t> best;
-  for (std::size_t seed = 0; seed < open.size(); ++seed) {
-    if (open[seed] == 0) continue;
-    std::vector<std::size_t> part{seed};
-    open[seed] = 0;
-    const auto visit = [&](bool there, std::size_t cell) {
-      if (!there || open[cell] == 0) return;
-      open[cell] = 0;
-      part.push_back(cell);
-    };
-    for (std::size_t k = 0; k < part.size(); ++k) {
-      const std::size_t cell = part[k];
-      visit(cell % width > 0, cell - 1);
-      visit(cell % width + 1 < width, cell + 1);
-      visit(cell >= width, cell - width);
-      visit(cell + width < open.size(), cell + width);
-    }
-    if (part.size() > best.size()) best = std::move(part);
-  }
-  std::ranges::sort(best);
-  std::vector<Point2> centres;
-  for (const std::size_t cell : best) centres.push_back(centre(cell));
-  return centres;
-}
+namespace {
 
-std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
-                                       double least_share, Random& random) {
-  const double cell = field.frame().resolution;
-  const std::vector<Point2> places = open_places(field, radius + cell);
-  if (places.empty()) throw std::invalid_argument("no robot of this radius fits on the map");
-  const Box<2> box = field.bounds();
-  const double least_way = least_share * (box.upper - box.lower).norm();
-  const double apart = 2 * radius + cell;
+/// At most `count` tasks: starts and goals are drawn until chance finds no more.
+std::vector<StartAndGoal> scattered_tasks(const ReachablePart& part, int count, double apart,
+                                          double least_way, Random& random) {
+  SpacedPlaces starts(part.box(), apart);
+  SpacedPlaces goals(part.box(), apart);
   std::vector<StartAndGoal> tasks;
-  const auto crowded = [&](Point2 StartAndGoal::*place, const Point2& p) {
-    return std::ranges::any_of(tasks, [&](const StartAndGoal& t) { return (t.*place - p).norm() < apart; });
-  };
-  for (int tries = 0; static_cast<int>(tasks.size()) < count; ++tries) {
-    if (tries == placement_tries) throw std::invalid_argument("no room for so many robots on the map");
-    const Point2 start = places[random.index(places.size())];
-    const Point2 goal = places[random.index(places.size())];
-    if ((goal - start).norm() < least_way) continue;
-    if (crowded(&StartAndGoal::start, start) || crowded(&StartAndGoal::goal, goal)) continue;
+  for (int tries = 0; tries < placement_tries && std::cmp_less(tasks.size(), count); ++tries) {
+    const Point2 start = part.place(random.index(part.size()));
+    const Point2 goal = part.place(random.index(part.size()));
+    if (goal == start || (goal - start).norm() < least_way) continue;
+    if (!starts.has_room(start) || !goals.has_room(goal)) continue;
+    starts.add(start);
+    goals.add(goal);
     tasks.push_back({start, goal});
   }
   return tasks;
+}
+
+/// Exchanges goals until each is `least_way` or more from its start, and not at it; goals that no start has
+/// come last. False if that is not to be had so.
+bool move_apart(const std::vector<Point2>& starts, std::vector<Point2>& goals, double least_way) {
+  const auto far = [&](std::size_t start, std::size_t goal) {
+    if (start >= starts.size()) return true;
+    const double way = (goals[goal] - starts[start]).norm();
+    return way > 0 && way >= least_way;
+  };
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (far(i, i)) continue;
+    std::size_t j = 0;
+    while (j < goals.size() && !(far(i, j) && far(j, i))) ++j;
+    if (j == goals.size()) return false;
+    std::swap(goals[i], goals[j]);
+  }
+  return true;
+}
+
+/// Tasks between these places of the part, at least as many.
+std::vector<StartAndGoal> tasks_between(const ReachablePart& part, std::vector<Point2> places, int count,
+                                        double least_way, Random& random) {
+  if (places.size() == 1) return {{places[0], *draw_place(part, places[0], least_way, {}, random)}};
+  shuffle(places, random);
+  std::vector<Point2> goals = places;
+  shuffle(goals, random);
+  places.resize(static_cast<std::size_t>(count));
+  while (!move_apart(places, goals, least_way)) least_way /= 2;
+  std::vector<StartAndGoal> tasks;
+  for (std::size_t i = 0; i < places.size(); ++i) tasks.push_back({places[i], goals[i]});
+  return tasks;
+}
+
+/// About: in the middle of the widest place.
+double largest_radius(const ClearanceField& field) {
+  const GridFrame& frame = field.frame();
+  double most = 0;
+  for (int j = 1; j < 2 * frame.height; ++j) {
+    for (int i = 1; i < 2 * frame.width; ++i)
+      most = std::max(most, field.lower_bound(frame.origin + frame.resolution / 2 * Point2(i, j)));
+  }
+  return most;
+}
+
+std::string too_large(double radius, double largest) {
+  std::ostringstream text;
+  text << "no robot of radius " << radius << " fits on the map";
+  if (largest > 0) text << ": the widest place is for one of about " << largest;
+  return text.str();
+}
+
+std::string no_room(double radius, std::size_t room, int count) {
+  std::ostringstream text;
+  text << "room for " << room << " robots of radius " << radius << " was found on the map, not for " << count;
+  if (room == 0) text << ": each place that one fits at is closed in";
+  return text.str();
+}
+
+}  // namespace
+
+std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
+                                       double least_share, Random& random, double spare) {
+  const ReachablePart part = ReachablePart::largest(field, radius + spare);
+  if (part.empty()) throw std::invalid_argument(too_large(radius, largest_radius(field) - spare));
+  const double least_way = least_share * (part.box().upper - part.box().lower).norm();
+  std::size_t room = 0;
+  for (const double apart : {2 * radius + field.frame().resolution, 2 * radius}) {
+    std::vector<StartAndGoal> tasks = scattered_tasks(part, count, apart, least_way, random);
+    if (std::cmp_equal(tasks.size(), count)) return tasks;
+    room = std::max(room, tasks.size());
+  }
+  const std::vector<Point2> places = packed_places(part, 2 * radius);
+  room = std::max(room, places.size());
+  if (part.size() == 1 || std::cmp_less(room, count))
+    throw std::invalid_argument(no_room(radius, part.size() == 1 ? 0 : room, count));
+  return tasks_between(part, places, count, least_way, random);
 }
 
 }  // namespace coppice

@@ -22,18 +22,18 @@ std::optional<MapKind> map_kind(std::string_view name);
 /// bottom is blocked. Throws std::invalid_argument for fewer than 1 or more than 16384 cells a side.
 OccupancyMap generate_map(MapKind kind, int width, int height, Random& random);
 
-/// The centres of the cells at which a disc of `radius` is free, of the largest connected part of them.
-std::vector<Point2> open_places(const ClearanceField& field, double radius);
-
 struct StartAndGoal {
   Point2 start;
   Point2 goal;
 };
 
-/// `count` starts and goals at cells' centres, all in one connected part of where a disc of radius + 1 cell
-/// fits; starts apart from one another by two radii and a cell, goals too, and each goal from its start by at
-/// least `least_share` of the map's diagonal. Throws std::invalid_argument if there is no room for them.
+/// `count` starts and goals at places of the largest part of the map that a disc of `radius` reaches, each as
+/// likely, at least `spare` metres further from obstacles than it needs. Starts are apart from one another by
+/// two radii and a cell, goals too; where so many do not fit, by two radii. Each goal is at least
+/// `least_share` of the part's diagonal from its start; where the fleet is so dense that no such goals are
+/// left, half of that, or a quarter, and so on, and never at it. Throws std::invalid_argument, which says how
+/// many robots there is room for, if there is no room for them.
 std::vector<StartAndGoal> random_tasks(const ClearanceField& field, int count, double radius,
-                                       double least_share, Random& random);
+                                       double least_share, Random& random, double spare = 0);
 
 }  // namespace coppice

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
+constexpr double spare = 1;           // metres from obstacles, beside the radius, where they start and go
 constexpr double max_speed = 20;
 constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as dead
 // Two that do not reach each other are safe for as long as they like, if others are alive who reach both;
@@ -43,7 +44,8 @@ Scenario draw_scenario(std::uint32_t seed, Random& random) {
                     .seed = seed,
                     .robots = {}};
   const int robots = 2 + static_cast<int>(random.index(19));
-  for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, radius, 0.1, random)) {
+  for (const auto& [start, goal] :
+       random_tasks(ClearanceField(scenario.map), robots, radius, 0.1, random, spare)) {
     scenario.robots.push_back(
         {fmt::format("r{}", scenario.robots.size() + 1), start, goal, radius, max_speed, 2 * max_speed, 1});
   }

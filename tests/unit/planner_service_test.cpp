@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "files/report_file.h"
 #include "planner_service/muster.h"
 #include "tests/tracks.h"
 #include "tests/unit/roles.h"
@@ -135,6 +136,68 @@ TEST(PlannerService, GivesNewGoalsWhileTheRunIsLifelong) {
   EXPECT_EQ(arrives(2, 7).size(), 1u);
   EXPECT_TRUE(arrives(3, 11).empty());         // the time is over
   EXPECT_EQ(service.report().missions(), 2u);  // of the last there is no record
+}
+
+/// Two robots in a corridor of so many cells, at one end of it; they want to go where they are.
+Scenario corridor(int cells) {
+  Scenario scenario;
+  scenario.map = {
+      .width = cells, .height = 1, .blocked = std::vector<std::uint8_t>(static_cast<std::size_t>(cells), 0)};
+  scenario.robots = {{"a", {0.5, 0.5}, {0.5, 0.5}, 0.4, 1, 2, 0.1},
+                     {"b", {1.5, 0.5}, {1.5, 0.5}, 0.4, 1, 2, 0.1}};
+  return scenario;
+}
+
+/// Both have arrived, and go wherever they are sent, until the run has ended.
+void run_in_corridor(PlannerService& service, const Scenario& scenario) {
+  map_and_missions(service);
+  std::map<std::string, Mission> sent;
+  for (const RobotTask& task : scenario.robots) sent[task.name] = {.number = 1, .goal = task.goal};
+  bool ended = false;
+  for (double now = 1; !service.finished() && now < 20; now += 1) {
+    for (const auto& [name, mission] : sent) {
+      const AgentStatus status{.robot = name, .mission = mission.number, .phase = Phase::arrived};
+      if (!ended) service.on(arrival_of(status, now));
+    }
+    for (const Mission& mission : of<Mission>(service.step(now))) {
+      sent[mission.robot] = mission;
+      ended = mission.cancelled;
+    }
+    for (const auto& [name, mission] : sent) {
+      const auto index = static_cast<std::uint32_t>(now) - 1;
+      service.on(arrival_of(TrackMessage{name, mission.number, index, {{now, mission.goal, {0, 0}}}}, now));
+      AgentStatus status{.robot = name, .mission = mission.number, .phase = Phase::stopped};
+      status.track_points = index + 1;
+      if (ended) service.on(arrival_of(status, now));
+    }
+  }
+}
+
+TEST(PlannerService, ARunInWhichARobotGetsNoNewGoalSaysSoAndIsNoSuccess) {
+  PlannerService service(corridor(2), {.lifelong = 10}, 0);
+  run_in_corridor(service, corridor(2));
+  ASSERT_TRUE(service.finished());
+  EXPECT_TRUE(service.everybody_arrived());
+  EXPECT_FALSE(service.succeeded());
+  EXPECT_EQ(service.robots_without_goal().size(), 2u);
+  const proto::Report report = service.report();
+  EXPECT_EQ(report.outcome(), "incomplete");
+  EXPECT_EQ(report.robots_without_goal(), 2u);
+  EXPECT_TRUE(report.robots(0).arrived());
+  EXPECT_EQ(report.robots(0).reason(), "gets no new goal: other robots take all 2 places that it can go to");
+  EXPECT_NE(report_table(report).find("robots that arrived and got no new goal: 2"), std::string::npos);
+}
+
+TEST(PlannerService, ARunInWhichAllGetNewGoalsIsASuccess) {
+  PlannerService service(corridor(5), {.lifelong = 10}, 0);
+  run_in_corridor(service, corridor(5));
+  ASSERT_TRUE(service.finished());
+  EXPECT_TRUE(service.succeeded());
+  const proto::Report report = service.report();
+  EXPECT_EQ(report.outcome(), "arrived");
+  EXPECT_EQ(report.robots_without_goal(), 0u);
+  EXPECT_GE(report.missions(), 10u);
+  EXPECT_EQ(report_table(report).find("no new goal"), std::string::npos);
 }
 
 TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
