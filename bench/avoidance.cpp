@@ -148,8 +148,7 @@ void bench_avoidance(const ExperimentOptions& options) {
       int coppice = 0;
       int rvo = 0;
       int seeds = 0;
-      for (; seeds < options.seeds && !options.stop(); ++seeds) {
-        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(seeds);
+      const auto measure = [&](std::uint64_t seed) {
         const Both both =
             compared(make_case(source, options.side, robots, options.radius, seed), options.radius);
         coppice += both.coppice.succeeded;
@@ -160,7 +159,12 @@ void bench_avoidance(const ExperimentOptions& options) {
              std::to_string(both.coppice.succeeded), fmt::format("{:.3f}", both.coppice.mean_run_time),
              std::to_string(both.rvo.succeeded), fmt::format("{:.3f}", both.rvo.mean_run_time)});
         options.tell(fmt::format("{} {} robots, seed {}", map_title(source), robots, seed));
+      };
+      for (; seeds < options.seeds && !options.stop(); ++seeds) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(seeds);
+        if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
+      if (seeds == 0) continue;
       const std::string ratio = ratios.empty() ? "-"
                                                : fmt::format("{:.3f} ({:.3f} to {:.3f})", median(ratios),
                                                              quantile(ratios, 0.25), quantile(ratios, 0.75));
@@ -172,8 +176,9 @@ void bench_avoidance(const ExperimentOptions& options) {
       line.y.push_back(median(ratios));
     }
     plots.push_back({map_title(source), "robots", "mean run time, Coppice / RVO", false, {line}});
+    write_experiment(options, "avoidance", trials, summary, plots, 2);
   }
-  write_experiment(options, "avoidance", trials, summary, plots, 2);
+  options.tell(as_markdown(summary));
 }
 
 }  // namespace coppice

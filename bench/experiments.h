@@ -1,6 +1,8 @@
 // The experiments of `coppice bench`: each writes NAME.csv (every trial), NAME.md (medians) and NAME.svg.
 //
-// Throws InputError for bad options or files that cannot be written.
+// A map that fails (there is no room for so many robots, say) is told and left out from there on; the others
+// go on, and what was measured before is kept. Throws InputError for bad options or files that cannot be
+// written.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +26,12 @@ struct ExperimentOptions {
   std::string output = ".";
   std::function<bool()> stop = [] { return false; };
   std::function<void(const std::string&)> tell = [](const std::string&) {};  ///< progress, a line each
+  std::function<void(const std::string&)> fail = [](const std::string&) {};  ///< what failed, a line each
 };
+
+/// Runs `trial`. False if it throws: then `fail` is told so, with the map and the number of robots.
+bool succeeds(const ExperimentOptions& options, const std::string& map, int robots,
+              const std::function<void()>& trial);
 
 /// MA-RRdT* against OMPL's planners and grid A*, in one process and in turn.
 void bench_peers(const ExperimentOptions& options);

@@ -25,8 +25,7 @@ void bench_lifelong(const ExperimentOptions& options) {
     for (const int robots : options.robots) {
       std::vector<std::vector<double>> ms(missions);
       std::vector<std::vector<double>> nodes(missions);
-      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
-        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+      const auto measure = [&](std::uint64_t seed) {
         const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         Random random(seed + 7);
         const double epsilon = suggested_epsilon(trial.field, options.radius);
@@ -54,6 +53,10 @@ void bench_lifelong(const ExperimentOptions& options) {
           known_invalid = invalid;
         }
         options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
+      };
+      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+        if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
       Series line{fmt::format("{} robots", robots), {}, {}, {}};
       for (std::size_t m = 0; m < missions && !ms[m].empty(); ++m) {
@@ -66,8 +69,9 @@ void bench_lifelong(const ExperimentOptions& options) {
       series.push_back(line);
     }
     plots.push_back({map, "mission", "plan time, ms", true, series});
+    write_experiment(options, "lifelong", trials, medians, plots, 2);
   }
-  write_experiment(options, "lifelong", trials, medians, plots, 2);
+  options.tell(as_markdown(medians));
 }
 
 }  // namespace coppice

@@ -11,14 +11,14 @@
 
 namespace coppice {
 
-/// Writes NAME.csv (`trials`), NAME.md (`summary`) and NAME.svg, and tells the summary.
+/// Writes NAME.csv (`trials`), NAME.md (`summary`) and NAME.svg: after each map, so that what is measured is
+/// kept whatever becomes of the next one.
 inline void write_experiment(const ExperimentOptions& options, const std::string& name, const Table& trials,
                              const Table& summary, const std::vector<Plot>& plots, int plots_a_row) {
   const std::string file = options.output + "/" + name;
   write_file(file + ".csv", as_csv(trials));
   write_file(file + ".md", as_markdown(summary));
   write_file(file + ".svg", plots_svg(plots, plots_a_row));
-  options.tell(as_markdown(summary));
 }
 
 }  // namespace coppice

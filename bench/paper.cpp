@@ -101,8 +101,7 @@ void bench_paper(const ExperimentOptions& options) {
                                             {{"MA-RRdT*", {}, {}, {}}, {"MA-RRT*", {}, {}, {}}});
     for (const int robots : options.robots) {
       std::vector<std::vector<Measures>> runs(2);
-      for (int k = 0; k < options.seeds_on(source) && !options.stop(); ++k) {
-        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+      const auto measure = [&](std::uint64_t seed) {
         const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         for (const bool sharing : {true, false}) {
           const TrialResult result =
@@ -117,8 +116,12 @@ void bench_paper(const ExperimentOptions& options) {
           runs[sharing ? 0 : 1].push_back(m);
         }
         options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
+      };
+      for (int k = 0; k < options.seeds_on(source) && !options.stop(); ++k) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+        if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
-      if (runs[0].empty()) continue;
+      if (runs[1].empty()) continue;
       for (std::size_t p = 0; p < runs.size(); ++p) {
         std::vector<std::string> row{map, std::to_string(robots), series[0][p].name};
         for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -138,8 +141,9 @@ void bench_paper(const ExperimentOptions& options) {
     }
     for (std::size_t c = 0; c < columns.size(); ++c)
       plots.push_back({map, "robots", columns[c].name, columns[c].logarithmic, series[c]});
+    write_experiment(options, "paper", trials, means, plots, static_cast<int>(columns.size()));
   }
-  write_experiment(options, "paper", trials, means, plots, static_cast<int>(columns.size()));
+  options.tell(as_markdown(means));
 }
 
 }  // namespace coppice

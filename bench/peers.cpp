@@ -114,8 +114,7 @@ void bench_peers(const ExperimentOptions& options) {
     for (const int robots : options.robots) {
       std::vector<std::string> names;
       std::map<std::string, Row> rows;
-      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
-        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+      const auto measure = [&](std::uint64_t seed) {
         const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         const std::vector<TrialResult> results = run_all(trial, seed, options.cap);
         const double shortest = shortest_known(results);
@@ -134,6 +133,10 @@ void bench_peers(const ExperimentOptions& options) {
                std::to_string(result.valid_nodes), std::to_string(result.solved())});
         }
         options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
+      };
+      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+        if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
       if (rows.empty()) continue;
       double best_peer = std::numeric_limits<double>::infinity();
@@ -158,8 +161,9 @@ void bench_peers(const ExperimentOptions& options) {
       }
     }
     plots.push_back({map, "robots", "first paths, ms", true, series});
+    write_experiment(options, "peers", trials, medians, plots, 2);
   }
-  write_experiment(options, "peers", trials, medians, plots, 2);
+  options.tell(as_markdown(medians));
 }
 
 }  // namespace coppice

@@ -38,7 +38,7 @@ struct Range {
 class Scale {
  public:
   Scale(Range range, double from, double to, bool logarithmic) : from_(from), to_(to), log_(logarithmic) {
-    if (!(range.low <= range.high)) range = {0, 1};
+    if (!(range.low <= range.high)) range = {1, 1};  // there is nothing to show; 0 has no logarithm
     if (log_) {
       low_ = std::floor(std::log10(range.low));
       high_ = std::max(low_ + 1, std::ceil(std::log10(range.high)));

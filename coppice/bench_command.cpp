@@ -15,6 +15,11 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   ExperimentOptions experiment{.output = options.output};
   experiment.stop = [] { return stop_requested(); };
   experiment.tell = [](const std::string& line) { std::cout << line << std::endl; };
+  bool failed = false;
+  experiment.fail = [&](const std::string& line) {
+    failed = true;
+    std::cerr << options.experiment << ": " << line << std::endl;
+  };
   if (options.experiment == "paper") {
     experiment.robots = {2, 5, 10, 20, 50};
     experiment.maze_seeds = 3;
@@ -65,8 +70,8 @@ int bench_command(const BenchOptions& options, const std::string& program) {
                       .security = options.security,
                       .report = options.report};
   if (options.quick) scale.fleet_seconds = 5;
-  if (options.experiment == "scale") return bench_scale(experiment, scale, program) ? 0 : 1;
-  return 0;
+  const bool all_well = options.experiment != "scale" || bench_scale(experiment, scale, program);
+  return failed ? 2 : all_well ? 0 : 1;
 }
 
 }  // namespace coppice

@@ -255,8 +255,7 @@ bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
   bool all_well = true;
   Series states{"states of others", {}, {}, {}};
   Series samples{"all samples", {}, {}, {}};
-  for (const int robots : options.robots) {
-    if (options.stop()) break;
+  const auto measure = [&](int robots) {
     const double time_scale =
         settings.time_scale.value_or(usual_time_scale(static_cast<std::size_t>(robots), usable_cores()));
     options.tell(fmt::format("{} robots, {} fleet seconds at time scale {:g}", robots, settings.fleet_seconds,
@@ -272,9 +271,14 @@ bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
     samples.y.push_back(number(6));
     all_well = all_well && table.rows.back()[2] != nobody_knows && run.report.collisions() == 0;
     // Each time: the next one may fail.
+    options.tell(as_markdown(table));
     write_experiment(options, "scale", table, table,
                      {{"received by an agent", "robots", "a fleet second", false, {states, samples}}}, 1);
     if (!settings.report.empty()) write_file(std::filesystem::path(settings.report), as_json(table));
+  };
+  for (const int robots : options.robots) {
+    if (options.stop()) break;
+    all_well &= succeeds(options, options.maps.front(), robots, [&] { measure(robots); });
   }
   return all_well;
 }

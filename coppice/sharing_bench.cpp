@@ -67,8 +67,7 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
     std::vector<Series> series{{"shared", {}, {}, {}}, {"alone", {}, {}, {}}};
     for (const int robots : options.robots) {
       std::vector<std::vector<double>> ms(2);
-      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
-        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+      const auto measure = [&](std::uint64_t seed) {
         const std::string scenario = (folder.path() / "scenario.json").string();
         const auto side =
             map_kind(source) ? std::optional(options.side) : std::nullopt;  // a file has its own
@@ -87,8 +86,12 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
                                  fmt::format("{:.3f}", time)});
         }
         options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
+      };
+      for (int k = 0; k < options.seeds && !options.stop(); ++k) {
+        const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
+        if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
-      if (ms[0].empty()) continue;
+      if (ms[1].empty()) continue;
       medians.rows.push_back({map, std::to_string(robots), fmt::format("{:.1f}", median(ms[0])),
                               fmt::format("{:.1f}", median(ms[1])),
                               fmt::format("{:.2f}", median(ms[0]) / median(ms[1]))});
@@ -98,8 +101,9 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
       }
     }
     plots.push_back({map, "robots", "mission to last path, ms", false, series});
+    write_experiment(options, "sharing", trials, medians, plots, 2);
   }
-  write_experiment(options, "sharing", trials, medians, plots, 2);
+  options.tell(as_markdown(medians));
 }
 
 }  // namespace coppice

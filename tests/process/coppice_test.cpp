@@ -1,10 +1,14 @@
 // The commands that need no fleet of processes, as a user types them; run is in fleet_test.cpp.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "bench/trial.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
+#include "files/scenario_generator.h"
 #include "planning/clearance_field.h"
+#include "planning/map_generator.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -129,6 +133,113 @@ TEST(CoppiceBench, TakesMapsFromFiles) {
   EXPECT_EQ(shell(program("coppice") + " map " + map + " " + scenario).exit_code, 0);
   EXPECT_NE(test::contents(scenario).find("\"yard.map\""), std::string::npos);
   EXPECT_EQ(shell(program("coppice") + " plan " + scenario).exit_code, 0);
+}
+
+// What is measured on the maps that can be is printed, and kept, also of the map that fails for many robots.
+TEST(CoppiceBench, KeepsWhatIsMeasuredWhereAMapFails) {
+  const TemporaryFolder folder;
+  const auto open_map = [&](const std::string& name, int side) {
+    std::string text = fmt::format("type octile\nheight {0}\nwidth {0}\nmap\n", side);
+    for (int j = 0; j < side; ++j) text += std::string(static_cast<std::size_t>(side), '.') + '\n';
+    folder.write(name, text);
+  };
+  open_map("wide.map", 20);
+  open_map("small.map", 3);
+  for (const std::string experiment : {"paper", "peers", "lifelong", "avoidance", "sharing"}) {
+    if (experiment == "peers" && !built_with_ompl()) continue;
+    const std::string to = (folder.path() / experiment).string();
+    std::filesystem::create_directory(to);
+    const Outcome outcome =
+        shell("cd " + folder.path().string() + " && " + program("coppice") + " bench " + experiment +
+              " --maps small.map,wide.map --robots 1,10 --radius 0.4 --seeds 1 --output " + to);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    EXPECT_NE(outcome.output.find("small.map, 10 robots: "), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("room for 9 robots of radius 0.4"), std::string::npos) << outcome.output;
+    for (const std::string& text : {outcome.output, test::contents(to + "/" + experiment + ".md")}) {
+      EXPECT_NE(text.find("| small | 1 "), std::string::npos) << experiment << text;
+      EXPECT_EQ(text.find("| small | 10 "), std::string::npos) << experiment << text;
+      EXPECT_NE(text.find("| wide "), std::string::npos) << experiment << text;
+    }
+    EXPECT_NE(test::contents(to + "/" + experiment + ".csv").find("small,1,1,"), std::string::npos);
+    EXPECT_NE(test::contents(to + "/" + experiment + ".csv").find("wide,10,1,"), std::string::npos);
+  }
+}
+
+TEST(CoppiceBench, EndsWhereNothingCouldBeMeasured) {
+  const TemporaryFolder folder;
+  folder.write("small.map", "type octile\nheight 1\nwidth 4\nmap\n....\n");
+  const Outcome outcome =
+      shell("cd " + folder.path().string() + " && ulimit -v 4000000 && timeout 60 " + program("coppice") +
+            " bench lifelong --maps small.map --robots 10 --radius 0.4 --seeds 1");
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+  EXPECT_NE(test::contents(folder.path() / "lifelong.svg").find("</svg>"), std::string::npos);
+}
+
+TEST(CoppiceMap, DrawsTasksThroughDoorsOfOneCellAndSaysHowManyFit) {
+  const TemporaryFolder folder;
+  folder.write(
+      "rooms.map",
+      "type octile\nheight 5\nwidth 9\nmap\n@@@@@@@@@\n@...@...@\n@.......@\n@...@...@\n@@@@@@@@@\n");
+  const std::string at = "cd " + folder.path().string() + " && " + program("coppice") + " map ";
+  for (const std::string robots : {"1", "19"}) {
+    for (const std::string radius : {"0.3", "0.49"}) {
+      const Outcome outcome = shell(at + "rooms.map s.json --robots " + robots + " --radius " + radius);
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+      EXPECT_EQ(read_scenario(folder.path() / "s.json", {}).robots.size(), std::stoul(robots));
+    }
+  }
+  const Outcome many = shell(at + "rooms.map s.json --robots 20 --radius 0.4");
+  EXPECT_EQ(many.exit_code, 2);
+  EXPECT_NE(many.output.find("rooms.map: room for 19 robots of radius 0.4 was found on the map, not for 20"),
+            std::string::npos)
+      << many.output;
+  const Outcome large = shell(at + "rooms.map s.json --robots 1");
+  EXPECT_EQ(large.exit_code, 2);
+  EXPECT_NE(
+      large.output.find("no robot of radius 5 fits on the map: the widest place is for one of about 1.5"),
+      std::string::npos)
+      << large.output;
+}
+
+// A robot of five cells, as scenarios have it by default: on a map of 5 cm a cell, of a quarter of a metre.
+TEST(CoppiceMap, CountsItsDefaultsInCells) {
+  const TemporaryFolder folder;
+  folder.write("a.pgm", "P5 80 60 255\n" + std::string(80 * 60, static_cast<char>(254)));
+  folder.write("a.yaml",
+               "image: a.pgm\nresolution: 0.05\norigin: [-2, -1, 0]\nnegate: 0\n"
+               "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const std::string at = "cd " + folder.path().string() + " && " + program("coppice") + " map a.yaml s.json ";
+  EXPECT_EQ(shell(at + "--robots 2").exit_code, 0);
+  const RobotTask robot = read_scenario(folder.path() / "s.json", {}).robots[0];
+  EXPECT_DOUBLE_EQ(robot.radius, 0.25);
+  EXPECT_DOUBLE_EQ(robot.max_speed, 1);
+  EXPECT_DOUBLE_EQ(robot.goal_tolerance, 0.05);
+  EXPECT_EQ(shell(at + "--robots 2 --radius 0.2 --max-speed 0.5").exit_code, 0);
+  const RobotTask asked = read_scenario(folder.path() / "s.json", {}).robots[0];
+  EXPECT_DOUBLE_EQ(asked.radius, 0.2);
+  EXPECT_DOUBLE_EQ(asked.max_speed, 0.5);
+  EXPECT_DOUBLE_EQ(asked.goal_tolerance, 0.05);
+}
+
+TEST(CoppiceMap, EveryKindOfMapHasTheSizeThatIsAskedForAndNoKindOfScenarioHasItsName) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "m.json").string();
+  for (const std::string kind : {"blank", "dense", "maze", "room"}) {
+    const Outcome outcome =
+        shell(program("coppice") + " map " + kind + " " + file + " --width 160 --height 200 --robots 2");
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("160 x 200 cells"), std::string::npos) << outcome.output;
+  }
+  const std::string help = shell(program("coppice") + " map --help").output;
+  for (const ScenarioKind& kind : scenario_kinds()) {
+    EXPECT_FALSE(map_kind(kind.name)) << kind.name;
+    EXPECT_NE(help.find("\n  " + kind.name + " "), std::string::npos) << kind.name << help;
+  }
+  EXPECT_EQ(shell(program("coppice") + " map maze-traffic " + file + " --width 160").exit_code, 2);
+  EXPECT_EQ(shell(program("coppice") + " map maze " + file + " --width 0").exit_code, 2);
+  // As the documents call it that are older than its name.
+  const Outcome rooms = shell(program("coppice") + " map rooms " + file + " --robots 3");
+  EXPECT_EQ(rooms.exit_code, 0) << rooms.output;
 }
 
 // A name of a kind is that kind, and the map beside a scenario is that scenario's.
