@@ -332,6 +332,10 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
   d.plan_seconds(m.plan_seconds);
   d.improve_seconds(m.improve_seconds);
   d.driven_length(m.driven_length);
+  d.way_left(m.way_left);
+  d.wait_cause(m.wait_cause);
+  d.came_on_at(m.came_on_at);
+  d.waited(m.waited);
   d.nodes_valid(m.nodes_valid);
   d.nodes_invalid(m.nodes_invalid);
   d.trees_received(m.trees_received);
@@ -382,7 +386,11 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
                    .state_age_p99 = d.state_age_p99(),
                    .state_age_max = d.state_age_max(),
                    .processor_seconds = d.processor_seconds()},
-          .run = d.run()};
+          .run = d.run(),
+          .way_left = d.way_left(),
+          .wait_cause = text(d.wait_cause()),
+          .came_on_at = d.came_on_at(),
+          .waited = d.waited()};
 }
 
 idl::BrokerStatus to_dds(const BrokerStatus& m) {
@@ -411,6 +419,24 @@ BrokerStatus from_dds(const idl::BrokerStatus& d) {
           .covered_map = text(d.covered_map()),
           .rejected = d.rejected(),
           .processor_seconds = d.processor_seconds()};
+}
+
+idl::ServiceStatus to_dds(const ServiceStatus& m) {
+  idl::ServiceStatus d;
+  d.service(m.service);
+  d.host(m.host);
+  d.process(m.process);
+  d.since(m.since);
+  d.run(m.run);
+  return d;
+}
+
+ServiceStatus from_dds(const idl::ServiceStatus& d) {
+  return {.service = d.service(),
+          .host = text(d.host()),
+          .process = d.process(),
+          .since = d.since(),
+          .run = d.run()};
 }
 
 idl::Claim to_dds(const Claim& m) {

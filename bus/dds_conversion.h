@@ -33,6 +33,7 @@ COPPICE_DDS_TYPE(BrokerStatus, BrokerStatus);
 COPPICE_DDS_TYPE(Claim, Claim);
 COPPICE_DDS_TYPE(Assignment, Assignment);
 COPPICE_DDS_TYPE(ActiveTreesMessage, ActiveTrees);
+COPPICE_DDS_TYPE(ServiceStatus, ServiceStatus);
 
 #undef COPPICE_DDS_TYPE
 

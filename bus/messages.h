@@ -243,7 +243,8 @@ struct AgentLoad {
   WallTime matched_at = 0;             ///< when the last of these was matched
   std::uint64_t bytes_sent = 0;        ///< in UDP datagrams, without their headers
   std::uint64_t bytes_received = 0;
-  double state_age_p50 = 0;  ///< of a neighbour's state when the robot decides by it, seconds of fleet time;
+  /// Of the state of one that might be touched soon, when the robot decides by it, seconds of fleet time;
+  double state_age_p50 = 0;
   double state_age_p99 = 0;  ///< to within a tenth
   double state_age_max = 0;
   double processor_seconds = 0;  ///< of all its threads; 0 in a simulation
@@ -269,7 +270,11 @@ struct AgentStatus {
   std::uint32_t track_points = 0;  ///< how many the agent has sent in all
   std::uint32_t rejected = 0;      ///< messages dropped as invalid
   AgentLoad load{};
-  WallTime run = 0;  ///< which one its mission is of; 0: none yet
+  WallTime run = 0;          ///< which one its mission is of; 0: none yet
+  double way_left = -1;      ///< metres along its way to its goal; below 0: it has none
+  std::string wait_cause{};  ///< why it does not come on, though it has a goal to reach; empty: it does
+  double came_on_at = 0;     ///< fleet time at which it last came half a radius further, or its mission came
+  double waited = 0;         ///< fleet seconds of this mission in which it did not come on
   bool operator==(const AgentStatus&) const = default;
 };
 
@@ -295,6 +300,17 @@ struct BrokerStatus {
   bool operator==(const BrokerStatus&) const = default;
 };
 
+/// service_status: service -> services, monitor. Each fleet has one service: a second one hears of it and
+/// refuses.
+struct ServiceStatus {
+  std::uint64_t service = 0;  ///< drawn at random, above 0: another one after each start
+  std::string host{};
+  std::uint32_t process = 0;  ///< its id there
+  WallTime since = 0;         ///< it was started
+  WallTime run = 0;           ///< the one whose missions it has handed out; 0: none yet
+  bool operator==(const ServiceStatus&) const = default;
+};
+
 /// claim: agent without a name -> service. Said again and again until it has a robot, and once more with
 /// that.
 struct Claim {
@@ -316,8 +332,8 @@ struct Assignment {
 /// itself.
 inline constexpr WallTime claim_lease = 10;
 
-using Message =
-    std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState, JointPlanMessage,
-                 PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim, Assignment, ActiveTreesMessage>;
+using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState,
+                             JointPlanMessage, PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim,
+                             Assignment, ActiveTreesMessage, ServiceStatus>;
 
 }  // namespace coppice

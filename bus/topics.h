@@ -58,6 +58,7 @@ COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local
 COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::broker | topic_roles::service | topic_roles::onlooker | topic_roles::replayer);
 COPPICE_TOPIC(Claim,               "claim",         reliable,    transient_local, 1,     topic_roles::claimant, topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(Assignment,          "assignment",    reliable,    transient_local, 1,     topic_roles::service, topic_roles::claimant | topic_roles::observer);
+COPPICE_TOPIC(ServiceStatus,       "service_status", reliable,   transient_local, 1,     topic_roles::service, topic_roles::service | topic_roles::onlooker);
 COPPICE_TOPIC(ActiveTreesMessage,  "active_trees",  reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::onlooker);
 // clang-format on
 

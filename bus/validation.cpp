@@ -18,8 +18,6 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t longest_reason = 256;  // characters, as in idl/fleet.idl
-
 using Problem = std::optional<std::string>;
 
 bool sane(const Point2& p) {
@@ -224,7 +222,10 @@ Problem check(const AgentStatus& m) {
        {is_sane(m.mission_time) && is_sane(m.path_time) && is_sane(m.arrival_time) &&
             is_sane(m.plan_seconds) && is_sane(m.improve_seconds),
         "time is not finite"},
-       {not_negative(m.driven_length), "length is negative or not finite"},
+       {not_negative(m.driven_length) && is_sane(m.way_left), "length is negative or not finite"},
+       {m.wait_cause.size() <= longest_reason && printable(m.wait_cause),
+        "cause of its waiting is too long or not printable"},
+       {is_sane(m.came_on_at) && not_negative(m.waited), "waiting is negative or not finite"},
        {std::isfinite(m.load.matched_at) && not_negative(m.load.state_age_p50) &&
             not_negative(m.load.state_age_p99) && not_negative(m.load.state_age_max) &&
             not_negative(m.load.processor_seconds),
@@ -237,6 +238,13 @@ Problem check(const BrokerStatus& m) {
        {named_or_empty(m.covered_map), "map id is too long or not printable"},
        {std::isfinite(m.leading_since) && m.leading_since >= 0, "time since it leads is not a time"},
        {not_negative(m.processor_seconds), "processor time is negative or not finite"}});
+}
+
+Problem check(const ServiceStatus& m) {
+  return first_of({{m.service != 0, "service has no id"},
+                   {named_or_empty(m.host), "host is too long or not printable"},
+                   {std::isfinite(m.since) && m.since >= 0, "time since it runs is not a time"},
+                   {m.run >= 0 && m.run <= latest_run, "run is not a time"}});
 }
 
 Problem check(const Claim& m) {

@@ -12,6 +12,8 @@ namespace coppice {
 
 /// Longest robot name, map id and name of a neighbour, characters: bounded in idl/fleet.idl.
 inline constexpr std::size_t longest_name = 64;
+/// Longest reason or cause, characters: likewise.
+inline constexpr std::size_t longest_reason = 256;
 /// In one state.
 inline constexpr std::size_t most_echoes = 32;
 inline constexpr std::size_t most_missed = 16;

@@ -341,6 +341,10 @@ void to(const AgentStatus& m, recording::AgentStatus* out) {
   out->set_track_points(m.track_points);
   out->set_rejected(m.rejected);
   to(m.load, out->mutable_load());
+  out->set_way_left(m.way_left);
+  out->set_wait_cause(m.wait_cause);
+  out->set_came_on_at(m.came_on_at);
+  out->set_waited(m.waited);
 }
 std::optional<Message> from(const recording::AgentStatus& m) {
   return AgentStatus{.robot = m.robot(),
@@ -360,7 +364,11 @@ std::optional<Message> from(const recording::AgentStatus& m) {
                      .track_points = m.track_points(),
                      .rejected = m.rejected(),
                      .load = from(m.load()),
-                     .run = m.run()};
+                     .run = m.run(),
+                     .way_left = m.has_way_left() ? m.way_left() : AgentStatus{}.way_left,
+                     .wait_cause = m.wait_cause(),
+                     .came_on_at = m.came_on_at(),
+                     .waited = m.waited()};
 }
 
 void to(const BrokerStatus& m, recording::BrokerStatus* out) {
@@ -406,6 +414,17 @@ std::optional<Message> from(const recording::Assignment& m) {
   return Assignment{m.robot(), m.claimant(), m.number()};
 }
 
+void to(const ServiceStatus& m, recording::ServiceStatus* out) {
+  out->set_service(m.service);
+  out->set_host(m.host);
+  out->set_process(m.process);
+  out->set_since(m.since);
+  out->set_run(m.run);
+}
+std::optional<Message> from(const recording::ServiceStatus& m) {
+  return ServiceStatus{m.service(), m.host(), m.process(), m.since(), m.run()};
+}
+
 // --- by topic ---
 
 template <class M>
@@ -428,6 +447,7 @@ COPPICE_RECORDED(BrokerStatus, BrokerStatus);
 COPPICE_RECORDED(Claim, Claim);
 COPPICE_RECORDED(Assignment, Assignment);
 COPPICE_RECORDED(ActiveTreesMessage, ActiveTrees);
+COPPICE_RECORDED(ServiceStatus, ServiceStatus);
 #undef COPPICE_RECORDED
 
 template <class M>

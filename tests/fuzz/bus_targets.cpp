@@ -248,6 +248,11 @@ std::vector<Input> topic_seeds<ActiveTreesMessage>() {
   return {encoded(ActiveTreesMessage{7, map_id(), {{{6, 8}, {10, 8}}, {{20, 4}, {20, 4}}}})};
 }
 
+template <>
+std::vector<Input> topic_seeds<ServiceStatus>() {
+  return {encoded(ServiceStatus{7, "host", 12, 1, 2})};
+}
+
 /// A record of a journal.
 void journal_record(Bytes data) {
   (void)deserialized(data);
@@ -354,6 +359,7 @@ constexpr std::array all{of_topic<MapMessage>(),
                          of_topic<Claim>(),
                          of_topic<Assignment>(),
                          of_topic<ActiveTreesMessage>(),
+                         of_topic<ServiceStatus>(),
                          Target{"journal_record", journal_record, journal_record_seeds},
                          Target{"sequence", sequence, sequence_seeds},
                          Target{"user_data", user_data, user_data_seeds},

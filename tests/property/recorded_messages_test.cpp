@@ -166,7 +166,16 @@ AgentStatus any(const Any& a) {
           a.u32(),
           a.u32(),
           {a.u32(), a.u32(), a.u32(), a.u32(), a.u32(), a.number(), a.u64(), a.u64(), a.number(), a.number(),
-           a.number(), a.number()}};
+           a.number(), a.number()},
+          a.number(),
+          a.number(),
+          a.name(),
+          a.number(),
+          a.number()};
+}
+template <>
+ServiceStatus any(const Any& a) {
+  return {a.u64(), a.name(), a.u32(), a.number(), a.number()};
 }
 template <>
 BrokerStatus any(const Any& a) {
