@@ -26,6 +26,7 @@ constexpr double same_place = 0.01;   // metres between where a plan begins and 
 
 void Knot::join(const KnotId& id) {
   leave();
+  follower_.reset();
   id_ = id;
   note_epoch(id.epoch);
   stage_ = Stage::holding;
@@ -39,10 +40,12 @@ void Knot::note_epoch(std::uint32_t epoch) {
   if (is_later_epoch(epoch, latest_epoch_)) latest_epoch_ = epoch;
 }
 
+/// One that has made all its moves goes on saying so by its progress.
 void Knot::leave() {
+  const bool has_moves_left = stage_ != Stage::free;
   stage_ = Stage::free;
   planner_.reset();
-  follower_.reset();
+  if (has_moves_left) follower_.reset();
   waits_for_.clear();
 }
 
@@ -50,13 +53,14 @@ void Knot::hear(const RobotState& state, const std::optional<Point2>& position) 
   note_epoch(state.knot.epoch);
   const bool same = state.knot == id_;
   const bool called_on = !same && calls_this(state.knot);
-  const bool through = same && stage_ == Stage::ordered && state.stage == Stage::free;
-  if (!called_on && !through) return;  // nearly all
+  const bool out = same && stage_ == Stage::ordered && state.stage == Stage::free;
+  if (!called_on && !out) return;  // nearly all
   const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
   if (member != members_.end()) {
     const auto index = static_cast<std::size_t>(member - members_.begin());
-    if (through) done_[index] = true;
-    if (called_on && !done_[index]) leave();
+    if (out && parts_[index] != Part::done)
+      parts_[index] = has_made_all_moves(index, state.progress) ? Part::done : Part::left;
+    if (called_on && parts_[index] != Part::done) leave();
   }
   if (called_on && state.stage == Stage::holding && position && state.knot.includes(*position))
     join(state.knot);
@@ -169,7 +173,7 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
   const auto index = static_cast<std::size_t>(own - members_.begin());
   stranded_ = plan.members[index].stranded;
   schedules_.assign(members_.size(), {});
-  done_.assign(members_.size(), false);
+  parts_.assign(members_.size(), Part::under_way);
   for (std::size_t k = 0; k < plan.moves.size(); ++k) {
     auto& [ends, at] = schedules_[plan.moves[k].robot];
     ends.push_back((ends.empty() ? 0 : ends.back()) + length_of(plan.moves[k].path));
@@ -184,13 +188,17 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
 Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                                 const Limits& limits, double now) {
   const auto passed = [&](std::size_t index) {
-    if (done_[index]) return std::numeric_limits<double>::infinity();
+    if (parts_[index] == Part::done) return std::numeric_limits<double>::infinity();
     const auto other = fleet.find(members_[index]);
     return other && other->knot == id_ && other->stage == Stage::ordered ? other->progress : 0.0;
   };
   Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
   const auto& waits = follower_->waits_for();
   waits_for_ = waits ? members_[waits->robot] : RobotName();
+  if (waits && parts_[waits->robot] == Part::left) {
+    call(self, fleet, now);
+    return Point2::Zero();
+  }
   const auto waited_for = waits ? fleet.find(waits_for_) : std::nullopt;
   waits_until_ = waited_for ? waited_for->rests_until + waits->metres / waited_for->max_speed : 0;
   if (waited_for && (waits_for_ != awaited_.robot || waited_for->progress != awaited_.progress)) {
@@ -210,6 +218,12 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
     return Point2::Zero();
   }
   return wanted;
+}
+
+/// One that says so is out of the knot; else it has left it, and where it goes no plan says.
+bool Knot::has_made_all_moves(std::size_t member, double progress) const {
+  const auto& ends = schedules_[member].ends;
+  return ends.empty() || progress > ends.back() - same_place;
 }
 
 /// The place in the plan of the move that a member has come to; beyond the plan's end if it has

@@ -4,7 +4,9 @@
 // around it. Who hears of it, in anybody's state, and is within its reach joins: brakes and holds. Once all
 // of these that are alive stand, the leader makes a joint plan (motion/joint_planner.h) and publishes it;
 // each then drives its own moves in the plan's order (motion/precedence.h), and is free again after its last.
-// A later knot overrides an earlier one at any time; who is called away from a plan leaves the others free. A
+// A later knot overrides an earlier one at any time; who is called away from a plan leaves the others free.
+// Who leaves a plan with moves to make, for it was stopped or came too late, opens no gate: the first one
+// that waits for it calls a new knot. A
 // knot that does not sort out its crowd is followed by one of the whole fleet.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
@@ -89,6 +91,13 @@ class Knot {
     std::vector<std::size_t> at{};  ///< in the plan
   };
 
+  /// What is known of a member of the plan.
+  enum class Part : std::uint8_t {
+    under_way,
+    done,  ///< it has made all its moves
+    left,  ///< it made some, and makes no more: what waits for these calls a new knot
+  };
+
   bool calls_this(const KnotId& knot) const {
     return is_later_epoch(knot.epoch, forgotten_) && knot.overrides(id_);
   }
@@ -98,6 +107,7 @@ class Knot {
   void lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);
   void publish(const FleetMember& self, double now);
   void take_up(const JointPlanMessage& plan, const FleetMember& self);
+  bool has_made_all_moves(std::size_t member, double progress) const;
   std::size_t next_move(std::size_t member, double progress) const;
 
   RobotName robot_;
@@ -116,7 +126,7 @@ class Knot {
   std::optional<JointPlanMessage> own_plan_;
   std::vector<RobotName> members_;
   std::vector<Schedule> schedules_;
-  std::vector<bool> done_;  ///< the members that have made all their moves
+  std::vector<Part> parts_;  ///< of the members
   std::optional<WayFollower> follower_;
   RobotName waits_for_;
   double waits_until_ = 0;

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/plans.h"
+
 namespace coppice {
 namespace {
 
@@ -47,6 +49,59 @@ TEST(Knot, WhatFailedOnTheWayToOneGoalSaysNothingOfTheNext) {
   knot.forget_failures();
   EXPECT_EQ(knot.calls_in_vain(), 0);
   EXPECT_FALSE(knot.stranded());
+}
+
+/// a is to go where b stands, once b has driven its 25 metres to the right. b says nothing but that its part
+/// is over, after so many. Where a comes to within ten seconds.
+Point2 where_a_comes(Knot& knot, double b_has_come) {
+  const ClearanceField field(test::open_map(100, 100));
+  PlacesOfMap places(field);
+  Fleet fleet("a");
+  const Mission mission{.map_id = "m", .radius = 1, .max_speed = 5, .max_acceleration = 10, .clock = {}};
+  for (const char* robot : {"a", "b"}) {
+    Mission own = mission;
+    own.robot = robot;
+    fleet.hear(own, 0);
+  }
+  RobotState b{.robot = "b", .position = {20, 20}, .radius = 1, .max_speed = 5, .max_acceleration = 10};
+  b.knot = {4, "b", {20, 20}, 50};
+  b.stage = Stage::holding;
+  FleetMember a{.robot = "a", .position = {20, 30}, .radius = 1, .max_speed = 5, .stands = true, .knot = {}};
+  knot.hear(b, a.position);
+  knot.hear(std::make_shared<const JointPlanMessage>(
+      JointPlanMessage{.knot = b.knot,
+                       .members = {{"a", 1, false}, {"b", 1, false}},
+                       .moves = {{1, {{20, 20}, {45, 20}}}, {0, {{20, 30}, {20, 20}}}}}));
+  knot.hold(a, fleet, places, 0);
+  EXPECT_EQ(knot.stage(), Stage::ordered);
+  b.stage = Stage::free;
+  b.progress = b_has_come;
+  fleet.hear(std::make_shared<const RobotState>(b), 0);
+  knot.hear(b, a.position);
+  for (double now = 0; now < 10 && knot.stage() == Stage::ordered; now += control_period) {
+    a.knot = knot.id();
+    const Point2 wanted = knot.preferred_velocity(a, fleet, a.position, {5, 10}, now);
+    a.position += control_period * wanted;
+    a.stands = wanted.isZero(0);
+  }
+  return a.position;
+}
+
+TEST(Knot, WhoHasMadeItsMovesLetsTheNextOneGo) {
+  Knot knot("a");
+  EXPECT_LT((where_a_comes(knot, 25) - Point2(20, 20)).norm(), 0.1);
+  EXPECT_EQ(knot.stage(), Stage::free);
+  EXPECT_NEAR(knot.progress(), 10, 0.1) << "those who did not hear it yet are to know that it is done";
+  knot.leave();
+  EXPECT_NEAR(knot.progress(), 10, 0.1);
+}
+
+TEST(Knot, WhoLeavesWithMovesToMakeOpensNoGateButANewKnot) {
+  Knot knot("a");
+  EXPECT_GT((where_a_comes(knot, 3) - Point2(20, 20)).norm(), 2);
+  EXPECT_EQ(knot.stage(), Stage::holding);
+  EXPECT_EQ(knot.id().epoch, 5u);
+  EXPECT_EQ(knot.id().leader, "a");
 }
 
 }  // namespace
