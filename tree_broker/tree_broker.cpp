@@ -16,6 +16,7 @@ constexpr int iterations_a_step = 500;   // about half a millisecond: roots that
 constexpr WallTime status_period = 0.5;  // seconds
 constexpr std::size_t most_waiting_trees = 10'000;
 constexpr WallTime lease = 1.5;                    // seconds without a status: who leads counts as gone
+constexpr std::size_t most_others = 1000;          // brokers at a time: what others say is not to fill memory
 constexpr WallTime first_listening = 1;            // seconds: who leads says so twice
 constexpr WallTime longest_news = 2;               // seconds until all trees that others publish have come
 constexpr WallTime active_trees_period = 0.1;      // seconds
@@ -94,6 +95,10 @@ void TreeBroker::take_up_waiting_trees(WallTime now) {
 }
 
 void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
+  if (others_.size() >= most_others && !others_.contains(status.broker)) {
+    ++impossible_;
+    return;
+  }
   if (status.broker != id_)
     others_[status.broker] = {status.leads ? std::optional(status.leading_since) : std::nullopt, arrived};
   // With all trees of one that has covered the map this broker has, too.
@@ -103,10 +108,10 @@ void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
 
 /// Of several that lead, because they did not hear of each other, the one that has done so for longest goes
 /// on.
-std::optional<TreeBroker::Leader> TreeBroker::leader_among_others(WallTime now) const {
+std::optional<TreeBroker::Leader> TreeBroker::leader_among_others() const {
   std::optional<Leader> leader;
   for (const auto& [id, other] : others_) {
-    if (!other.leads_since || now - other.heard_at > lease) continue;
+    if (!other.leads_since) continue;
     const Leader one{*other.leads_since, id};
     if (!leader || one < *leader) leader = one;
   }
@@ -194,8 +199,9 @@ void TreeBroker::reckon_with_a_clock_set_back(WallTime now) {
 std::vector<Message> TreeBroker::step(WallTime now) {
   std::vector<Message> out;
   reckon_with_a_clock_set_back(now);
+  std::erase_if(others_, [&](const auto& other) { return now - other.second.heard_at > lease; });
   const bool led = leads();
-  const std::optional<Leader> other = leader_among_others(now);
+  const std::optional<Leader> other = leader_among_others();
   const bool another_leads = other && (!led || *other < Leader{*leads_since_, id_});
   const bool may_lead = now >= listens_until_ && !another_leads;
   if (may_lead != led) leads_since_ = may_lead ? std::optional(now) : std::nullopt;

@@ -62,7 +62,7 @@ class TreeBroker {
     std::set<TreeId> recalled{};   ///< of these, those that nobody has published since
   };
   using Leader = std::pair<WallTime, std::uint64_t>;  ///< since when, and who
-  /// Another broker.
+  /// Another broker that was heard of a moment ago.
   struct Other {
     std::optional<WallTime> leads_since{};
     WallTime heard_at = 0;
@@ -83,7 +83,7 @@ class TreeBroker {
   Group* group_of(const RobotName& robot, WallTime run, std::uint32_t mission);
   void end_group(const RobotName& robot);
   void reckon_with_a_clock_set_back(WallTime now);
-  std::optional<Leader> leader_among_others(WallTime now) const;
+  std::optional<Leader> leader_among_others() const;
   void follow(const Leader& leader, WallTime now);
   bool grow();
   void take_up_waiting_trees(WallTime now);

@@ -158,6 +158,20 @@ TEST(TreeBroker, GrowsForTheMissionOfThisRunAndNotOfTheOneBefore) {
   EXPECT_FALSE(grows(4));
 }
 
+// Each start of a broker is another one, and a process may live for months.
+TEST(TreeBroker, HoldsNoMoreOfOtherBrokersThanSpeak) {
+  TreeBroker broker(7, 1);
+  for (std::uint64_t other = 100; other < 1200; ++other)
+    broker.on(arrival_of(BrokerStatus{.broker = other, .leads = false}, 0));
+  EXPECT_EQ(of<BrokerStatus>(broker.step(0)).back().rejected, 100u);
+  for (int k = 1; k < 50; ++k) {  // two seconds later those are gone
+    broker.step(2 * k);
+    for (std::uint64_t other = 0; other < 100; ++other)
+      broker.on(arrival_of(BrokerStatus{.broker = 10'000ull + 100 * k + other, .leads = false}, 2 * k));
+  }
+  EXPECT_EQ(of<BrokerStatus>(broker.step(100)).back().rejected, 100u);
+}
+
 TEST(TreeBroker, OneThatStandsByTakesOverThoughTheClockIsSetBack) {
   TreeBroker broker(7, 1);
   broker.on(arrival_of(BrokerStatus{.broker = 9, .leads = true, .leading_since = 900}, 1000));
