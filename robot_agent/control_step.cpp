@@ -107,6 +107,7 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   load_.periods_missed += static_cast<std::uint32_t>(std::max(0, periods - periods_expected_));
   late_ += ((periods > periods_expected_ ? 1 : 0) - late_) / decisions_counted;
   decide(fleet_now);
+  watch_coming_on(fleet_now, periods * period);
   // Counted by periods and not by steps: one that sleeps, or wakes late, misses none.
   const std::uint32_t beats = sequence_ / standing_stride;
   const bool beat = beats != std::exchange(last_beat_, beats);
@@ -135,8 +136,8 @@ void RobotAgent::listen_anew(double fleet_now) {
 
 /// It stood all that time, and goes on standing now.
 void RobotAgent::pass_over(double fleet_now) {
-  body_.emplace(body_->position(), std::floor(fleet_now / period) * period, body_->radius(), body_->limits(),
-                period);
+  body_ = Driver(body_->position(), std::floor(fleet_now / period) * period, body_->radius(), body_->limits(),
+                 period);
 }
 
 void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out) {
@@ -170,6 +171,24 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   if (status_.phase == Phase::driving && is_too_long(fleet_now - mustering_since_))
     give_up("its agent was started in mid-run, and nobody who is alive knows where all others are");
   return true;  // its body brakes
+}
+
+bool RobotAgent::is_under_way() const {
+  return status_.phase == Phase::planning || status_.phase == Phase::driving;
+}
+
+/// Pushed to and fro it does not come on either.
+void RobotAgent::watch_coming_on(double fleet_now, double lived) {
+  const double gain = least_gain(body_->radius(), body_->limits());
+  if (!is_under_way() || (body_->position() - came_to_).norm() >= gain) {
+    came_to_ = body_->position();
+    status_.came_on_at = fleet_now;
+  }
+  if (does_not_come_on(fleet_now)) status_.waited += lived;
+}
+
+bool RobotAgent::does_not_come_on(double fleet_now) const {
+  return is_under_way() && fleet_now - status_.came_on_at > stall;
 }
 
 /// Others hear one that this robot does not: where that is it cannot know, and stands. Processes may never

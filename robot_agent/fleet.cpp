@@ -45,6 +45,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     has_clock_ = true;
     forget_other_runs();
   }
+  size_of_the_run_ = mission.fleet_size;
   if (mission.robot == self_) {
     own_mission_ = mission;
     return;
@@ -73,10 +74,12 @@ void Fleet::forget_other_runs() {
   missing_dead_.clear();
   missed_by_others_.clear();
   all_known_ = false;
+  somebody_new_at_ = somebody_back_at_ = long_ago;
   for (Peer& p : heard) {
     if (!p.state || p.state->run != clock_.epoch) continue;
     p.clock = {};
     p.introductions = 0;
+    if (p.state->is_new) somebody_new_at_ = std::max(somebody_new_at_, clock_.fleet_time(p.heard_at));
     peers_[number_of(p.robot)] = std::move(p);
   }
 }
@@ -113,7 +116,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
   if (state->is_new) {
     p.introductions = 0;
-    somebody_new_at_ = clock_.fleet_time(arrived);
+    if (has_clock_) somebody_new_at_ = clock_.fleet_time(arrived);
   }
   if (!p.state || p.dead) all_settled_until_ = 0;
   if (std::exchange(p.dead, false)) {
@@ -202,6 +205,11 @@ void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
   }
 }
 
+/// Within about a second: it says something as often as one that stands, or more often.
+bool Fleet::may_be_touched_soon(const Peer& p) const {
+  return stride_over(gap(p), closing_speed(p)) <= standing_stride;
+}
+
 void Fleet::collect_neighbours(const Point2& position, double reach, double horizon, double now,
                                AgeCount& ages, std::vector<Neighbour>& near) {
   near.clear();
@@ -218,7 +226,7 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
         away_until_[k] = now + (distance - far) / closing_speed(p);
         continue;
       }
-      if (p.clock.known()) ages.add(now - s.stamp - p.clock.estimate());
+      if (p.clock.known() && may_be_touched_soon(p)) ages.add(now - s.stamp - p.clock.estimate());
     }
     add_neighbours(p, position, now, near);
   }
@@ -337,13 +345,34 @@ bool Fleet::run_is_over() const {
          std::ranges::all_of(peers_, [](const Peer& p) { return !p.mission || p.mission->cancelled; });
 }
 
+std::vector<RobotName> Fleet::robots_of_the_run() const {
+  std::vector<RobotName> robots;
+  if (own_mission_ && !own_mission_->cancelled) robots.push_back(self_);
+  for (const Peer& p : peers_) {
+    if (p.mission && !p.mission->cancelled) robots.push_back(p.robot);
+  }
+  return robots;
+}
+
+/// One that never came is at its start; but of before this one was started anew it knows nothing.
+bool Fleet::is_known(const Peer& p) const {
+  const bool done = p.mission && p.mission->cancelled && (p.state || !begun_anew_);
+  return done || (p.state && p.clock.known()) || p.dead;
+}
+
+RobotName Fleet::unknown() const {
+  const auto unknown = std::ranges::find_if_not(peers_, [&](const Peer& p) { return is_known(p); });
+  return unknown == peers_.end() ? RobotName() : unknown->robot;
+}
+
+std::vector<RobotName> Fleet::missing() const {
+  std::vector<RobotName> robots;
+  for (const std::size_t number : missing_) robots.push_back(peers_[number].robot);
+  return robots;
+}
+
 bool Fleet::complete(std::size_t robots) {
-  all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) {
-                 // One that never came is at its start; but of before this one was started anew it knows
-                 // nothing.
-                 const bool done = p.mission && p.mission->cancelled && (p.state || !begun_anew_);
-                 return done || (p.state && p.clock.known()) || p.dead;
-               });
+  all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) { return is_known(p); });
   return all_known_ && peers_.size() + 1 >= robots;
 }
 

@@ -101,8 +101,8 @@ class Fleet {
   int copies() const { return copies_; }
 
   /// Who could touch this robot, or must be avoided by it, within `horizon` seconds: this robot is at
-  /// `position` and stays within `reach` of it. Leaves them in `near`. Counts how old what is known of them
-  /// is.
+  /// `position` and stays within `reach` of it. Leaves them in `near`. Counts how old what is known of those
+  /// is that might be touched soon: others say something seldom.
   void collect_neighbours(const Point2& position, double reach, double horizon, double now, AgeCount& ages,
                           std::vector<Neighbour>& near);
 
@@ -133,6 +133,14 @@ class Fleet {
   bool somebody_plans() const;
   /// All missions that are known, one's own as well, are cancelled.
   bool run_is_over() const;
+  /// Those that have missions which are not cancelled, this one as well.
+  std::vector<RobotName> robots_of_the_run() const;
+  /// How many there are to be; 0 before the first mission.
+  std::size_t size_of_the_run() const { return size_of_the_run_; }
+  /// One of which it must hear before it may set off; empty: none.
+  RobotName unknown() const;
+  /// Those that are silent now, and do not count as dead.
+  std::vector<RobotName> missing() const;
   /// So many robots have missions, and each was heard of and has its clock compared, or counts as dead, or
   /// has no more to do.
   bool complete(std::size_t robots);
@@ -218,6 +226,8 @@ class Fleet {
   double gap(const Peer& p) const { return (p.place - position_).norm() - own_mission_->radius - p.radius; }
   double closing_speed(const Peer& p) const { return own_mission_->max_speed + p.max_speed; }
   int stride_to(const Peer& peer, double now) const;
+  bool may_be_touched_soon(const Peer& p) const;
+  bool is_known(const Peer& p) const;
   bool is_told(std::size_t number, std::uint32_t turn, double now);
   /// At most; it may think that it is closer.
   int stride_from(const Peer& p) const {
@@ -294,9 +304,11 @@ class Fleet {
   double all_settled_until_ = 0;  ///< fleet time: nobody can count as silent before
   std::uint32_t turns_for_the_better_ = 0;
   std::uint32_t new_goals_ = 0;
-  bool doubts_ = false;             ///< anybody
-  double somebody_back_at_ = -1e9;  ///< fleet time
-  double somebody_new_at_ = -1e9;   ///< fleet time at which somebody was heard of who was started anew
+  bool doubts_ = false;  ///< anybody
+  static constexpr double long_ago = -1e9;
+  double somebody_back_at_ = long_ago;  ///< fleet time
+  double somebody_new_at_ = long_ago;   ///< fleet time at which somebody was heard of who was started anew
+  std::size_t size_of_the_run_ = 0;
   bool all_known_ = false;  ///< nobody has come since everybody's clock was known, or needed not to be
   bool begun_anew_ = false;
   bool somebody_missing_ = false;

@@ -18,6 +18,7 @@
 #include "bus/process.h"
 #include "bus/process_options.h"
 #include "planning/robot_name.h"
+#include "robot_agent/diary.h"
 #include "robot_agent/memory.h"
 #include "robot_agent/nameless_agent.h"
 #include "robot_agent/robot_agent.h"
@@ -84,13 +85,17 @@ std::unique_ptr<RosLink> ros_link(const RosOptions& options, DdsBus& bus, const 
 struct Listeners {
   Keeper<Remembrance, Journal> keeper;
   std::unique_ptr<RosLink> ros;
+  Diary diary;
 
   void heard(const Message& message) {
     keeper.heard(message);
+    diary.heard(message);
     if (ros) ros->heard(message);
   }
   void said(const Message& message) {
     keeper.said(message);
+    for (const Diary::Line& line : diary.said(message, wall_now()))
+      spdlog::log(line.is_warning ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
     if (ros) ros->said(message);
   }
 };
@@ -128,7 +133,7 @@ int run_as(const RobotName& name, const AgentOptions& options, Heartbeat& heart)
   DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
-  Listeners listeners{past.keeper(), ros_link(options.ros, bus, name)};
+  Listeners listeners{past.keeper(), ros_link(options.ros, bus, name), Diary(name)};
   RobotAgent agent(name);
   if (const auto tracking = options.tracking()) agent.lead(*tracking);
   agent.recall(std::move(past.memory));
@@ -206,7 +211,7 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
     DdsSettings network = options.network;
     network.robot = robot;
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-    Listeners listeners{past->keeper(), ros_link(all_options.ros, bus, robot)};
+    Listeners listeners{past->keeper(), ros_link(all_options.ros, bus, robot), Diary(robot)};
     claim_again(bus);
     while (!stop_requested()) {
       keep_the_claim();  // first, for it may have slept

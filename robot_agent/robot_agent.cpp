@@ -4,11 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "bus/validation.h"
 #include "motion/free_way.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"
 #include "robot_agent/limits.h"
+#include "robot_agent/words.h"
 
 namespace coppice {
 
@@ -103,6 +106,7 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
   const bool of_another_run = fleet_.run() && *fleet_.run() != mission.clock;
   if (of_another_run && passes_over(mission, fleet_.run()->epoch, fleet_.own_mission())) return;
   if (of_another_run) begin_run();
+  if (!run_heard_at_) run_heard_at_ = arrived;
   fleet_.hear(mission.robot == name_ ? as_reference(mission) : mission, arrived);
 }
 
@@ -124,6 +128,7 @@ void RobotAgent::begin_run() {
   fresh.impossible_ = impossible_;
   fresh.rejected_by_bus_ = rejected_by_bus_;
   fresh.load_ = load_;
+  fresh.ages_ = ages_;
   fresh.memory_ = std::move(memory_);
   if (tracking_) fresh.lead(tracking_->settings());
   fresh.retired_ = retired_;
@@ -148,15 +153,21 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
   if (is_of_mission && finder_ && status_.phase == Phase::planning) finder_->take(tree);
 }
 
-/// Takes up the mission once its map is there; a cancelled one ends what was going on.
+/// The newest map, or the one that it drives on: other maps may be heard of meanwhile. Null: it is not there.
+std::shared_ptr<Ground> RobotAgent::ground_of(const Mission& mission) const {
+  if (map_ && map_->map_id == mission.map_id) return map_;
+  return ground_ && ground_->map_id == mission.map_id ? ground_ : nullptr;
+}
+
+/// Takes up the mission once its map is there; a cancelled one ends what was going on, without a map too.
 void RobotAgent::begin_mission(WallTime now) {
   if (retired_) return;
   const auto& own = fleet_.own_mission();
   if (!own) return;
   const Mission& mission = *own;
   if (mission_ && mission_->number == mission.number && !mission.cancelled) return;  // nearly always
-  if (!map_ || mission.map_id != map_->map_id) return;
   if (mission.cancelled && !is_of_run(memory_, mission)) return stop();
+  if (!ground_of(mission)) return;
   take_up(mission, now);
   if (mission.cancelled) {  // but nobody else has the end of its track, however long ago it was driven
     stop();
@@ -175,11 +186,11 @@ void RobotAgent::begin_mission(WallTime now) {
 }
 
 void RobotAgent::take_up(const Mission& mission, WallTime now) {
-  if (ground_ != map_) {
+  if (const auto ground = ground_of(mission); ground_ != ground) {
     finder_.reset();  // it, and a joint planner, look at the old one
     knot_ = Knot(name_);
     improver_.reset();
-    ground_ = map_;
+    ground_ = ground;
   }
   const double fleet_now = mission.clock.fleet_time(now);
   status_ = AgentStatus{.robot = name_,
@@ -188,13 +199,15 @@ void RobotAgent::take_up(const Mission& mission, WallTime now) {
                         .mission_time = fleet_now,
                         .trees_received = static_cast<std::uint32_t>(trees_.size()),
                         .track_points = status_.track_points,
-                        .run = mission.clock.epoch};
+                        .run = mission.clock.epoch,
+                        .came_on_at = fleet_now};
   mission_ = mission;
   stopped_at_ = std::numeric_limits<double>::infinity();
   said_that_it_stands_ = false;
   mission_wall_ = now;
   mustering_since_ = fleet_now;
   if (!body_) place_body(mission, fleet_now);
+  came_to_ = body_->position();
   found_.reset();
   times_stranded_ = 0;
   gave_up_ = false;
@@ -249,9 +262,12 @@ void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
   }
 }
 
-/// Brakes; nothing, where it has no mission.
+/// Brakes; nothing, where it has no mission. What it said to wait for is why it is not there: of the others
+/// some may have been stopped before it.
 void RobotAgent::stop() {
   if (!mission_ || status_.phase == Phase::stopped) return;
+  if (is_under_way() && status_.reason.empty() && !status_.wait_cause.empty())
+    status_.reason = bounded(fmt::format("since {:.1f} s: {}", status_.came_on_at, status_.wait_cause));
   follower_.reset();
   finder_.reset();
   stopped_at_ = body_->time();
@@ -398,6 +414,9 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   if (!track_.empty() && (status_changed_ || track_.size() >= track_batch)) say_track(out);
   next_status_ = std::min(next_status_, now + status_beat);  // the clock may have been set back
   if (!status_changed_ && now < next_status_) return;
+  if (status_.phase == Phase::waiting && !retired_) status_.reason = bounded(why_it_has_no_mission(now));
+  if (mission_) status_.wait_cause = bounded(wait_cause(mission_->clock.fleet_time(now)));
+  status_.way_left = way_left();
   status_.rejected = rejected_by_bus_ + impossible_;
   load_.state_age_p50 = ages_.at_share(0.5);
   load_.state_age_p99 = ages_.at_share(0.99);

@@ -79,6 +79,7 @@ class RobotAgent {
 
   Mission as_reference(Mission mission) const;
   void begin_run();
+  std::shared_ptr<Ground> ground_of(const Mission& mission) const;
   void begin_mission(WallTime now);
   void take_up(const Mission& mission, WallTime now);
   void place_body(const Mission& mission, double fleet_now);
@@ -102,6 +103,14 @@ class RobotAgent {
   void decide(double fleet_now);
   bool stands_as_newcomer(double fleet_now);
   void watch_isolation(double fleet_now);
+  void watch_coming_on(double fleet_now, double lived);
+  bool is_under_way() const;
+  bool does_not_come_on(double fleet_now) const;
+  std::string wait_cause(double fleet_now);
+  std::string why_it_has_no_mission(WallTime now) const;
+  std::string why_it_is_cut_off() const;
+  std::string what_is_in_the_way() const;
+  double way_left() const;
   bool is_too_long(double seconds) const;
   bool waits_for_its_robot(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
@@ -163,6 +172,7 @@ class RobotAgent {
   std::optional<PathFollower> follower_;
   Trail trail_;  ///< since it last saw its path
   Knot knot_;
+  Point2 came_to_ = Point2::Zero();         ///< where it last came on
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time
   double last_bound_time_ = 0;              ///< fleet time at which it last was bound to stand
@@ -195,6 +205,7 @@ class RobotAgent {
   int times_stranded_ = 0;
   bool gave_up_ = false;                    ///< as the others stood
   std::uint32_t turns_for_the_better_ = 0;  ///< of what is known of the dead, that it has reckoned with
+  std::optional<WallTime> run_heard_at_;    ///< its first mission, whichever robot's
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;
   WallTime next_status_ = 0;

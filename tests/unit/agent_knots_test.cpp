@@ -60,6 +60,21 @@ RobotState after_b_says(Stage stage, RobotAgent& agent, double from, double unti
   return last;
 }
 
+TEST(RobotAgent, SaysWhoMakesTheJointPlanThatItWaitsFor) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  AgentStatus status;
+  for (double now = 0.1; now < 6; now += 0.1) {
+    RobotState other = state_of("b", now, {20, 20});
+    other.knot = {4, "b", other.position, 50};
+    other.stage = Stage::holding;
+    agent.on(arrival_of(other, now));
+    for (const AgentStatus& said : of<AgentStatus>(run(agent, now, now + 0.1))) status = said;
+  }
+  EXPECT_EQ(status.wait_cause, "it stands until b has made a joint plan");
+}
+
 // Nothing would lead it out again, and those around it would stand, too.
 TEST(RobotAgent, OneThatWasStoppedTakesNoPartInKnots) {
   PlannerService service(two_robots(), {}, 0);

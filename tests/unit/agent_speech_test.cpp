@@ -44,6 +44,27 @@ TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
   EXPECT_EQ(status.load.periods_missed, 0u);
 }
 
+// Its states come seldom, by design (interest.h), and say nothing of how well robots hear each other.
+TEST(RobotAgent, HowOldTheStateOfADistantRobotIsDoesNotCount) {
+  Scenario scenario = two_robots();
+  scenario.robots[1].goal = {20, 20};
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("b");
+  for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, 0));
+  AgentStatus status;
+  for (int k = 1; k < 200; ++k) {
+    const double now = 0.05 * k;
+    RobotState far = state_of("a", now, {20, 79});
+    far.sequence = static_cast<std::uint32_t>(k);
+    far.echoes = {{"b", now - 0.05, now}};
+    if (k % 40 == 0 || k < 10) agent.on(arrival_of(far, now));
+    for (const Message& m : messages(agent.step(now + 0.001))) {
+      if (const auto* said = std::get_if<AgentStatus>(&m)) status = *said;
+    }
+  }
+  EXPECT_EQ(status.load.state_age_max, 0);
+}
+
 /// Two agents that hear each other, stepped whenever they want, each time so late; what "a" says in that
 /// time.
 std::vector<RobotState> said_to_one_other(RobotAgent& a, RobotAgent& b, double from, double until,

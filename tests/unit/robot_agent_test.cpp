@@ -7,9 +7,15 @@
 
 #include "tests/unit/agent_run.h"
 #include "tests/unit/roles.h"
+#include "tests/unit/states.h"
 
 namespace coppice {
 namespace {
+
+AgentStatus last_status(RobotAgent& agent, double now) {
+  const auto statuses = of<AgentStatus>(messages(agent.step(now)));
+  return statuses.empty() ? AgentStatus{} : statuses.back();
+}
 
 TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   Scenario scenario = two_robots();
@@ -70,6 +76,149 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
   EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
 }
 
+// Another map may be heard of: of a run that has nothing to do with this one.
+TEST(RobotAgent, ACancelledMissionStopsItThoughAnotherMapWasHeard) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  Mission mission;
+  for (const Message& message : map_and_missions(service)) {
+    agent.on(arrival_of(message, 0));
+    if (const auto* m = std::get_if<Mission>(&message)) mission = *m;
+  }
+  run(agent, 0, 2);
+  agent.on(arrival_of(MapMessage{"elsewhere", wall_with_door(), {5}}, 2));
+  mission.cancelled = true;
+  agent.on(arrival_of(mission, 2));
+  const auto said = run(agent, 2, 4);
+  EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::stopped);
+  EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
+}
+
+TEST(RobotAgent, GoesToItsNextGoalThoughAnotherMapWasHeard) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  Mission mission;
+  for (const Message& message : map_and_missions(service)) {
+    agent.on(arrival_of(message, 0));
+    if (const auto* m = std::get_if<Mission>(&message)) mission = *m;
+  }
+  run(agent, 0, 2);
+  agent.on(arrival_of(MapMessage{"elsewhere", wall_with_door(), {5}}, 2));
+  ++mission.number;
+  mission.goal = {20, 40};
+  agent.on(arrival_of(mission, 2));
+  const auto said = run(agent, 2, 20);
+  EXPECT_EQ(of<AgentStatus>(said).back().mission, 2u);
+  EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::arrived);
+}
+
+TEST(RobotAgent, WhatItsProcessCountsGoesOnInTheNextRun) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  std::vector<Mission> missions;
+  for (const Message& m : map_and_missions(service)) {
+    agent.on(arrival_of(m, 0));
+    if (const auto* mission = std::get_if<Mission>(&m)) missions.push_back(*mission);
+  }
+  std::uint32_t number = 0;
+  const auto last_of_run = [&](double from, double until, WallTime epoch) {
+    AgentStatus last;
+    for (double now = from; now < until; now += 0.1) {
+      RobotState b = state_of("b", now - epoch, {20, 30});
+      b.sequence = ++number;
+      b.run = epoch;
+      b.echoes = {{"a", now - epoch - 0.05, now - epoch}};
+      agent.on(arrival_of(b, now));
+      for (const AgentStatus& status : of<AgentStatus>(run(agent, now, now + 0.1))) last = status;
+    }
+    return last;
+  };
+  const AgentStatus first = last_of_run(0.1, 5, 0);
+  EXPECT_GT(first.load.state_age_max, 0);
+  for (Mission mission : missions) {
+    mission.clock.epoch = 10;
+    agent.on(arrival_of(mission, 10));
+  }
+  const AgentStatus second = of<AgentStatus>(run(agent, 10, 10.1)).back();
+  EXPECT_EQ(second.run, 10);
+  EXPECT_GE(second.load.states_received, first.load.states_received);
+  EXPECT_GE(second.load.state_age_max, first.load.state_age_max);
+}
+
+TEST(RobotAgent, OneWithoutAMissionSaysSoOnceTheRunsMissionsHaveCome) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("r9");
+  EXPECT_EQ(last_status(agent, 0).reason, "");
+  for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, 1));
+  const AgentStatus status = last_status(agent, 2);
+  EXPECT_EQ(status.phase, Phase::waiting);
+  EXPECT_EQ(status.reason, "no mission for r9: the run has 2 robots, a to b");
+}
+
+TEST(RobotAgent, SaysWhatItWaitsForAndWhyItDidNotArrive) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  std::vector<Mission> missions;
+  for (const Message& m : map_and_missions(service)) {
+    agent.on(arrival_of(m, 0));
+    if (const auto* mission = std::get_if<Mission>(&m)) missions.push_back(*mission);
+  }
+  AgentStatus status = of<AgentStatus>(run(agent, 0, 2)).back();
+  EXPECT_EQ(status.phase, Phase::driving);
+  EXPECT_EQ(status.wait_cause, "");
+  EXPECT_GT(status.way_left, 80);
+  status = of<AgentStatus>(run(agent, 2, 8)).back();
+  EXPECT_EQ(status.wait_cause, "it has not heard where b is");
+  EXPECT_GT(status.waited, 3);
+  EXPECT_LT(status.came_on_at, 0.5);
+  for (Mission mission : missions) {
+    mission.cancelled = true;
+    agent.on(arrival_of(mission, 8));
+  }
+  status = of<AgentStatus>(run(agent, 8, 9)).back();
+  EXPECT_EQ(status.phase, Phase::stopped);
+  EXPECT_NE(status.reason.find("it has not heard where b is"), std::string::npos) << status.reason;
+  EXPECT_EQ(status.wait_cause, "");
+}
+
+TEST(RobotAgent, OneWhoseRobotIsNotSeenSaysThatNoOdometryCame) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  agent.lead({});
+  Mission mission;
+  for (const Message& message : map_and_missions(service)) {
+    agent.on(arrival_of(message, 0));
+    if (const auto* m = std::get_if<Mission>(&message)) mission = *m;
+  }
+  EXPECT_EQ(of<AgentStatus>(run(agent, 0, 6)).back().wait_cause, "no odometry came");
+  mission.cancelled = true;
+  agent.on(arrival_of(mission, 6));
+  EXPECT_EQ(of<AgentStatus>(run(agent, 6, 7)).back().reason, "since 0.0 s: no odometry came");
+}
+
+TEST(RobotAgent, OneThatComesOnWaitsForNothing) {
+  Scenario scenario = two_robots();
+  scenario.robots.resize(1);
+  PlannerService service(scenario, {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  double left = 1e9;
+  for (const AgentStatus& status : of<AgentStatus>(run(agent, 0, 30))) {
+    EXPECT_EQ(status.wait_cause, "");
+    EXPECT_EQ(status.waited, 0);
+    if (status.way_left < 0) continue;
+    EXPECT_LE(status.way_left, left + 1e-6);
+    left = status.way_left;
+  }
+  EXPECT_EQ(left, 0);
+}
+
 TEST(RobotAgent, OneThatIsToEndBrakesAndSaysAllThatItHasToSay) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
@@ -109,11 +258,6 @@ TEST(RobotAgent, OneThatStandsAndWakesLateIsStillHeardOf) {
     const double from = 30 + 1000 * late;
     EXPECT_GE(of<RobotState>(run(agent, from, from + 10, late)).size(), 25u) << late;
   }
-}
-
-AgentStatus last_status(RobotAgent& agent, double now) {
-  const auto statuses = of<AgentStatus>(messages(agent.step(now)));
-  return statuses.empty() ? AgentStatus{} : statuses.back();
 }
 
 TEST(RobotAgent, ATreeThroughAWallIsDroppedAndCounted) {

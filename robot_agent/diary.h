@@ -1,0 +1,56 @@
+// What is worth a line of the log of what a robot's agent hears and says: its missions, its paths, where it
+// arrives, what it waits for, and periods that its process missed.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/messages.h"
+
+namespace coppice {
+
+class Diary {
+ public:
+  struct Line {
+    bool is_warning = false;
+    std::string text{};
+    bool operator==(const Line&) const = default;
+  };
+
+  explicit Diary(RobotName robot) : robot_(std::move(robot)) {}
+
+  void heard(const Message& message);
+  std::vector<Line> said(const Message& message, WallTime now);
+
+ private:
+  void say_path(const PathMessage& path, std::vector<Line>& lines);
+  void say_status(const AgentStatus& status, WallTime now, std::vector<Line>& lines);
+  void say_mission(const AgentStatus& status, std::vector<Line>& lines) const;
+  void say_phase(const AgentStatus& status, std::vector<Line>& lines) const;
+  void say_wait(const AgentStatus& status, double fleet_now, std::vector<Line>& lines);
+  void say_missed_periods(const AgentLoad& load, WallTime now, std::vector<Line>& lines);
+
+  /// A wait that was told.
+  struct Wait {
+    double since;  ///< fleet time
+    std::string cause;
+    double told_at;  ///< fleet time
+    bool warned = false;
+  };
+  /// Where the count of the periods that are missed began.
+  struct Count {
+    WallTime since;
+    AgentLoad load;
+  };
+
+  RobotName robot_;
+  std::optional<Mission> mission_{};  ///< the last that was heard of
+  std::optional<AgentStatus> last_{};
+  double path_length_ = 0;  ///< metres, that was told; 0: none of this mission
+  std::optional<Wait> wait_{};
+  std::optional<Count> count_{};
+  std::optional<WallTime> warned_of_periods_at_{};
+};
+
+}  // namespace coppice
