@@ -273,7 +273,7 @@ struct AgentStatus {
   WallTime run = 0;          ///< which one its mission is of; 0: none yet
   double way_left = -1;      ///< metres along its way to its goal; below 0: it has none
   std::string wait_cause{};  ///< why it does not come on, though it has a goal to reach; empty: it does
-  double came_on_at = 0;     ///< fleet time at which it last came half a radius further, or its mission came
+  double came_on_at = 0;     ///< fleet time at which it last came on, or its mission came
   double waited = 0;         ///< fleet seconds of this mission in which it did not come on
   bool operator==(const AgentStatus&) const = default;
 };

@@ -25,12 +25,14 @@
 #include "bus/ros_names.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
+#include "coppice/log_watch.h"
 #include "coppice/process_fleet.h"
 #include "coppice/temporary_folder.h"
 #include "coppice/time_scale.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
+#include "planner_service/sole_service.h"
 
 namespace coppice {
 
@@ -46,7 +48,9 @@ constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
 constexpr int most_refusals = 5;  // in a row, of the system, to a process that ran before
 constexpr std::chrono::milliseconds pause_before_asking_again{2000};
-constexpr double writing = 2e-4;  // seconds for a robot's fleet second: report, trajectory and picture
+constexpr std::chrono::milliseconds look_at_logs{500};
+constexpr double look_around = 1;  // seconds
+constexpr double writing = 2e-4;   // seconds for a robot's fleet second: report, trajectory and picture
 
 /// Whether no process of this machine has joined the DDS domain: each participant listens at the domain's
 /// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which they share among themselves, but not with us.
@@ -146,6 +150,14 @@ Command network_of(const FleetOptions& options, std::size_t robots) {
   const Command network{"--domain", std::to_string(domain)};
   const std::string discovery = discovery_of(options, robots);
   return discovery.empty() ? network : joined(network, {"--discovery", discovery});
+}
+
+/// The same for this process, which looks on.
+DdsSettings settings_of(const FleetOptions& options, std::size_t robots) {
+  return {.domain = options.domain ? *options.domain : usual_ros_domain(),
+          .discovery = discovery_of(options, robots),
+          .largest_datagram = datagram_for_one_host,
+          .security = options.security.empty() ? "" : options.security + "/observer"};
 }
 
 /// What all processes are told of their log.
@@ -284,6 +296,29 @@ bool end_all(ProcessFleet& fleet) {
   return false;
 }
 
+/// The terminal may hold a line of progress that is redrawn.
+void pass_on_warnings(LogWatch& logs) {
+  const char* const clears = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
+  for (const std::string& line : logs.news(wall_now())) std::cerr << clears << line << '\n';
+}
+
+/// Agents of another run would be robots of the fleet that is there: none is started beside it. What this
+/// process does not hear of in so short a time the service hears of, before it begins.
+void check_that_nobody_serves(const DdsSettings& network) {
+  DdsBus bus(network, Role::viewer, "coppice run");
+  const WallTime until = wall_now() + look_around;
+  while (wall_now() < until && !stop_requested()) {
+    bus.wait(longest_wait);
+    for (const Arrival& arrival : bus.take()) {
+      if (const auto* service = std::get_if<ServiceStatus>(arrival.message.get()))
+        throw InputError(
+            fmt::format("another planner service has the fleet on domain {}: {}: end that one, or "
+                        "name another --domain",
+                        network.domain, description_of(*service, wall_now())));
+    }
+  }
+}
+
 /// Who ended early, and is to be started again.
 class Restarts {
  public:
@@ -315,14 +350,19 @@ class Restarts {
 
 /// Until the service has ended, and with it the run. `patience`: with its report, after so long a run.
 /// Returns the exit code.
-int watch(ProcessFleet& fleet, bool restarts,
+int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
           const std::function<std::chrono::duration<double>(std::chrono::duration<double>)>& patience) {
   const Clock::time_point begin = Clock::now();
+  Clock::time_point next_look = begin;
   Restarts to_start;
   StopRequest stop;
   bool recorded = true;
   while (true) {
     stop.pass_on(fleet);
+    if (Clock::now() >= next_look) {
+      pass_on_warnings(logs);
+      next_look = Clock::now() + look_at_logs;
+    }
     const auto ended = fleet.reap();
     if (!ended && stop.is_there() && stop.is_older_than(patience(Clock::now() - begin))) {
       std::cerr << "the planner service does not answer: ended without a report\n";
@@ -344,6 +384,7 @@ int watch(ProcessFleet& fleet, bool restarts,
                            to_start.note(*ended);
     if (may_go_on || !is_service) continue;
     recorded = end_all(fleet) && recorded;
+    pass_on_warnings(logs);
     return says_why ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;
   }
 }
@@ -368,14 +409,18 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
       fleet_options.logs.empty() ? run_folder.path() : made_folder(fleet_options.logs);
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
   FleetOptions fleet_on_domain = fleet_options;
-  if (!fleet_options.domain && !fleet_options.ros.on)
-    fleet_on_domain.domain = own_domain(run_folder.path().string());
+  const bool has_own_domain = !fleet_options.domain && !fleet_options.ros.on;
+  if (has_own_domain) fleet_on_domain.domain = own_domain(run_folder.path().string());
   const std::vector<Process> processes = processes_of(scenario, options, fleet_on_domain, programs, state);
+  if (!has_own_domain) check_that_nobody_serves(settings_of(fleet_on_domain, scenario.robots.size()));
   ProcessFleet fleet(logs);
-  for (const Process& process : processes)
+  std::vector<std::string> logged;
+  for (const Process& process : processes) {
     fleet.start(process.name, process.command, process.output, process.niceness);
-
-  return watch(fleet, fleet_options.restart, [&](std::chrono::duration<double> run) {
+    if (process.output == ProcessFleet::Output::log) logged.push_back(process.name);
+  }
+  LogWatch log_watch(logs, logged, !fleet_options.logs.empty());
+  return watch(fleet, log_watch, fleet_options.restart, [&](std::chrono::duration<double> run) {
     return patience_with(scenario, *options.time_scale, run);
   });
 }

@@ -16,6 +16,7 @@ namespace coppice {
 
 namespace {
 
+constexpr double worth_telling = 0.01;  // of the control periods
 constexpr std::string_view no_robots = "\"robots\": []";
 
 std::string json_of(const google::protobuf::Message& message) {
@@ -38,6 +39,13 @@ std::string indented(const std::string& json) {
     if (c == '\n') result += "  ";
   }
   return result;
+}
+
+/// Whose agent missed most of its own.
+std::string worst_of(const proto::Report& report) {
+  const auto worst = std::ranges::max_element(report.robots(), {}, &proto::Report::Robot::periods_missed);
+  if (report.robots_size() < 2) return {};
+  return fmt::format(" (of {}: {:.1f} %)", worst->name(), 100 * worst->periods_missed());
 }
 
 }  // namespace
@@ -86,6 +94,11 @@ std::string report_table(const proto::Report& report) {
       report.plan_time(), report.improve_time(), report.run_time(), report.path_length());
   table += fmt::format("nodes {} valid, {} invalid; trees {} published, {} grafted\n", report.nodes_valid(),
                        report.nodes_invalid(), report.trees_published(), report.trees_grafted());
+  if (report.periods_missed() >= worth_telling)
+    table += fmt::format(
+        "control periods missed {:.1f} %{}: robots wait where their agents get too little processor time "
+        "(fewer robots, a lower --time-scale, or more processors)\n",
+        100 * report.periods_missed(), worst_of(report));
   const auto metres = [](bool there, double value) {
     const double rounded = std::round(1e3 * value) / 1e3 + 0.0;  // no "-0.000"
     return there ? fmt::format("{:.3f} m", rounded) : std::string("-");

@@ -2,17 +2,21 @@
 // report.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <random>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -24,6 +28,7 @@
 #include "bus/process.h"
 #include "bus/process_options.h"
 #include "bus/ros_names.h"
+#include "bus/validation.h"
 #include "files/input_error.h"
 #include "files/picture.h"
 #include "files/report_file.h"
@@ -33,7 +38,9 @@
 #include "planner_service/muster.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
+#include "planner_service/roll_call.h"
 #include "planner_service/run_record.h"
+#include "planner_service/sole_service.h"
 
 namespace {
 
@@ -42,32 +49,81 @@ using namespace coppice;
 constexpr double worth_telling = 3;            // seconds
 constexpr std::uint32_t refusals_logged = 10;  // then every thousandth
 
+/// Who this process is among services. Another one after each start.
+ServiceStatus own_status() {
+  std::random_device device;
+  ServiceStatus own{.service = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u,
+                    .process = static_cast<std::uint32_t>(getpid()),
+                    .since = wall_now()};
+  std::array<char, longest_name + 1> host{};
+  if (gethostname(host.data(), longest_name) == 0) own.host = host.data();
+  return own;
+}
+
+[[noreturn]] void refuse(const ServiceStatus& other, int domain) {
+  throw std::runtime_error(fmt::format(
+      "another planner service has the fleet on domain {}: {}: end that one, or name another --domain",
+      domain, description_of(other, wall_now())));
+}
+
+/// Beside the service: who is which robot, whether another service has the fleet, and who has not come.
+struct Reception {
+  ClaimDesk desk;
+  SoleService sole;
+  RollCall roll;
+
+  Reception(const std::vector<RobotName>& robots, WallTime now)
+      : desk(robots, now), sole(own_status(), now), roll(robots, now) {}
+
+  void on(const Arrival& arrival) {
+    desk.on(arrival);
+    sole.on(arrival);
+    roll.on(arrival);
+  }
+  WallTime next_wake() const { return std::min(desk.next_wake(), sole.next_wake()); }
+  /// Gives away no robot before it knows that it may.
+  void step(DdsBus& bus) {
+    KeepsNothing keeper;
+    step_role(bus, sole, keeper);
+    if (sole.may_begin(wall_now())) step_role(bus, desk, keeper);
+    for (const ServiceStatus& other : sole.take_inferiors())
+      spdlog::warn("another planner service is on this domain, and is to end: {}",
+                   description_of(other, wall_now()));
+  }
+};
+
+/// What is heard until it knows that no other service has the fleet, and `done()`.
+template <class Done>
+Muster listen(DdsBus& bus, Reception& reception, Heartbeat& heart, int domain, Done&& done) {
+  Muster heard;
+  while ((!reception.sole.may_begin(wall_now()) || !done(heard)) && !stop_requested()) {
+    bus.wait(longest_wait);
+    for (Arrival& arrival : bus.take()) {
+      reception.on(arrival);
+      heard.add(std::move(arrival));
+    }
+    if (const auto other = reception.sole.superior()) refuse(*other, domain);
+    reception.step(bus);
+    heart.beat(wall_now());
+  }
+  return heard;
+}
+
 /// Until an agent for each robot, and a broker, can hear of its mission, and those of a large fleet have
 /// found each other: on few processors they do so sooner while none of them drives. Who has not come by then
 /// gets its mission when it does.
-Muster wait_for_agents(DdsBus& bus, ClaimDesk& desk, Heartbeat& heart, std::size_t robots) {
-  KeepsNothing keeper;
+Muster wait_for_agents(DdsBus& bus, Reception& reception, Heartbeat& heart, std::size_t robots, int domain) {
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
-  Muster heard;
-  const auto all_are_there = [&] {
+  Muster all = listen(bus, reception, heart, domain, [&](const Muster& heard) {
     const bool met = std::cmp_less(robots, large_fleet) || heard.acquainted(robots - 1) >= robots;
-    return met && bus.matched_readers<Mission>() >= robots + 1;
-  };
-  while (!all_are_there() && wall_now() < latest && !stop_requested()) {
-    bus.wait(longest_wait);
-    for (Arrival& arrival : bus.take()) {
-      desk.on(arrival);
-      heard.add(std::move(arrival));
-    }
-    step_role(bus, desk, keeper);
-    heart.beat(wall_now());
-  }
+    return (met && bus.matched_readers<Mission>() >= robots + 1) || wall_now() >= latest;
+  });
   const double waited = wall_now() - begin;
   if (waited > worth_telling)
     spdlog::info("after {:.1f} s {} of {} processes have come, and {} agents have found all others", waited,
-                 bus.matched_readers<Mission>(), robots + 1, heard.acquainted(robots - 1));
-  return heard;
+                 bus.matched_readers<Mission>(), robots + 1, all.acquainted(robots - 1));
+  return all;
 }
 
 /// What a service that was killed has kept of its run, if one has.
@@ -132,23 +188,30 @@ void tell_of_missing_goals(const PlannerService& service, std::vector<std::strin
   told = std::move(without);
 }
 
-/// The service and its desk on one bus, until the run has ended. `display`: null: shows nothing.
-void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, ClaimDesk& desk,
-           Keeper<RunRecord, Journal>& keeper, Heartbeat& heart, ProgressDisplay* display) {
-  KeepsNothing of_desk;
+/// The service and its reception on one bus, until the run has ended, or another service has its fleet.
+/// `display`: null: shows nothing.
+void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, Reception& reception,
+           Keeper<RunRecord, Journal>& keeper, Heartbeat& heart, ProgressDisplay* display, int domain) {
   std::vector<std::string> without_goal;
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
-    bus.wait(std::clamp(std::min(service.next_wake(), desk.next_wake()) - wall_now(), 0.0, longest_wait));
+    bus.wait(
+        std::clamp(std::min(service.next_wake(), reception.next_wake()) - wall_now(), 0.0, longest_wait));
     for (const Arrival& arrival : bus.take()) {
       keeper.heard(*arrival.message);
       service.on(arrival);
-      desk.on(arrival);
+      reception.on(arrival);
+    }
+    if (const auto other = reception.sole.superior()) {
+      if (!service.run()) refuse(*other, domain);  // no agent has heard of this one
+      service.interrupt();
     }
     if (ros != nullptr) take_goals(*ros, service);
     step_role(bus, service, keeper);
     tell_of_missing_goals(service, without_goal);
-    step_role(bus, desk, of_desk);
+    if (service.run()) reception.sole.begin(*service.run());
+    reception.step(bus);
+    for (const std::string& line : reception.roll.step(wall_now())) spdlog::warn("{}", line);
     heart.beat(wall_now());
     if (display != nullptr) display->show(service.progress(wall_now()), wall_now());
   }
@@ -161,10 +224,11 @@ bool run_succeeds(const RunOptions& options, const ProcessOptions& process, cons
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
   const auto ros = ros_of(in_ros, bus, scenario);
-  ClaimDesk desk(names_of(scenario), wall_now());
+  const int domain = process.network.domain;
+  Reception reception(names_of(scenario), wall_now());
+  const bool goes_on = journal != nullptr && !journal->empty();
   Muster heard;
-  if (journal == nullptr || journal->empty())
-    heard = wait_for_agents(bus, desk, heart, scenario.robots.size());
+  if (!goes_on) heard = wait_for_agents(bus, reception, heart, scenario.robots.size(), domain);
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale.value_or(1),
                           .timeout = options.timeout,
@@ -174,14 +238,20 @@ bool run_succeeds(const RunOptions& options, const ProcessOptions& process, cons
                           .waits_for_goals = in_ros.waits_for_goals,
                           .margin = in_ros.drives ? in_ros.tolerance : 0},
                          wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
-  Keeper keeper(journal != nullptr ? go_on(service, desk, *journal, heart) : RunRecord(), journal);
-  heard.for_each([&](const Arrival& arrival) { service.on(arrival); });
+  Keeper keeper(journal != nullptr ? go_on(service, reception.desk, *journal, heart) : RunRecord(), journal);
+  if (service.run()) reception.sole.begin(*service.run());
+  if (goes_on) heard = listen(bus, reception, heart, domain, [](const Muster&) { return true; });
+  heard.for_each([&](const Arrival& arrival) {
+    keeper.heard(*arrival.message);
+    service.on(arrival);
+  });
   heard = Muster();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
-  serve(bus, ros.get(), service, desk, keeper, heart, options.quiet ? nullptr : &display);
+  serve(bus, ros.get(), service, reception, keeper, heart, options.quiet ? nullptr : &display, domain);
   const proto::Report report = service.report();
   if (!options.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options, report, service.tracks(), [&] { return service.picture(); });
+  if (const auto other = reception.sole.superior()) refuse(*other, domain);
   return service.succeeded();
 }
 

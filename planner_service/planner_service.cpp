@@ -32,6 +32,7 @@ constexpr double same_beginning = 0.01;                // fleet seconds
 constexpr double largest_clock_error = 3600;           // fleet seconds
 constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
 constexpr std::size_t most_root_nodes = 1'000'000;     // of a robot, for the picture
+constexpr std::size_t most_trees = 1'000'000;          // that are counted
 constexpr std::size_t most_brokers = 1000;             // that a run has seen: each start is another one
 // A picture with more edges than that shows nothing but ink.
 constexpr std::size_t most_picture_edges = 100'000;
@@ -109,6 +110,7 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   known->second.trees_received = status.trees_received;
   if (!missions_published_) next_wake_ = begun_;
   if (!is_of_this_run(status.run) || status.mission != known->second.mission) return;
+  count_periods(known->second, status.load);
   AgentStatus latest = status;
   // Others whose missions are cancelled at the end may give it hope again for a moment.
   if (ended_ && latest.reason.empty() && known->second.status) latest.reason = known->second.status->reason;
@@ -117,6 +119,31 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   const auto& first = known->second.first_status;
   const bool tells_less = first && first->path_time > 0 && status.path_time != first->path_time;
   if (status.mission == 1 && !tells_less) known->second.first_status = status;
+}
+
+/// An agent's process counts from its own beginning, which may be before this run or, started anew, in it.
+void PlannerService::count_periods(Robot& robot, const AgentLoad& load) {
+  if (!robot.status && robot.periods == 0) {
+    robot.periods_before = load.periods;
+    robot.missed_before = load.periods_missed;
+  }
+  const std::uint32_t known = robot.periods_before + robot.periods;
+  if (load.periods < known) {
+    robot.periods_before = load.periods - robot.periods;
+    robot.missed_before = load.periods_missed - robot.periods_missed;
+  }
+  robot.periods = load.periods - robot.periods_before;
+  robot.periods_missed = load.periods_missed - robot.missed_before;
+}
+
+double PlannerService::share_of_periods_missed() const {
+  double periods = 0;
+  double missed = 0;
+  for (const auto& [name, robot] : robots_) {
+    periods += robot.periods;
+    missed += robot.periods_missed;
+  }
+  return periods > 0 ? missed / periods : 0;
 }
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
@@ -177,7 +204,8 @@ void PlannerService::receive(const RootNodes& batch, WallTime) {
 }
 
 void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
-  if (tree.map_id != map_id_ || !trees_seen_.insert(tree.tree).second) return;
+  if (tree.map_id != map_id_ || trees_seen_.size() >= most_trees) return;
+  if (!trees_seen_.insert(tree.tree).second) return;
   for (const InactiveTreeMessage::Node& node : tree.nodes) {
     if (node.parent < 0 || shared_edges_.size() >= most_picture_edges) continue;
     shared_edges_.push_back({tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position, -1});
@@ -420,8 +448,9 @@ bool PlannerService::time_for_missions(WallTime now) const {
 std::vector<Message> PlannerService::step(WallTime now) {
   std::vector<Message> out;
   begun_ = std::min(begun_, now);  // the clock may have been set back
-  if (!std::exchange(map_published_, true)) out.emplace_back(map());
-  if (!missions_published_ && time_for_missions(now)) {
+  // A run that is to end before it began is nothing that others need to hear of: they may drive for another.
+  if (!interrupted_ && !std::exchange(map_published_, true)) out.emplace_back(map());
+  if (!interrupted_ && !missions_published_ && time_for_missions(now)) {
     missions_published_ = true;
     clock_.epoch = now;
     publish_missions(out);
@@ -432,7 +461,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
   if (!ended_ && goals_go_on(now)) give_new_goals(out, now);
   if (!ended_ && run_is_over(now)) {
     ended_ = now;
-    publish_missions(out);  // as cancelled
+    if (missions_published_) publish_missions(out);  // as cancelled
   }
   if (ended_) ended_ = std::min(*ended_, now);  // likewise
   meets_until_ = std::min(meets_until_, now + meeting());
@@ -491,6 +520,7 @@ Progress PlannerService::progress(WallTime now) const {
     if (robot.status) progress.nodes += robot.status->nodes_valid;
   }
   for (const auto& [id, broker] : brokers_) progress.nodes += broker.nodes_valid;
+  progress.periods_missed = share_of_periods_missed();
   return progress;
 }
 

@@ -42,9 +42,10 @@ struct Progress {
   int robots = 0;
   int planned = 0;
   int arrived = 0;
-  int missions = 0;         ///< fulfilled, by all
-  double elapsed = 0;       ///< fleet seconds
-  std::uint64_t nodes = 0;  ///< valid nodes of the broker and of the robots that have finished planning
+  int missions = 0;           ///< fulfilled, by all
+  double elapsed = 0;         ///< fleet seconds
+  std::uint64_t nodes = 0;    ///< valid nodes of the broker and of the robots that have finished planning
+  double periods_missed = 0;  ///< share of all control periods of this run
 };
 
 class PlannerService {
@@ -69,6 +70,11 @@ class PlannerService {
   std::vector<std::string> robots_without_goal() const;
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
+
+  /// The one whose missions it has handed out, by the epoch of its clock; none yet.
+  std::optional<WallTime> run() const {
+    return missions_published_ ? std::optional(clock_.epoch) : std::nullopt;
+  }
 
   /// Ends the run early, as Ctrl-C does.
   void interrupt() { interrupted_ = true; }
@@ -101,7 +107,11 @@ class PlannerService {
     WallTime next_draw = 0;                   ///< then: when that is tried again
     std::optional<AgentStatus> status;        ///< of this mission
     std::optional<AgentStatus> first_status;  ///< of its first
-    SampleCounts earlier_nodes;               ///< of the missions before this one
+    std::uint32_t periods_before = 0;  ///< of control that its process counts, and were before this run
+    std::uint32_t missed_before = 0;   ///< of these
+    std::uint32_t periods = 0;         ///< of this run
+    std::uint32_t periods_missed = 0;
+    SampleCounts earlier_nodes;  ///< of the missions before this one
     std::uint32_t earlier_grafts = 0;
     WallTime last_heard = 0;
     std::optional<std::uint32_t> trees_received;  ///< none: it has not appeared yet
@@ -128,6 +138,8 @@ class PlannerService {
   void receive(const RootNodes& batch, WallTime now);
   void receive(const InactiveTreeMessage& tree, WallTime now);
 
+  static void count_periods(Robot& robot, const AgentLoad& load);
+  double share_of_periods_missed() const;
   void watch_beginning(Robot& robot, double begins);
   MapMessage map() const;
   Mission mission_of(const Robot& robot) const;
@@ -153,6 +165,8 @@ class PlannerService {
   void describe_robot(const Robot& robot, proto::Report::Robot& row) const;
   void describe_run(proto::Report& report) const;
   std::string reason_of(const Robot& robot, bool at_goal) const;
+  std::string when_it_fell_silent(const Robot& robot) const;
+  std::string how_far_it_came(const Robot& robot) const;
   double plan_time() const;
   double last_path() const;
   double improve_time() const;

@@ -8,14 +8,20 @@ namespace {
 
 constexpr WallTime redraw = 0.1;  // seconds, on a terminal
 constexpr WallTime plain_line = 1;
+constexpr double worth_telling = 0.01;  // of the control periods
 
 }  // namespace
 
 std::string progress_line(const Progress& p) {
   const double rate = p.elapsed > 0 ? static_cast<double>(p.nodes) / p.elapsed : 0;
   const std::string missions = p.missions > p.robots ? fmt::format("{} missions, ", p.missions) : "";
-  return fmt::format("{}paths found {}/{}, arrived {}/{}, elapsed {:.1f} s, {:.0f} nodes/s", missions,
-                     p.planned, p.robots, p.arrived, p.robots, p.elapsed, rate);
+  const std::string missed =
+      p.periods_missed >= worth_telling
+          ? fmt::format(", {:.0f} % of control periods missed (too little processor time)",
+                        100 * p.periods_missed)
+          : "";
+  return fmt::format("{}paths found {}/{}, arrived {}/{}, elapsed {:.1f} s, {:.0f} nodes/s{}", missions,
+                     p.planned, p.robots, p.arrived, p.robots, p.elapsed, rate, missed);
 }
 
 void ProgressDisplay::show(const Progress& progress, WallTime now) {

@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "motion/segments.h"
 #include "planner_service/planner_service.h"
 #include "planning/clearance_field.h"
@@ -87,16 +89,29 @@ std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
 
 std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
   if (at_goal) return robot.without_goal;
+  if (!missions_published_) return "the run was interrupted before it began";
   if (robot.began_anew)
     return "its agent was started anew without its journal (--state), and does not know where the robot was";
-  if (!robot.status) return robot.lost ? "the agent never appeared" : "the agent has not begun";
+  if (!robot.status)
+    return robot.trees_received ? "its agent came, but has not taken up its mission" : "its agent never came";
   if (!robot.status->reason.empty()) return robot.status->reason;
+  return robot.lost ? when_it_fell_silent(robot) : how_far_it_came(robot);
+}
+
+std::string PlannerService::when_it_fell_silent(const Robot& robot) const {
+  const auto last = record_.last(robot.index);
+  return last ? fmt::format("the agent has fallen silent at {:.1f} s", last->time)
+              : "the agent has fallen silent";
+}
+
+std::string PlannerService::how_far_it_came(const Robot& robot) const {
   if (record_.size(robot.index) < robot.status->track_points)
     return "the record of its track is not complete";
-  if (robot.lost) return "the agent has fallen silent";
-  if (interrupted_) return "interrupted";
-  if (robot.path.empty()) return "no path found before the time was over";
-  return "did not reach its goal before the time was over";
+  const char* const why = interrupted_ ? "the run was interrupted" : "the time was over";
+  if (robot.path.empty()) return fmt::format("{} before it had a path", why);
+  const double left = robot.status->way_left;
+  const std::string rest = left < 0 ? "" : fmt::format(", {:.1f} m from its goal", left);
+  return fmt::format("{} while it was under way{}", why, rest);
 }
 
 /// Of the first missions: from the moment that the last agent had its own until the last path, seconds of the
@@ -148,6 +163,8 @@ void PlannerService::describe_robot(const Robot& robot, proto::Report::Robot& ro
   row.set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
   row.set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
   row.set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
+  row.set_waited(status.waited);
+  if (robot.periods > 0) row.set_periods_missed(static_cast<double>(robot.periods_missed) / robot.periods);
   if (robot.status) describe(status.load, *row.mutable_load());
 }
 
@@ -184,6 +201,7 @@ void PlannerService::describe_run(proto::Report& report) const {
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);
   report.set_goals_refused(goals_refused_);
+  report.set_periods_missed(share_of_periods_missed());
 }
 
 proto::Report PlannerService::report(const TrackParts& tracks) const {

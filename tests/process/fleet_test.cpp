@@ -349,6 +349,20 @@ TEST(Fleet, LogsOfItsProcessesAreKeptAsWanted) {
   }
 }
 
+TEST(Fleet, WhatItsAgentsWarnOfIsOnTheTerminalAndInTheReport) {
+  const test::TemporaryFolder folder;
+  std::string rows;  // a wall from top to bottom
+  for (int j = 0; j < 20; ++j) rows += std::string(20, '.') + "@@" + std::string(18, '.') + "\n";
+  folder.write("wall.map", "type octile\nheight 20\nwidth 40\nmap\n" + rows);
+  FleetRun run(folder.write("wall.json", R"({"map": "wall.map", "radius": 1, "robots": [
+    {"name": "shut-in", "start": {"x": 5, "y": 10}, "goal": {"x": 35, "y": 10}}]})"),
+               {});
+  EXPECT_EQ(run.process.wait(), 1) << run.log();
+  const std::string reason = run.report().robots(0).reason();
+  EXPECT_NE(reason.find("cannot be reached"), std::string::npos) << reason;
+  EXPECT_NE(run.log().find("shut-in: warning: " + reason + "\n"), std::string::npos) << run.log();
+}
+
 TEST(Fleet, WithoutABrokerEveryRobotStillFindsAPath) {
   FleetRun run(test::scenarios() / "rooms-8.json", {"--timeout", "60"});
   ASSERT_TRUE(run.has_begun()) << run.log();

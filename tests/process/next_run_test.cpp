@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -34,10 +35,14 @@ struct NextRun : testing::Test {
     processes.push_back(std::make_unique<test::Background>(command, log(name)));
     return *processes.back();
   }
-  test::Background& start_run(const std::string& name, const std::string& scenario, int count = robots) {
+  test::Background& start_run(const std::string& name, const std::string& scenario, int count = robots,
+                              const char* scale = "10") {
     return start(
         name, {"planner_service", (test::scenarios() / scenario).string(), "--robots", std::to_string(count),
-               "--time-scale", "10", "--report", file(name, ".json"), "--trajectory", file(name, ".csv")});
+               "--time-scale", scale, "--report", file(name, ".json"), "--trajectory", file(name, ".csv")});
+  }
+  bool logs(const std::string& name, const std::string& text) const {
+    return test::contents(log(name)).find(text) != std::string::npos;
   }
   std::filesystem::path log(const std::string& name) const { return folder.path() / (name + ".log"); }
   std::string file(const std::string& name, const std::string& kind) const {
@@ -89,6 +94,55 @@ TEST_F(NextRun, OfFewerRobotsIsDrivenByAnAgentThatWasStartedAnewInBetween) {
   std::this_thread::sleep_for(3s);
   EXPECT_EQ(start_run("second", "rooms-8.json", 1).wait(), 0) << test::contents(log("second"));
   EXPECT_FALSE(test::has_ended(anew.pid())) << test::contents(log("r1-anew"));
+}
+
+// Two would halt each other's robots.
+TEST_F(NextRun, ASecondServiceNamesTheFirstAndRefuses) {
+  test::Background& first = start_run("first", "rooms-8.json", robots, "2");
+  ASSERT_TRUE(test::within(30s, [&] { return logs("first", "paths found 3/3"); }));
+  test::Background& second = start_run("second", "blank-10.json");
+  EXPECT_EQ(second.wait(), 2);
+  EXPECT_TRUE(logs("second", "another planner service has the fleet on domain 138: process " +
+                                 std::to_string(first.pid()) + " on host "))
+      << test::contents(log("second"));
+  EXPECT_FALSE(std::filesystem::exists(file("second", ".json")));
+  EXPECT_EQ(first.wait(), 0) << test::contents(log("first"));
+  EXPECT_TRUE(logs("first", "another planner service is on this domain, and is to end: process " +
+                                std::to_string(second.pid()) + " on host "))
+      << test::contents(log("first"));
+}
+
+TEST_F(NextRun, OfTwoServicesThatAreStartedAtOnceOneDrives) {
+  test::Background& one = start_run("one", "blank-10.json");
+  test::Background& other = start_run("other", "blank-10.json");
+  const std::set<int> codes{one.wait(), other.wait()};
+  EXPECT_EQ(codes, (std::set<int>{0, 2})) << test::contents(log("one")) << test::contents(log("other"));
+}
+
+// Agents follow the newer run.
+TEST_F(NextRun, AServiceThatWasPausedAndReplacedGivesUp) {
+  test::Background& paused = start_run("paused", "rooms-8.json");
+  ASSERT_TRUE(test::within(30s, [&] { return logs("paused", "paths found 3/3"); }));
+  paused.send(SIGSTOP);
+  test::Background& next = start_run("next", "rooms-8.json", robots, "2");
+  ASSERT_TRUE(test::within(30s, [&] { return logs("next", "paths found 3/3"); }));
+  paused.send(SIGCONT);
+  EXPECT_EQ(paused.wait(), 2) << test::contents(log("paused"));
+  EXPECT_TRUE(logs("paused", "another planner service has the fleet"));
+  EXPECT_EQ(next.wait(), 0) << test::contents(log("next"));
+}
+
+TEST_F(NextRun, AnAgentThatIsInNoMissionSaysSoAndSoDoesTheService) {
+  start("r9", {"robot_agent", "--name", "r9"});
+  test::Background& run = start_run("run", "rooms-8.json");
+  EXPECT_TRUE(test::within(30s, [&] {
+    return logs("r9", "no mission for r9: the run has 3 robots, r1 to r3");
+  })) << test::contents(log("r9"));
+  EXPECT_TRUE(test::within(30s, [&] { return logs("run", "no mission for r9: the run has r1, r2, r3"); }))
+      << test::contents(log("run"));
+  EXPECT_EQ(run.wait(), 0);
+  EXPECT_TRUE(logs("r1", "mission 1: from"));
+  EXPECT_TRUE(logs("r1", "arrived at ")) << test::contents(log("r1"));
 }
 
 }  // namespace

@@ -209,7 +209,60 @@ TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
   service.step(6);
   EXPECT_TRUE(service.finished());
   EXPECT_EQ(service.report().outcome(), "timeout");
-  EXPECT_EQ(service.report().robots(0).reason(), "the agent has not begun");
+  EXPECT_EQ(service.report().robots(0).reason(), "its agent came, but has not taken up its mission");
+}
+
+// Agents would leave the run of another service for one that ends at once.
+TEST(PlannerService, ARunThatIsInterruptedBeforeItBeganIsTheConcernOfNobody) {
+  PlannerService service(two_robots(), {}, 0);
+  service.interrupt();
+  for (double now = 0; now < 10; now += 0.5) EXPECT_TRUE(service.step(now).empty());
+  EXPECT_TRUE(service.finished());
+  EXPECT_EQ(service.report().outcome(), "interrupted");
+  EXPECT_EQ(service.report().robots(0).reason(), "the run was interrupted before it began");
+}
+
+TEST(PlannerService, SaysWhatBecameOfEachRobotThatDidNotArrive) {
+  Scenario scenario = two_robots();
+  scenario.robots.push_back({"c", {20, 40}, {100, 20}, 5, 20, 40, 1});
+  PlannerService service(scenario, {.timeout = 20}, 0);
+  service.step(0);
+  service.step(4);  // the missions, as no broker came
+  AgentStatus a{.robot = "a", .mission = 1, .phase = Phase::driving, .run = 4, .way_left = 12.34};
+  service.on(arrival_of(PathMessage{"a", 1, {{20, 60}, {100, 60}}, 4}, 5));
+  AgentStatus b{.robot = "b", .mission = 1, .phase = Phase::driving, .run = 4};
+  b.reason = "since 7.0 s: no odometry came";
+  for (double now = 5; now < 26; now += 0.5) {
+    if (now > 24) a.phase = b.phase = Phase::stopped;
+    service.on(arrival_of(a, now));
+    service.on(arrival_of(b, now));
+    service.step(now);
+  }
+  EXPECT_EQ(service.report().outcome(), "timeout");
+  EXPECT_EQ(service.report().robots(0).reason(),
+            "the time was over while it was under way, 12.3 m from its goal");
+  EXPECT_EQ(service.report().robots(1).reason(), "since 7.0 s: no odometry came");
+  EXPECT_EQ(service.report().robots(2).reason(), "its agent never came");
+}
+
+// Agents outlive runs, and their processes count from their own beginnings.
+TEST(PlannerService, CountsTheControlPeriodsThatWereMissedInThisRunAlone) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  const auto says = [&](const char* robot, std::uint32_t periods, std::uint32_t missed) {
+    AgentStatus status{.robot = robot, .mission = 1, .phase = Phase::driving};
+    status.load = {.periods = periods, .periods_missed = missed};
+    service.on(arrival_of(status, 1));
+  };
+  says("a", 1000, 900);
+  says("b", 1, 0);
+  EXPECT_EQ(service.progress(1).periods_missed, 0);
+  says("a", 1060, 910);
+  says("b", 41, 10);
+  EXPECT_NEAR(service.progress(1).periods_missed, 0.2, 1e-9);
+  says("b", 10, 0);  // it was started anew
+  says("b", 110, 0);
+  EXPECT_NEAR(service.report().periods_missed(), 0.1, 1e-9);
 }
 
 TEST(PlannerService, TracksFromAnotherTimeAreNotTakenUp) {

@@ -54,6 +54,16 @@ TEST(ReportTable, ShowsNoDistanceBelowZeroThatRoundsToIt) {
       << report_table(report);
 }
 
+TEST(ReportTable, SaysWhenAgentsGotTooLittleProcessorTime) {
+  proto::Report report = report_of(2);
+  report.set_periods_missed(0.004);
+  EXPECT_EQ(report_table(report).find("control periods"), std::string::npos) << report_table(report);
+  report.set_periods_missed(0.12);
+  report.mutable_robots(1)->set_periods_missed(0.2);
+  EXPECT_NE(report_table(report).find("control periods missed 12.0 % (of r1: 20.0 %): "), std::string::npos)
+      << report_table(report);
+}
+
 TEST_F(ReportFile, SaysWhatIsZeroAndWhatIsEmpty) {
   google::protobuf::Struct json;
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(written(report_of(2)), &json).ok());

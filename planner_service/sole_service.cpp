@@ -1,0 +1,80 @@
+#include "planner_service/sole_service.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace coppice {
+
+namespace {
+
+constexpr WallTime beat = 0.5;
+constexpr WallTime listening = 1;       // seconds: who is there says so at once
+constexpr WallTime listening_long = 5;  // where agents drive for another run
+constexpr std::size_t most_others = 1000;
+
+/// More right to the fleet than the other.
+bool outranks(const ServiceStatus& one, const ServiceStatus& other) {
+  const auto rank = [](const ServiceStatus& s) { return std::tuple(-s.run, s.since, s.service); };
+  return rank(one) < rank(other);
+}
+
+}  // namespace
+
+std::string description_of(const ServiceStatus& s, WallTime now) {
+  const std::string run = s.run > 0 ? fmt::format("its run began {:.0f} s ago", std::max(0.0, now - s.run))
+                                    : "it has begun no run yet";
+  return fmt::format("process {} on host {} ({})", s.process, s.host, run);
+}
+
+void SoleService::on(const Arrival& arrival) {
+  if (const auto* other = std::get_if<ServiceStatus>(arrival.message.get())) receive(*other, arrival.at);
+  if (const auto* status = std::get_if<AgentStatus>(arrival.message.get())) receive(*status, arrival.at);
+}
+
+void SoleService::receive(const ServiceStatus& other, WallTime now) {
+  if (other.service == self_.service) return;
+  if (others_.size() >= most_others && !others_.contains(other.service)) return;
+  const auto [known, is_new] = others_.insert_or_assign(other.service, other);
+  if (is_new && outranks(self_, other)) inferiors_.push_back(other);
+  next_wake_ = std::min(next_wake_, now);
+}
+
+/// One that was stopped has no part in a run any more.
+void SoleService::receive(const AgentStatus& status, WallTime) {
+  const bool drives = status.run != 0 && status.phase != Phase::stopped;
+  if (drives && status.run != self_.run) agents_have_another_run_ = true;
+}
+
+void SoleService::begin(WallTime run) {
+  if (self_.run == run) return;
+  self_.run = run;
+  next_wake_ = 0;
+}
+
+std::vector<Message> SoleService::step(WallTime now) {
+  listens_from_ = std::min(listens_from_, now);  // the clock may have been set back
+  next_wake_ = now + beat;
+  return {self_};
+}
+
+bool SoleService::may_begin(WallTime now) const {
+  return now - listens_from_ >= (agents_have_another_run_ ? listening_long : listening);
+}
+
+std::optional<ServiceStatus> SoleService::superior() const {
+  std::optional<ServiceStatus> first;
+  for (const auto& [id, other] : others_) {
+    if (outranks(other, first.value_or(self_))) first = other;
+  }
+  return first;
+}
+
+std::vector<ServiceStatus> SoleService::take_inferiors() {
+  return std::exchange(inferiors_, {});
+}
+
+}  // namespace coppice
