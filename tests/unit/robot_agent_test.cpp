@@ -188,6 +188,7 @@ TEST(RobotAgent, SaysWhatItWaitsForAndWhyItDidNotArrive) {
 TEST(RobotAgent, OneWhoseRobotIsNotSeenSaysThatNoOdometryCame) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
+  scenario.robots[0].goal = {20, 30};
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
   agent.lead({});
