@@ -392,6 +392,10 @@ template std::size_t DdsBus::matched_readers<Claim>() const;
 template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
 
 /// An agent is matched with itself, too.
+bool DdsBus::hears_replay() const {
+  return implementation_->senders.somebody_replays();
+}
+
 BusCounts DdsBus::counts() const {
   return {.rejected = rejected(),
           .agents = std::max<std::size_t>(1, matched_readers<RobotState>()) - 1,

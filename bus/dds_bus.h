@@ -68,6 +68,8 @@ class DdsBus {
   BusCounts counts() const;
   /// Samples that were dropped because they failed validation, or came from another than they say.
   std::size_t rejected() const;
+  /// Whether another process says again what was recorded.
+  bool hears_replay() const;
   /// Samples that could not be written.
   std::size_t lost() const;
   /// Readers of other processes (and its own) that are matched with this bus's writer of message type M.

@@ -1,5 +1,6 @@
 #include "bus/dds_senders.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -37,6 +38,12 @@ void Senders::discover(const rtps::ParticipantDiscoveryInfo& info) {
     const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
     sender = {coppice::robot_of(data), data == user_data_of_replayer(), std::nullopt};
   }
+}
+
+bool Senders::somebody_replays() const {
+  const std::scoped_lock lock(mutex_);
+  return std::ranges::any_of(senders_,
+                             [](const auto& entry) { return entry.second.replays && !entry.second.gone_at; });
 }
 
 bool Senders::replays(const rtps::GuidPrefix_t& participant) const {

@@ -28,6 +28,8 @@ class Senders {
   std::optional<RobotName> robot_of(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const;
   /// Whether it says what was recorded of others.
   bool replays(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const;
+  /// Whether anybody who is there does.
+  bool somebody_replays() const;
 
  private:
   using Time = std::chrono::steady_clock::time_point;

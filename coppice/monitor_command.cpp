@@ -1,10 +1,16 @@
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -23,6 +29,9 @@ namespace {
 constexpr double turn_seconds = 0.01;  // the bus is looked at, and pages are told, so often
 constexpr double count_period = 1;     // seconds
 constexpr double state_period = 0.25;  // of a recording that is played
+constexpr double last_words = 0.4;     // seconds in which pages that are open hear how a run has ended
+constexpr int looks_for_browser = 100;
+constexpr std::chrono::milliseconds pause_between_looks{10};
 
 std::uint64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");  // in pages: proc(5)
@@ -32,20 +41,49 @@ std::uint64_t resident_bytes() {
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// In whatever browser the desktop has; where there is none, the address that was printed has to do.
-void open_browser(std::string url) {
-  std::string program = "xdg-open";
-  char* const arguments[] = {program.data(), url.data(), nullptr};
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments, environ);
-  int status = 0;
-  if (error != 0 || waitpid(child, &status, 0) != child || status != 0)
-    std::cerr << "xdg-open does not open a browser here\n";
+/// Without a desktop, xdg-open would open a browser of text in the terminal that others write to.
+bool has_desktop() {
+  const auto is_set = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+  };
+  return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
+/// In whatever browser the desktop has. False: it has none.
+bool open_browser(std::string url) {
+  if (!has_desktop()) return false;
+  std::string program = "xdg-open";
+  char* const arguments[] = {program.data(), url.data(), nullptr};
+  posix_spawn_file_actions_t silently;
+  posix_spawn_file_actions_init(&silently);
+  posix_spawn_file_actions_addopen(&silently, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&silently, STDOUT_FILENO, STDERR_FILENO);
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, arguments[0], &silently, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&silently);
+  if (error != 0) return false;
+  // On some desktops it stays for as long as the browser does.
+  int status = 0;
+  for (int look = 0; look < looks_for_browser; ++look) {
+    if (waitpid(child, &status, WNOHANG) == child) return status == 0;
+    std::this_thread::sleep_for(pause_between_looks);
+  }
+  std::thread([child] { waitpid(child, nullptr, 0); }).detach();
+  return true;
+}
+
+/// One line, which begins with the address.
 void tell(const Monitor& monitor, const MonitorOptions& options) {
-  std::cout << monitor.url() << std::endl;
-  if (options.open) open_browser(monitor.url());
+  std::string line = monitor.url();
+  if (options.web.else_any_port && options.web.port != 0 && monitor.port() != options.web.port)
+    line += fmt::format(" (port {} is taken)", options.web.port);
+  if (options.open && !open_browser(monitor.url())) line += " (open it in a browser: none was found here)";
+  std::cout << line << std::endl;
+}
+
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 /// What drives now; nobody steers it from here.
@@ -55,10 +93,18 @@ void show_fleet(const MonitorOptions& options) {
   DdsBus bus(options.network, Role::viewer, "monitor");
   tell(monitor, options);
   Rhythm count_rhythm(count_period);
-  while (!stop_requested()) {
-    monitor.take(bus.take());
+  std::optional<WallTime> asked_to_stop;
+  while (true) {
     const WallTime now = wall_now();
-    if (count_rhythm.due(now)) monitor.note(bus.counts(), resident_bytes());
+    if (stop_requested() && !asked_to_stop) asked_to_stop = now;
+    const bool tells_of_the_end = monitor.is_watched() && asked_to_stop && now - *asked_to_stop < last_words;
+    if (asked_to_stop && !tells_of_the_end) return;
+    monitor.take(bus.take());
+    if (count_rhythm.due(now)) {
+      monitor.note(processor_seconds(), resident_bytes());
+      monitor.note(bus.counts());
+      monitor.show_replayed(bus.hears_replay());
+    }
     monitor.turn(now, now, turn_seconds);
     monitor.wishes();
   }
@@ -70,6 +116,7 @@ void show_recording(const MonitorOptions& options) {
   tell(monitor, options);
   Player player(recording, wall_now());
   Rhythm state_rhythm(state_period);
+  Rhythm count_rhythm(count_period);
   while (!stop_requested()) {
     const WallTime now = wall_now();
     bool steered = false;
@@ -82,6 +129,7 @@ void show_recording(const MonitorOptions& options) {
       steered = true;
     }
     monitor.take(player.due(now));
+    if (count_rhythm.due(now)) monitor.note(processor_seconds(), resident_bytes());
     if (state_rhythm.due(now) || steered) monitor.show(player.state(now));
     monitor.turn(player.at(now), now, turn_seconds);
   }

@@ -218,7 +218,7 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   }
   if (fleet.watch)
     all.push_back({"monitor",
-                   on_network({"coppice", "monitor", "--port", "0", "--open"}, "observer", Role::viewer),
+                   on_network({"coppice", "monitor", "--else-any-port", "--open"}, "observer", Role::viewer),
                    ProcessFleet::Output::terminal});
   const Command ros = ros_of(fleet.ros);
   const Command broker{"tree_broker", "--seed", std::to_string(scenario.seed)};

@@ -33,6 +33,7 @@ void add_monitor(CLI::App& app, MonitorOptions& options, int& exit_code) {
     monitor->get_option(name)->excludes(file);
   monitor->add_option("--port", options.web.port, "TCP port; 0: any that is free")
       ->check(CLI::Range(0, 65535));
+  monitor->add_flag("--else-any-port", options.web.else_any_port, "if that port is taken: any that is free");
   monitor->add_option(
       "--address", options.web.address,
       "IP address of this machine to listen at; another than 127.0.0.1 shows the fleet to the network");

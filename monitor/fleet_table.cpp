@@ -26,11 +26,6 @@ std::tuple<std::string_view, std::size_t, std::string_view> natural(std::string_
   return {name.substr(0, name.size() - digits), number.size(), number};
 }
 
-Phase phase_of(const SeenRobot& robot) {
-  if (robot.state) return robot.state->phase;
-  return robot.status ? robot.status->phase : Phase::waiting;
-}
-
 /// In which order phases are of interest.
 int rank(Phase phase) {
   switch (phase) {

@@ -15,6 +15,7 @@ constexpr WallTime share_period = 1;              // seconds over which a share 
 constexpr std::uint32_t missed_period = 20;       // the same, control periods
 constexpr WallTime broker_lease = 3;              // seconds: who is silent for longer is gone
 constexpr WallTime silence = 3;                   // seconds, of all robots: their run is over
+constexpr WallTime longest_pause = 5;  // seconds; agents speak twice a second, late where processors are few
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -52,6 +53,7 @@ std::optional<double> separation(const std::vector<SeenRobot>& robots, double ti
 }  // namespace
 
 void ProcessorShare::on(double processor_seconds, WallTime at) {
+  if (processor_seconds <= 0) return;  // of a simulation, where nobody has a process of its own
   const bool of_another_process = processor_seconds < seconds_then_;
   if (since_ && !of_another_process && at - *since_ < share_period) return;
   if (since_ && !of_another_process) of_one_core = (processor_seconds - seconds_then_) / (at - *since_);
@@ -75,6 +77,17 @@ Point2 position_at(const RobotState& state, double time) {
   return state.position + (first - state.stamp) * state.velocity + (second - first) * state.promise.velocity;
 }
 
+Phase phase_of(const SeenRobot& robot) {
+  const Phase phase = robot.status ? robot.status->phase : robot.state ? robot.state->phase : Phase::waiting;
+  const bool at_goal = robot.status && robot.status->arrival_time > 0;
+  return phase == Phase::stopped && at_goal ? Phase::arrived : phase;
+}
+
+std::optional<double> way_left(const SeenRobot& robot, double time) {
+  if (!robot.state) return std::nullopt;
+  return robot.progress.way_left(position_at(*robot.state, time));
+}
+
 void FleetView::on(const std::shared_ptr<const Message>& message, WallTime at) {
   if (const auto* tree = std::get_if<InactiveTreeMessage>(message.get())) {
     const bool of_this_map = !map_ || map_->map_id == tree->map_id;
@@ -94,6 +107,7 @@ void FleetView::on(const std::shared_ptr<const Message>& message, WallTime at) {
 
 void FleetView::begin_anew() {
   ++run_;
+  heard_ = 0;
   index_ = {};
   robots_.clear();
   active_trees_.reset();
@@ -137,8 +151,10 @@ void FleetView::receive(const Mission& mission, WallTime at) {
   if (seen->mission && seen->mission->number != mission.number) {
     if (seen->path_mission != mission.number) {  // else it came before its mission
       seen->path.clear();
+      seen->progress.follow({});
       ++seen->path_revision;
     }
+    seen->progress.begin_mission();
     seen->root_nodes.clear();
   }
   seen->mission = mission;
@@ -167,8 +183,9 @@ void FleetView::receive(const RobotState& state, WallTime at) {
   if (seen == nullptr) return;
   // Of an earlier run, or late.
   if (seen->state && seen->state->stamp > state.stamp) return;
+  seen->progress.on(state);
   seen->state = state;
-  seen->heard = at;
+  seen->heard = heard_ = at;
 }
 
 void FleetView::receive(const PathMessage& path, WallTime) {
@@ -176,6 +193,7 @@ void FleetView::receive(const PathMessage& path, WallTime) {
   SeenRobot* const seen = robot(path.robot);
   if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
   seen->path = path.waypoints;
+  seen->progress.follow(path.waypoints);
   seen->path_mission = path.mission;
   ++seen->path_revision;
 }
@@ -190,6 +208,7 @@ void FleetView::receive(const AgentStatus& status, WallTime at) {
   seen->processor.on(status.load.processor_seconds, at);
   seen->missed.on(status.load.periods, status.load.periods_missed);
   seen->status = status;
+  heard_ = at;
 }
 
 void FleetView::receive(const BrokerStatus& status, WallTime at) {
@@ -207,6 +226,14 @@ std::optional<double> FleetView::fleet_time(WallTime now) const {
   return clock_->fleet_time(now);
 }
 
+Life FleetView::life(WallTime now) const {
+  const auto has_mission = [](const SeenRobot& robot) { return robot.mission.has_value(); };
+  const auto goes_on = [](const SeenRobot& robot) { return robot.mission && !robot.mission->cancelled; };
+  if (std::ranges::any_of(robots_, has_mission) && std::ranges::none_of(robots_, goes_on)) return Life::ended;
+  if (heard_ == 0) return Life::nobody;
+  return now - heard_ < longest_pause ? Life::alive : Life::silent;
+}
+
 FleetFigures FleetView::figures(WallTime now) const {
   FleetFigures all{.time = fleet_time(now).value_or(0),
                    .robots = robots_.size(),
@@ -220,8 +247,8 @@ FleetFigures FleetView::figures(WallTime now) const {
     all.missions += robot.missions_fulfilled;
     missed += robot.missed.of_all / static_cast<double>(robots_.size());
     processors += std::max(0.0, robot.processor.of_one_core);
+    all.arrived += phase_of(robot) == Phase::arrived;
     if (!robot.status) continue;
-    all.arrived += robot.status->phase == Phase::arrived;
     all.trees_grafted += robot.status->trees_grafted;
     ages.push_back(robot.status->load.state_age_p50);
     all.state_age_p99 = std::max(all.state_age_p99, robot.status->load.state_age_p99);

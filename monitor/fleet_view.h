@@ -16,6 +16,7 @@
 
 #include "bus/messages.h"
 #include "bus/name_index.h"
+#include "monitor/robot_progress.h"
 
 namespace coppice {
 
@@ -52,8 +53,22 @@ struct SeenRobot {
   std::uint32_t path_mission = 0;             ///< of which one
   std::uint32_t path_revision = 0;            ///< grows when it changes
   std::vector<RootNodes::Node> root_nodes{};  ///< of its mission, in order: they only grow until the next
+  RobotProgress progress{};
   ProcessorShare processor{};
   MissedShare missed{};
+};
+
+/// What it is at. Of a robot whose run has ended at its goal: it has arrived.
+Phase phase_of(const SeenRobot& robot);
+/// What is left of its way at that fleet time, metres; none: it has no path, or was not heard of.
+std::optional<double> way_left(const SeenRobot& robot, double time);
+
+/// Whether a fleet is there.
+enum class Life : unsigned char {
+  nobody,  ///< has been heard of
+  alive,   ///< robots are heard
+  silent,  ///< they were
+  ended,   ///< their run is over, by the service's word
 };
 
 struct SeenBroker {
@@ -99,6 +114,9 @@ class FleetView {
 
   /// Fleet time at that time; none before the first mission.
   std::optional<double> fleet_time(WallTime now) const;
+  Life life(WallTime now) const;
+  /// When a robot last said anything.
+  WallTime heard() const { return heard_; }
   FleetFigures figures(WallTime now) const;
 
  private:
@@ -115,6 +133,7 @@ class FleetView {
   void begin_anew();
 
   std::uint32_t run_ = 0;
+  WallTime heard_ = 0;
   std::optional<MapMessage> map_;
   std::optional<FleetClock> clock_;
   NameIndex index_;

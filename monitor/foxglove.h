@@ -6,6 +6,7 @@
 // encoded.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,7 +21,9 @@
 
 namespace coppice {
 
-inline constexpr std::string_view foxglove_subprotocol = "foxglove.websocket.v1";
+/// Two names of one protocol: bridges and applications of before 2025 say the first, later ones the second.
+inline constexpr std::array<std::string_view, 2> foxglove_subprotocols{"foxglove.websocket.v1",
+                                                                       "foxglove.sdk.v1"};
 
 class FoxgloveFeed {
  public:

@@ -104,14 +104,18 @@ void add_deletion(fox::SceneUpdate& scene, const std::string& id, WallTime now) 
 }
 
 fox::LinePrimitive& add_lines(fox::SceneEntity& entity, fox::LinePrimitive::Type type, const Rgb& colour,
-                              double opacity, double pixels) {
+                              double opacity, double pixels, Projection projection) {
   fox::LinePrimitive& line = *entity.add_lines();
   line.set_type(type);
-  set(*line.mutable_pose(), Point2::Zero(), 0);
+  set(*line.mutable_pose(), projection(projection.origin), 0);
   line.set_thickness(pixels);
   line.set_scale_invariant(true);
   set(*line.mutable_color(), colour, opacity);
   return line;
+}
+
+void add_point(fox::LinePrimitive& line, const Point2& point, double height, Projection projection) {
+  set(*line.add_points(), projection(point - projection.origin), height);
 }
 
 std::string part_id(const RobotName& robot, std::uint32_t part) {
@@ -190,7 +194,9 @@ bool is_blocked(const OccupancyMap& map, const Shrunk& shrunk, int column, int r
 }  // namespace
 
 Projection projection_of(const FleetView& view) {
-  return {.y_down = !view.map() || view.map()->map.y_axis == YAxis::down};
+  if (!view.map()) return {};
+  const OccupancyMap& map = view.map()->map;
+  return {.y_down = map.y_axis == YAxis::down, .origin = map.origin};
 }
 
 fox::Grid grid(const MapMessage& message, WallTime now) {
@@ -203,7 +209,7 @@ fox::Grid grid(const MapMessage& message, WallTime now) {
   out.set_frame_id(frame_id);
   // The corner of the first row that is sent, which is the lowest one in Foxglove's frame.
   const double first_row = y_down ? map.origin.y() + shrunk.rows * shrunk.cell : map.origin.y();
-  set(*out.mutable_pose(), Projection{y_down}({map.origin.x(), first_row}), 0);
+  set(*out.mutable_pose(), Projection{.y_down = y_down}({map.origin.x(), first_row}), 0);
   out.mutable_cell_size()->set_x(shrunk.cell);
   out.mutable_cell_size()->set_y(shrunk.cell);
   const auto columns = static_cast<std::size_t>(shrunk.columns);
@@ -238,7 +244,7 @@ fox::SceneUpdate robots(const FleetView& view, WallTime now) {
         static_cast<std::int64_t>(1000 * robot_lifetime));
     const bool heard = now - robot.heard < silent;
     draw_robot(entity, robot, motion_of(*robot.state, time, projection),
-               heard ? colour_of(robot.state->phase) : silent_colour);
+               heard ? colour_of(phase_of(robot)) : silent_colour);
   }
   return scene;
 }
@@ -280,20 +286,20 @@ void add_path(fox::SceneUpdate& scene, const SeenRobot& robot, Projection projec
     return;
   }
   fox::LinePrimitive& line = add_lines(add_entity(scene, robot.name, now), fox::LinePrimitive::LINE_STRIP,
-                                       colour_of(Phase::driving), 0.8, 2);
-  for (const Point2& point : robot.path) set(*line.add_points(), projection(point), paths_height);
+                                       colour_of(Phase::driving), 0.8, 2, projection);
+  for (const Point2& point : robot.path) add_point(line, point, paths_height, projection);
 }
 
 void add_inactive_tree(fox::SceneUpdate& scene, const InactiveTreeMessage& tree, Projection projection,
                        WallTime now) {
   fox::LinePrimitive& lines =
       add_lines(add_entity(scene, fmt::format("{:x}/{}", tree.tree.broker, tree.tree.number), now),
-                fox::LinePrimitive::LINE_LIST, tree_colour, 0.5, 1);
+                fox::LinePrimitive::LINE_LIST, tree_colour, 0.5, 1, projection);
   for (const InactiveTreeMessage::Node& node : tree.nodes) {
     if (node.parent < 0) continue;
     const Point2& parent = tree.nodes[static_cast<std::size_t>(node.parent)].position;
-    set(*lines.add_points(), projection(parent), trees_height);
-    set(*lines.add_points(), projection(node.position), trees_height);
+    add_point(lines, parent, trees_height, projection);
+    add_point(lines, node.position, trees_height, projection);
   }
 }
 
@@ -301,14 +307,15 @@ void add_root_trees(fox::SceneUpdate& scene, const SeenRobot& robot, std::size_t
                     Projection projection, WallTime now) {
   fox::SceneEntity& entity = add_entity(scene, part_id(robot.name, part), now);
   for (const Side side : {Side::start, Side::goal}) {
-    fox::LinePrimitive& lines = add_lines(entity, fox::LinePrimitive::LINE_LIST,
-                                          side == Side::start ? start_colour : goal_colour, 0.7, 1);
+    fox::LinePrimitive& lines =
+        add_lines(entity, fox::LinePrimitive::LINE_LIST, side == Side::start ? start_colour : goal_colour,
+                  0.7, 1, projection);
     for (std::size_t k = first; k < robot.root_nodes.size(); ++k) {
       const RootNodes::Node& node = robot.root_nodes[k];
       if (node.parent < 0 || node.side != side) continue;
       const Point2& parent = robot.root_nodes[static_cast<std::size_t>(node.parent)].position;
-      set(*lines.add_points(), projection(parent), trees_height);
-      set(*lines.add_points(), projection(node.position), trees_height);
+      add_point(lines, parent, trees_height, projection);
+      add_point(lines, node.position, trees_height, projection);
     }
   }
 }

@@ -2,7 +2,8 @@
 //
 // Foxglove's frame is right-handed with z up, seen from above: y grows up the screen. On maps whose y grows
 // downwards every y changes its sign, so that what is seen is the map as its file shows it; headings turn
-// with it. The frame of everything is called "map".
+// with it. The frame of everything is called "map". Lines are drawn from the map's origin on: viewers hold
+// their points as floats, which have seven figures.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +22,7 @@ inline constexpr double robot_lifetime = 2;
 /// How a place on the map becomes one in Foxglove.
 struct Projection {
   bool y_down = true;
+  Point2 origin = Point2::Zero();  ///< of the map, where lines are drawn from
   Point2 operator()(const Point2& p) const { return {p.x(), y_down ? -p.y() : p.y()}; }
 };
 Projection projection_of(const FleetView& view);

@@ -60,7 +60,7 @@ live::Statuses::Status status_of(std::size_t number, const SeenRobot& robot) {
   const AgentStatus& status = *robot.status;
   live::Statuses::Status out;
   out.set_robot(count(number));
-  out.set_phase(static_cast<live::Phase>(status.phase));
+  out.set_phase(static_cast<live::Phase>(phase_of(robot)));
   out.set_reason(status.reason);
   out.set_plan_seconds(status.plan_seconds);
   out.set_arrival_time(status.arrival_time);
@@ -105,25 +105,29 @@ Point2 velocity_at(const RobotState& state, double time) {
 
 void add_unheard(live::Frame& frame) {
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-  for (auto* list : {frame.mutable_x(), frame.mutable_y(), frame.mutable_age()}) list->Add(unknown);
-  for (auto* list : {frame.mutable_vx(), frame.mutable_vy(), frame.mutable_turn(), frame.mutable_next_vx(),
-                     frame.mutable_next_vy(), frame.mutable_expiry()})
+  for (auto* list : {frame.mutable_x(), frame.mutable_y(), frame.mutable_age(), frame.mutable_to_go()})
+    list->Add(unknown);
+  for (auto* list :
+       {frame.mutable_vx(), frame.mutable_vy(), frame.mutable_turn(), frame.mutable_next_vx(),
+        frame.mutable_next_vy(), frame.mutable_expiry(), frame.mutable_waiting(), frame.mutable_idle()})
     list->Add(0);
   frame.mutable_phase()->push_back(static_cast<char>(Phase::waiting));
   frame.mutable_stage()->push_back(static_cast<char>(Stage::free));
   frame.add_waits_for(-1);
 }
 
-void add_state(live::Frame& frame, const FleetView& view, const RobotState& state, double time) {
+void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot, const Point2& origin,
+               double time) {
   const auto as_float = [](double x) { return static_cast<float>(x); };
-  const Point2 place = position_at(state, time);
+  const RobotState& state = *robot.state;
+  const Point2 place = position_at(state, time) - origin;
   const Point2 velocity = velocity_at(state, time);
   const auto leader = state.waits_for.empty() ? std::nullopt : view.find(state.waits_for);
   frame.add_x(as_float(place.x()));
   frame.add_y(as_float(place.y()));
   frame.add_vx(as_float(velocity.x()));
   frame.add_vy(as_float(velocity.y()));
-  frame.mutable_phase()->push_back(static_cast<char>(state.phase));
+  frame.mutable_phase()->push_back(static_cast<char>(phase_of(robot)));
   frame.mutable_stage()->push_back(static_cast<char>(state.stage));
   frame.add_waits_for(leader ? static_cast<std::int32_t>(*leader) : -1);
   frame.add_turn(as_float(std::max(0.0, state.promise.turn - time)));
@@ -131,6 +135,21 @@ void add_state(live::Frame& frame, const FleetView& view, const RobotState& stat
   frame.add_next_vy(as_float(state.promise.velocity.y()));
   frame.add_expiry(as_float(std::max(0.0, state.promise.expiry - time)));
   frame.add_age(as_float(std::max(0.0, time - state.stamp)));
+  frame.add_to_go(as_float(way_left(robot, time).value_or(std::numeric_limits<double>::quiet_NaN())));
+  frame.add_waiting(as_float(robot.progress.waiting(time)));
+  frame.add_idle(as_float(robot.progress.without_progress(time)));
+}
+
+live::Life life_of(const FleetView& view, bool replayed, WallTime now) {
+  const Life state = view.life(now);
+  live::Life life;
+  life.set_state(static_cast<live::Life::State>(state));
+  if (state == Life::silent) life.set_heard(view.heard());
+  life.set_robots(count(view.robots().size()));
+  const auto has_arrived = [](const SeenRobot& robot) { return phase_of(robot) == Phase::arrived; };
+  life.set_arrived(static_cast<std::uint32_t>(std::ranges::count_if(view.robots(), has_arrived)));
+  life.set_replayed(replayed);
+  return life;
 }
 
 /// The next edition; what has not changed stays the one that it was.
@@ -146,13 +165,13 @@ Bytes encoded(const live::ToPage& message) {
   return std::make_shared<const std::string>(message.SerializeAsString());
 }
 
-live::Frame frame_of(const FleetView& view, WallTime now) {
+live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now) {
   const double time = view.fleet_time(now).value_or(0);
   live::Frame frame;
   frame.set_time(time);
   for (const SeenRobot& robot : view.robots()) {
     if (robot.state) {
-      add_state(frame, view, *robot.state, time);
+      add_robot(frame, view, robot, origin, time);
     } else {
       add_unheard(frame);
     }
@@ -197,6 +216,9 @@ void LiveStream::look(const FleetView& view, WallTime now, WallTime present) {
   at_ = now;
   if (run_of_view_ && *run_of_view_ != view.run()) begin_anew();
   run_of_view_ = view.run();
+  const Point2 origin = view.map() ? view.map()->map.origin : Point2::Zero();
+  if (origin != origin_) begin_anew();
+  origin_ = origin;
   look_at_map(view);
   const bool beat = beat_rhythm_.due(present);
   beat_ += beat;
@@ -208,7 +230,8 @@ void LiveStream::look(const FleetView& view, WallTime now, WallTime present) {
   const bool frame_is_due = frame_rhythm_.due(present) || other_robots;
   if (!frame_is_due || view.robots().empty()) return;
   live::ToPage message;
-  *message.mutable_frame() = frame_of(view, now);
+  *message.mutable_frame() = frame_of(view, origin_, now);
+  *message.mutable_frame()->mutable_life() = life_of(view, replayed_, now);
   renew(frame_, message);
 }
 

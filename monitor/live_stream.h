@@ -38,9 +38,13 @@ class LiveStream {
   void begin_anew();
   /// Where a recording is by now.
   void show(const live::Playback& playback);
+  /// Whether what is heard is said again from a recording.
+  void show_replayed(bool replayed) { replayed_ = replayed; }
 
-  WallTime at() const { return at_; }           ///< when it looked last
-  std::uint32_t run() const { return run_; }    ///< grows when all that was said before is to be forgotten
+  WallTime at() const { return at_; }         ///< when it looked last
+  std::uint32_t run() const { return run_; }  ///< grows when all that was said before is to be forgotten
+  /// What floats are relative to.
+  const Point2& origin() const { return origin_; }
   std::uint64_t beat() const { return beat_; }  ///< grows a few times a second, for what need not be sooner
   const Bytes& begin() const { return begin_; }
   const Edition& map() const { return map_; }
@@ -73,6 +77,8 @@ class LiveStream {
   std::uint64_t beat_ = 0;
   std::size_t robots_ = 0;  ///< in the roster
   std::string map_id_;
+  Point2 origin_ = Point2::Zero();
+  bool replayed_ = false;
   Edition map_;
   Edition roster_;
   Edition frame_;
@@ -85,8 +91,8 @@ class LiveStream {
   Rhythm figures_rhythm_;
 };
 
-/// Where all robots are at that time.
-live::Frame frame_of(const FleetView& view, WallTime now);
+/// Where all robots are at that time, relative to that place.
+live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now);
 
 /// As it goes over the wire.
 Bytes encoded(const live::ToPage& message);

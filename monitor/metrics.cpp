@@ -43,8 +43,7 @@ void add_counter(Families& all, std::string name, std::string help, double value
 void add_phases(Families& all, const FleetView& view) {
   std::array<std::size_t, phase_names.size()> robots{};
   for (const SeenRobot& robot : view.robots()) {
-    const Phase phase = robot.status ? robot.status->phase : Phase::waiting;
-    ++robots.at(static_cast<std::size_t>(phase));
+    ++robots.at(static_cast<std::size_t>(phase_of(robot)));
   }
   auto& family = add_family(all, "coppice_robots_in_phase", prometheus::MetricType::Gauge,
                             "Robots by what they say that they do.");
@@ -57,6 +56,11 @@ void add_fleet(Families& all, const FleetView& view, WallTime now) {
   const auto number = [](std::size_t n) { return static_cast<double>(n); };
   add_gauge(all, "coppice_fleet_time_seconds", "Fleet time of the run that is seen; 0 before its missions.",
             figures.time);
+  const Life life = view.life(now);
+  add_gauge(all, "coppice_fleet_alive", "1 if a robot was heard in the last seconds and its run goes on.",
+            life == Life::alive);
+  add_gauge(all, "coppice_run_ended", "1 from the end of a run until another one begins.",
+            life == Life::ended);
   add_gauge(all, "coppice_robots", "Robots that the monitor has heard of in this run.",
             number(figures.robots));
   add_gauge(all, "coppice_robots_planned", "Robots that have a path.", number(figures.planned));
@@ -80,6 +84,17 @@ void add_fleet(Families& all, const FleetView& view, WallTime now) {
             figures.missed_share);
 }
 
+/// A state set: a series for each phase, 1 for the one that the robot is in.
+void add_phase_of_each(Families& all, std::span<const SeenRobot> robots) {
+  auto& family = add_family(all, "coppice_robot_phase", prometheus::MetricType::Gauge,
+                            "1 for the phase that the robot is in, 0 for the others.");
+  for (const SeenRobot& robot : robots) {
+    const auto own = static_cast<std::size_t>(phase_of(robot));
+    for (std::size_t k = 0; k < phase_names.size(); ++k)
+      add(family, k == own, {{"robot", robot.name}, {"phase", phase_names[k]}});
+  }
+}
+
 /// A time series for each robot: what of it, if anything.
 struct OfRobot {
   const char* name;
@@ -91,7 +106,25 @@ struct OfRobot {
 template <auto Value>
 std::optional<double> of_status(const SeenRobot& robot, WallTime) {
   if (!robot.status) return std::nullopt;
-  return static_cast<double>(Value(*robot.status));
+  const std::optional<double> value = Value(*robot.status);
+  return value;
+}
+
+/// Of what a process needs: simulated agents have none of their own.
+template <class N>
+std::optional<double> if_measured(N value) {
+  return value > 0 ? std::optional(static_cast<double>(value)) : std::nullopt;
+}
+
+std::optional<double> has_arrived(const SeenRobot& robot, WallTime) {
+  return robot.status ? std::optional<double>(phase_of(robot) == Phase::arrived) : std::nullopt;
+}
+
+/// Of those that have spoken of where they are, at the view's fleet time.
+template <auto Value>
+std::optional<double> of_progress(const SeenRobot& robot, WallTime now) {
+  if (!robot.state || !robot.mission) return std::nullopt;
+  return Value(robot, robot.mission->clock.fleet_time(now));
 }
 
 const auto& series_of_robots() {
@@ -107,8 +140,19 @@ const auto& series_of_robots() {
               [](const SeenRobot& robot, WallTime) {
                 return robot.state ? std::optional(robot.state->velocity.norm()) : std::nullopt;
               }},
-      OfRobot{"coppice_robot_arrived", gauge, "1 if the robot stands at its goal.",
-              of_status<[](S s) { return s.phase == Phase::arrived; }>},
+      OfRobot{"coppice_robot_arrived", gauge, "1 if the robot stands at its goal.", has_arrived},
+      OfRobot{"coppice_robot_way_to_go_meters", gauge, "From the robot along its path to the end of that.",
+              of_progress<[](const SeenRobot& r, double time) { return way_left(r, time); }>},
+      OfRobot{"coppice_robot_waiting_seconds", gauge,
+              "For how long the robot has let another go first, or stood for a joint plan, in fleet time; 0: "
+              "it does not.",
+              of_progress<[](const SeenRobot& r, double time) { return r.progress.waiting(time); }>},
+      OfRobot{"coppice_robot_waited_seconds_total", counter, "The same of all the robot's waits in this run.",
+              of_progress<[](const SeenRobot& r, double time) { return r.progress.waited(time); }>},
+      OfRobot{
+          "coppice_robot_without_progress_seconds", gauge,
+          "Since the robot last came nearer to the end of its way, in fleet time; 0: it has nowhere to go.",
+          of_progress<[](const SeenRobot& r, double time) { return r.progress.without_progress(time); }>},
       OfRobot{"coppice_robot_driven_meters", gauge, "Driven in the robot's mission.",
               of_status<[](S s) { return s.driven_length; }>},
       OfRobot{"coppice_robot_path_meters", gauge, "Length of the robot's path; 0 without one.",
@@ -129,11 +173,11 @@ const auto& series_of_robots() {
               "Of these: over before the agent came to decide.",
               of_status<[](S s) { return s.load.periods_missed; }>},
       OfRobot{"coppice_robot_processor_seconds_total", counter, "Processor time of the robot's agent.",
-              of_status<[](S s) { return s.load.processor_seconds; }>},
+              of_status<[](S s) { return if_measured(s.load.processor_seconds); }>},
       OfRobot{"coppice_robot_sent_bytes_total", counter, "Sent by the robot's agent in UDP datagrams.",
-              of_status<[](S s) { return s.load.bytes_sent; }>},
+              of_status<[](S s) { return if_measured(s.load.bytes_sent); }>},
       OfRobot{"coppice_robot_received_bytes_total", counter, "Received by the robot's agent, likewise.",
-              of_status<[](S s) { return s.load.bytes_received; }>},
+              of_status<[](S s) { return if_measured(s.load.bytes_received); }>},
       OfRobot{"coppice_robot_rejected_messages_total", counter,
               "Messages that the robot's agent dropped as invalid.",
               of_status<[](S s) { return s.rejected; }>},
@@ -143,6 +187,7 @@ const auto& series_of_robots() {
 
 void add_robots(Families& all, const FleetView& view, WallTime now) {
   const auto robots = std::span(view.robots()).first(std::min(view.robots().size(), most_robots_in_detail));
+  add_phase_of_each(all, robots);
   for (const OfRobot& series : series_of_robots()) {
     auto& family = add_family(all, series.name, series.type, series.help);
     for (const SeenRobot& robot : robots) {
@@ -182,14 +227,17 @@ void add_monitor(Families& all, const MonitorLoad& load) {
       {{"version", COPPICE_VERSION}});
   add_counter(all, "coppice_monitor_messages_total", "Messages that came to the monitor.",
               number(load.messages));
-  add_counter(all, "coppice_monitor_rejected_messages_total", "Samples that the monitor dropped as invalid.",
-              number(load.rejected));
+  if (load.rejected)
+    add_counter(all, "coppice_monitor_rejected_messages_total",
+                "Samples that the monitor dropped as invalid.", number(*load.rejected));
   add_gauge(all, "coppice_monitor_connections", "Pages and Foxglove clients that look on.",
             static_cast<double>(load.connections));
   add_counter(all, "coppice_monitor_sent_bytes_total", "Sent to these.", number(load.bytes_sent));
-  add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", load.processor_seconds);
-  add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
-            number(load.resident_bytes));
+  if (load.processor_seconds)
+    add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", *load.processor_seconds);
+  if (load.resident_bytes)
+    add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
+              number(*load.resident_bytes));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "monitor/fleet_view.h"
@@ -17,14 +18,14 @@ namespace coppice {
 /// stays small whatever is on the bus.
 inline constexpr std::size_t most_robots_in_detail = 500;
 
-/// What the monitor does itself.
+/// What the monitor does itself. What is not known is left out.
 struct MonitorLoad {
-  std::uint64_t messages = 0;   ///< that came off its bus
-  std::uint64_t rejected = 0;   ///< samples that it dropped as invalid
-  std::size_t connections = 0;  ///< WebSockets that are open
+  std::uint64_t messages = 0;               ///< that came off its bus, or out of its recording
+  std::optional<std::uint64_t> rejected{};  ///< samples that it dropped as invalid; none: it has no bus
+  std::size_t connections = 0;              ///< WebSockets that are open
   std::uint64_t bytes_sent = 0;
-  double processor_seconds = 0;
-  std::uint64_t resident_bytes = 0;
+  std::optional<double> processor_seconds{};
+  std::optional<std::uint64_t> resident_bytes{};
 };
 
 std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now);

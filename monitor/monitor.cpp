@@ -25,9 +25,8 @@ void Monitor::take(const std::vector<Arrival>& arrivals) {
   load_.messages += arrivals.size();
 }
 
-void Monitor::note(const BusCounts& counts, std::uint64_t resident_bytes) {
-  load_.rejected = counts.rejected;
-  load_.processor_seconds = counts.processor_seconds;
+void Monitor::note(double processor_seconds, std::uint64_t resident_bytes) {
+  load_.processor_seconds = processor_seconds;
   load_.resident_bytes = resident_bytes;
 }
 

@@ -27,8 +27,11 @@ class Monitor {
   Monitor(const WebSettings& settings, const std::string& source, bool recorded = false);
 
   void take(const std::vector<Arrival>& arrivals);
-  /// For the metrics: what the process has counted.
-  void note(const BusCounts& counts, std::uint64_t resident_bytes);
+  /// For the metrics: what the process needs; and, where it has a bus, what that has counted.
+  void note(double processor_seconds, std::uint64_t resident_bytes);
+  void note(const BusCounts& counts) { load_.rejected = counts.rejected; }
+  /// Whether what is heard is said again from a recording.
+  void show_replayed(bool replayed) { live_.show_replayed(replayed); }
 
   /// Of a recording: all that was seen is forgotten, for it goes on elsewhere.
   void forget();
@@ -42,6 +45,8 @@ class Monitor {
   void turn(WallTime now, WallTime present, double seconds);
 
   std::string url() const { return server_.url(); }
+  std::uint16_t port() const { return server_.port(); }
+  bool is_watched() const { return server_.web_sockets() > 0; }
 
  private:
   std::optional<WebReply> get(std::string_view path) const;

@@ -8,8 +8,16 @@ namespace coppice {
 
 namespace {
 
-void add_edge(live::Edges& edges, const Point2& from, const Point2& to) {
-  for (const double x : {from.x(), from.y(), to.x(), to.y()}) edges.add_points(static_cast<float>(x));
+/// Relative to the origin: a float has seven figures, which coordinates of the Earth's grids use up.
+template <class List>
+void add_point(List& list, const Point2& point, const Point2& origin) {
+  list.add_points(static_cast<float>(point.x() - origin.x()));
+  list.add_points(static_cast<float>(point.y() - origin.y()));
+}
+
+void add_edge(live::Edges& edges, const Point2& from, const Point2& to, const Point2& origin) {
+  add_point(edges, from, origin);
+  add_point(edges, to, origin);
 }
 
 std::size_t size_of(const live::Edges& edges) {
@@ -47,6 +55,7 @@ std::vector<Bytes> PageFeed::next(const FleetView& view, const LiveStream& live)
   if (run_ != live.run()) {
     *this = {};
     run_ = live.run();
+    origin_ = live.origin();
     batch.add(live.begin());
   }
   batch.add(live.map(), map_);
@@ -75,7 +84,7 @@ void PageFeed::add_inactive_trees(const FleetView& view, Batch& batch) {
     const auto& tree = std::get<InactiveTreeMessage>(*trees[trees_++]);
     for (const InactiveTreeMessage::Node& node : tree.nodes) {
       if (node.parent < 0) continue;
-      add_edge(edges, tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position);
+      add_edge(edges, tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position, origin_);
       if (size_of(edges) >= most_edges_at_once) batch.add(std::exchange(edges, {}));
     }
   }
@@ -90,7 +99,7 @@ void PageFeed::add_active_trees(const FleetView& view, Batch& batch) {
   edges.set_anew(true);
   if (active_trees_) {
     for (const auto& edge : std::get<ActiveTreesMessage>(*active_trees_).edges)
-      add_edge(edges, edge.from, edge.to);
+      add_edge(edges, edge.from, edge.to, origin_);
   }
   batch.add(std::move(edges));
 }
@@ -117,7 +126,7 @@ void PageFeed::add_root_trees(std::size_t number, const SeenRobot& robot, Batch&
     const RootNodes::Node& node = robot.root_nodes[told.root_nodes];
     if (node.parent < 0) continue;
     const Point2& parent = robot.root_nodes[static_cast<std::size_t>(node.parent)].position;
-    add_edge(node.side == Side::start ? start : goal, parent, node.position);
+    add_edge(node.side == Side::start ? start : goal, parent, node.position, origin_);
   }
   batch.add(std::move(start));
   batch.add(std::move(goal));
@@ -129,10 +138,7 @@ void PageFeed::add_path(std::size_t number, const SeenRobot& robot, Batch& batch
   live::ToPage message;
   live::Path& path = *message.mutable_path();
   path.set_robot(static_cast<std::uint32_t>(number));
-  for (const Point2& point : robot.path) {
-    path.add_points(static_cast<float>(point.x()));
-    path.add_points(static_cast<float>(point.y()));
-  }
+  for (const Point2& point : robot.path) add_point(path, point, origin_);
   batch.add(message);
 }
 

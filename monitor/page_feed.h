@@ -41,6 +41,7 @@ class PageFeed {
   void add_figures(const LiveStream& live, Batch& batch);
 
   std::optional<std::uint32_t> run_{};
+  Point2 origin_ = Point2::Zero();
   std::uint64_t beat_ = 0;
   bool behind_ = false;  ///< there was more than one batch holds
   std::uint64_t map_ = 0;

@@ -50,15 +50,21 @@ bool is_same_origin(std::string_view origin, std::string_view host) {
   return false;
 }
 
-std::optional<Channel> channel_of(std::string_view path, std::string_view subprotocols) {
+std::optional<std::string_view> foxglove_subprotocol(std::string_view subprotocols) {
   while (!subprotocols.empty()) {
     const std::size_t comma = std::min(subprotocols.find(','), subprotocols.size());
     std::string_view one = subprotocols.substr(0, comma);
     while (one.starts_with(' ')) one.remove_prefix(1);
     while (one.ends_with(' ')) one.remove_suffix(1);
-    if (one == foxglove_subprotocol) return Channel::foxglove;
+    const auto spoken = std::ranges::find(foxglove_subprotocols, one);
+    if (spoken != foxglove_subprotocols.end()) return *spoken;
     subprotocols.remove_prefix(std::min(comma + 1, subprotocols.size()));
   }
+  return std::nullopt;
+}
+
+std::optional<Channel> channel_of(std::string_view path, std::string_view subprotocols) {
+  if (foxglove_subprotocol(subprotocols)) return Channel::foxglove;
   if (path == "/live") return Channel::page;
   return std::nullopt;
 }

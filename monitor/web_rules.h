@@ -25,7 +25,10 @@ bool is_same_origin(std::string_view origin, std::string_view host);
 /// The two that talk over WebSockets.
 enum class Channel : unsigned char { page, foxglove };
 
-/// Foxglove asks for its subprotocol, wherever; the page for its path. `subprotocols` is the header's text.
+/// The first of those that a client offers that Foxglove speaks. `subprotocols` is the header's text.
+std::optional<std::string_view> foxglove_subprotocol(std::string_view subprotocols);
+
+/// Foxglove asks for its subprotocol, wherever; the page for its path.
 std::optional<Channel> channel_of(std::string_view path, std::string_view subprotocols);
 
 /// Whether it may connect. Programs send no origin (it is empty); pages do. `others`: origins for which

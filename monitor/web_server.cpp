@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "files/input_error.h"
-#include "monitor/foxglove.h"
 
 namespace coppice {
 
@@ -77,10 +76,10 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     socket_.set_option(
         websocket::stream_base::timeout{seconds(limits.request_seconds), seconds(limits.idle_seconds), true});
     socket_.read_message_max(limits.frame);
-    socket_.set_option(
-        websocket::stream_base::decorator([channel = channel_](websocket::response_type& answer) {
-          if (channel == Channel::foxglove)
-            answer.set(http::field::sec_websocket_protocol, std::string(foxglove_subprotocol));
+    socket_.set_option(websocket::stream_base::decorator(
+        [spoken = foxglove_subprotocol(view_of(request[http::field::sec_websocket_protocol]))](
+            websocket::response_type& answer) {
+          if (spoken) answer.set(http::field::sec_websocket_protocol, std::string(*spoken));
         }));
     socket_.async_accept(request, [self = shared_from_this()](error_code error) {
       if (error) return;
@@ -273,11 +272,18 @@ struct WebServer::Implementation {
   asio::io_context context{1};
   asio::ip::tcp::acceptor acceptor{context};
 
-  void listen(const asio::ip::tcp::endpoint& endpoint) {
+  void listen(asio::ip::tcp::endpoint endpoint, bool else_any_port) {
     try {
       acceptor.open(endpoint.protocol());
       acceptor.set_option(asio::socket_base::reuse_address(true));
-      acceptor.bind(endpoint);
+      error_code problem;
+      acceptor.bind(endpoint, problem);
+      if (problem == asio::error::address_in_use && else_any_port) {
+        endpoint.port(0);
+        acceptor.bind(endpoint);
+      } else if (problem) {
+        throw boost::system::system_error(problem);
+      }
       acceptor.listen();
     } catch (const boost::system::system_error& problem) {
       throw InputError(fmt::format("{}:{}: cannot listen there: {}", endpoint.address().to_string(),
@@ -302,7 +308,7 @@ WebServer::WebServer(const WebSettings& settings, WebHandlers handlers)
     : implementation_(new Implementation{.shared = {.limits = settings.limits,
                                                     .origins = settings.origins,
                                                     .handlers = std::move(handlers)}}) {
-  implementation_->listen(endpoint_of(settings));
+  implementation_->listen(endpoint_of(settings), settings.else_any_port);
   implementation_->accept();
 }
 

@@ -31,6 +31,7 @@ struct WebLimits {
 struct WebSettings {
   std::string address = "127.0.0.1";   ///< IP address of this machine to listen at
   std::uint16_t port = 8090;           ///< 0: any that is free
+  bool else_any_port = false;          ///< if that one is taken
   std::vector<std::string> origins{};  ///< of pages elsewhere that may connect as Foxglove
   WebLimits limits{};
 };

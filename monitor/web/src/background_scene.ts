@@ -111,14 +111,15 @@ export class BackgroundScene {
 
   /// Starts are small rings, goals are rings as large as the robot, with a cross-hair.
   private drawEnds(context: Context, view: View, palette: Palette, selected: number): void {
+    const {origin_x, origin_y} = this.map!;
     context.lineWidth = 1.25;
     for (const [index, robot] of this.robots.entries()) {
       if (robot.mission === 0) continue;
       context.globalAlpha = Math.min(1, weight(index, selected));
       context.strokeStyle = palette.robots[index % palette.robots.length];
       const size = Math.max(3, robot.radius * view.scale);
-      const [sx, sy] = [toPageX(view, robot.start_x), toPageY(view, robot.start_y)];
-      const [gx, gy] = [toPageX(view, robot.goal_x), toPageY(view, robot.goal_y)];
+      const [sx, sy] = [toPageX(view, robot.start_x - origin_x), toPageY(view, robot.start_y - origin_y)];
+      const [gx, gy] = [toPageX(view, robot.goal_x - origin_x), toPageY(view, robot.goal_y - origin_y)];
       context.beginPath();
       context.rect(sx - size / 2.5, sy - size / 2.5, size / 1.25, size / 1.25);
       context.moveTo(gx + size, gy);

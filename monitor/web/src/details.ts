@@ -1,4 +1,5 @@
 // All that is known of one robot, as a list of terms and values that are written only when they change.
+import {alarmsOf} from './alarms.ts';
 import {byId, element, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
 import {fixed, metres, milliseconds, percent} from './format.ts';
@@ -7,53 +8,62 @@ import {phaseOf} from './table.ts';
 
 interface Line {
   term: string;
+  hint: string;
   value: (fleet: Fleet, robot: number) => string;
 }
 
 const place = (x: number | undefined, y: number | undefined) => `${fixed(x, 2)}, ${fixed(y, 2)}`;
+const exactPlace = (at: {x: number; y: number} | undefined) => `${fixed(at?.x, 3)}, ${fixed(at?.y, 3)}`;
+const waitOf = ({frame, roster}: Fleet, k: number) => {
+  const leader = roster[frame?.waits_for[k] ?? -1]?.name;
+  const seconds = frame?.waiting[k] ?? 0;
+  if (!leader) return seconds > 0 ? `a joint plan, ${fixed(seconds, 1, 's')}` : 'nobody';
+  return `${leader}, ${fixed(seconds, 1, 's')}`;
+};
 const positive = (value: number | undefined) => (value !== undefined && value > 0 ? value : undefined);
 
 const groups: {title: string; lines: Line[]}[] = [
   {title: 'Motion', lines: [
-    {term: 'Position', value: ({frame}, k) => place(frame?.x[k], frame?.y[k])},
-    {term: 'Velocity', value: ({frame}, k) => place(frame?.vx[k], frame?.vy[k])},
-    {term: 'Speed', value: ({frame, roster}, k) => `${fixed(frame && Math.hypot(frame.vx[k], frame.vy[k]), 1)} of ${fixed(roster[k].max_speed, 1, 'm/s')}`},
-    {term: 'Stage', value: ({frame}, k) => stageNames[(frame?.stage?.[k] ?? 0) as Stage] ?? '–'},
-    {term: 'Waits for', value: ({frame, roster}, k) => roster[frame?.waits_for[k] ?? -1]?.name ?? 'nobody'},
-    {term: 'Heard', value: ({frame}, k) => `${milliseconds(frame?.age[k])} ago`},
+    {term: 'Position', hint: 'where it is, metres in the map frame', value: (fleet, k) => exactPlace(fleet.placeOf(k))},
+    {term: 'No nearer', hint: 'since it last came nearer to the end of its way', value: ({frame}, k) => `for ${fixed(frame?.idle[k], 1, 's')}`},
+    {term: 'Velocity', hint: 'in x and y, m/s', value: ({frame}, k) => place(frame?.vx[k], frame?.vy[k])},
+    {term: 'Speed', hint: 'now, and at most', value: ({frame, roster}, k) => `${fixed(frame && Math.hypot(frame.vx[k], frame.vy[k]), 1)} of ${fixed(roster[k].max_speed, 1, 'm/s')}`},
+    {term: 'Stage', hint: 'whether it drives by itself or as a joint plan of several robots says', value: ({frame}, k) => stageNames[(frame?.stage?.[k] ?? 0) as Stage] ?? '–'},
+    {term: 'Waits for', hint: 'the robot that it lets go first, and for how long it has', value: waitOf},
+    {term: 'Heard', hint: 'how old the newest state is that the monitor has of it', value: ({frame}, k) => `${milliseconds(frame?.age[k])} ago`},
   ]},
   {title: 'Planning', lines: [
-    {term: 'Plan time', value: ({statuses}, k) => fixed(positive(statuses[k]?.plan_seconds), 3, 's')},
-    {term: 'Nodes valid', value: ({statuses}, k) => fixed(statuses[k]?.nodes_valid, 0)},
-    {term: 'Nodes invalid', value: ({statuses}, k) => fixed(statuses[k]?.nodes_invalid, 0)},
-    {term: 'Trees received', value: ({statuses}, k) => fixed(statuses[k]?.trees_received, 0)},
-    {term: 'Trees grafted', value: ({statuses}, k) => fixed(statuses[k]?.trees_grafted, 0)},
+    {term: 'Plan time', hint: 'from its mission to its first path, by the wall’s clock', value: ({statuses}, k) => fixed(positive(statuses[k]?.plan_seconds), 3, 's')},
+    {term: 'Nodes valid', hint: 'samples that joined one of its trees', value: ({statuses}, k) => fixed(statuses[k]?.nodes_valid, 0)},
+    {term: 'Nodes invalid', hint: 'samples that hit an obstacle', value: ({statuses}, k) => fixed(statuses[k]?.nodes_invalid, 0)},
+    {term: 'Trees received', hint: 'shared trees that it has been told of', value: ({statuses}, k) => fixed(statuses[k]?.trees_received, 0)},
+    {term: 'Trees grafted', hint: 'shared trees that it uses', value: ({statuses}, k) => fixed(statuses[k]?.trees_grafted, 0)},
   ]},
   {title: 'Body', lines: [
-    {term: 'Radius', value: ({roster}, k) => metres(roster[k].radius)},
-    {term: 'Acceleration', value: ({roster}, k) => `up to ${fixed(roster[k].max_acceleration, 1, 'm/s²')}`},
+    {term: 'Radius', hint: 'of its disc', value: ({roster}, k) => metres(roster[k].radius)},
+    {term: 'Acceleration', hint: 'how hard it brakes and speeds up at most', value: ({roster}, k) => `up to ${fixed(roster[k].max_acceleration, 1, 'm/s²')}`},
   ]},
   {title: 'Mission', lines: [
-    {term: 'Number', value: ({roster}, k) => (roster[k].mission > 0 ? String(roster[k].mission) : 'none yet')},
-    {term: 'Start', value: ({roster}, k) => place(roster[k].start_x, roster[k].start_y)},
-    {term: 'Goal', value: ({roster}, k) => place(roster[k].goal_x, roster[k].goal_y)},
-    {term: 'Tolerance', value: ({roster}, k) => metres(roster[k].goal_tolerance)},
-    {term: 'Path', value: ({statuses}, k) => metres(positive(statuses[k]?.path_length))},
-    {term: 'Driven', value: ({statuses}, k) => metres(statuses[k]?.driven_length)},
-    {term: 'To go', value: (fleet, k) => metres(fleet.toGo(k))},
-    {term: 'Arrived at', value: ({statuses}, k) => fixed(positive(statuses[k]?.arrival_time), 2, 's')},
-    {term: 'Fulfilled', value: ({statuses}, k) => fixed(statuses[k]?.missions_fulfilled, 0)},
+    {term: 'Number', hint: 'of its mission in this run', value: ({roster}, k) => (roster[k].mission > 0 ? String(roster[k].mission) : 'none yet')},
+    {term: 'Start', hint: 'of its mission, metres in the map frame', value: ({roster}, k) => place(roster[k].start_x, roster[k].start_y)},
+    {term: 'Goal', hint: 'of its mission, metres in the map frame', value: ({roster}, k) => place(roster[k].goal_x, roster[k].goal_y)},
+    {term: 'Tolerance', hint: 'how near to its goal it has arrived', value: ({roster}, k) => metres(roster[k].goal_tolerance)},
+    {term: 'Path', hint: 'length of the path that it follows', value: ({statuses}, k) => metres(positive(statuses[k]?.path_length))},
+    {term: 'Driven', hint: 'in this mission', value: ({statuses}, k) => metres(statuses[k]?.driven_length)},
+    {term: 'To go', hint: 'from where it is to its path, and along that to its end', value: (fleet, k) => metres(fleet.toGo(k))},
+    {term: 'Arrived at', hint: 'fleet time', value: ({statuses}, k) => fixed(positive(statuses[k]?.arrival_time), 2, 's')},
+    {term: 'Fulfilled', hint: 'missions in this run', value: ({statuses}, k) => fixed(statuses[k]?.missions_fulfilled, 0)},
   ]},
   {title: 'Process', lines: [
-    {term: 'Of one core', value: ({statuses}, k) => {
+    {term: 'Of one core', hint: 'processor time of its agent, of late', value: ({statuses}, k) => {
       const share = statuses[k]?.processor_share;
       return share !== undefined && share >= 0 ? percent(share, 1) : 'not known';
     }},
-    {term: 'Periods missed', value: ({statuses}, k) => `${fixed(statuses[k]?.periods_missed, 0)} of ${fixed(statuses[k]?.periods, 0)}`},
-    {term: 'Age median', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p50)},
-    {term: 'Age p99', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p99)},
-    {term: 'Age most', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_max)},
-    {term: 'Rejected', value: ({statuses}, k) => `${fixed(statuses[k]?.rejected, 0)} messages`},
+    {term: 'Periods missed', hint: 'control periods, 20 a second, that were over before its agent came to decide: processor time was lacking', value: ({statuses}, k) => `${fixed(statuses[k]?.periods_missed, 0)} of ${fixed(statuses[k]?.periods, 0)}`},
+    {term: 'Age median', hint: 'age of the states that it decides by, of robots that matter to it then: half are newer', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p50)},
+    {term: 'Age p99', hint: 'the same: 99 of 100 are newer', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p99)},
+    {term: 'Age most', hint: 'the same: the oldest', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_max)},
+    {term: 'Rejected', hint: 'messages that its agent dropped as invalid', value: ({statuses}, k) => `${fixed(statuses[k]?.rejected, 0)} messages`},
   ]},
 ];
 
@@ -61,7 +71,8 @@ export class Details {
   private readonly panel = byId('details');
   private readonly name = byId('details-name');
   private readonly phase = byId('details-phase');
-  private readonly reason = byId('details-reason');
+  private readonly alarms = byId('details-alarms');
+  private alarmsShown = '';
   private readonly values: {node: HTMLElement; line: Line}[] = [];
 
   constructor(private readonly fleet: Fleet) {
@@ -72,7 +83,8 @@ export class Details {
       for (const line of lines) {
         const node = element('dd');
         this.values.push({node, line});
-        list.append(element('dt', {}, line.term), node);
+        node.title = line.hint;
+        list.append(element('dt', {title: line.hint}, line.term), node);
       }
       columns.append(element('section', {}, element('h3', {}, title), list));
     }
@@ -88,7 +100,16 @@ export class Details {
     setText(this.phase, phaseNames[phase]);
     const tag = `phase-tag phase-${phase}`;
     if (this.phase.className !== tag) this.phase.className = tag;
-    setText(this.reason, this.fleet.statuses[robot]?.reason ?? '');
+    this.showAlarms(alarmsOf(this.fleet, robot));
     for (const {node, line} of this.values) setText(node, line.value(this.fleet, robot));
   }
+  private showAlarms(alarms: string[]): void {
+    const text = alarms.join('\n');
+    if (text === this.alarmsShown) return;
+    this.alarmsShown = text;
+    this.alarms.replaceChildren(...alarms.map((alarm) => element('li', {}, alarm)));
+  }
 }
+
+/// What each figure of a robot means, for the help.
+export const figuresExplained: readonly {term: string; hint: string}[] = groups.flatMap(({lines}) => lines);

@@ -1,6 +1,6 @@
 // All that the page knows of a fleet, and how a message changes it. Counters tell views what has changed.
 import {
-  type Begin, EdgesKind, type FiguresPoint, type Frame, type Map as GridMap, type Path, type Playback, type RosterRobot,
+  type Begin, EdgesKind, type FiguresPoint, type Frame, type Life, type Map as GridMap, type Path, type Playback, type RosterRobot,
   type StatusesStatus, type ToPage,
 } from './live.js';
 
@@ -38,10 +38,21 @@ export class Fleet {
     return this.indices.get(name);
   }
 
-  /// Metres that are left of a robot's path; none without a path.
+  /// Metres that are left of a robot's way; none without a path.
   toGo(robot: number): number | undefined {
-    const status = this.statuses[robot];
-    return status && status.path_length > 0 ? Math.max(0, status.path_length - status.driven_length) : undefined;
+    const metres = this.frame?.to_go[robot];
+    return Number.isFinite(metres) ? metres : undefined;
+  }
+
+  /// Where a robot is in the map frame: frames count from the map's origin.
+  placeOf(robot: number): {x: number; y: number} | undefined {
+    const {frame, map} = this;
+    if (!frame || !Number.isFinite(frame.x[robot])) return undefined;
+    return {x: (map?.origin_x ?? 0) + frame.x[robot], y: (map?.origin_y ?? 0) + frame.y[robot]};
+  }
+
+  get life(): Life | undefined {
+    return this.frame?.life;
   }
 
   private forget(begin: Begin): void {

@@ -29,3 +29,19 @@ export function clock(seconds: number): string {
   const two = (n: number) => String(n).padStart(2, '0');
   return h > 0 ? `${h}:${two(m)}:${two(s)}` : `${m}:${two(s)}`;
 }
+
+/// In five characters at most, so that it fits a cell: 12.34, 1255, 125k.
+export function compact(value: number | undefined, digits: number): string {
+  if (value === undefined || !Number.isFinite(value)) return dash;
+  for (let shown = digits; shown >= 0; --shown) {
+    const text = value.toFixed(shown);
+    if (text.length <= 5) return text;
+  }
+  const [divisor, unit] = Math.abs(value) < 1e6 ? [1e3, 'k'] : Math.abs(value) < 1e9 ? [1e6, 'M'] : [1e9, 'G'];
+  return `${(value / divisor).toFixed(0)}${unit}`;
+}
+
+/// The time of the day, as the page's reader has it: 14:03:27.
+export function timeOfDay(wallSeconds: number): string {
+  return new Date(1000 * wallSeconds).toLocaleTimeString([], {hour12: false});
+}

@@ -3,8 +3,8 @@ import './style.css';
 
 import {Charts} from './charts.ts';
 import {Connection, type ConnectionState} from './connection.ts';
-import {Details} from './details.ts';
-import {byId} from './dom.ts';
+import {Details, figuresExplained} from './details.ts';
+import {byId, element} from './dom.ts';
 import {Fleet, sceneChanges} from './fleet.ts';
 import {listen} from './gestures.ts';
 import {type Key, listenToKeys} from './keyboard.ts';
@@ -17,6 +17,7 @@ import {StatusLine} from './status_line.ts';
 import {RobotTable} from './table.ts';
 import {PhaseCounts} from './phase_counts.ts';
 import {exposeToTests} from './test_window.ts';
+import {showWhatIsBeyond} from './strip.ts';
 import {startTheme, toggleTheme} from './theme.ts';
 import {TimeControl} from './time_control.ts';
 
@@ -25,6 +26,7 @@ const linePause = 200;
 const chartPause = 166;   // six charts in turn, each once a second
 const panStep = 60;       // pixels
 const zoomStep = 1.25;
+const small = matchMedia('(max-width: 760px)');  // as in style.css
 
 const fleet = new Fleet();
 const playhead = new Playhead();
@@ -37,7 +39,7 @@ const time = new TimeControl(fleet, (message) => connection.send(encode(message)
 const statusLine = new StatusLine(fleet);
 const details = new Details(fleet);
 const table = new RobotTable(byId('table'), fleet, () => map.selected, (robot) => {
-  select(robot);
+  pick(robot);
   map.centre(robot);
 });
 const phaseCounts = new PhaseCounts(byId('phases'), fleet);
@@ -93,6 +95,7 @@ function pick(robot: number): void {
   reselect = undefined;
   select(robot);
   if (robot >= 0) table.reveal(robot);
+  if (small.matches) showTab(robot >= 0 ? 'details' : 'robots');
 }
 
 function follow(on: boolean): void {
@@ -202,6 +205,11 @@ function listenToButtons(): void {
     tab.addEventListener('click', () => showTab(tab.dataset.tab!));
 }
 
+function explainFigures(): void {
+  const list = byId('help-figures');
+  for (const {term, hint} of figuresExplained) list.append(element('dt', {}, term), element('dd', {}, hint));
+}
+
 /// On small pages one panel shows at a time.
 function showTab(name: string): void {
   document.body.dataset.tab = name;
@@ -213,6 +221,8 @@ function showTab(name: string): void {
 listen(map, pick);
 listenToKeys(keys);
 listenToButtons();
+explainFigures();
+showWhatIsBeyond(byId('chips'), byId('chips-left'), byId('chips-right'));
 showTab('robots');
 exposeToTests(fleet, map, time);
 setInterval(updatePanels, panelsPause);

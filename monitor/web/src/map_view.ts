@@ -5,7 +5,7 @@ import {type Layers, allLayers} from './layers.ts';
 import {type Palette, readPalette} from './palette.ts';
 import type {Playhead, Shown} from './playhead.ts';
 import {RobotsLayer} from './robots_layer.ts';
-import {type View, fitted, panned, within, zoomed} from './view.ts';
+import {type View, filled, fitted, panned, within, zoomed} from './view.ts';
 
 export class MapView {
   layers: Layers = {...allLayers};
@@ -92,13 +92,14 @@ export class MapView {
     this.stale = true;
   }
 
-  /// Brings a robot to the middle, near enough that one sees it.
+  /// Brings a robot near the middle, large enough that one sees it; beside the map there is nothing to see.
   centre(robot: number): void {
     const frame = this.shown?.after;
     const {map, roster} = this.fleet;
     if (!frame || !map || !(robot in roster) || !Number.isFinite(frame.x[robot])) return;
     const legible = 8 / Math.max(roster[robot].radius, 1e-6);  // pixels a metre
-    this.move((view) => ({...view, x: frame.x[robot], y: frame.y[robot], scale: Math.max(view.scale, legible)}));
+    const at = {x: frame.x[robot], y: frame.y[robot]};
+    this.move((view) => filled(within({...view, ...at, scale: Math.max(view.scale, legible)}, map), map));
   }
 
   private move(change: (view: View) => View): void {
@@ -160,7 +161,7 @@ export class MapView {
     const {before, after, share} = this.shown;
     const [x0, y0] = [before.x[robot] ?? after.x[robot], before.y[robot] ?? after.y[robot]];
     const [x, y] = [x0 + (after.x[robot] - x0) * share, y0 + (after.y[robot] - y0) * share];
-    if (Number.isFinite(x) && Number.isFinite(y)) this.view = within({...this.view, x, y}, this.fleet.map);
+    if (Number.isFinite(x) && Number.isFinite(y)) this.view = filled({...this.view, x, y}, this.fleet.map);
   }
 
   private draw(): void {

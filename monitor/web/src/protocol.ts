@@ -33,6 +33,8 @@ function checkFrame({frame}: ToPage): void {
   const lists = [frame.y, frame.vx, frame.vy, frame.waits_for, frame.turn, frame.next_vx, frame.next_vy, frame.expiry, frame.age];
   for (const list of [...lists, frame.phase ?? [], frame.stage ?? []])
     require(list.length === robots, `a frame with lists of ${robots} and ${list.length} robots`);
+  for (const list of [frame.to_go, frame.waiting, frame.idle])  // for the table alone
+    require(list.length === robots || list.length === 0, `a frame with lists of ${robots} and ${list.length} robots`);
 }
 
 function checkRobots({roster, statuses, edges, path}: ToPage): void {

@@ -2,7 +2,8 @@
 import type {ConnectionState} from './connection.ts';
 import {byId, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
-import {clock, metres} from './format.ts';
+import {clock, metres, timeOfDay} from './format.ts';
+import {LifeState} from './live.js';
 
 const separationOf = ({figures}: Fleet) => {
   const last = figures.at(-1);
@@ -30,31 +31,55 @@ export class StatusLine {
     this.showNotice(state);
     setText(this.source, fleet.begin?.source ?? '');
     setText(this.time, shownTime === undefined ? '–' : `${clock(shownTime)}.${Math.floor((Math.abs(shownTime) % 1) * 10)}`);
-    const last = fleet.figures.at(-1);
     setText(this.robots, fleet.roster.length > 0 ? String(fleet.roster.length) : '–');
-    setText(this.arrived, last ? `${last.arrived} / ${last.robots}` : '–');
+    setText(this.arrived, fleet.life ? `${fleet.life.arrived} / ${fleet.life.robots}` : '–');
     setText(this.separation, metres(separationOf(fleet)));
   }
 
   private showConnection(state: ConnectionState, frozen: boolean): void {
-    const kind = state.kind !== 'open' ? state.kind : this.fleet.begin?.recorded ? 'recording' : frozen ? 'held' : 'live';
-    const words = state.kind === 'lost' ? `lost: again in ${secondsUntil(state.retryAt)} s` : kind;
-    setText(this.pill, words);
+    const kind = this.kindOf(state, frozen);
+    setText(this.pill, this.words(kind, state));
     if (kind === this.kind) return;
     this.kind = kind;
     this.pill.className = `pill ${kind}`;
     document.body.classList.toggle('lost', kind === 'lost');
-    setText(this.announced, state.kind === 'lost' ? `Connection lost: ${state.why}` : kind);
+    setText(this.announced, kind === 'lost' && state.kind === 'lost' ? `Connection lost: ${state.why}` : this.words(kind, state));
+  }
+
+  /// What the badge tells. Live is a fleet that is heard now.
+  private kindOf(state: ConnectionState, frozen: boolean): string {
+    const {begin, life} = this.fleet;
+    const ended = life?.state === LifeState.ENDED && !begin?.recorded;
+    if (state.kind !== 'open') return ended ? 'ended' : state.kind;
+    if (begin?.recorded) return 'recording';
+    if (frozen) return 'held';
+    if (ended) return 'ended';
+    if (life?.state === LifeState.SILENT) return 'silent';
+    if (life?.state !== LifeState.ALIVE) return 'waiting';
+    return life.replayed ? 'replay' : 'live';
+  }
+
+  private words(kind: string, state: ConnectionState): string {
+    switch (kind) {
+      case 'lost': return state.kind === 'lost' ? `lost: again in ${secondsUntil(state.retryAt)} s` : kind;
+      case 'ended': return 'run ended';
+      case 'silent': return `fleet silent since ${timeOfDay(this.fleet.life!.heard)}`;
+      case 'waiting': return 'waiting for a fleet';
+      default: return kind;
+    }
   }
 
   private showNotice(state: ConnectionState): void {
     const {fleet} = this;
+    const ended = fleet.life?.state === LifeState.ENDED;
     const [title, text] =
-      state.kind === 'lost' ? ['Connection lost', `${state.why}; trying again in ${secondsUntil(state.retryAt)} s`]
+      ended ? [`run ended: ${fleet.life!.arrived} of ${fleet.life!.robots} arrived`, state.kind === 'open' ? '' : 'the monitor has gone with it']
+      : state.kind === 'lost' ? ['Connection lost', `${state.why}; trying again in ${secondsUntil(state.retryAt)} s`]
       : state.kind === 'connecting' && !fleet.map ? ['Connecting', 'to the monitor']
       : !fleet.begin ? ['Connected', 'the monitor has not said anything yet']
       : !fleet.map ? ['No fleet yet', `nobody has published a map on ${fleet.begin.source || 'this bus'}`]
       : fleet.roster.length === 0 ? ['A map, and no robots yet', 'robots show as soon as their missions or states are heard']
+      : fleet.life?.state === LifeState.SILENT && !fleet.begin.recorded ? ['No robot is heard any more', `the last one was at ${timeOfDay(fleet.life.heard)}`]
       : ['', ''];
     this.notice.hidden = title === '';
     this.notice.classList.toggle('over-map', fleet.map !== undefined);

@@ -1,7 +1,8 @@
 // The table of robots. Only the rows in sight exist, and only cells that have changed are written.
+import {missedShare, whyMissed, whyOld} from './alarms.ts';
 import {element, setText, sign} from './dom.ts';
 import type {Fleet} from './fleet.ts';
-import {fixed, percent} from './format.ts';
+import {compact} from './format.ts';
 import type {Phase} from './live.js';
 import {asPhase, phaseNames, phaseOrder} from './phases.ts';
 
@@ -13,15 +14,12 @@ interface Column {
   hint: string;
   text: (fleet: Fleet, robot: number) => string;
   key: (fleet: Fleet, robot: number) => number;
+  alarm?: (fleet: Fleet, robot: number) => string;  // what is wrong with it; empty: nothing
 }
 
 const speed = ({frame}: Fleet, k: number) => (frame ? Math.hypot(frame.vx[k], frame.vy[k]) : NaN);
-const missed = ({statuses}: Fleet, k: number) => {
-  const status = statuses[k];
-  return status && status.periods > 0 ? status.periods_missed / status.periods : undefined;
-};
 const age = ({statuses}: Fleet, k: number) => statuses[k]?.state_age_p99;
-const inMilliseconds = (seconds: number | undefined) => (seconds === undefined ? undefined : 1000 * seconds);
+const times = (factor: number, value: number | undefined) => (value === undefined ? undefined : factor * value);
 const share = ({statuses}: Fleet, k: number) => {
   const of = statuses[k]?.processor_share;
   return of !== undefined && of >= 0 ? of : undefined;
@@ -35,11 +33,17 @@ export function phaseOf(fleet: Fleet, robot: number): Phase {
 const columns: Column[] = [
   {title: 'Robot', hint: 'name', text: ({roster}, k) => roster[k].name, key: ({rank}, k) => rank[k]},
   {title: 'Phase', hint: 'what it is at', text: (f, k) => phaseNames[phaseOf(f, k)], key: (f, k) => phaseOrder[phaseOf(f, k)]},
-  {title: 'm/s', hint: 'speed, m/s', text: (f, k) => fixed(speed(f, k), 1), key: speed},
-  {title: 'To go', hint: 'what is left of its path, m', text: (f, k) => fixed(f.toGo(k), 1), key: (f, k) => f.toGo(k) ?? NaN},
-  {title: 'Age ms', hint: 'of the states of others that it decided by, 99th percentile, ms', text: (f, k) => fixed(inMilliseconds(age(f, k)), 0), key: (f, k) => age(f, k) ?? NaN},
-  {title: 'Missed', hint: 'control periods that it was late for, %', text: (f, k) => percent(missed(f, k), 1), key: (f, k) => missed(f, k) ?? NaN},
-  {title: 'CPU', hint: 'of one core, of late', text: (f, k) => percent(share(f, k)), key: (f, k) => share(f, k) ?? NaN},
+  {title: 'm/s', hint: 'speed, m/s', text: (f, k) => compact(speed(f, k), 1), key: speed},
+  {title: 'To go', hint: 'what is left of its way, m', text: (f, k) => compact(f.toGo(k), 1), key: (f, k) => f.toGo(k) ?? NaN},
+  {
+    title: 'Age ms', hint: 'of the states of others that it decides by, 99th percentile, ms', alarm: whyOld,
+    text: (f, k) => compact(times(1000, age(f, k)), 0), key: (f, k) => age(f, k) ?? NaN,
+  },
+  {
+    title: 'Late %', hint: 'control periods that it missed for lack of processor time, %', alarm: whyMissed,
+    text: (f, k) => compact(times(100, missedShare(f, k)), 1), key: (f, k) => missedShare(f, k) ?? NaN,
+  },
+  {title: 'CPU %', hint: 'of one core, of late, %', text: (f, k) => compact(times(100, share(f, k)), 0), key: (f, k) => share(f, k) ?? NaN},
 ];
 
 /// Unknown ones last, whichever way it goes.
@@ -168,7 +172,10 @@ export class RobotTable {
       row.sign.setAttribute('class', `sign phase-${phase}`);
       row.sign.firstElementChild!.setAttribute('href', `#phase-${phase}`);
     }
-    columns.forEach((column, k) => setText(row.texts[k], column.text(this.fleet, robot)));
+    columns.forEach((column, k) => {
+      setText(row.texts[k], column.text(this.fleet, robot));
+      if (column.alarm) setAlarm(row.texts[k].parentElement!, column.alarm(this.fleet, robot));
+    });
     const selected = robot === this.selected();
     if (row.element.classList.contains('selected') !== selected) row.element.classList.toggle('selected', selected);
     const index = String(place + 2);
@@ -188,6 +195,12 @@ export class RobotTable {
     this.onPick(robot);
     this.reveal(robot);
   }
+}
+
+function setAlarm(cell: HTMLElement, why: string): void {
+  if (cell.title === why) return;
+  cell.title = why;
+  cell.classList.toggle('alarm', why !== '');
 }
 
 function setHeight(spacer: HTMLTableRowElement, rows: number): void {

@@ -1,5 +1,5 @@
-// Which part of the map is seen: between metres in the map frame and pixels of the page (CSS pixels, from the canvas's
-// upper left corner).
+// Which part of the map is seen: between metres from the map's origin, as frames, paths and edges have them, and pixels
+// of the page (CSS pixels, from the canvas's upper left corner).
 import type {Map as GridMap} from './live.js';
 
 export interface View {
@@ -21,12 +21,7 @@ export interface Bounds {
 const closest = 12;  // how much of the map fills the page at least: cells
 
 export function bounds(map: GridMap): Bounds {
-  return {
-    left: map.origin_x,
-    right: map.origin_x + map.width * map.resolution,
-    low: map.origin_y,
-    high: map.origin_y + map.height * map.resolution,
-  };
+  return {left: 0, right: map.width * map.resolution, low: 0, high: map.height * map.resolution};
 }
 
 export function toPageX(view: View, x: number): number {
@@ -57,6 +52,18 @@ export function zoomed(view: View, factor: number, pageX: number, pageY: number)
   const scaled = {...view, scale: view.scale * factor};
   const there = toMap(scaled, pageX, pageY);
   return {...scaled, x: view.x + place.x - there.x, y: view.y + place.y - there.y};
+}
+
+/// Moved so that as much of the map is in sight as can be, and no more beside it than need be.
+export function filled(view: View, map: GridMap): View {
+  const b = bounds(map);
+  const inside = (middle: number, low: number, high: number, seen: number) =>
+    high - low <= seen ? (low + high) / 2 : Math.max(low + seen / 2, Math.min(high - seen / 2, middle));
+  return {
+    ...view,
+    x: inside(view.x, b.left, b.right, view.width / view.scale),
+    y: inside(view.y, b.low, b.high, view.height / view.scale),
+  };
 }
 
 /// Not further out than half of what fits, nor further in than a few cells; and some of the map stays in sight.

@@ -4,16 +4,18 @@ import {describe, expect, it} from 'vitest';
 
 import {Fleet, type Robot, figuresKept} from '../src/fleet.ts';
 import {EdgesKind, type FiguresPoint, type Frame, type FromPage, type ToPage, readFromPage, writeToPage} from '../src/live.js';
+import {alarmsOf} from '../src/alarms.ts';
+import {compact} from '../src/format.ts';
 import {Playhead} from '../src/playhead.ts';
 import {ProtocolError, decode, encode} from '../src/protocol.ts';
 import {nearPairs} from '../src/relations.ts';
-import {type View, fitted, toMap, toPageX, toPageY, zoomed} from '../src/view.ts';
+import {type View, filled, fitted, toMap, toPageX, toPageY, zoomed} from '../src/view.ts';
 
 function frame(time: number, x: number[], y = x.map(() => 0), vx = x.map(() => 0)): Frame {
   const zeros = x.map(() => 0);
   return {
     time, x, y, vx, vy: zeros, phase: new Uint8Array(x.length), stage: new Uint8Array(x.length), waits_for: x.map(() => -1),
-    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros,
+    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, life: undefined,
   };
 }
 
@@ -48,6 +50,7 @@ describe('protocol', () => {
       {frame: {...frame(1, [1, 2]), y: [1]}},
       {frame: {...frame(1, [1, 2]), phase: new Uint8Array(1)}},
       {frame: frame(Infinity, [1])},
+      {frame: {...frame(1, [1, 2]), to_go: [1]}},
       {map: {...map, occupancy: new Uint8Array(1)}},
       {map: {...map, width: 1 << 20, height: 1 << 20}},
       {map: {...map, resolution: 0}},
@@ -148,7 +151,76 @@ describe('view', () => {
   });
 });
 
+describe('a view that is filled', () => {
+  const map = {id: 'm', width: 100, height: 50, resolution: 1, origin_x: 5e5, origin_y: 5.4e6, y_up: true, occupancy: undefined};
+  const view: View = {x: 0, y: 0, scale: 20, up: true, width: 800, height: 600};  // 40 x 30 m
+
+  it('shows nothing beside the map', () => {
+    expect(filled({...view, x: 3, y: 48}, map)).toMatchObject({x: 20, y: 35});
+    expect(filled({...view, x: 50, y: 25}, map)).toMatchObject({x: 50, y: 25});
+  });
+
+  it('has a smaller map in its middle', () => {
+    expect(filled({...view, scale: 4, x: 3, y: 48}, map)).toMatchObject({x: 50, y: 25});
+  });
+});
+
+describe('numbers in cells', () => {
+  it.each([[0, 1, '0.0'], [12.34, 1, '12.3'], [1255.04, 1, '1255'], [-99.96, 1, '-100'], [99999.4, 1, '99999'], [125499, 1, '125k'],
+    [2.5e6, 0, '3M'], [undefined, 1, '–'], [NaN, 0, '–']])('%s is shown whole', (value, digits, text) => {
+    expect(compact(value, digits)).toBe(text);
+    expect(text.length).toBeLessThanOrEqual(5);
+  });
+});
+
+describe('figures that alarm', () => {
+  const status = (values: object) => ({statuses: {statuses: [{robot: 0, reason: '', periods: 1000, periods_missed: 0, state_age_p99: 0, rejected: 0, processor_share: 0.1, ...values}]}}) as unknown as ToPage;
+  const about = (message: ToPage, at = frame(1, [0])) => {
+    const fleet = new Fleet();
+    fleet.on({roster: {robots: [robot('a'), robot('b')]}, frame: at} as ToPage);
+    fleet.on(message);
+    return alarmsOf(fleet, 0).join(' ');
+  };
+
+  it('say that processor time is lacking', () => {
+    expect(about(status({periods_missed: 50}))).toContain('for lack of processor time');
+    expect(about(status({periods_missed: 5}))).toBe('');
+  });
+
+  it('say what old states mean', () => {
+    expect(about(status({state_age_p99: 1.3}))).toContain('1.3');
+    expect(about(status({state_age_p99: 0.3}))).toBe('');
+  });
+
+  it('say for whom it waits, and that it is not heard', () => {
+    const waits = {...frame(30, [0]), waiting: [12], waits_for: [1], idle: [12], phase: new Uint8Array([2])};
+    expect(about(status({}), waits)).toMatch(/Has waited for 12.*b go first/);
+    expect(about(status({}), {...waits, waiting: [0], waits_for: [-1]})).toContain('no nearer');
+    expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([2])})).toContain('Nothing has been heard');
+    expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([3])})).toBe('');
+  });
+
+  it('give the reason that the robot gives', () => {
+    expect(about(status({reason: 'its goal is blocked'}))).toBe('Its goal is blocked.');
+  });
+});
+
 describe('fleet', () => {
+  it('knows places in the map frame to a millimetre, wherever that begins', () => {
+    const fleet = new Fleet();
+    fleet.on({map: {origin_x: 500000.25, origin_y: 5400000.5}} as ToPage);
+    fleet.on({frame: frame(1, [Math.fround(12.345)], [Math.fround(6.789)])} as ToPage);
+    expect(fleet.placeOf(0)?.x).toBeCloseTo(500012.595, 4);
+    expect(fleet.placeOf(0)?.y).toBeCloseTo(5400007.289, 4);
+  });
+
+  it('knows no way to go without a path', () => {
+    const fleet = new Fleet();
+    fleet.on({frame: {...frame(1, [1, 2]), to_go: [NaN, 229.5]}} as ToPage);
+    expect(fleet.toGo(0)).toBeUndefined();
+    expect(fleet.toGo(1)).toBe(229.5);
+  });
+
   it('keeps a bounded number of figures, the newest all', () => {
     const fleet = new Fleet();
     for (let time = 0; time < 3 * figuresKept; ++time) fleet.on({figures: {points: [{time} as FiguresPoint]}} as ToPage);

@@ -13,7 +13,7 @@ const web = new URL('../../../monitor/web/', import.meta.url);
 const need = createRequire(new URL('package.json', web));
 const {WebSocketServer} = need('ws');
 const {PbfReader, PbfWriter} = await import(new URL('node_modules/pbf/index.js', web));
-const {EdgesKind, Phase, readFromPage, writeToPage} = await import(new URL('src/live.js', web));
+const {EdgesKind, LifeState, Phase, readFromPage, writeToPage} = await import(new URL('src/live.js', web));
 
 const policy = "default-src 'self'; connect-src 'self'; img-src 'self' data:; style-src 'self'";
 const types = {'.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'};
@@ -31,7 +31,7 @@ function random(seed) {
   };
 }
 
-function makeMap() {
+function makeMap([origin_x, origin_y]) {
   const [width, height] = [rooms.across * rooms.cells, rooms.down * rooms.cells];
   const occupancy = new Uint8Array(Math.ceil((width * height) / 8));
   const block = (i, j) => { occupancy[(i + j * width) >> 3] |= 1 << ((i + j * width) & 7); };
@@ -43,7 +43,7 @@ function makeMap() {
       const level = j % rooms.cells < 2 && !middle(i);
       if (edge || upright || level) block(i, j);
     }
-  return {id: 'mock', width, height, resolution: 1, origin_x: 0, origin_y: 0, y_up: true, occupancy};
+  return {id: 'mock', width, height, resolution: 1, origin_x, origin_y, y_up: true, occupancy};
 }
 
 const centre = (room) => [(room % rooms.across + 0.5) * rooms.cells, (Math.floor(room / rooms.across) + 0.5) * rooms.cells];
@@ -107,20 +107,21 @@ function growTree(x, y, nodes, reach, draw) {
   return points;
 }
 
-export function makeFleet(count, seed = 1) {
-  const draw = random(seed);
+/// Places of robots, paths and trees are relative to the map's origin, as they travel.
+export function makeFleet(count, origin = [0, 0]) {
+  const draw = random(1);
   const robots = Array.from({length: count}, (_, k) => makeRobot(k, draw));
   const trees = Array.from({length: rooms.across * rooms.down}, (_, room) => growTree(...centre(room), 120, rooms.cells / 2 - 3, draw));
   const roots = robots.map(({path}) => [growTree(path[0], path[1], 30, 14, draw), growTree(path.at(-2), path.at(-1), 30, 14, draw)]);
-  return {map: makeMap(), robots, trees, roots};
+  return {map: makeMap(origin), robots, trees, roots};
 }
 
 function known(fleet) {
   const messages = [{map: fleet.map}, {
     roster: {
       robots: fleet.robots.map(({name, path}) => ({
-        name, radius: 2, max_speed: 12, max_acceleration: 24, start_x: path[0], start_y: path[1],
-        goal_x: path.at(-2), goal_y: path.at(-1), goal_tolerance: 1, mission: 1,
+        name, radius: 2, max_speed: 12, max_acceleration: 24, start_x: fleet.map.origin_x + path[0], start_y: fleet.map.origin_y + path[1],
+        goal_x: fleet.map.origin_x + path.at(-2), goal_y: fleet.map.origin_y + path.at(-1), goal_tolerance: 1, mission: 1,
       })),
     },
   }];
@@ -137,7 +138,13 @@ function known(fleet) {
   return messages;
 }
 
-function frameAt(fleet, time) {
+/// What a page is told of the fleet as a whole: it drives, unless the mock was told otherwise.
+function lifeOf(fleet, life) {
+  const arrived = fleet.robots.filter(({phase}) => phase === Phase.ARRIVED).length;
+  return {state: LifeState.ALIVE, heard: 0, robots: fleet.robots.length, arrived, replayed: false, ...life};
+}
+
+function frameAt(fleet, time, life) {
   const at = fleet.robots.map((robot) => along(robot, time));
   const each = (value) => fleet.robots.map((robot, k) => value(at[k], k, robot));
   return {
@@ -146,6 +153,8 @@ function frameAt(fleet, time) {
     stage: Uint8Array.from(fleet.robots, (_, k) => (k % 19 === 3 ? 1 : k % 19 === 4 ? 2 : 0)),
     waits_for: each((p, k) => (k % 3 === 2 ? at.findIndex((q, j) => j !== k && Math.hypot(q.x - p.x, q.y - p.y) < 20) : -1)),
     turn: each(() => 0.05), next_vx: each((p) => p.vx), next_vy: each((p) => p.vy), expiry: each(() => 0.1), age: each(() => 0.02),
+    to_go: each((p, k, robot) => (hasPath(robot) ? fleet.longest ?? robot.lengths.at(-1) - p.driven : NaN)), waiting: each((p, k) => (k % 3 === 2 ? 4 : 0)), idle: each(() => 0.1),
+    life: lifeOf(fleet, life),
   };
 }
 
@@ -179,7 +188,7 @@ function pack(message) {
 }
 
 /// What one page is told: by the wall's clock, or as a recording that it may steer.
-function serve(socket, fleet, {recorded, hz, history, seconds}) {
+function serve(socket, fleet, {recorded, hz, history, seconds}, control) {
   const say = (message) => { if (socket.bufferedAmount < 1 << 20) socket.send(pack(message)); };
   let playing = true, speed = 1, at = history, last = performance.now();
   const begin = () => {
@@ -197,7 +206,7 @@ function serve(socket, fleet, {recorded, hz, history, seconds}) {
     if (playing) at += ((now - last) / 1000) * speed;
     last = now;
     if (recorded && at >= seconds) { at = seconds; playing = false; }
-    if (playing || beats % hz === 0) say({frame: frameAt(fleet, at)});
+    if (playing || beats % hz === 0) say({frame: frameAt(fleet, at, control.life)});
     if (++beats % Math.ceil(hz / 4) === 0) {
       say({statuses: {statuses: statusesAt(fleet, at)}});
       playback();
@@ -214,7 +223,7 @@ function serve(socket, fleet, {recorded, hz, history, seconds}) {
       const back = heard.seek - 1.7e9 < at;
       at = heard.seek - 1.7e9;
       if (back) begin();
-      say({frame: frameAt(fleet, at)});
+      say({frame: frameAt(fleet, at, control.life)});
     }
     playback();
   });
@@ -232,15 +241,18 @@ async function answer(request, response) {
   }
 }
 
-export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false} = {}) {
-  const fleet = makeFleet(robots);
+export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest} = {}) {
+  const fleet = makeFleet(robots, origin);
+  fleet.longest = longest;  // metres that each robot has to go, for cells that must hold them
+  const control = {life: {}};
   const server = createServer(answer);
   const sockets = new WebSocketServer({server, path: '/live'});
-  sockets.on('connection', (socket) => { if (!silent) serve(socket, fleet, {recorded, hz, history, seconds}); });
+  sockets.on('connection', (socket) => { if (!silent) serve(socket, fleet, {recorded, hz, history, seconds}, control); });
   await new Promise((resolve) => server.listen(port, '127.0.0.1', resolve));
   return {
     url: `http://127.0.0.1:${server.address().port}/`,
     port: server.address().port,
+    tell: (life) => { control.life = life; },  // of lifeOf
     say: (bytes) => { for (const socket of sockets.clients) socket.send(bytes); },
     close: () => new Promise((resolve) => {
       for (const socket of sockets.clients) socket.terminate();
@@ -256,7 +268,8 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
     return place < 0 ? otherwise : Number(process.argv[place + 1]);
   };
   const mock = await startMock({
-    robots: option('robots', 20), port: option('port', 8080), hz: option('hz', 20), recorded: process.argv.includes('--recorded'),
+    robots: option('robots', 20), longest: process.argv.includes('--longest') ? 1255.04 : undefined,
+    origin: process.argv.includes('--utm') ? [500000, 5400000] : [0, 0], port: option('port', 8080), hz: option('hz', 20), recorded: process.argv.includes('--recorded'),
   });
   console.log(mock.url);
 }
