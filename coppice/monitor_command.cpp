@@ -101,8 +101,7 @@ void show_fleet(const MonitorOptions& options) {
     if (asked_to_stop && !tells_of_the_end) return;
     monitor.take(bus.take());
     if (count_rhythm.due(now)) {
-      monitor.note(processor_seconds(), resident_bytes());
-      monitor.note(bus.counts());
+      monitor.note(processor_seconds(), resident_bytes(), bus.counts().rejected);
       monitor.show_replayed(bus.hears_replay());
     }
     monitor.turn(now, now, turn_seconds);

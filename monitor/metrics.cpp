@@ -106,14 +106,7 @@ struct OfRobot {
 template <auto Value>
 std::optional<double> of_status(const SeenRobot& robot, WallTime) {
   if (!robot.status) return std::nullopt;
-  const std::optional<double> value = Value(*robot.status);
-  return value;
-}
-
-/// Of what a process needs: simulated agents have none of their own.
-template <class N>
-std::optional<double> if_measured(N value) {
-  return value > 0 ? std::optional(static_cast<double>(value)) : std::nullopt;
+  return static_cast<double>(Value(*robot.status));
 }
 
 std::optional<double> has_arrived(const SeenRobot& robot, WallTime) {
@@ -173,11 +166,11 @@ const auto& series_of_robots() {
               "Of these: over before the agent came to decide.",
               of_status<[](S s) { return s.load.periods_missed; }>},
       OfRobot{"coppice_robot_processor_seconds_total", counter, "Processor time of the robot's agent.",
-              of_status<[](S s) { return if_measured(s.load.processor_seconds); }>},
+              of_status<[](S s) { return s.load.processor_seconds; }>},
       OfRobot{"coppice_robot_sent_bytes_total", counter, "Sent by the robot's agent in UDP datagrams.",
-              of_status<[](S s) { return if_measured(s.load.bytes_sent); }>},
+              of_status<[](S s) { return s.load.bytes_sent; }>},
       OfRobot{"coppice_robot_received_bytes_total", counter, "Received by the robot's agent, likewise.",
-              of_status<[](S s) { return if_measured(s.load.bytes_received); }>},
+              of_status<[](S s) { return s.load.bytes_received; }>},
       OfRobot{"coppice_robot_rejected_messages_total", counter,
               "Messages that the robot's agent dropped as invalid.",
               of_status<[](S s) { return s.rejected; }>},
@@ -227,17 +220,15 @@ void add_monitor(Families& all, const MonitorLoad& load) {
       {{"version", COPPICE_VERSION}});
   add_counter(all, "coppice_monitor_messages_total", "Messages that came to the monitor.",
               number(load.messages));
-  if (load.rejected)
+  if (load.has_bus)
     add_counter(all, "coppice_monitor_rejected_messages_total",
-                "Samples that the monitor dropped as invalid.", number(*load.rejected));
+                "Samples that the monitor dropped as invalid.", number(load.rejected));
   add_gauge(all, "coppice_monitor_connections", "Pages and Foxglove clients that look on.",
             static_cast<double>(load.connections));
   add_counter(all, "coppice_monitor_sent_bytes_total", "Sent to these.", number(load.bytes_sent));
-  if (load.processor_seconds)
-    add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", *load.processor_seconds);
-  if (load.resident_bytes)
-    add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
-              number(*load.resident_bytes));
+  add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", load.processor_seconds);
+  add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
+            number(load.resident_bytes));
 }
 
 }  // namespace

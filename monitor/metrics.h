@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "monitor/fleet_view.h"
@@ -18,14 +17,15 @@ namespace coppice {
 /// stays small whatever is on the bus.
 inline constexpr std::size_t most_robots_in_detail = 500;
 
-/// What the monitor does itself. What is not known is left out.
+/// What the monitor does itself.
 struct MonitorLoad {
-  std::uint64_t messages = 0;               ///< that came off its bus, or out of its recording
-  std::optional<std::uint64_t> rejected{};  ///< samples that it dropped as invalid; none: it has no bus
-  std::size_t connections = 0;              ///< WebSockets that are open
+  bool has_bus = true;          ///< else it shows a recording: nothing was rejected, or could have been
+  std::uint64_t messages = 0;   ///< that came off its bus, or out of its recording
+  std::uint64_t rejected = 0;   ///< samples that it dropped as invalid
+  std::size_t connections = 0;  ///< WebSockets that are open
   std::uint64_t bytes_sent = 0;
-  std::optional<double> processor_seconds{};
-  std::optional<std::uint64_t> resident_bytes{};
+  double processor_seconds = 0;
+  std::uint64_t resident_bytes = 0;
 };
 
 std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now);

@@ -17,6 +17,7 @@ constexpr std::size_t most_wishes = 64;  // between two turns; pages that wish m
 
 Monitor::Monitor(const WebSettings& settings, const std::string& source, bool recorded)
     : live_(source, recorded),
+      load_{.has_bus = !recorded},
       server_(settings, {.get = [this](std::string_view path) { return get(path); },
                          .talk = [this](Channel channel) { return talk(channel); }}) {}
 
@@ -25,7 +26,8 @@ void Monitor::take(const std::vector<Arrival>& arrivals) {
   load_.messages += arrivals.size();
 }
 
-void Monitor::note(double processor_seconds, std::uint64_t resident_bytes) {
+void Monitor::note(double processor_seconds, std::uint64_t resident_bytes, std::uint64_t rejected) {
+  load_.rejected = rejected;
   load_.processor_seconds = processor_seconds;
   load_.resident_bytes = resident_bytes;
 }

@@ -27,9 +27,8 @@ class Monitor {
   Monitor(const WebSettings& settings, const std::string& source, bool recorded = false);
 
   void take(const std::vector<Arrival>& arrivals);
-  /// For the metrics: what the process needs; and, where it has a bus, what that has counted.
-  void note(double processor_seconds, std::uint64_t resident_bytes);
-  void note(const BusCounts& counts) { load_.rejected = counts.rejected; }
+  /// For the metrics: what the process needs, and samples that its bus dropped as invalid.
+  void note(double processor_seconds, std::uint64_t resident_bytes, std::uint64_t rejected = 0);
   /// Whether what is heard is said again from a recording.
   void show_replayed(bool replayed) { live_.show_replayed(replayed); }
 

@@ -326,5 +326,21 @@ TEST_F(FoxgloveTest, TheTimeSeriesGoesOnFromItsLastPoint) {
   EXPECT_DOUBLE_EQ(point.time(), fleet.now - 100);
 }
 
+/// Viewers hold the points of lines as floats.
+TEST_F(FoxgloveTest, LinesAreDrawnFromTheMapsOriginOn) {
+  const Point2 origin(500000, 5400000);
+  fleet.map(YAxis::up, origin);
+  fleet.mission("a");
+  fleet.path("a", {origin + Point2(1.234, 2.345), origin + Point2(3, 0.5)});
+  fox::SceneUpdate scene;
+  foxglove_scene::add_path(scene, fleet.view.robots()[0], foxglove_scene::projection_of(fleet.view),
+                           fleet.now);
+  const fox::LinePrimitive& line = scene.entities(0).lines(0);
+  EXPECT_DOUBLE_EQ(line.pose().position().x(), 500000);
+  EXPECT_DOUBLE_EQ(line.pose().position().y(), 5400000);
+  EXPECT_NEAR(line.points(0).x(), 1.234, 1e-6);
+  EXPECT_NEAR(line.points(0).y(), 2.345, 1e-6);
+}
+
 }  // namespace
 }  // namespace coppice

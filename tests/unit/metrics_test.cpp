@@ -74,7 +74,7 @@ TEST(Metrics, NamesOfRobotsAreEscaped) {
   EXPECT_NE(metrics_text(fleet.view, {}, fleet.now).find(R"({robot="a\"b\\c"})"), std::string::npos);
 }
 
-TEST(Metrics, TheDashboardAsksForWhatThereIs) {
+TEST(Metrics, TheDashboardAndTheAlertsAskForWhatThereIs) {
   test::SeenFleet fleet;
   fleet.mission("a");
   fleet.mission("b");
@@ -83,14 +83,14 @@ TEST(Metrics, TheDashboardAsksForWhatThereIs) {
   fleet.status("a", Phase::driving);
   fleet.hear(BrokerStatus{.broker = 1});
   const std::string text = metrics_text(fleet.view, {}, fleet.now);
-  const std::string dashboard =
-      test::contents(std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy/grafana-dashboard.json");
+  const std::filesystem::path deploy = std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy";
+  const std::string asked =
+      test::contents(deploy / "grafana-dashboard.json") + test::contents(deploy / "prometheus-alerts.yml");
   const std::regex name("(coppice|process)_[a-z_]+");
   std::size_t seen = 0;
-  for (std::sregex_iterator it(dashboard.begin(), dashboard.end(), name); it != std::sregex_iterator();
-       ++it, ++seen)
+  for (std::sregex_iterator it(asked.begin(), asked.end(), name); it != std::sregex_iterator(); ++it, ++seen)
     EXPECT_GT(lines_of(text, it->str()), 0) << it->str();
-  EXPECT_GT(seen, 20u);
+  EXPECT_GT(seen, 40u);
 }
 
 TEST(Metrics, EveryFamilyHasHelpAndAType) {
@@ -107,6 +107,43 @@ TEST(Metrics, EveryFamilyHasHelpAndAType) {
     EXPECT_EQ(counter, it->str(1).ends_with("_total")) << it->str(1);
   }
   EXPECT_GT(seen, 25u);
+}
+
+TEST(Metrics, EachRobotTellsItsPhaseItsWayAndItsWaits) {
+  test::SeenFleet fleet;
+  fleet.map();
+  fleet.mission("a");
+  fleet.path("a", {{0.5, 1.5}, {3.5, 1.5}});
+  fleet.state("a", {1.5, 1.5});
+  fleet.status("a", Phase::driving);
+  fleet.now += 2;
+  RobotState waits = *fleet.view.robots()[0].state;
+  waits.stamp += 2;
+  waits.waits_for = "b";
+  fleet.hear(waits);
+  fleet.now += 3;
+  const std::string text = metrics_text(fleet.view, {}, fleet.now);
+  for (const char* line :
+       {"coppice_robot_phase{robot=\"a\",phase=\"driving\"} 1",
+        "coppice_robot_phase{robot=\"a\",phase=\"no_path\"} 0",
+        "coppice_robot_way_to_go_meters{robot=\"a\"} 2", "coppice_robot_waiting_seconds{robot=\"a\"} 3",
+        "coppice_robot_waited_seconds_total{robot=\"a\"} 3",
+        "coppice_robot_without_progress_seconds{robot=\"a\"} 5", "coppice_fleet_alive 1",
+        "coppice_run_ended 0"})
+    EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
+  EXPECT_EQ(lines_of(text, "coppice_robot_phase"), 6);
+  fleet.end_of_run("a");
+  const std::string ended = metrics_text(fleet.view, {}, fleet.now);
+  EXPECT_TRUE(has_line(ended, "coppice_run_ended 1")) << ended;
+  EXPECT_TRUE(has_line(ended, "coppice_fleet_alive 0")) << ended;
+}
+
+TEST(Metrics, OfARecordingTheMonitorTellsNothingOfABus) {
+  const std::string text =
+      metrics_text(FleetView(), {.has_bus = false, .processor_seconds = 0.5, .resident_bytes = 1000}, 0);
+  EXPECT_EQ(lines_of(text, "coppice_monitor_rejected_messages_total"), 0);
+  EXPECT_TRUE(has_line(text, "process_cpu_seconds_total 0.5"));
+  EXPECT_TRUE(has_line(text, "process_resident_memory_bytes 1000"));
 }
 
 }  // namespace

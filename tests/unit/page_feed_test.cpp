@@ -332,5 +332,117 @@ TEST_F(PageFeedTest, ARecordingThatIsWoundBackBeginsAnew) {
   EXPECT_TRUE(page.now().empty());
 }
 
+/// As in surveyors' grids (UTM), where a float has steps of half a metre.
+TEST_F(PageFeedTest, PlacesAreExactToAMillimetreWhereverTheMapBegins) {
+  const Point2 origin(500000.125, 5400000.5);
+  const auto exact = [&](double x, double y) { return Point2(origin + Point2(x, y)); };
+  fleet.map(YAxis::up, origin);
+  fleet.mission("a");
+  fleet.state("a", exact(1.234, 2.345));
+  fleet.path("a", {exact(1.234, 2.345), exact(3.456, 0.567)});
+  fleet.hear(InactiveTreeMessage{
+      .tree = {7, 1}, .map_id = "m", .nodes = {{exact(0.111, 1.222), -1, 1}, {exact(2.333, 1.444), 0, 1}}});
+  fleet.hear(
+      RootNodes{.robot = "a",
+                .mission = 1,
+                .nodes = {{Side::start, exact(0.5, 0.75), -1}, {Side::start, exact(0.501, 0.751), 0}}});
+  fleet.hear(BrokerStatus{.broker = 7});
+  fleet.hear(ActiveTreesMessage{7, "m", {{exact(3.001, 2.002), exact(3.003, 2.004)}}});
+  std::vector<std::vector<float>> lists;
+  for (const ToPage& message : page.after(0)) {
+    if (message.has_frame()) lists.push_back({message.frame().x(0), message.frame().y(0)});
+    if (message.has_path())
+      lists.emplace_back(message.path().points().begin(), message.path().points().end());
+    if (message.has_edges() && message.edges().points_size() > 0)
+      lists.emplace_back(message.edges().points().begin(), message.edges().points().end());
+  }
+  const std::vector<std::vector<double>> expected{{1.234, 2.345, 3.456, 0.567},
+                                                  {0.111, 1.222, 2.333, 1.444},
+                                                  {3.001, 2.002, 3.003, 2.004},
+                                                  {0.5, 0.75, 0.501, 0.751},
+                                                  {1.234, 2.345}};
+  ASSERT_EQ(lists.size(), expected.size());
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    ASSERT_EQ(lists[k].size(), expected[k].size());
+    for (std::size_t i = 0; i < lists[k].size(); ++i) EXPECT_NEAR(lists[k][i], expected[k][i], 0.0005);
+  }
+}
+
+TEST_F(PageFeedTest, AMapThatComesLateBringsItsOriginAndAllIsToldAnew) {
+  fleet.mission("a");
+  fleet.state("a", {500001, 5400002});
+  page.after(0.5);
+  fleet.map(YAxis::up, {500000, 5400000});
+  const auto told = page.after(0.5);
+  using enum ToPage::WhatCase;
+  ASSERT_GE(told.size(), 3u);
+  EXPECT_EQ(told[0].what_case(), kBegin);
+  EXPECT_EQ(told[1].what_case(), kMap);
+  ASSERT_EQ(told.back().what_case(), kFrame);
+  EXPECT_FLOAT_EQ(told.back().frame().x(0), 1);
+}
+
+const live::Life& life_in(const std::vector<ToPage>& told) {
+  return told.back().frame().life();
+}
+
+TEST_F(PageFeedTest, AFleetIsAliveWhileItIsHeard) {
+  fleet.map();
+  fleet.mission("a");
+  EXPECT_EQ(life_in(page.after(0.1)).state(), live::Life::NOBODY) << "a mission is no robot";
+  fleet.state("a", {1, 1});
+  fleet.status("a", Phase::driving);
+  EXPECT_EQ(life_in(page.after(0.1)).state(), live::Life::ALIVE);
+  const WallTime last = fleet.now - 0.1;
+  const auto silent = page.after(30);
+  EXPECT_EQ(life_in(silent).state(), live::Life::SILENT);
+  EXPECT_DOUBLE_EQ(life_in(silent).heard(), last);
+}
+
+TEST_F(PageFeedTest, ARunThatEndsTellsWhoArrivedAndKeepsThem) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.mission("b");
+  fleet.state("a", {3.5, 1.5});
+  fleet.state("b", {1, 1});
+  fleet.hear(AgentStatus{.robot = "a", .mission = 1, .phase = Phase::arrived, .arrival_time = 3});
+  fleet.status("b", Phase::driving);
+  EXPECT_EQ(life_in(page.after(0.1)).state(), live::Life::ALIVE);
+  fleet.end_of_run("a");
+  EXPECT_EQ(life_in(page.after(0.1)).state(), live::Life::ALIVE) << "b is not stopped";
+  fleet.end_of_run("b");
+  fleet.hear(AgentStatus{.robot = "a", .mission = 1, .phase = Phase::stopped, .arrival_time = 3});
+  fleet.status("b", Phase::stopped);
+  const auto told = page.after(60);
+  EXPECT_EQ(life_in(told).state(), live::Life::ENDED) << "also when nobody is heard any more";
+  EXPECT_EQ(life_in(told).robots(), 2u);
+  EXPECT_EQ(life_in(told).arrived(), 1u);
+  EXPECT_EQ(told.back().frame().phase(), std::string({live::ARRIVED, live::STOPPED}));
+  EXPECT_EQ(fleet.view.figures(fleet.now).arrived, 1u);
+}
+
+TEST_F(PageFeedTest, WhatIsReplayedIsSaidToBe) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.state("a", {1, 1});
+  EXPECT_FALSE(life_in(page.after(0.1)).replayed());
+  live.show_replayed(true);
+  EXPECT_TRUE(life_in(page.after(0.1)).replayed());
+}
+
+TEST_F(PageFeedTest, ToGoIsTheLengthOfTheWayThatIsLeft) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.state("a", {0.5, 0.5});
+  fleet.status("a", Phase::driving, 12);  // after a detour: more than its path is long
+  EXPECT_TRUE(std::isnan(page.after(0.1).back().frame().to_go(0))) << "without a path";
+  fleet.path("a", {{0.5, 0.5}, {3.5, 0.5}, {3.5, 2.5}});
+  EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 5);
+  fleet.state("a", {2.5, 1});  // pushed aside
+  EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 3.5F);
+  fleet.path("a", {{2.5, 1}, {3.5, 1}});
+  EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 1);
+}
+
 }  // namespace
 }  // namespace coppice

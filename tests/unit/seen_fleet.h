@@ -17,9 +17,13 @@ class SeenFleet {
 
   void hear(Message message) { view.on(std::make_shared<const Message>(std::move(message)), now); }
 
-  void map(YAxis y_axis = YAxis::down) {
-    hear(MapMessage{
-        "m", {.width = 4, .height = 3, .y_axis = y_axis, .blocked = {1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0}}});
+  void map(YAxis y_axis = YAxis::down, Point2 origin = Point2::Zero()) {
+    hear(MapMessage{"m",
+                    {.width = 4,
+                     .height = 3,
+                     .origin = origin,
+                     .y_axis = y_axis,
+                     .blocked = {1, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0}}});
   }
   void mission(const RobotName& robot, std::uint32_t number = 1, WallTime epoch = 100) {
     hear(Mission{.robot = robot,
@@ -32,6 +36,12 @@ class SeenFleet {
                  .max_acceleration = 4,
                  .goal_tolerance = 0.5,
                  .clock = {.epoch = epoch}});
+  }
+  /// The service says that the run is over.
+  void end_of_run(const RobotName& robot) {
+    Mission mission = *view.robots()[*view.find(robot)].mission;
+    mission.cancelled = true;
+    hear(mission);
   }
   void state(const RobotName& robot, Point2 position, Point2 velocity = Point2::Zero()) {
     const double time = now - 100;

@@ -31,9 +31,18 @@ TEST(WebRules, FoxgloveIsKnownByItsSubprotocolAndThePageByItsPath) {
   EXPECT_EQ(channel_of("/live", ""), Channel::page);
   EXPECT_EQ(channel_of("/", "foxglove.websocket.v1"), Channel::foxglove);
   EXPECT_EQ(channel_of("/live", "other, foxglove.websocket.v1 ,x"), Channel::foxglove);
+  EXPECT_EQ(channel_of("/", "foxglove.sdk.v1"), Channel::foxglove);
   EXPECT_EQ(channel_of("/", "foxglove.websocket.v2"), std::nullopt);
   EXPECT_EQ(channel_of("/", ",, ,"), std::nullopt);
   EXPECT_EQ(channel_of("/other", ""), std::nullopt);
+}
+
+TEST(WebRules, OfFoxglovesSubprotocolsTheFirstThatIsOfferedAndKnownIsSpoken) {
+  EXPECT_EQ(foxglove_subprotocol("foxglove.sdk.v1"), "foxglove.sdk.v1");
+  EXPECT_EQ(foxglove_subprotocol("foxglove.sdk.v2, foxglove.sdk.v1,foxglove.websocket.v1"),
+            "foxglove.sdk.v1");
+  EXPECT_EQ(foxglove_subprotocol("foxglove.websocket.v1, foxglove.sdk.v1"), "foxglove.websocket.v1");
+  EXPECT_EQ(foxglove_subprotocol("foxglove"), std::nullopt);
 }
 
 TEST(WebRules, PagesFromElsewhereMayNotLookExceptAsFoxglove) {
