@@ -36,6 +36,16 @@ TEST_F(PageSources, MakeTheBundleThatIsCommitted) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
+/// Cells, badges, ends of runs, far map origins: by Debian's chromium.
+TEST_F(PageSources, AreClearAtFirstSight) {
+  if (test::shell("command -v chromium").exit_code != 0 ||
+      !std::filesystem::exists(sources / "../../tests/web/node_modules/playwright-core"))
+    GTEST_SKIP() << "needs chromium, and `npm ci` in tests/web";
+  const test::Outcome outcome =
+      there("npm run protocol && node ../../tests/web/page/page.spec.mjs --at-first-sight 2>&1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
 /// Recordings, a monitor that goes away, bytes that are no message, 200 robots: what a mock alone can play.
 TEST_F(PageSources, HoldWithAMadeUpFleet) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;

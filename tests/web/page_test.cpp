@@ -3,6 +3,7 @@
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 
+#include <algorithm>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -43,6 +44,12 @@ struct Page : testing::Test {
     EXPECT_TRUE(test::within(20s, [&] { return !line().empty(); })) << test::contents(path("monitor.log"));
     return line();
   }
+  /// One of the scripts in page/, at the monitor's page.
+  void run_spec(const std::string& script, const std::string& arguments = {}) const {
+    const test::Outcome outcome = test::shell(fmt::format("COPPICE_PAGE_URL={} node '{}/page/{}' {} 2>&1",
+                                                          url(), web().string(), script, arguments));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"));
+  }
   void use_page(const std::string& of_what) const {
     const char* const kept = std::getenv("COPPICE_PAGE_SHOTS");
     const std::string shots = kept != nullptr ? std::string(kept) + "/" + of_what : path("shots").string();
@@ -78,9 +85,50 @@ TEST_F(Page, ShowsARecording) {
       0)
       << test::contents(path("run.log"));
   const auto monitor = start({"monitor", file, "--port", "0"}, "monitor.log");
-  const test::Outcome outcome = test::shell(
-      fmt::format("COPPICE_PAGE_URL={} node '{}/page/recording.spec.mjs' 2>&1", url(), web().string()));
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"));
+  run_spec("recording.spec.mjs");
+}
+
+TEST_F(Page, EndsWithTheRunsOutcomeAndKeepsTheRobotsThatArrived) {
+  const auto run = start({"run", (test::scenarios() / "rooms-8.json").string(), "--robots", "2", "--domain",
+                          std::to_string(domain + 2), "--quiet", "--time-scale", "2", "--watch"},
+                         "monitor.log");
+  run_spec("end_of_run.spec.mjs", "2");
+  EXPECT_EQ(run->wait(), 0) << test::contents(path("monitor.log"));
+  const std::string said = test::contents(path("monitor.log"));
+  EXPECT_EQ(std::ranges::count(said, '\n'), 1) << "one line, with the address: " << said;
+}
+
+/// Whatever `coppice replay` says on a bus, no fleet is alive there.
+TEST_F(Page, CallsAReplayNeverLive) {
+  const std::string file = path("fleet.mcap").string();
+  EXPECT_EQ(start({"simulate", (test::scenarios() / "rooms-8.json").string(), "--robots", "2", "--quiet",
+                   "--record", file},
+                  "simulate.log")
+                ->wait(),
+            0)
+      << test::contents(path("simulate.log"));
+  const std::string number = std::to_string(domain + 3);
+  const auto monitor = start({"monitor", "--domain", number, "--port", "0"}, "monitor.log");
+  const auto replay = start({"replay", file, "--domain", number}, "replay.log");
+  run_spec("badge.spec.mjs", "replay");
+}
+
+TEST_F(Page, ShowsPlacesOfFarMapsToAMillimetre) {
+  folder.write("far.pgm", "P5 40 20 255\n" + std::string(800, '\xff'));
+  folder.write("far.yaml",
+               "image: far.pgm\nresolution: 0.5\norigin: [500000.0, 5400000.0, 0.0]\nnegate: 0\n"
+               "occupied_thresh: 0.65\nfree_thresh: 0.19\n");
+  folder.write("far.json", R"({"map": "far.yaml", "radius": 0.5, "max_speed": 1, "robots": [
+      {"name": "r1", "start": {"x": 500002, "y": 5400002}, "goal": {"x": 500018, "y": 5400008}}]})");
+  const std::string file = path("far.mcap").string();
+  EXPECT_EQ(start({"simulate", path("far.json").string(), "--quiet", "--record", file, "--trajectory",
+                   path("far.csv").string()},
+                  "simulate.log")
+                ->wait(),
+            0)
+      << test::contents(path("simulate.log"));
+  const auto monitor = start({"monitor", file, "--port", "0"}, "monitor.log");
+  run_spec("far_map.spec.mjs", "'" + path("far.csv").string() + "'");
 }
 
 }  // namespace

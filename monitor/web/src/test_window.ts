@@ -14,6 +14,7 @@ export interface TestWindow {
   readonly playing: boolean;
   readonly scale: number | null;  // pixels a metre
   positionOf(name: string): {x: number; y: number} | null;  // pixels of the page
+  placeOf(name: string): {x: number; y: number} | null;  // metres in the map frame, by the newest frame
 }
 
 export function exposeToTests(fleet: Fleet, map: MapView, time: TimeControl): void {
@@ -33,6 +34,10 @@ export function exposeToTests(fleet: Fleet, map: MapView, time: TimeControl): vo
       if (robot === undefined || !Number.isFinite(map.robots.x[robot])) return null;
       const {left, top} = map.canvas.getBoundingClientRect();
       return {x: left + map.robots.x[robot], y: top + map.robots.y[robot]};
+    },
+    placeOf(name) {
+      const robot = fleet.indexOf(name);
+      return (robot !== undefined && fleet.placeOf(robot)) || null;
     },
   };
   Object.defineProperty(window, 'coppice', {value: Object.freeze(view)});

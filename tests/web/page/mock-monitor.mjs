@@ -15,6 +15,8 @@ const {WebSocketServer} = need('ws');
 const {PbfReader, PbfWriter} = await import(new URL('node_modules/pbf/index.js', web));
 const {EdgesKind, LifeState, Phase, readFromPage, writeToPage} = await import(new URL('src/live.js', web));
 
+export {LifeState};
+
 const policy = "default-src 'self'; connect-src 'self'; img-src 'self' data:; style-src 'self'";
 const types = {'.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'};
 
@@ -163,7 +165,7 @@ function statusesAt(fleet, time) {
     robot: k, phase: robot.phase, reason: robot.phase === Phase.NO_PATH ? 'no way leads from its start to its goal' : '',
     plan_seconds: 0.1 + (k % 7) / 20, arrival_time: robot.phase === Phase.ARRIVED ? 12.5 : 0,
     driven_length: along(robot, time).driven, path_length: hasPath(robot) ? robot.lengths.at(-1) : 0, nodes_valid: 300 + k, nodes_invalid: 120 + k,
-    trees_received: 48, trees_grafted: k % 5, rejected: 0, periods: Math.floor(time * 20), periods_missed: Math.floor(time * (k % 3) / 10),
+    trees_received: 48, trees_grafted: k % 5, rejected: 0, periods: Math.floor(time * 20), periods_missed: Math.floor(time * 10 * (k % 3) * fleet.late),
     state_age_p50: 0.02 + (k % 4) / 200, state_age_p99: 0.06 + (k % 9) / 100, state_age_max: 0.21, processor_share: 0.02 + (k % 10) / 100,
     missions_fulfilled: Math.floor(time / 60),
   }));
@@ -177,7 +179,7 @@ function figuresAt(fleet, time) {
     trees_published: Math.round(48 * Math.min(1, time / 10)), trees_grafted: Math.round(2.5 * count * grown),
     ...(count > 1 && {separation: 1.6 + Math.sin(time / 3) + 0.3 * Math.sin(time)}),
     state_age_p50: 0.022 + 0.004 * Math.sin(time / 5), state_age_p99: 0.09 + 0.03 * Math.sin(time / 2), processors: 1.3 + 0.2 * Math.sin(time / 7),
-    periods_missed: 0.002 * (1 + Math.sin(time / 4)),
+    periods_missed: 0.2 * fleet.late * (1 + Math.sin(time / 4)),
   };
 }
 
@@ -241,8 +243,9 @@ async function answer(request, response) {
   }
 }
 
-export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest} = {}) {
+export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest, late = 0.01} = {}) {
   const fleet = makeFleet(robots, origin);
+  fleet.late = late;  // share of control periods that some robots miss
   fleet.longest = longest;  // metres that each robot has to go, for cells that must hold them
   const control = {life: {}};
   const server = createServer(answer);

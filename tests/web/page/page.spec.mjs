@@ -2,6 +2,7 @@
 //
 // COPPICE_PAGE_URL: a monitor that runs already, with robots that move; without it, mock-monitor.mjs is one, and what only a
 // mock can play (a recording, a server that goes away, 200 robots) is checked as well.
+// With --at-first-sight, only those that are quick, and need a mock.
 // COPPICE_PAGE_SHOTS: a folder for screenshots. COPPICE_PAGE_FPS: what 200 robots need at least, 30 unless told.
 
 import assert from 'node:assert/strict';
@@ -17,6 +18,7 @@ const shots = process.env.COPPICE_PAGE_SHOTS;
 const leastFps = Number(process.env.COPPICE_PAGE_FPS ?? 30);
 const large = {width: 1440, height: 900};
 const small = {width: 390, height: 844};
+const viewports = [large, {width: 1024, height: 768}, small];
 
 const mocked = given ? undefined : await import('./mock-monitor.mjs');
 if (shots) mkdirSync(shots, {recursive: true});
@@ -299,6 +301,7 @@ const checks = {
       await pause(100);
     }
     assert((await state(page)).selected);
+    assert(await page.locator('#details').isVisible(), 'a robot that is tapped shows its details');
     const {scale} = await state(page);
     await pinch(page);
     const pinched = (await state(page)).scale / scale;
@@ -372,7 +375,8 @@ const mockChecks = {
   async 'nothing to see yet'() {
     const mock = await mocked.startMock({silent: true});
     const page = await open(mock.url);
-    await page.locator('.pill.live').waitFor();
+    await page.locator('.pill.waiting').waitFor();
+    assert.equal(await page.locator('#connection').textContent(), 'waiting for a fleet');
     await page.locator('#notice').waitFor({timeout: 15_000});
     assert.equal((await state(page)).ready, false);
     await shoot(page, 'empty');
@@ -402,6 +406,147 @@ const mockChecks = {
   },
 };
 
+// What somebody sees who looks for the first time; these take little time.
+const checksAtFirstSight = {
+  async 'cells hold their numbers whole, on every page'() {
+    const mock = await mocked.startMock({longest: 1255.04, late: 0.5});
+    for (const viewport of viewports) {
+      const page = await openReady(mock.url, {viewport});
+      const cut = await page.evaluate(() => [...document.querySelectorAll('#table td, #table th button')]
+        .filter((cell) => cell.clientWidth > 0 && cell.scrollWidth > cell.clientWidth).map((cell) => cell.textContent));
+      assert.deepEqual(cut, [], `at ${viewport.width} pixels`);
+      assert((await page.locator('#table tbody td:nth-child(4)').allTextContents()).includes('1255'));
+      await close(page);
+    }
+    await mock.close();
+  },
+
+  async 'with a robot selected the map fills the view'() {
+    const mock = await mocked.startMock({});
+    for (const viewport of viewports) {
+      const page = await openReady(mock.url, {viewport});
+      await page.keyboard.press(' ');
+      for (let k = 0; k < 20; ++k) {
+        await page.keyboard.press(']');
+        const covered = await shareOfMapInSight(page);
+        assert(covered > 0.99, `${(await state(page)).selected}: ${covered} of the view, at ${viewport.width} pixels`);
+      }
+      await close(page);
+    }
+    await mock.close();
+  },
+
+  async 'a strip that scrolls looks like one'() {
+    const mock = await mocked.startMock({});
+    const page = await openReady(mock.url, {viewport: small});
+    const last = page.locator('#chips label').last();
+    const [left, right] = [page.locator('#chips-left'), page.locator('#chips-right')];
+    assert(await right.isVisible() && !(await left.isVisible()), 'there is more to the right');
+    for (let k = 0; k < 10 && await right.isVisible(); ++k) {
+      await right.click();
+      await pause(600);
+    }
+    const [strip, box] = [await page.locator('#chips').boundingBox(), await last.boundingBox()];
+    assert(box.x + box.width <= strip.x + strip.width + 1, 'the last layer is in sight');
+    assert(await left.isVisible());
+    await close(page);
+    const wide = await openReady(mock.url);
+    assert(!(await wide.locator('#chips-right').isVisible()), 'where all are in sight, there is no more');
+    await close(wide);
+    await mock.close();
+  },
+
+  async 'a map far from the origin of its frame'() {
+    const [x, y] = [500000.25, 5400000.5];
+    const mock = await mocked.startMock({origin: [x, y]});
+    const page = await openReady(mock.url);
+    const name = await movingRobot(page);
+    await page.keyboard.press(' ');
+    await clickOn(page, name);
+    await pause(600);
+    const shown = (term) => page.locator(`#details-body dt:text-is("${term}") + dd`).textContent();
+    const [px, py] = (await shown('Position')).split(',').map(Number);
+    assert.match(await shown('Position'), /^500\d{3}\.\d{3}, 5400\d{3}\.\d{3}$/);
+    const at = await positionOf(page, name);
+    const {scale} = await state(page);
+    const box = await page.locator('#map').boundingBox();
+    const fit = {left: box.x + box.width / 2 - 200 * scale, bottom: box.y + box.height / 2 + 150 * scale};
+    assert(apart(at, {x: fit.left + (px - x) * scale, y: fit.bottom - (py - y) * scale}) < 3, 'it is drawn where it says that it is');
+    const [gx, gy] = (await shown('Goal')).split(',').map(Number);
+    assert(gx > x && gx < x + 400 && gy > y && gy < y + 300, `its goal: ${await shown('Goal')}`);
+    await close(page);
+    await mock.close();
+  },
+
+  async 'the badge says whether a fleet is alive'() {
+    const {LifeState} = mocked;
+    const mock = await mocked.startMock({});
+    const page = await openReady(mock.url);
+    const badge = (text) => until(page, (wanted) => document.querySelector('#connection').textContent.startsWith(wanted), text);
+    await badge('live');
+    mock.tell({state: LifeState.SILENT, heard: 1.7e9});
+    await badge('fleet silent since ');
+    assert(await page.locator('#notice').isVisible());
+    await shoot(page, 'silent');
+    mock.tell({state: LifeState.NOBODY});
+    await badge('waiting for a fleet');
+    mock.tell({replayed: true});
+    await badge('replay');
+    mock.tell({});
+    await badge('live');
+    await close(page);
+    await mock.close();
+  },
+
+  async 'a run that ends says so, also when its monitor goes'() {
+    const mock = await mocked.startMock({});
+    const page = await openReady(mock.url);
+    mock.tell({state: mocked.LifeState.ENDED, robots: 20, arrived: 19});
+    await page.locator('.pill.ended').waitFor();
+    const title = () => page.locator('#notice-title').textContent();
+    assert.equal(await title(), 'run ended: 19 of 20 arrived');
+    await mock.close();
+    await pause(1500);
+    assert.equal(await title(), 'run ended: 19 of 20 arrived');
+    assert.equal(await page.locator('#connection').textContent(), 'run ended');
+    assert.equal(await page.locator('body.lost').count(), 0);
+    const again = await mocked.startMock({port: mock.port});
+    await page.locator('.pill.live').waitFor({timeout: 15_000});
+    page.said = page.said.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'));
+    await close(page);
+    await again.close();
+  },
+
+  async 'figures that alarm explain themselves'() {
+    const mock = await mocked.startMock({late: 0.5});
+    const page = await openReady(mock.url);
+    const row = page.locator('#table tbody tr', {has: page.locator('td:text-is("r3")')});
+    await until(page, () => document.querySelectorAll('#table td.alarm').length > 0);
+    assert.match(await row.locator('td.alarm').first().getAttribute('title'), /for lack of processor time/);
+    await row.click();
+    await until(page, () => /for lack of processor time/.test(document.querySelector('#details-alarms').textContent));
+    await shoot(page, 'alarms');
+    const unexplained = await page.evaluate(() => [...document.querySelectorAll('#details-body dt, #table th button, #charts figcaption')]
+      .filter((figure) => !figure.title).map((figure) => figure.textContent));
+    assert.deepEqual(unexplained, []);
+    await page.keyboard.press('?');
+    assert.match(await page.locator('#help-figures').textContent(), /Periods missed/);
+    await close(page);
+    await mock.close();
+  },
+};
+
+/// Of the view, how much shows the mock's map of 400 x 300 m, with a robot selected.
+async function shareOfMapInSight(page) {
+  await pause(150);
+  const [robot, {scale}, box] = [(await state(page)).selected, await state(page), await page.locator('#map').boundingBox()];
+  const at = await positionOf(page, robot);
+  const {x, y} = await page.evaluate((name) => window.coppice.placeOf(name), robot);
+  const [left, bottom] = [at.x - x * scale, at.y + y * scale];
+  const overlap = (low, high, from, size) => Math.max(0, Math.min(high, from + size) - Math.max(low, from)) / size;
+  return overlap(left, left + 400 * scale, box.x, box.width) * overlap(bottom - 300 * scale, bottom, box.y, box.height);
+}
+
 async function measure(page, what) {
   const from = await state(page);
   const began = performance.now();
@@ -415,7 +560,8 @@ async function measure(page, what) {
   assert(mean >= leastFps, `${mean} frames a second`);
 }
 
-const wanted = process.argv[2] ?? '';
+const atFirstSight = process.argv[2] === '--at-first-sight';
+const wanted = atFirstSight ? '' : process.argv[2] ?? '';
 let failed = 0;
 async function run(name, check) {
   if (!name.includes(wanted)) return;
@@ -428,9 +574,10 @@ async function run(name, check) {
   }
 }
 
-const shared = mocked ? await mocked.startMock({robots: 20}) : undefined;
-for (const [name, check] of Object.entries(checks)) await run(name, () => check(given ?? shared.url));
-if (mocked) for (const [name, check] of Object.entries(mockChecks)) await run(name, check);
+const shared = mocked && !atFirstSight ? await mocked.startMock({robots: 20}) : undefined;
+if (!atFirstSight) for (const [name, check] of Object.entries(checks)) await run(name, () => check(given ?? shared.url));
+if (mocked) for (const [name, check] of Object.entries(checksAtFirstSight)) await run(name, check);
+if (mocked && !atFirstSight) for (const [name, check] of Object.entries(mockChecks)) await run(name, check);
 await browser.close();
 await shared?.close();
 process.exit(failed ? 1 : 0);

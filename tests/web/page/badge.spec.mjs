@@ -1,0 +1,25 @@
+// What the badge of a monitor's page (COPPICE_PAGE_URL) comes to say, and that it never says that a fleet is live.
+//
+//   node badge.spec.mjs TEXT
+import assert from 'node:assert/strict';
+
+import {chromium} from 'playwright-core';
+
+import {arguments_of_chromium, program_of_chromium} from './chromium.mjs';
+
+const [text] = process.argv.slice(2);
+const browser = await chromium.launch({executablePath: program_of_chromium, args: arguments_of_chromium});
+const page = await browser.newPage();
+await page.addInitScript(() => {
+  window.badges = new Set();
+  document.addEventListener('DOMContentLoaded', () => {
+    const badge = document.querySelector('#connection');
+    new MutationObserver(() => window.badges.add(badge.textContent)).observe(badge, {childList: true, characterData: true, subtree: true});
+  });
+});
+await page.goto(process.env.COPPICE_PAGE_URL);
+await page.waitForFunction((wanted) => document.querySelector('#connection').textContent === wanted, text, {timeout: 30_000});
+await page.waitForFunction(() => window.coppice.ready && window.coppice.time > 2, undefined, {timeout: 30_000});
+const badges = await page.evaluate(() => [...window.badges]);
+assert(!badges.includes('live'), `it said: ${badges}`);
+await browser.close();
