@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
@@ -30,8 +29,6 @@ constexpr double turn_seconds = 0.01;  // the bus is looked at, and pages are to
 constexpr double count_period = 1;     // seconds
 constexpr double state_period = 0.25;  // of a recording that is played
 constexpr double last_words = 0.4;     // seconds in which pages that are open hear how a run has ended
-constexpr int looks_for_browser = 100;
-constexpr std::chrono::milliseconds pause_between_looks{10};
 
 std::uint64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");  // in pages: proc(5)
@@ -50,9 +47,9 @@ bool has_desktop() {
   return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-/// In whatever browser the desktop has. False: it has none.
-bool open_browser(std::string url) {
-  if (!has_desktop()) return false;
+/// In whatever browser the desktop has, if it has one.
+void open_browser(std::string url) {
+  if (!has_desktop()) return;
   std::string program = "xdg-open";
   char* const arguments[] = {program.data(), url.data(), nullptr};
   posix_spawn_file_actions_t silently;
@@ -62,24 +59,16 @@ bool open_browser(std::string url) {
   pid_t child = 0;
   const int error = posix_spawnp(&child, arguments[0], &silently, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&silently);
-  if (error != 0) return false;
   // On some desktops it stays for as long as the browser does.
-  int status = 0;
-  for (int look = 0; look < looks_for_browser; ++look) {
-    if (waitpid(child, &status, WNOHANG) == child) return status == 0;
-    std::this_thread::sleep_for(pause_between_looks);
-  }
-  std::thread([child] { waitpid(child, nullptr, 0); }).detach();
-  return true;
+  if (error == 0) std::thread([child] { waitpid(child, nullptr, 0); }).detach();
 }
 
-/// One line, which begins with the address.
+/// The address in a line by itself: where there is no browser, that has to do.
 void tell(const Monitor& monitor, const MonitorOptions& options) {
-  std::string line = monitor.url();
-  if (options.web.else_any_port && options.web.port != 0 && monitor.port() != options.web.port)
-    line += fmt::format(" (port {} is taken)", options.web.port);
-  if (options.open && !open_browser(monitor.url())) line += " (open it in a browser: none was found here)";
-  std::cout << line << std::endl;
+  if (options.web.port != 0 && monitor.port() != options.web.port)
+    std::cerr << fmt::format("port {} is taken: the page is at port {}\n", options.web.port, monitor.port());
+  std::cout << monitor.url() << std::endl;
+  if (options.open) open_browser(monitor.url());
 }
 
 double processor_seconds() {

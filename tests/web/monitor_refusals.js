@@ -51,6 +51,15 @@ function closed(path, say, subprotocols = []) {
 }
 
 const foxglove = "foxglove.websocket.v1";
+
+/** Which of these subprotocols the server speaks, and what it says first. */
+function greeting(subprotocols) {
+  return new Promise((done, fail) => {
+    const socket = new WebSocket(`ws://${host}/`, subprotocols);
+    socket.on("message", (data) => (socket.close(), done({ protocol: socket.protocol, op: JSON.parse(data).op })));
+    socket.on("error", fail);
+  });
+}
 const alive = async () => assert.equal(await status(get("/healthz")), 200);
 
 // What there is
@@ -93,6 +102,12 @@ for (const origin of ["http://evil.example", "null", "https://app.foxglove.dev",
   assert.equal(await upgrade("/live", { origin }), 403, origin);
 assert.equal(await upgrade("/", { origin: "https://app.foxglove.dev" }, [foxglove]), 101);
 assert.equal(await upgrade("/live", { origin: "http://evil.example" }, [foxglove]), 403);
+for (const [offered, spoken] of [
+  [["foxglove.sdk.v1"], "foxglove.sdk.v1"],
+  [["foxglove.sdk.v2", "foxglove.sdk.v1", foxglove], "foxglove.sdk.v1"],
+  [[foxglove], foxglove],
+])
+  assert.deepEqual(await greeting(offered), { protocol: spoken, op: "serverInfo" });
 assert.equal(await upgrade("/live", { headers: { Host: "evil.example" } }), 421);
 assert.equal(await upgrade("/elsewhere", {}), 404);
 

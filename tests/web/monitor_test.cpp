@@ -203,6 +203,55 @@ TEST_F(MonitorTest, ListensAtTheLoopbackAlone) {
   EXPECT_NE(listening.output.find(" 127.0.0.1:" + port() + " "), std::string::npos) << listening.output;
 }
 
+TEST_F(MonitorTest, TakesAnotherPortIfAskedToWhereItsOwnIsTakenAndSaysSo) {
+  const auto first = monitor(domain + 4);
+  const std::string taken = port();
+  const test::Background second({test::program("coppice"), "monitor", "--domain", std::to_string(domain + 4),
+                                 "--port", taken, "--else-any-port"},
+                                path("second.log"));
+  const auto said = [&] { return test::contents(path("second.log")); };
+  EXPECT_TRUE(test::within(20s, [&] { return said().find("http://127.0.0.1:") != std::string::npos; }))
+      << said();
+  EXPECT_TRUE(said().starts_with("port " + taken + " is taken: the page is at port ")) << said();
+  EXPECT_EQ(said().find("http://127.0.0.1:" + taken + "/"), std::string::npos) << said();
+}
+
+/// The rules of deploy/, by Prometheus's own tool: they are well formed, and call when they should.
+TEST_F(MonitorTest, AlertsCallWhenTheyShould) {
+  if (which("promtool").empty()) GTEST_SKIP() << "needs prometheus";
+  const std::string rules = std::string(COPPICE_SOURCE_DIR) + "/deploy/prometheus-alerts.yml";
+  const test::Outcome checked = test::shell("promtool check rules '" + rules + "' 2>&1");
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  std::string tests = test::contents(web() / "alerts_test.yml");
+  tests.replace(tests.find("[RULES]"), 7, "[" + rules + "]");
+  folder.write("alerts_test.yml", tests);
+  const test::Outcome tested =
+      test::shell("promtool test rules '" + path("alerts_test.yml").string() + "' 2>&1");
+  EXPECT_EQ(tested.exit_code, 0) << tested.output;
+}
+
+/// Of a recording there are no figures of a bus, and those of the process are true.
+TEST_F(MonitorTest, OfARecordingItsOwnFiguresAreNotNought) {
+  if (which("curl").empty()) GTEST_SKIP() << "needs curl";
+  const std::string file = path("fleet.mcap").string();
+  ASSERT_EQ(
+      test::shell(fmt::format("'{}' simulate '{}' --robots 2 --quiet --record '{}'", test::program("coppice"),
+                              (test::scenarios() / "rooms-8.json").string(), file))
+          .exit_code,
+      0);
+  const test::Background watcher({test::program("coppice"), "monitor", file, "--port", "0"},
+                                 path("monitor.log"));
+  ASSERT_TRUE(test::within(20s, [&] { return !url().empty(); }));
+  std::string metrics;
+  EXPECT_TRUE(test::within(20s, [&] {
+    metrics = test::shell("curl -s " + url() + "metrics").output;
+    return metrics.find("\nprocess_resident_memory_bytes ") != std::string::npos &&
+           metrics.find("\nprocess_resident_memory_bytes 0\n") == std::string::npos;
+  })) << metrics;
+  EXPECT_EQ(metrics.find("\nprocess_cpu_seconds_total 0\n"), std::string::npos) << metrics;
+  EXPECT_EQ(metrics.find("coppice_monitor_rejected_messages_total"), std::string::npos) << metrics;
+}
+
 TEST_F(MonitorTest, SaysWhereItCannotListen) {
   const auto refused = [&](const std::string& options) {
     return test::shell(
