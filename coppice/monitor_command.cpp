@@ -89,9 +89,9 @@ void show_fleet(const MonitorOptions& options) {
     const bool tells_of_the_end = monitor.is_watched() && asked_to_stop && now - *asked_to_stop < last_words;
     if (asked_to_stop && !tells_of_the_end) return;
     monitor.take(bus.take());
+    monitor.note_replay(bus.hears_replay());
     if (count_rhythm.due(now)) {
       monitor.note(processor_seconds(), resident_bytes(), bus.counts().rejected);
-      monitor.show_replayed(bus.hears_replay());
     }
     monitor.turn(now, now, turn_seconds);
     monitor.wishes();

@@ -32,6 +32,11 @@ void Monitor::note(double processor_seconds, std::uint64_t resident_bytes, std::
   load_.resident_bytes = resident_bytes;
 }
 
+void Monitor::note_replay(bool replays) {
+  if (replays) replayed_run_ = view_.run();
+  live_.show_replayed(replayed_run_ == view_.run());
+}
+
 void Monitor::forget() {
   view_ = {};
   live_.begin_anew();

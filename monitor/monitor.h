@@ -29,8 +29,8 @@ class Monitor {
   void take(const std::vector<Arrival>& arrivals);
   /// For the metrics: what the process needs, and samples that its bus dropped as invalid.
   void note(double processor_seconds, std::uint64_t resident_bytes, std::uint64_t rejected = 0);
-  /// Whether what is heard is said again from a recording.
-  void show_replayed(bool replayed) { live_.show_replayed(replayed); }
+  /// Whether what is heard now is said again from a recording; its run stays one that was.
+  void note_replay(bool replays);
 
   /// Of a recording: all that was seen is forgotten, for it goes on elsewhere.
   void forget();
@@ -55,6 +55,7 @@ class Monitor {
   FleetView view_;
   LiveStream live_;
   MonitorLoad load_;
+  std::optional<std::uint32_t> replayed_run_;  ///< of the view
   std::vector<live::FromPage> wishes_;
   WebServer server_;
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -110,7 +111,11 @@ TEST_F(Page, CallsAReplayNeverLive) {
   const std::string number = std::to_string(domain + 3);
   const auto monitor = start({"monitor", "--domain", number, "--port", "0"}, "monitor.log");
   const auto replay = start({"replay", file, "--domain", number}, "replay.log");
-  run_spec("badge.spec.mjs", "replay");
+  const std::jthread stops_it([&] {
+    std::this_thread::sleep_for(8s);
+    replay->send(SIGINT);
+  });
+  run_spec("badge.spec.mjs", "'waiting for a fleet' replay 'fleet silent since '");
 }
 
 TEST_F(Page, ShowsPlacesOfFarMapsToAMillimetre) {

@@ -19,7 +19,7 @@ const serverIsThere = () => fetch(`${url}healthz`).then(() => true, () => false)
 
 await until((count) => window.coppice.ready && window.coppice.robots === count, robots);
 await until(() => document.querySelector('#connection').textContent === 'live');
-const toGo = await page.locator('#table tbody tr:not(.spacer) td:nth-child(4)').allTextContents();
+await until(() => [...document.querySelectorAll('#table tbody td:nth-child(4)')].some((cell) => Number(cell.textContent) > 10));
 await until(() => document.querySelector('#connection').textContent === 'run ended');
 while (await serverIsThere()) await new Promise((resolve) => setTimeout(resolve, 100));
 await new Promise((resolve) => setTimeout(resolve, 1500));
@@ -32,6 +32,5 @@ const phases = await page.locator('#table tbody tr:not(.spacer) td:nth-child(2)'
 assert.deepEqual(phases.map((text) => text.trim()), Array(robots).fill('arrived'));
 for (let k = 1; k <= robots; ++k)
   assert(await page.evaluate((name) => window.coppice.positionOf(name), `r${k}`), 'robots stay where they arrived');
-assert(toGo.some((text) => Number(text) > 10), `there was a way to go: ${toGo}`);
 if (process.env.COPPICE_PAGE_SHOTS) await page.screenshot({path: `${process.env.COPPICE_PAGE_SHOTS}/ended.png`});
 await browser.close();
