@@ -78,6 +78,7 @@ live::Statuses::Status status_of(std::size_t number, const SeenRobot& robot) {
   out.set_state_age_max(status.load.state_age_max);
   out.set_processor_share(robot.processor.of_one_core);
   out.set_missions_fulfilled(robot.missions_fulfilled);
+  out.set_missed_share(robot.missed.of_all);
   return out;
 }
 

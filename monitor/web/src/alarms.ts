@@ -4,15 +4,16 @@ import {fixed, percent} from './format.ts';
 import {Phase} from './live.js';
 import {asPhase} from './phases.ts';
 
-const lateShare = 0.02;     // of control periods, from which on the robot drives visibly worse
+const lateShare = 0.1;      // of the control periods of a second or two: one that is late now and then is no matter
 const busyShare = 0.8;      // of one core, from which on the agent itself is what takes the time
 const oldStates = 1;        // seconds
 const silence = 1.5;        // seconds; robots that stand speak five times a second
 const longWait = 10;        // seconds
 
+/// Of late.
 export function missedShare({statuses}: Fleet, robot: number): number | undefined {
   const status = statuses[robot];
-  return status && status.periods > 0 ? status.periods_missed / status.periods : undefined;
+  return status && status.periods > 0 ? status.missed_share : undefined;
 }
 
 /// Processor time was lacking: empty if it was not.
@@ -21,7 +22,7 @@ export function whyMissed(fleet: Fleet, robot: number): string {
   if (share < lateShare) return '';
   const used = fleet.statuses[robot]?.processor_share ?? -1;
   const taken = used < 0 ? '' : used > busyShare ? `; it takes a whole core (${percent(used)})` : `; it got ${percent(used)} of a core, other processes had the rest`;
-  return `Late for ${percent(share, 1)} of its control periods, for lack of processor time${taken}. A robot that is late brakes. `
+  return `Late for ${percent(share, 1)} of its last control periods, for lack of processor time${taken}. A robot that is late brakes. `
     + 'Fewer robots on this machine, more processors, or a smaller --time-scale help.';
 }
 

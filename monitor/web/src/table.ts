@@ -40,7 +40,7 @@ const columns: Column[] = [
     text: (f, k) => compact(times(1000, age(f, k)), 0), key: (f, k) => age(f, k) ?? NaN,
   },
   {
-    title: 'Late %', hint: 'control periods that it missed for lack of processor time, %', alarm: whyMissed,
+    title: 'Late %', hint: 'control periods that it missed of late, for lack of processor time, %', alarm: whyMissed,
     text: (f, k) => compact(times(100, missedShare(f, k)), 1), key: (f, k) => missedShare(f, k) ?? NaN,
   },
   {title: 'CPU %', hint: 'of one core, of late, %', text: (f, k) => compact(times(100, share(f, k)), 0), key: (f, k) => share(f, k) ?? NaN},

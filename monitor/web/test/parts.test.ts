@@ -174,7 +174,7 @@ describe('numbers in cells', () => {
 });
 
 describe('figures that alarm', () => {
-  const status = (values: object) => ({statuses: {statuses: [{robot: 0, reason: '', periods: 1000, periods_missed: 0, state_age_p99: 0, rejected: 0, processor_share: 0.1, ...values}]}}) as unknown as ToPage;
+  const status = (values: object) => ({statuses: {statuses: [{robot: 0, reason: '', periods: 1000, missed_share: 0, state_age_p99: 0, rejected: 0, processor_share: 0.1, ...values}]}}) as unknown as ToPage;
   const about = (message: ToPage, at = frame(1, [0])) => {
     const fleet = new Fleet();
     fleet.on({roster: {robots: [robot('a'), robot('b')]}, frame: at} as ToPage);
@@ -183,8 +183,8 @@ describe('figures that alarm', () => {
   };
 
   it('say that processor time is lacking', () => {
-    expect(about(status({periods_missed: 50}))).toContain('for lack of processor time');
-    expect(about(status({periods_missed: 5}))).toBe('');
+    expect(about(status({missed_share: 0.15}))).toContain('for lack of processor time');
+    expect(about(status({missed_share: 0.05}))).toBe('');
   });
 
   it('say what old states mean', () => {

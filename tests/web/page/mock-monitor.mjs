@@ -167,7 +167,7 @@ function statusesAt(fleet, time) {
     driven_length: along(robot, time).driven, path_length: hasPath(robot) ? robot.lengths.at(-1) : 0, nodes_valid: 300 + k, nodes_invalid: 120 + k,
     trees_received: 48, trees_grafted: k % 5, rejected: 0, periods: Math.floor(time * 20), periods_missed: Math.floor(time * 10 * (k % 3) * fleet.late),
     state_age_p50: 0.02 + (k % 4) / 200, state_age_p99: 0.06 + (k % 9) / 100, state_age_max: 0.21, processor_share: 0.02 + (k % 10) / 100,
-    missions_fulfilled: Math.floor(time / 60),
+    missions_fulfilled: Math.floor(time / 60), missed_share: (k % 3) * fleet.late / 2,
   }));
 }
 
