@@ -41,7 +41,9 @@ export function compact(value: number | undefined, digits: number): string {
   return `${(value / divisor).toFixed(0)}${unit}`;
 }
 
-/// The time of the day, as the page's reader has it: 14:03:27.
+/// A time by the clock of the page's reader: 14:03:27, with the date if it was on another day.
 export function timeOfDay(wallSeconds: number): string {
-  return new Date(1000 * wallSeconds).toLocaleTimeString([], {hour12: false});
+  const then = new Date(1000 * wallSeconds);
+  const time = then.toLocaleTimeString([], {hour12: false});
+  return then.toDateString() === new Date().toDateString() ? time : `${then.toLocaleDateString()} ${time}`;
 }
