@@ -421,7 +421,7 @@ TEST_F(PageFeedTest, ARunThatEndsTellsWhoArrivedAndKeepsThem) {
   EXPECT_EQ(fleet.view.figures(fleet.now).arrived, 1u);
 }
 
-TEST_F(PageFeedTest, WhatIsReplayedIsSaidToBe) {
+TEST_F(PageFeedTest, AReplayIsSaidToBeOne) {
   fleet.map();
   fleet.mission("a");
   fleet.state("a", {1, 1});

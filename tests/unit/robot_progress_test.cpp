@@ -38,7 +38,7 @@ TEST(RobotProgress, ThePathsLaterPartIsNotTakenForWhereTheRobotIs) {
   EXPECT_DOUBLE_EQ(*progress.way_left({50, 0.6}), 151.6) << "it was pushed aside, towards the way back";
 }
 
-TEST(RobotProgress, WhoRejoinsThePathFurtherOnHasLessToGo) {
+TEST(RobotProgress, ARobotThatRejoinsItsPathFurtherOnHasLessToGo) {
   RobotProgress progress;
   progress.follow({{0, 0}, {100, 0}});
   progress.on(at(0, {0, 0}));
@@ -67,7 +67,7 @@ TEST(RobotProgress, AWaitIsCountedFromItsBeginningAndAllWaitsTogether) {
   EXPECT_DOUBLE_EQ(progress.waited(21), 5);
 }
 
-TEST(RobotProgress, WhoComesNoNearerMakesNoProgressWhateverItDrives) {
+TEST(RobotProgress, ARobotThatComesNoNearerMakesNoProgressWhateverItDrives) {
   RobotProgress progress;
   progress.begin_mission();
   progress.follow({{0, 0}, {100, 0}});
@@ -82,7 +82,7 @@ TEST(RobotProgress, WhoComesNoNearerMakesNoProgressWhateverItDrives) {
   EXPECT_DOUBLE_EQ(progress.without_progress(33), 1);
 }
 
-TEST(RobotProgress, WhoHasNowhereToGoLacksNoProgress) {
+TEST(RobotProgress, ARobotWithNowhereToGoLacksNoProgress) {
   RobotProgress progress;
   progress.follow({{0, 0}, {1, 0}});
   progress.on(at(1, {0, 0}));

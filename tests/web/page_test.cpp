@@ -45,7 +45,7 @@ struct Page : testing::Test {
     EXPECT_TRUE(test::within(20s, [&] { return !line().empty(); })) << test::contents(path("monitor.log"));
     return line();
   }
-  /// One of the scripts in page/, at the monitor's page.
+  /// Runs a script of page/ at the monitor's page.
   void run_spec(const std::string& script, const std::string& arguments = {}) const {
     const test::Outcome outcome = test::shell(fmt::format("COPPICE_PAGE_URL={} node '{}/page/{}' {} 2>&1",
                                                           url(), web().string(), script, arguments));
