@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "motion/route_finder.h"
+#include "motion/segments.h"
 #include "motion/straightening.h"
 
 namespace coppice {
@@ -14,38 +15,67 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t configurations_a_step = 1000;
+constexpr std::size_t most_anchors = 8;
+constexpr std::size_t vertices_of_anchors = 1'000'000;  // of all their lattices: a second or so
 constexpr std::size_t first_try = 5'000;  // configurations; hardly a search that finds anything needs more
 constexpr std::size_t most_configurations = 100'000;
 // Robots that want to go somewhere: with more, the search for refuges takes long, and hardly finds what LaCAM
 // has not.
 constexpr std::ptrdiff_t intricate = 12;
-constexpr double clinch = 2.2;      // radii between centres, and less
-constexpr double step_aside = 0.5;  // likewise
+constexpr double place_spacing = 0.2;  // radii between points of the lattice that places lie on, or less
+constexpr double clinch = 2.2;         // radii between centres, and less
+constexpr double step_aside = 0.5;     // likewise
 constexpr int directions = 8;
+
+double largest_radius(std::span<const JointTask> tasks) {
+  double largest = 0;
+  for (const JointTask& task : tasks) {
+    if (task.movable) largest = std::max(largest, task.radius);
+  }
+  return largest;
+}
 
 }  // namespace
 
 JointPlanner::JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random)
-    : places_(places), tasks_(std::move(tasks)), random_(random) {
-  const auto first = std::ranges::find_if(tasks_, &JointTask::movable);
-  const bool one_size = first != tasks_.end() && std::ranges::all_of(tasks_, [&](const JointTask& t) {
-                          return !t.movable || t.radius == first->radius;
-                        });
-  if (one_size) set_up_crowd({});
+    : places_(places),
+      tasks_(std::move(tasks)),
+      radius_(largest_radius(tasks_)),
+      spacing_(place_spacing * radius_),
+      random_(random) {
+  if (has_room_for_the_largest()) set_up_crowd({});
+}
+
+/// Whether all robots, were they as large as the largest, would have room where they are and where they are
+/// to be: a plan for such robots is one for them.
+bool JointPlanner::has_room_for_the_largest() const {
+  const double touching = 2 * radius_ + standing_gap;
+  std::vector<JointTask> movable;
+  std::ranges::copy_if(tasks_, std::back_inserter(movable), &JointTask::movable);
+  if (movable.empty()) return false;
+  if (std::ranges::all_of(movable, [&](const JointTask& task) { return task.radius == radius_; }))
+    return true;
+  const auto fits = [&](const Point2& p) { return places_.field().is_free(p, radius_); };
+  return std::ranges::all_of(movable, [&](const JointTask& task) {
+    return fits(task.position) && (!task.goal || fits(*task.goal)) &&
+           std::ranges::none_of(movable, [&](const JointTask& other) {
+             return &other != &task &&
+                    ((other.position - task.position).norm() < touching ||
+                     (other.goal && task.goal && (*other.goal - *task.goal).norm() < touching));
+           });
+  });
 }
 
 /// Places for everybody, and what each wants: to its goal, or to give way if it could not even get there
 /// alone.
 void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
-  const double radius = std::ranges::find_if(tasks_, &JointTask::movable)->radius;
-  PackedPlaces& packed = places_.packed(radius);
   crowd_.reset();
   shut_in_.clear();
   movable_.clear();
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
-    const auto place = static_cast<Place>(packed.size()) + static_cast<Place>(known - ends.begin());
+    const auto place = static_cast<Place>(packed().size()) + static_cast<Place>(known - ends.begin());
     if (known == ends.end()) ends.push_back(p);
     return place;
   };
@@ -62,15 +92,22 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
     crowd.push_back({start, task.goal ? std::optional(place_of(*task.goal)) : std::nullopt});
   }
   for (const Point2& p : elbow_room) place_of(p);
-  graph_ = packed.with(ends, dead);
+  graph_ = packed().with(ends, dead);
   crowd_.emplace(graph_, std::move(crowd), random_);
   for (const std::uint32_t k : crowd_->shut_in()) {
     const JointTask& task = tasks_[movable_[k]];
-    const bool missed =
-        !coarsest_route(places_.field(), radius, task.position, *task.goal, dead, 1).path.empty();
-    if (missed) return crowd_.reset();  // there is a way, but not over these places
+    const SpacedRoute missed = coarsest_route(places_.field(), radius_, task.position, *task.goal, dead, 1);
+    if (!missed.path.empty()) return use_finer_places(missed.share * usual_spacing(radius_), elbow_room);
     shut_in_.push_back(movable_[k]);
   }
+}
+
+/// There is a way, but not over these places.
+void JointPlanner::use_finer_places(double spacing, std::span<const Point2> elbow_room) {
+  crowd_.reset();
+  if (spacing >= spacing_) return;
+  spacing_ = spacing;
+  set_up_crowd(elbow_room);
 }
 
 bool JointPlanner::in_a_clinch(const JointTask& task) const {
@@ -96,7 +133,34 @@ std::vector<Point2> JointPlanner::elbow_room() const {
   return result;
 }
 
+/// Where those began that did not get to their goals.
+std::vector<Point2> JointPlanner::under_way() const {
+  std::vector<Point2> centres;
+  for (const std::uint32_t k : crowd_->under_way()) centres.push_back(tasks_[movable_[k]].position);
+  return centres;
+}
+
+void JointPlanner::set_up_few(std::span<const Point2> centres) {
+  std::vector<JointTask> robots;
+  std::vector<Disc> obstacles;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (!tasks_[i].movable) {
+      obstacles.push_back({tasks_[i].position, tasks_[i].radius});
+      continue;
+    }
+    robots.push_back(tasks_[i]);
+    if (std::ranges::find(shut_in_, i) != shut_in_.end()) robots.back().goal.reset();
+  }
+  std::vector<Point2> anchors = packed().ends(centres);
+  anchors.resize(
+      std::min(anchors.size(),
+               std::clamp<std::size_t>(vertices_of_anchors / packed().lattice_size(), 1, most_anchors)));
+  few_ = std::make_unique<FewRobots>(places_.field(), radius_, spacing_, std::move(robots),
+                                     std::move(obstacles), std::move(anchors));
+}
+
 bool JointPlanner::step() {
+  if (few_) return search_few();
   if (crowd_) return search_crowd();
   if (second_try_ && !dismantled_) return dismantle();
   if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
@@ -120,6 +184,15 @@ bool JointPlanner::dismantle() {
   return is_best && take_up(*std::move(plan));
 }
 
+bool JointPlanner::search_few() {
+  if (!few_->step()) return false;
+  const auto few = std::exchange(few_, nullptr);
+  if (!few->moves()) return false;
+  JointPlan plan{.moves = {}, .stranded = shut_in_};
+  for (const Move& move : *few->moves()) plan.moves.push_back({movable_[move.robot], move.path});
+  return take_up(std::move(plan));
+}
+
 bool JointPlanner::search_crowd() {
   const Lacam::Outcome outcome = crowd_->search(configurations_a_step);
   configurations_ += configurations_a_step;
@@ -128,8 +201,10 @@ bool JointPlanner::search_crowd() {
   const bool tries_again = (ended || configurations_ >= first_try) && !std::exchange(second_try_, true);
   std::vector<Point2> room;
   if (tries_again) {
+    const std::vector<Point2> centres = under_way();
     room = elbow_room();
-    std::ranges::copy(places_.packed(tasks_[movable_.front()].radius).sidings(), std::back_inserter(room));
+    std::ranges::copy(packed().stacked(centres), std::back_inserter(room));
+    if (movable_.size() <= FewRobots::most) set_up_few(centres);
   }
   const bool gives_up = !room.empty() || ended || configurations_ >= most_configurations;
   if (!gives_up) return false;
@@ -140,11 +215,16 @@ bool JointPlanner::search_crowd() {
   return false;
 }
 
+std::vector<Move> JointPlanner::moves_of(std::span<const PlaceMove> moves) const {
+  std::vector<Move> result;
+  for (const PlaceMove& move : moves)
+    result.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
+  return result;
+}
+
 /// Of a crowd that was not sorted out, the moves to where the fewest are under way.
 JointPlan JointPlanner::best_of_crowd() const {
-  JointPlan plan{.moves = {}, .stranded = shut_in_};
-  for (const PlaceMove& move : crowd_->moves())
-    plan.moves.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
+  JointPlan plan{.moves = moves_of(crowd_->moves()), .stranded = shut_in_};
   for (const std::uint32_t k : crowd_->left_over()) plan.stranded.push_back(movable_[k]);
   return plan;
 }

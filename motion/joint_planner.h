@@ -1,11 +1,17 @@
-// Looks for a joint plan (joint_plan.h): for robots of one size by LaCAM on places (lacam.h), which sorts out
-// crowds at once. Where that finds nothing in bounded time, robots may stand in a clinch: side by side, so
-// that neither can take a way to another place without touching the other. So it has a second try on more
-// places: a step away from robots that did not get away, and sidings. Where that finds nothing either the
-// crowd is taken apart and put together again (dismantling.h). Where even that cannot be done it is the
-// slower search for refuges (push_and_rotate.h), unless too many want to go somewhere: then it is what brings
-// the most robots to their goals, and the others call again from where they stand then. For robots of several
-// sizes the search for refuges comes first, and what it does not sort out is taken apart.
+// Looks for a joint plan (joint_plan.h), by one method after the other:
+// 1. LaCAM on packed places (lacam.h, places.h) sorts out crowds at once.
+// 2. Four robots or fewer: weighted A* on packings that follow the passages (few_robots.h).
+// 3. LaCAM on more places. Robots may stand in a clinch, side by side, so that neither can take a way to
+// another
+//    place without touching the other. So there are places a step away from robots that did not get away, and
+//    one behind the other from the ends of passages.
+// 4. The crowd is taken apart and put together again (dismantling.h).
+// 5. The slower search for refuges (push_and_rotate.h). Where many want to go somewhere, what brought the
+// most
+//    robots to their goals is taken instead, and the others call again from where they stand then.
+//
+// Robots of several sizes are planned for as if all were the largest. Where they have no room for that, the
+// search for refuges comes first, and what it does not sort out is taken apart.
 //
 // Metres in the map frame.
 #pragma once
@@ -17,6 +23,7 @@
 #include <vector>
 
 #include "motion/dismantling.h"
+#include "motion/few_robots.h"
 #include "motion/joint_plan.h"
 #include "motion/lacam.h"
 #include "motion/places.h"
@@ -41,19 +48,29 @@ class JointPlanner {
 
  private:
   void set_up_crowd(std::span<const Point2> elbow_room);
+  void use_finer_places(double spacing, std::span<const Point2> elbow_room);
+  PackedPlaces& packed() { return places_.packed(radius_, spacing_); }
+  bool has_room_for_the_largest() const;
   bool dismantle();
+  bool search_few();
   bool search_crowd();
   bool in_a_clinch(const JointTask& task) const;
   std::vector<Point2> elbow_room() const;
+  void set_up_few(std::span<const Point2> centres);
+  std::vector<Point2> under_way() const;
+  std::vector<Move> moves_of(std::span<const PlaceMove> moves) const;
   JointPlan best_of_crowd() const;
   bool take_up(JointPlan plan);
 
   PlacesOfMap& places_;
   std::vector<JointTask> tasks_;
+  double radius_;   ///< of the largest robot
+  double spacing_;  ///< of the lattice that places lie on
   Random random_;
   PlaceGraph graph_{};
   std::vector<std::size_t> movable_;  ///< the robots of `crowd_`
   std::optional<Lacam> crowd_;
+  std::unique_ptr<FewRobots> few_;
   std::size_t configurations_ = 0;
   bool second_try_ = false;
   std::unique_ptr<Dismantling> dismantling_;

@@ -22,21 +22,10 @@
 
 #include "motion/cost_to_go.h"
 #include "motion/place_graph.h"
+#include "motion/place_task.h"
 #include "planning/random.h"
 
 namespace coppice {
-
-struct PlaceTask {
-  Place start = 0;
-  std::optional<Place> goal{};  ///< none: anywhere
-};
-
-/// A robot takes one of the edges that lead from a place.
-struct PlaceMove {
-  std::uint32_t robot;
-  Place from;
-  std::uint32_t edge;
-};
 
 class Lacam {
  public:

@@ -1,12 +1,15 @@
 #include "motion/places.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <queue>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "motion/free_way.h"
@@ -17,12 +20,15 @@ namespace coppice {
 
 namespace {
 
-constexpr double place_spacing = 0.2;  // radii between points of the lattice that places lie on
 constexpr double comfort = 0.1;        // radii between robots on packed places, beyond touching
 constexpr double reach_of_more = 1.8;  // of what other places are linked to in a straight line, likewise in
                                        // distances between packed places
 constexpr double detour_for_comfort = 1.5;  // that a way round a corner is worth that does not touch it
 constexpr double rounding = 1e-9;           // metres
+constexpr double around_crowd = 16;         // radii within which a crowd may make use of other places
+constexpr double stack_reach = 12;          // radii from the end of a passage, along it
+constexpr double same_place = 0.02;         // radii
+constexpr std::size_t most_stacked = 100;   // points a robot
 
 using Edge = PlaceGraph::Edge;
 
@@ -73,6 +79,78 @@ Edge edge_along(Place to, Path path, Add&& add) {
   return edge;
 }
 
+/// Passages too narrow for three robots side by side: the free space that no free disc of three radii covers.
+class NarrowPassages {
+ public:
+  using Vertex = Lattice::Vertex;
+
+  NarrowPassages(const ClearanceField& field, double radius, double spacing)
+      : field_(field), lattice_(field, radius, spacing), wide_(wide_radii * radius) {}
+
+  /// Vertices within `reach` of a centre where passages end or bend: they have no two free edges in opposite
+  /// directions.
+  std::vector<Vertex> ends(const Point2& centre, double reach) {
+    std::vector<Vertex> ends;
+    lattice_.for_each_near(centre, centre, reach, [&](Vertex v) {
+      if (!lattice_.vertex_free(v) || !seen_.insert(v).second) return;
+      std::bitset<8> directions;
+      for_each_neighbour(v, [&](Vertex w, double) { directions.set(lattice_.direction(v, w)); });
+      if ((directions & directions >> 4).none() && is_narrow(v)) ends.push_back(v);
+    });
+    return ends;
+  }
+
+  /// Points `apart` from each other, each the next along the passages from `end`, up to `reach` metres from
+  /// it.
+  std::vector<Point2> stack_from(Vertex end, double apart, double reach) {
+    using Entry = std::pair<double, Vertex>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    std::unordered_map<Vertex, double> distance{{end, 0}};
+    open.emplace(0, end);
+    std::vector<Point2> stack;
+    while (!open.empty()) {
+      const auto [here, v] = open.top();
+      open.pop();
+      if (here > distance.at(v) || !is_narrow(v)) continue;
+      const Point2 p = lattice_.at(v);
+      if (std::ranges::all_of(stack, [&](const Point2& q) { return (p - q).norm() >= apart; }))
+        stack.push_back(p);
+      for_each_neighbour(v, [&](Vertex w, double metres) {
+        const auto [known, fresh] = distance.try_emplace(w, here + metres);
+        if (here + metres > reach || (!fresh && known->second <= here + metres)) return;
+        known->second = here + metres;
+        open.emplace(here + metres, w);
+      });
+    }
+    return stack;
+  }
+
+ private:
+  static constexpr double wide_radii = 3;
+
+  template <class Fn>
+  void for_each_neighbour(Vertex v, Fn&& fn) {
+    lattice_.for_each_neighbour(
+        v, [](Vertex) { return true; }, std::forward<Fn>(fn));
+  }
+
+  bool is_narrow(Vertex v) {
+    const auto [known, fresh] = narrow_.try_emplace(v, true);
+    if (!fresh) return known->second;
+    bool narrow = true;
+    const Point2 p = lattice_.at(v);
+    lattice_.for_each_near(p, p, wide_,
+                           [&](Vertex w) { narrow = narrow && field_.lower_bound(lattice_.at(w)) < wide_; });
+    return narrow_[v] = narrow;
+  }
+
+  const ClearanceField& field_;
+  Lattice lattice_;
+  double wide_;  ///< metres
+  std::unordered_set<Vertex> seen_{};
+  std::unordered_map<Vertex, bool> narrow_{};
+};
+
 /// An edge there and one back.
 template <class Add>
 void add_edges(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
@@ -83,16 +161,17 @@ void add_edges(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
 
 }  // namespace
 
-PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double spacing)
+PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double spacing,
+                           const std::optional<Point2>& anchor)
     : field_(field),
       radius_(radius),
       touching_(2 * radius + standing_gap),
-      apart_(touching_ + comfort * radius),
+      apart_(anchor ? touching_ : touching_ + comfort * radius),
       reach_(reach_of_more * apart_),
       lattice_(field, radius, spacing),
       grid_(field.bounds(), reach_),
       points_of_ways_(field.bounds(), reach_) {
-  pack();
+  pack(anchor ? from(*anchor) : in_layers());
   grow_cells();
   link(crossings());
   lattice_.forget();
@@ -119,9 +198,36 @@ std::vector<Lattice::Vertex> PackedPlaces::in_layers() {
   return order;
 }
 
-void PackedPlaces::pack() {
+/// The free vertices by the length of the way from the anchor to them, as far as there is one.
+std::vector<Lattice::Vertex> PackedPlaces::from(const Point2& anchor) {
+  using Entry = std::pair<double, Lattice::Vertex>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  std::vector<double> distance(lattice_.size(), std::numeric_limits<double>::infinity());
+  const auto reach = [&](Lattice::Vertex v, double metres) {
+    if (distance[v] <= metres) return;
+    distance[v] = metres;
+    open.emplace(metres, v);
+  };
+  lattice_.for_each_around(anchor, Lattice::usual_reach, [&](Lattice::Vertex v) {
+    if (lattice_.vertex_free(v) && way_free(field_, anchor, lattice_.at(v), radius_))
+      reach(v, (lattice_.at(v) - anchor).norm());
+  });
+  std::vector<Lattice::Vertex> order;
+  while (!open.empty()) {
+    const auto [least, v] = open.top();
+    open.pop();
+    if (least > distance[v]) continue;
+    order.push_back(v);
+    lattice_.for_each_neighbour(
+        v, [](Lattice::Vertex) { return true; },
+        [&](Lattice::Vertex w, double metres) { reach(w, least + metres); });
+  }
+  return order;
+}
+
+void PackedPlaces::pack(std::span<const Lattice::Vertex> order) {
   NeighbourGrid<2> grid(field_.bounds(), apart_);
-  for (const Lattice::Vertex v : in_layers()) {
+  for (const Lattice::Vertex v : order) {
     const Point2 p = lattice_.at(v);
     bool taken = false;
     grid.for_each_near(p, [&](NodeId, const Point2& q) {
@@ -351,50 +457,46 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
   return graph;
 }
 
-/// By the place: whether a robot there is near an edge of others.
-std::vector<bool> PackedPlaces::in_the_way() const {
-  std::vector<bool> result(size(), false);
-  for (Place from = 0; from < size(); ++from) {
-    for (const Edge& edge : packed_.edges(from)) {
-      for (const Place near : edge.near) {
-        if (near != edge.to && near != from) result[near] = true;
+std::vector<Point2> PackedPlaces::ends(std::span<const Point2> centres) const {
+  NarrowPassages passages(field_, radius_, lattice_.spacing());
+  std::vector<Point2> result;
+  for (const Point2& centre : centres) {
+    for (const Lattice::Vertex end : passages.ends(centre, around_crowd * radius_))
+      result.push_back(lattice_.at(end));
+  }
+  const auto to_nearest_centre = [&](const Point2& p) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Point2& centre : centres) least = std::min(least, (p - centre).norm());
+    return least;
+  };
+  std::ranges::stable_sort(result, std::less{}, to_nearest_centre);
+  return result;
+}
+
+std::vector<Point2> PackedPlaces::stacked(std::span<const Point2> centres) const {
+  NarrowPassages passages(field_, radius_, lattice_.spacing());
+  NeighbourGrid<2> known(field_.bounds(), touching_);
+  for (Place place = 0; place < size(); ++place) known.insert(packed_.at(place));
+  const auto is_new = [&](const Point2& p) {
+    bool fresh = true;
+    known.for_each_near(p, [&](NodeId, const Point2& q) { fresh &= (p - q).norm() > same_place * radius_; });
+    return fresh;
+  };
+  std::vector<Point2> result;
+  for (const Point2& centre : centres) {
+    for (const Lattice::Vertex end : passages.ends(centre, around_crowd * radius_)) {
+      for (const Point2& p : passages.stack_from(end, touching_, stack_reach * radius_)) {
+        if (!is_new(p) || result.size() >= most_stacked * centres.size()) continue;
+        known.insert(p);
+        result.push_back(p);
       }
     }
   }
   return result;
 }
 
-/// Whether a robot at `p` is near no edge but those of `place`.
-bool PackedPlaces::is_siding(const Point2& p, Place place) const {
-  const Nearness is_near{touching_, apart_};
-  bool clear = true;
-  for_each_way_near(p, apart_, [&](Place a, Place b) {
-    if (!clear || a == place || b == place) return;
-    clear = !is_near(p, *std::ranges::find(packed_.edges(a), b, &Edge::to));
-  });
-  return clear;
-}
-
-const std::vector<Point2>& PackedPlaces::sidings() {
-  if (sidings_) return *sidings_;
-  const std::vector<bool> blocks = in_the_way();
-  std::map<Place, std::pair<float, Point2>> nearest;
-  for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
-    if (towards_[v] == nowhere_to) continue;
-    const Place place = cell(v);
-    if (!blocks[place]) continue;
-    const float cost = cost_to_its_place(v);
-    const auto known = nearest.find(place);
-    if (known != nearest.end() && known->second.first <= cost) continue;
-    if (is_siding(lattice_.at(v), place)) nearest.insert_or_assign(place, std::pair(cost, lattice_.at(v)));
-  }
-  sidings_.emplace();
-  for (const auto& [place, siding] : nearest) sidings_->push_back(siding.second);
-  return *sidings_;
-}
-
-PackedPlaces& PlacesOfMap::packed(double radius) {
-  return by_radius_.try_emplace(radius, field_, radius, place_spacing * radius).first->second;
+PackedPlaces& PlacesOfMap::packed(double radius, double spacing) {
+  return packed_.try_emplace({radius, spacing}, field_, radius, spacing).first->second;
 }
 
 }  // namespace coppice

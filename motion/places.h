@@ -29,19 +29,25 @@ namespace coppice {
 
 class PackedPlaces {
  public:
-  /// `field` outlives it. Places lie on a lattice of `spacing` or a little less.
-  PackedPlaces(const ClearanceField& field, double radius, double spacing);
+  /// `field` outlives it. Places lie on a lattice of `spacing` or a little less. Packing begins along the
+  /// walls and leaves some room between robots. With an `anchor` it goes from there along the passages, as
+  /// close as can be.
+  PackedPlaces(const ClearanceField& field, double radius, double spacing,
+               const std::optional<Point2>& anchor = std::nullopt);
 
   /// The packed places, of which there are size(), and `more`, which differ from each other; each of those is
   /// linked to what is around it. What leads past `obstacles`, which stand for ever, is left out. The graph
   /// stands on this one's.
   PlaceGraph with(std::span<const Point2> more, std::span<const Disc> obstacles);
   std::size_t size() const { return packed_.size(); }
+  std::size_t lattice_size() const { return lattice_.size(); }
 
-  /// Sidings, in the cells of places at which a robot is in the way of those that pass by: where it is not.
-  /// Looked for when they are first asked for: packing looks for room, and a short branch of a corridor may
-  /// get its place in the mouth.
-  const std::vector<Point2>& sidings();
+  /// Where passages around the `centres` end or bend, nearest first.
+  std::vector<Point2> ends(std::span<const Point2> centres) const;
+  /// Places that packing has missed around the `centres`: robots stand there one behind the other from the
+  /// ends and corners of passages on. In a passage one robot wide it matters where they stand: packing fills
+  /// it from any point, and a short branch may get its place in the mouth.
+  std::vector<Point2> stacked(std::span<const Point2> centres) const;
 
  private:
   static constexpr Place nowhere = ~Place{0};
@@ -55,7 +61,8 @@ class PackedPlaces {
   static constexpr Lattice::Direction nowhere_to = 9;             ///< no place can be reached
 
   std::vector<Lattice::Vertex> in_layers();
-  void pack();
+  std::vector<Lattice::Vertex> from(const Point2& anchor);
+  void pack(std::span<const Lattice::Vertex> order);
   void grow_cells();
   Place cell(Lattice::Vertex v) const;
   std::vector<Place> cells() const;
@@ -66,8 +73,6 @@ class PackedPlaces {
   void for_each_way_near(const Point2& p, double distance, Fn&& fn) const;
   bool passes(std::span<const Disc> obstacles, const Path& path) const;
   void leave_out(std::span<const Disc> obstacles, PlaceGraph& graph) const;
-  std::vector<bool> in_the_way() const;
-  bool is_siding(const Point2& p, Place place) const;
   double cost(Lattice::Vertex v, double metres) const;
   float cost_to_its_place(Lattice::Vertex v) const;
   Path way_to_its_place(Lattice::Vertex v) const;
@@ -85,7 +90,6 @@ class PackedPlaces {
   NeighbourGrid<2> grid_;                      ///< of the places
   NeighbourGrid<2> points_of_ways_;            ///< the points that each edge's path is sampled at
   std::vector<std::pair<Place, Place>> ways_;  ///< by such a point: the ends of the edge, the smaller first
-  std::optional<std::vector<Point2>> sidings_{};
 };
 
 /// The places of a map, packed when they are first asked for: that takes as long as many a joint plan.
@@ -95,11 +99,12 @@ class PlacesOfMap {
   explicit PlacesOfMap(const ClearanceField& field) : field_(field) {}
 
   const ClearanceField& field() const { return field_; }
-  PackedPlaces& packed(double radius);
+  /// For robots of `radius`, on a lattice of `spacing` (metres).
+  PackedPlaces& packed(double radius, double spacing);
 
  private:
   const ClearanceField& field_;
-  std::map<double, PackedPlaces> by_radius_;
+  std::map<std::pair<double, double>, PackedPlaces> packed_;  ///< by radius and spacing
 };
 
 }  // namespace coppice

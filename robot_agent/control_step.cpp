@@ -342,7 +342,8 @@ void RobotAgent::watch_arrival(double fleet_now) {
   if (fleet_.turns_for_the_better() != turns_for_the_better_ || others_go_elsewhere) hope_anew();
   const bool may_become_better = fleet_.doubts(body_->position(), everywhere);
   if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain && !may_become_better)
-    return give_up("held up for good: no joint plan has moved it");
+    return give_up(fmt::format("a way past the others was not found within {} joint plans from this place",
+                               most_calls_in_vain));
   if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
     const bool is_there =
@@ -356,7 +357,8 @@ void RobotAgent::watch_arrival(double fleet_now) {
   } else if (knot_.stranded() && !may_become_better && fleet_.all_free(body_->position(), everywhere)) {
     // Where the others are now, another attempt may succeed.
     if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
-    give_up("the robots cannot be sorted out: no order of moves brings this one to its goal");
+    give_up(fmt::format("a joint plan that brings this robot to its goal was not found within {} attempts",
+                        most_times_stranded));
   }
 }
 

@@ -107,7 +107,7 @@ TEST(Coordination, GoalsGoOnForALifelongFleet) {
 }
 
 // Head-on in a corridor without a pocket: within a bounded time they are told that there is no way.
-TEST(Coordination, WhatCannotBeSortedOutIsTold) {
+TEST(Coordination, AJointPlanThatIsNotFoundIsTold) {
   Scenario scenario;
   scenario.map = {.width = 240, .height = 34, .blocked = std::vector<std::uint8_t>(240 * 34, 1)};
   for (int j = 10; j < 24; ++j) {
@@ -125,7 +125,7 @@ TEST(Coordination, WhatCannotBeSortedOutIsTold) {
   EXPECT_LT(ended, 120);
   EXPECT_GE(report.least_separation(), 0);
   for (const auto& robot : report.robots())
-    EXPECT_NE(robot.reason().find("cannot be sorted out"), std::string::npos) << robot.reason();
+    EXPECT_NE(robot.reason().find("was not found within"), std::string::npos) << robot.reason();
 }
 
 TEST(Coordination, UnknownKindsAndTooManyRobotsAreErrors) {
