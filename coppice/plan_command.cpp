@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <iostream>
@@ -11,6 +12,7 @@
 #include "planning/line_of_sight.h"
 #include "planning/rrt_star.h"
 #include "planning/suggestions.h"
+#include "planning/voronoi_roadmap.h"
 
 namespace coppice {
 
@@ -19,6 +21,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t samples_between_questions = 256;
+// A tree that has not come to the goal by then may never do so: worth a search of all passages.
+constexpr std::uint64_t least_doubt = 1'000'000;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -80,12 +84,20 @@ Plans plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Ra
   const auto begin = Clock::now();
   RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, suggested_epsilon(field, p.radius),
                                   random);
-  for (std::uint64_t k = 1; planner.step() && (k % samples_between_questions != 0 || !out_of_time()); ++k) {
-  }
+  const std::uint64_t doubt = std::max<std::uint64_t>(least_doubt, field.frame().cells());
+  std::uint64_t samples = 1;
+  while (samples < doubt && planner.step() && (samples % samples_between_questions != 0 || !out_of_time()))
+    ++samples;
+  Path path = planner.path();
+  if (path.empty() && samples >= doubt)
+    path = VoronoiRoadmap(field).way(p.start, p.goal, p.radius).value_or(Path());
   Plans plans;
   Plans::Robot& robot = plans.robots.emplace_back();
-  robot.path = optimise_line_of_sight(field, planner.path(), p.radius);
-  if (robot.path.empty()) robot.reason = "no path found before the time was over";
+  robot.path = optimise_line_of_sight(field, path, p.radius);
+  if (robot.path.empty()) {
+    robot.reason = samples >= doubt ? "no path: the goal cannot be reached from the start with this radius"
+                                    : "no path found before the time was over";
+  }
   robot.counts = {planner.valid(), planner.invalid()};
   robot.solved_after = plans.plan_time = seconds_since(begin);
   return plans;

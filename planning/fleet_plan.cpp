@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
-#include "planning/reachability.h"
 #include "planning/suggestions.h"
+#include "planning/voronoi_roadmap.h"
 
 namespace coppice {
 
 namespace {
 
 constexpr int iterations_a_search = 256;
-// A search in which nobody has succeeded for so long may have no end: worth a flood fill for each robot,
-// whose time is in proportion to the map.
+// A search in which no robot has succeeded for so long may have no end: worth a search of all passages, whose
+// time is in proportion to the map.
 constexpr std::uint64_t least_doubt = 200'000;
 constexpr std::uint64_t cells_an_iteration = 8;
 
@@ -39,7 +39,8 @@ FleetPlanner::FleetPlanner(const ClearanceField& field, std::span<const Planning
 }
 
 bool FleetPlanner::solved(std::size_t robot) const {
-  return !robots_[robot].group || planner_->solved(*robots_[robot].group);
+  const Robot& r = robots_[robot];
+  return !r.group || !r.through.empty() || planner_->solved(*r.group);
 }
 
 bool FleetPlanner::search() {
@@ -51,18 +52,22 @@ bool FleetPlanner::search() {
   fruitless_ = planner_->open_groups() < open_before ? 0 : fruitless_ + iterations_a_search;
   const std::uint64_t doubt =
       std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
-  if (fruitless_ >= doubt && !std::exchange(doubted_, true)) give_up_unreachable();
+  if (fruitless_ >= doubt) settle_by_roadmap();
   return planner_->open_groups() > 0;
 }
 
-/// Closes the groups whose goal provably cannot be reached.
-void FleetPlanner::give_up_unreachable() {
+/// Closes the groups that are open: each has a way through a narrow passage, or none at all.
+void FleetPlanner::settle_by_roadmap() {
+  const VoronoiRoadmap roadmap(field_);
   for (Robot& robot : robots_) {
     const PlanningProblem& p = robot.problem;
     if (!robot.group || !planner_->is_open(*robot.group)) continue;
-    if (!provably_unreachable(field_, p.start, p.goal, p.radius)) continue;
     planner_->close(*robot.group);
-    robot.unreachable = true;
+    if (auto way = roadmap.way(p.start, p.goal, p.radius)) {
+      robot.through = std::move(*way);
+    } else {
+      robot.unreachable = true;
+    }
   }
 }
 
@@ -71,8 +76,9 @@ void FleetPlanner::take_first_paths() {
   improver_.emplace(field_, epsilon_, random_);
   std::vector<Path> paths = planner_->paths();
   for (Robot& robot : robots_) {
-    if (robot.group && planner_->solved(*robot.group))
-      robot.improved = improver_->add_robot(std::move(paths[*robot.group]), robot.problem.radius);
+    if (!robot.group) continue;
+    Path& found = robot.through.empty() ? paths[*robot.group] : robot.through;
+    if (!found.empty()) robot.improved = improver_->add_robot(std::move(found), robot.problem.radius);
   }
   improver_->add_places(planner_->trees());
 }

@@ -67,10 +67,11 @@ class FleetPlanner {
     std::optional<GroupIndex> group;  ///< none: the straight line is its path
     bool unreachable = false;
     Path straight;
+    Path through;                         ///< narrow passages, where sampling found no way
     std::optional<std::size_t> improved;  ///< its number in the improver; none: straight, or no path
   };
 
-  void give_up_unreachable();
+  void settle_by_roadmap();
 
   const ClearanceField& field_;
   double epsilon_ = 0;
@@ -78,7 +79,6 @@ class FleetPlanner {
   std::vector<Robot> robots_;
   std::optional<MaRrdtStar<ClearanceField>> planner_;  ///< for those whose straight line is not free
   std::uint64_t fruitless_ = 0;                        ///< iterations since somebody succeeded
-  bool doubted_ = false;
   std::optional<PathImprover<ClearanceField>> improver_;
 };
 

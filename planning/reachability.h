@@ -1,5 +1,4 @@
-// Where a disc can go: whether a way from start to goal can exist at all, the proof that a sampling planner
-// cannot give; and the places that it surely reaches, from which starts and goals are drawn.
+// Where a disc can go: the places that it surely reaches, from which starts and goals are drawn.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +8,6 @@
 #include "planning/clearance_field.h"
 
 namespace coppice {
-
-/// True only if no path of a disc of `radius` leads from `start` to `goal`: a flood fill of all square
-/// patches in which the disc might fit somewhere, from the start's, does not come to the goal's. Patches are
-/// a quarter of a cell wide, so that a passage is seen to be closed where it is narrower than 2 radius by
-/// more than about a third of a cell. Time linear in the patches that are reached.
-bool provably_unreachable(const ClearanceField& field, const Point2& start, const Point2& goal,
-                          double radius);
 
 /// The part of a map that a disc can move in without leaving it.
 ///

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "bus/tree_message.h"
-#include "planning/reachability.h"
 #include "planning/suggestions.h"
+#include "planning/voronoi_roadmap.h"
 
 namespace coppice {
 
@@ -16,12 +16,10 @@ constexpr double pause_between_steps = 0.0005;  // seconds; about what a tree ne
 // No tree for so many steps: there is no broker, or it has nothing for this robot.
 constexpr int patience = 40;
 constexpr int iterations_alone = 300;
-// A search that has not ended by then may have no end: worth a flood fill, whose time is in proportion to the
-// map.
+// A search that has not ended by then may have no end: worth a search of all passages, whose time is in
+// proportion to the map.
 constexpr std::uint64_t least_doubt = 20'000;
 constexpr std::uint64_t cells_an_iteration = 8;
-// With no proof either way: more than a hundred times what the hardest of the tried maps needed.
-constexpr std::uint64_t most_iterations = 20'000'000;
 
 }  // namespace
 
@@ -58,13 +56,11 @@ std::optional<PathFinder::Result> PathFinder::step() {
   if (solved()) return take_first_path(rrt_star_ ? rrt_star_->path() : planner_.path(group_));
   const std::uint64_t doubt =
       std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
-  if (iterations_ >= doubt && !known_.empty()) return take_first_path(std::move(known_));
-  if (iterations_ >= doubt && !std::exchange(reachability_checked_, true) &&
-      provably_unreachable(field_, start_, mission_.goal, mission_.radius)) {
-    return NoPath{"no path: the goal cannot be reached from the start with this radius"};
-  }
-  if (iterations_ >= most_iterations) return NoPath{"no path found: the limit of iterations is reached"};
-  return std::nullopt;
+  if (iterations_ < doubt) return std::nullopt;
+  if (!known_.empty()) return take_first_path(std::move(known_));
+  if (auto way = VoronoiRoadmap(field_).way(start_, mission_.goal, mission_.radius))
+    return take_first_path(std::move(*way));
+  return NoPath{"no path: the goal cannot be reached from the start with this radius"};
 }
 
 bool PathFinder::grow() {

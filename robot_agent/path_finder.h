@@ -17,7 +17,7 @@
 
 namespace coppice {
 
-/// No path: proved, or given up at a limit.
+/// It is proved that there is no path.
 struct NoPath {
   std::string reason;
 };
@@ -34,7 +34,7 @@ class PathFinder {
 
   void take(const InactiveTreeMessage& tree);
 
-  /// A bounded amount of growing. The result, once there is one.
+  /// A bounded amount of growing, and at last a search of all passages. The result, once there is one.
   std::optional<Result> step();
 
   /// Whether the first path has been pulled taut already; pulls it taut.
@@ -73,7 +73,6 @@ class PathFinder {
   GroupIndex group_ = 0;
   std::uint64_t iterations_ = 0;
   int steps_without_news_ = 0;
-  bool reachability_checked_ = false;
   std::uint32_t sent_ = 0;
   std::map<NodeId, std::int32_t> sent_index_;
 };

@@ -6,7 +6,6 @@
 
 #include "planning/clearance_field.h"
 #include "planning/line_of_sight.h"
-#include "planning/reachability.h"
 
 namespace coppice {
 namespace {
@@ -244,19 +243,6 @@ TEST(MaRrdtStar, PlansInThreeDimensions) {
       for (std::size_t i = 1; i < path.size(); ++i) EXPECT_TRUE(world.segment_free(path[i - 1], path[i], 3));
     }
   }
-}
-
-TEST(Reachability, ProvesThatAWallIsClosed) {
-  const ClearanceField closed(picture({"..#..", "..#..", "..#.."}, 10));
-  EXPECT_TRUE(provably_unreachable(closed, {5, 15}, {45, 15}, 2));
-  EXPECT_FALSE(provably_unreachable(closed, {5, 5}, {15, 25}, 2));
-}
-
-TEST(Reachability, ProvesThatADoorIsTooNarrow) {
-  const ClearanceField field(picture({"..#..", ".....", "..#.."}, 10));
-  EXPECT_FALSE(provably_unreachable(field, {5, 5}, {45, 5}, 4.9));
-  EXPECT_FALSE(provably_unreachable(field, {5, 5}, {45, 5}, 5.0));
-  EXPECT_TRUE(provably_unreachable(field, {5, 5}, {45, 5}, 5.3));
 }
 
 }  // namespace
