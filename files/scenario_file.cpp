@@ -11,6 +11,7 @@
 #include <google/protobuf/util/json_util.h>
 
 #include "files/input_error.h"
+#include "files/json_file.h"
 #include "files/map_file.h"
 #include "files/text_file.h"
 #include "planning/clearance_field.h"
@@ -45,40 +46,10 @@ std::optional<double> optional_field(bool there, const Message& value) {
   return there ? std::optional<double>(value) : std::nullopt;
 }
 
-/// Of what the parser says of bad syntax: a line that tells what is wrong, what is around that in the text,
-/// and a caret below. The number of the text's line; none if that is said of something else, or of more than
-/// one place.
-std::optional<std::ptrdiff_t> line_of(std::string_view problem, std::string_view text) {
-  const auto quote = problem.find('\n');
-  const auto pointer = problem.rfind('\n');
-  if (quote == pointer || !problem.ends_with('^')) return std::nullopt;
-  const std::string_view around = problem.substr(quote + 1, pointer - quote - 1);
-  const auto place = text.find(around);
-  if (place == std::string_view::npos || text.find(around, place + 1) != std::string_view::npos)
-    return std::nullopt;
-  const auto before = text.substr(0, place + (problem.size() - pointer - 2));
-  return 1 + std::ranges::count(before, '\n');
-}
-
-proto::Scenario parse_json(const std::filesystem::path& path) {
-  proto::Scenario scenario;
-  const std::string text = read_file(path);
-  const auto status = google::protobuf::util::JsonStringToMessage(text, &scenario);
-  if (!status.ok()) {
-    std::string problem(status.message());
-    if (const auto line = line_of(problem, text))
-      throw InputError(fmt::format("{}:{}: {}", path.string(), *line, problem.substr(0, problem.find('\n'))));
-    // One line, whatever the parser quotes of the file.
-    std::ranges::replace(problem, '\n', ' ');
-    throw InputError(fmt::format("{}: {}", path.string(), problem));
-  }
-  return scenario;
-}
-
 /// `.scen`: version line, then bucket, map, width, height, start x y, goal x y, optimal length.
 proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& height) {
   proto::Scenario scenario;
-  std::istringstream lines(read_file(path));
+  std::istringstream lines(read_text(path));
   std::string line;
   int number = 1;
   if (!std::getline(lines, line) || !line.starts_with("version")) {
@@ -132,7 +103,6 @@ Point2 checked_place(bool there, const proto::Position& place, const ClearanceFi
   if (!place.has_x() || !place.has_y())
     fail(path, name + (place.has_x() ? ".y" : ".x"), "is missing, expected a number");
   const Point2 p(place.x(), place.y());
-  if (!p.allFinite()) fail(path, name, "is not finite, expected numbers");
   const Box<2> box = map.bounds();
   if ((p.array() < box.lower.array()).any() || (p.array() > box.upper.array()).any()) {
     fail(path, name,
@@ -165,8 +135,13 @@ void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place,
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options) {
   int said_width = 0;
   int said_height = 0;
-  const bool is_scen = path.extension() == ".scen";
-  const proto::Scenario file = is_scen ? parse_scen(path, said_width, said_height) : parse_json(path);
+  const bool is_scen = ending_of(path) == ".scen";
+  proto::Scenario file;
+  if (is_scen) {
+    file = parse_scen(path, said_width, said_height);
+  } else {
+    read_json(path, file);
+  }
 
   if (file.map().empty()) fail(path, "map", "is missing, expected the path of a map relative to this file");
   Scenario scenario{.map_name = file.map(),

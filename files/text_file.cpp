@@ -1,6 +1,8 @@
 #include "files/text_file.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <fstream>
 
@@ -15,6 +17,8 @@ namespace {
 
 // The largest map as a plain picture; and a name in a file may be that of a device without an end.
 constexpr std::size_t largest_file = std::size_t{2} << 30;
+constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";  // of UTF-8
+constexpr std::size_t longest_letter = 4;                     // bytes, in UTF-32
 
 bool wrote(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write) {
   std::ofstream out(file, std::ios::binary);
@@ -39,6 +43,23 @@ std::string read_file(const std::filesystem::path& path) {
   }
   if (in.bad()) throw InputError(fmt::format("{}: reading failed", path.string()));
   return content;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::string text = read_file(path);
+  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
+  // UTF-16 and UTF-32 write letters of this program's formats with zero bytes, with and without a mark.
+  const bool is_wide =
+      text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.find('\0') < longest_letter;
+  if (is_wide)
+    throw InputError(fmt::format("{}:1: is UTF-16, UTF-32 or no text, expected UTF-8", path.string()));
+  return text;
+}
+
+std::string ending_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return ending;
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content) {

@@ -12,6 +12,13 @@ namespace coppice {
 /// The bytes of a file. Throws InputError if it cannot be read.
 std::string read_file(const std::filesystem::path& path);
 
+/// The text of a file, UTF-8, without a byte-order mark. Throws InputError if it cannot be read, or is no
+/// such text.
+std::string read_text(const std::filesystem::path& path);
+
+/// Of a file's name, in lower case, with its dot: ".json" of "FLEET.JSON".
+std::string ending_of(const std::filesystem::path& path);
+
 /// Writes beside the target and renames: a reader sees the old file or the new one, and a full disk leaves
 /// the old. Throws InputError if it cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view content);

@@ -88,7 +88,7 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
       {scenario(R"("speed": 3, )" + std::string(two_robots)), "speed"},
       {R"({"map": "small.map", "radius": -1, )" + std::string(two_robots) + "}", "radius: -1 is not allowed"},
       {R"({"map": "small.map", "radius": "NaN", )" + std::string(two_robots) + "}",
-       "radius: nan is not allowed"},
+       "fleet.json:1: radius: expected a number, found a text"},
       {scenario(R"("max_speed": 0, )" + std::string(two_robots)), "max_speed: 0 is not allowed"},
       {scenario(R"("max_acceleration": -2, )" + std::string(two_robots)),
        "max_acceleration: -2 is not allowed"},
@@ -99,7 +99,7 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
       {scenario(R"("robots": [{"name": "a", "goal": {"x": 5, "y": 1}}])"), "robots[0].start: is missing"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}}])"), "robots[0].goal: is missing"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": "NaN", "y": 1}, "goal": {"x": 5, "y": 1}}])"),
-       "robots[0].start: is not finite"},
+       "fleet.json:1: robots[0].start.x: expected a number, found a text"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 3, "y": 2}, "goal": {"x": 5, "y": 1}}])"),
        "robots[0].start: (3, 2) is inside of an obstacle"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 9, "y": 1}}])"),
@@ -116,12 +116,72 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
                               {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 1.5}}])"),
        "robots[1].goal: b and a would overlap"},
-      {"{\"map\": ", "fleet.json: "},
-      {"[1, 2]", "fleet.json: "}};
+      {"{\"map\": ", "fleet.json:1: map: "},
+      {"[1, 2]", "fleet.json:1: expected {\"map\": ..."},
+      {"", "fleet.json:1: "}};
   for (const auto& [json, expected] : cases) {
     const std::string error = error_of(json);
     EXPECT_NE(error.find(expected), std::string::npos)
         << json << "\nsaid: " << error << "\nexpected: " << expected;
+  }
+}
+
+TEST(ScenarioFile, JsonIsReadStrictly) {
+  const std::string start = "{\n\"map\": \"small.map\",\n\"robots\": [\n{\"name\": \"a\", ";
+  const std::vector<std::array<std::string, 2>> cases{
+      {"{\n\"radius\": \"0.5\"}", "fleet.json:2: radius: expected a number, found a text"},
+      {"{\"seed\": \"7\"}", "fleet.json:1: seed: expected a whole number from 0 to 4294967295"},
+      {"{\"seed\": 1.5}", "seed: expected a whole number from 0 to 4294967295, found 1.5"},
+      {"{\"seed\": -1}", "seed: expected a whole number"},
+      {"{\"seed\": 4294967296}", "seed: expected a whole number"},
+      {"{\"radius\": true}", "radius: expected a number, found true"},
+      {"{\"radius\": null}", "radius: expected a number, found null"},
+      {"{\"radius\": NaN}", "fleet.json:1: radius: "},
+      {"{\"radius\": 1e999}", "fleet.json:1: radius: "},
+      {"{\"radius\": 01}", "fleet.json:1: radius: "},
+      {"{\"radius\": .5}", "fleet.json:1: radius: "},
+      {"{\"radius\": 1,\n}", "fleet.json:2: radius: a comma before }"},
+      {"{\"robots\": [\n{},\n]}", "fleet.json:3: robots[1]: a comma before ]"},
+      {"{\"radius\": 1,\n\"radius\": 1}", "fleet.json:2: radius: is given twice"},
+      {"{\"max_speed\": 1, \"maxSpeed\": 1}", "max_speed: is given twice"},
+      {"{\"radius\": 1 // of all\n}", "fleet.json:1: radius: "},
+      {"{'radius': 1}", "fleet.json:1: "},
+      {"{radius: 1}", "fleet.json:1: "},
+      {"{\"radius\": 1} {}", "fleet.json:1: "},
+      {std::string("{\"radius\": 1}\0{}", 16), "fleet.json:1: a zero byte"},
+      {"{\"raduis\": 1}", "\"raduis\" is no field, expected map, radius, max_speed"},
+      {"{\"map\": 5}", "map: expected a text in quotes, found 5"},
+      {"{\"map\": \"\xff\"}", "fleet.json:1: map: "},
+      {"{\"robots\": {}}", "robots: expected a list [...], found an object"},
+      {"{\"robots\": [[]]}", "robots[0]: expected {\"name\": ..., \"start\": ..., \"goal\": ..."},
+      {start + "\"start\": [20, 20]}]}",
+       "fleet.json:4: robots[0].start: expected {\"x\": ..., \"y\": ...}, found a list"},
+      {start + "\"start\": {\"x\": 1,\n\"y\": \"12\"}}]}",
+       "fleet.json:5: robots[0].start.y: expected a number, found a text"},
+      {start + "\"start\": {\"x\": 1, \"z\": 1}}]}", "robots[0].start: \"z\" is no field, expected x, y"},
+      {std::string(1'000'000, '['), "fleet.json:1: "},
+      {"{\"robots\": " + std::string(1'000'000, '['), "fleet.json:1: robots[0]: "}};
+  for (const auto& [json, expected] : cases) {
+    const std::string error = error_of(json);
+    EXPECT_NE(error.find(expected), std::string::npos)
+        << json.substr(0, 200) << "\nsaid: " << error << "\nexpected: " << expected;
+  }
+}
+
+TEST(ScenarioFile, AByteOrderMarkIsPassedOverAndUtf16IsRefused) {
+  const TemporaryFolder folder;
+  const std::string mark = "\xef\xbb\xbf";
+  folder.write("small.map", mark + small_map);
+  const std::string json = scenario(two_robots);
+  EXPECT_EQ(read_scenario(folder.write("a.json", mark + json), {}).robots.size(), 2u);
+  const std::string scen = "version 1\r\n0\tsmall.map\t6\t4\t0\t0\t5\t3\t0\r\n";
+  EXPECT_EQ(read_scenario(folder.write("a.scen", mark + scen), {.radius = 0.5}).robots.size(), 1u);
+  EXPECT_EQ(read_scenario(folder.write("A.SCEN", scen), {.radius = 0.5}).robots.size(), 1u);
+  for (const std::string& begin : {std::string("\xff\xfe{\0", 4), std::string("\xfe\xff\0{", 4),
+                                   std::string("{\0\n\0", 4), std::string("\0{\0\n", 4)}) {
+    const std::string error = error_of(begin);
+    EXPECT_NE(error.find("fleet.json:1: is UTF-16, UTF-32 or no text, expected UTF-8"), std::string::npos)
+        << error;
   }
 }
 
