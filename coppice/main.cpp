@@ -134,7 +134,7 @@ void add_fuzz(CLI::App& app, FuzzOptions& options, int& exit_code) {
       ->check(output_file())
       ->needs(again);
   command->add_option("--picture", options.files.picture, "of the replay, SVG")
-      ->check(output_file())
+      ->check(picture_file())
       ->needs(again);
   add_recording_options(*command, options.record, "of the replay, MCAP")->needs(again);
   command->callback([&] {

@@ -10,6 +10,7 @@
 #include "files/map_file.h"
 #include "files/scenario_file.h"
 #include "files/scenario_generator.h"
+#include "files/text_file.h"
 #include "planning/map_generator.h"
 
 namespace coppice {
@@ -90,7 +91,7 @@ Scenario scenario_of_kind(const MapOptions& options) {
 
 int map_command(const MapOptions& options) {
   const std::filesystem::path file = options.output;
-  if (file.extension() != ".json")
+  if (ending_of(file) != ".json")
     throw InputError(fmt::format("{}: expected a name that ends in .json", options.output));
   Scenario scenario = scenario_of_kind(options);
   if (!is_kind(options.kind)) {

@@ -14,8 +14,9 @@
 #include "bus/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
-#include "coppice/temporary_folder.h"
 #include "files/input_error.h"
+#include "files/temporary_folder.h"
+#include "files/text_file.h"
 #include "monitor/picture_book.h"
 
 namespace coppice {
@@ -75,7 +76,7 @@ double checked_time(const PictureBook& book, double time, const std::string& opt
 void make_picture(PictureBook& book, const PictureOptions& options) {
   const PictureContent content = book.at(checked_time(book, options.time.value_or(book.end()), "--time"));
   const fs::path file = options.output;
-  if (file.extension() == ".svg") return write_picture(file, content);
+  if (ending_of(file) == ".svg") return write_picture(file, content);
   const TemporaryFolder folder;
   draw_png(content, file, folder.path());
 }
@@ -106,14 +107,14 @@ void make_movie(PictureBook& book, const PictureOptions& options) {
                                      "-i",
                                      (folder.path() / "frame-%06d.png").string()};
   // A palette of its own, or GIF's colours are those of 1987; sides of even length, as codecs want them.
-  const std::string filter = file.extension() == ".gif" ? "split[a][b];[a]palettegen[p];[b][p]paletteuse"
-                                                        : "scale=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p";
+  const std::string filter = ending_of(file) == ".gif" ? "split[a][b];[a]palettegen[p];[b][p]paletteuse"
+                                                       : "scale=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p";
   arguments.insert(arguments.end(), {"-vf", filter, file.string()});
   run(ffmpeg, arguments, folder.path());
 }
 
 void check_extension(const std::string& file, const std::vector<std::string>& known) {
-  if (std::ranges::count(known, fs::path(file).extension().string()) > 0) return;
+  if (std::ranges::count(known, ending_of(file)) > 0) return;
   throw InputError(fmt::format("{}: expected a name that ends with {}", file, fmt::join(known, " or ")));
 }
 

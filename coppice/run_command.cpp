@@ -27,11 +27,11 @@
 #include "coppice/examination.h"
 #include "coppice/log_watch.h"
 #include "coppice/process_fleet.h"
-#include "coppice/temporary_folder.h"
 #include "coppice/time_scale.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
+#include "files/temporary_folder.h"
 #include "planner_service/sole_service.h"
 
 namespace coppice {
@@ -93,6 +93,7 @@ Command service_command(const RunOptions& options, const std::string& program, b
     command.push_back(name);
     command.push_back(value);
   };
+  if (!options.overrides.map.empty()) add("--map", options.overrides.map);
   if (options.overrides.robots) add("--robots", std::to_string(*options.overrides.robots));
   if (options.overrides.radius) add("--radius", fmt::format("{}", *options.overrides.radius));
   if (options.overrides.max_speed) add("--max-speed", fmt::format("{}", *options.overrides.max_speed));
@@ -393,7 +394,9 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
 
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
   // Bad input: before anything starts.
-  const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  ScenarioOptions overrides = options.overrides;
+  overrides.warnings = MapWarnings::left_out;  // the service logs them
+  const Scenario scenario = read_scenario(options.scenario, overrides);
   check_results(options, scenario, fleet_options.record.file);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(names_of(scenario));

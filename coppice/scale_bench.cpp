@@ -22,10 +22,10 @@
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/process_fleet.h"
-#include "coppice/temporary_folder.h"
 #include "coppice/time_scale.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
+#include "files/temporary_folder.h"
 #include "planning/map_generator.h"
 
 namespace coppice {

@@ -14,8 +14,8 @@
 #include "bench/statistics.h"
 #include "bench/trial.h"
 #include "coppice/commands.h"
-#include "coppice/temporary_folder.h"
 #include "files/report_file.h"
+#include "files/temporary_folder.h"
 #include "planning/map_generator.h"
 #include "planning/planner_kind.h"
 

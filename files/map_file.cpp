@@ -87,10 +87,10 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
 
 }  // namespace
 
-OccupancyMap read_map(const std::filesystem::path& path) {
+OccupancyMap read_map(const std::filesystem::path& path, MapWarnings warnings) {
   const std::string ending = ending_of(path);
   if (ending == ".map") return parse_moving_ai(read_text(path), path);
-  if (ending == ".yaml" || ending == ".yml") return read_ros_map(path);
+  if (ending == ".yaml" || ending == ".yml") return read_ros_map(path, warnings);
   throw InputError(fmt::format("{}: unknown kind of map, expected .map (Moving AI) or .yaml (ROS map_server)",
                                path.string()));
 }

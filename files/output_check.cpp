@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "files/text_file.h"
+
 namespace coppice {
 
 namespace {
@@ -28,10 +30,23 @@ std::string problem_with_output(const std::string& text) {
   return {};
 }
 
+std::string problem_with_picture(const std::string& text) {
+  std::error_code ignored;
+  if (const std::string problem = problem_with_output(text); !problem.empty()) return problem;
+  const bool is_device =
+      std::filesystem::exists(text, ignored) && !std::filesystem::is_regular_file(text, ignored);
+  if (is_device || ending_of(text) == ".svg") return {};
+  return fmt::format("{} is not allowed, expected a name that ends in .svg", text);
+}
+
 }  // namespace
 
 CLI::Validator output_file() {
   return {[](std::string& text) { return problem_with_output(text); }, "FILE"};
+}
+
+CLI::Validator picture_file() {
+  return {[](std::string& text) { return problem_with_picture(text); }, "FILE.svg"};
 }
 
 }  // namespace coppice

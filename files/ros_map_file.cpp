@@ -93,7 +93,7 @@ void refuse_fields_given_twice(const YAML::Node& yaml, const std::filesystem::pa
 
 }  // namespace
 
-OccupancyMap read_ros_map(const std::filesystem::path& path) {
+OccupancyMap read_ros_map(const std::filesystem::path& path, MapWarnings warnings) {
   YAML::Node yaml;
   try {
     yaml = YAML::Load(read_text(path));
@@ -121,7 +121,7 @@ OccupancyMap read_ros_map(const std::filesystem::path& path) {
     fail(path, "origin: expected numbers");
   }
   const Meaning meaning = read_meaning(yaml, path);
-  if (is_free(meaning, unknown_shade, true)) {
+  if (warnings == MapWarnings::logged && is_free(meaning, unknown_shade, true)) {
     spdlog::warn("{}: free_thresh {} makes shade {} free, which map savers write for unknown cells{}",
                  path.string(), meaning.free, unknown_shade, meaning.negate ? " (negate is on)" : "");
   }

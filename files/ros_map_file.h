@@ -3,11 +3,12 @@
 
 #include <filesystem>
 
+#include "files/map_file.h"
 #include "planning/occupancy_map.h"
 
 namespace coppice {
 
 /// Throws InputError, which names the file and the field.
-OccupancyMap read_ros_map(const std::filesystem::path& path);
+OccupancyMap read_ros_map(const std::filesystem::path& path, MapWarnings warnings);
 
 }  // namespace coppice

@@ -18,6 +18,8 @@ namespace coppice {
 void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("scenario", options.scenario, "scenario (.json) or Moving AI scenario (.scen)")
       ->required();
+  command.add_option("--map", options.overrides.map,
+                     "file of the map, instead of the one that the scenario names");
   command.add_option("--robots", options.overrides.robots, "only the first N robots")
       ->check(CLI::Range(1, 100000));
   command.add_option("--radius", options.overrides.radius, "of every robot, metres")
@@ -40,7 +42,7 @@ void add_run_options(CLI::App& command, RunOptions& options) {
   command.add_option("--report", options.report, "write the report (JSON)")->check(output_file());
   command.add_option("--trajectory", options.trajectory, "write every control step (CSV)")
       ->check(output_file());
-  command.add_option("--picture", options.picture, "write a picture (SVG)")->check(output_file());
+  command.add_option("--picture", options.picture, "write a picture (SVG)")->check(picture_file());
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")
@@ -58,8 +60,8 @@ void check_results(const RunOptions& options, const Scenario& scenario, const st
   namespace fs = std::filesystem;
   std::map<fs::path, std::string> names;
   if (!options.scenario.empty()) {
-    const std::string map = (fs::path(options.scenario).parent_path() / scenario.map_name).string();
-    names = {{fs::weakly_canonical(options.scenario), options.scenario}, {fs::weakly_canonical(map), map}};
+    names = {{fs::weakly_canonical(options.scenario), options.scenario},
+             {fs::weakly_canonical(scenario.map_file), scenario.map_file}};
   }
   for (const std::string& file : {recording, options.report, options.trajectory, options.picture}) {
     const bool is_device = fs::exists(file) && !fs::is_regular_file(file);

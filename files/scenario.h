@@ -28,7 +28,8 @@ struct RobotTask {
 };
 
 struct Scenario {
-  std::string map_name;  ///< as the scenario names it
+  std::string map_name;    ///< as the scenario, or the command line, names it
+  std::string map_file{};  ///< relative to the working folder; empty: of no file
   OccupancyMap map;
   std::uint32_t seed = 1;
   std::vector<RobotTask> robots;  ///< at least one; names differ; starts and goals are free and apart

@@ -4,7 +4,6 @@
 #include <set>
 #include <sstream>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -130,6 +129,19 @@ void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place,
   }
 }
 
+/// The map's file: `named` by the scenario, unless another one is asked for.
+std::string map_of(const std::filesystem::path& scenario, const std::string& named,
+                   const ScenarioOptions& options) {
+  if (!options.map.empty()) return options.map;
+  if (named.empty()) fail(scenario, "map", "is missing, expected the path of a map relative to this file");
+  const std::filesystem::path file = scenario.parent_path() / named;
+  std::error_code too_long;  // as a name
+  if (!std::filesystem::exists(file, too_long))
+    fail(scenario, "map",
+         fmt::format("there is no {} (--map FILE names a map that lies elsewhere)", file.string()));
+  return file.string();
+}
+
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options) {
@@ -143,9 +155,10 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     read_json(path, file);
   }
 
-  if (file.map().empty()) fail(path, "map", "is missing, expected the path of a map relative to this file");
-  Scenario scenario{.map_name = file.map(),
-                    .map = read_map(path.parent_path() / file.map()),
+  const std::string map_file = map_of(path, file.map(), options);
+  Scenario scenario{.map_name = options.map.empty() ? file.map() : options.map,
+                    .map_file = map_file,
+                    .map = read_map(map_file, options.warnings),
                     .seed = options.seed.value_or(file.has_seed() ? file.seed() : 1),
                     .robots = {}};
   const OccupancyMap& map = scenario.map;

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
+#include "files/map_file.h"
 #include "files/scenario.h"
 
 namespace coppice {
@@ -15,6 +17,8 @@ struct ScenarioOptions {
   std::optional<double> radius{};
   std::optional<double> max_speed{};
   std::optional<std::uint32_t> seed{};
+  std::string map{};  ///< the map's file, relative to the working folder; empty: the one that the file names
+  MapWarnings warnings = MapWarnings::logged;
 };
 
 /// Reads a scenario and its map, fills in defaults and checks everything that a run relies on. The robots of

@@ -34,6 +34,7 @@
 #include "files/report_file.h"
 #include "files/run_options.h"
 #include "files/scenario_file.h"
+#include "files/temporary_folder.h"
 #include "planner_service/claim_desk.h"
 #include "planner_service/muster.h"
 #include "planner_service/planner_service.h"
@@ -155,8 +156,7 @@ RunRecord go_on(PlannerService& service, ClaimDesk& desk, const Journal& journal
 
 /// Where there is room for what is kept, if that is told.
 std::filesystem::path folder_for_tracks(const ProcessOptions& process) {
-  return process.state.empty() ? std::filesystem::temp_directory_path()
-                               : std::filesystem::path(process.state);
+  return process.state.empty() ? place_for_temporary_files() : std::filesystem::path(process.state);
 }
 
 /// Its topics in ROS, where it has any.
@@ -221,6 +221,7 @@ void serve(DdsBus& bus, DdsRosFleet* ros, PlannerService& service, Reception& re
 /// The run, and what is written of it. True if it succeeded.
 bool run_succeeds(const RunOptions& options, const ProcessOptions& process, const RosOptions& in_ros,
                   Scenario scenario, Journal* journal) {
+  TrackRecord tracks = TrackRecord::on_disk(folder_for_tracks(process));
   DdsBus bus(process.network, Role::service, "planner_service");
   Heartbeat heart(process.alive);
   const auto ros = ros_of(in_ros, bus, scenario);
@@ -237,7 +238,7 @@ bool run_succeeds(const RunOptions& options, const ProcessOptions& process, cons
                           .lifelong = options.lifelong,
                           .waits_for_goals = in_ros.waits_for_goals,
                           .margin = in_ros.drives ? in_ros.tolerance : 0},
-                         wall_now(), TrackRecord::on_disk(folder_for_tracks(process)));
+                         wall_now(), std::move(tracks));
   Keeper keeper(journal != nullptr ? go_on(service, reception.desk, *journal, heart) : RunRecord(), journal);
   if (service.run()) reception.sole.begin(*service.run());
   if (goes_on) heard = listen(bus, reception, heart, domain, [](const Muster&) { return true; });

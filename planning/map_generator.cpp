@@ -60,21 +60,37 @@ void make_dense(OccupancyMap& map, Random& random) {
   while (static_cast<double>(std::ranges::count(map.blocked, 1)) < dense_share * cells) add_star(map, random);
 }
 
+/// As many pieces of at least `least` cells as fit along a side of the map, with walls around them. What is
+/// left over is spread evenly: so they fill the side.
+struct Pieces {
+  Pieces(int map_side, int least, int wall_width)
+      : side(map_side), wall(wall_width), count((map_side - wall_width) / (least + wall_width)) {}
+
+  int begin(int k) const { return wall + k * (side - wall) / count; }
+  int end(int k) const { return begin(k + 1) - wall; }
+  int size(int k) const { return end(k) - begin(k); }
+
+  int side;
+  int wall;
+  int count;
+};
+
 /// Depth-first search over a grid of corridor crossings: each new one is joined to the one that it was found
 /// from.
 void make_maze(OccupancyMap& map, Random& random) {
-  const int pitch = corridor + maze_wall;
-  const int columns = (map.width - maze_wall) / pitch;
-  const int rows = (map.height - maze_wall) / pitch;
+  const Pieces columns(map.width, corridor, maze_wall);
+  const Pieces rows(map.height, corridor, maze_wall);
   std::ranges::fill(map.blocked, 1);
-  if (columns < 1 || rows < 1) throw std::invalid_argument("a maze needs at least 32 x 32 cells");
-  const auto open = [&](int c, int r, int wide, int high) {
-    fill(map, maze_wall + c * pitch, maze_wall + r * pitch, wide, high, 0);
+  if (columns.count < 1 || rows.count < 1) throw std::invalid_argument("a maze needs at least 32 x 32 cells");
+  const auto open = [&](int c0, int r0, int c1, int r1) {
+    const int left = columns.begin(c0);
+    const int top = rows.begin(r0);
+    fill(map, left, top, columns.end(c1) - left, rows.end(r1) - top, 0);
   };
-  std::vector<bool> seen(static_cast<std::size_t>(columns * rows), false);
+  std::vector<bool> seen(static_cast<std::size_t>(columns.count * rows.count), false);
   std::vector<std::pair<int, int>> way{{0, 0}};
   seen[0] = true;
-  open(0, 0, corridor, corridor);
+  open(0, 0, 0, 0);
   while (!way.empty()) {
     const auto [c, r] = way.back();
     std::array<std::pair<int, int>, 4> next;
@@ -82,7 +98,8 @@ void make_maze(OccupancyMap& map, Random& random) {
     for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const int u = c + dc;
       const int v = r + dr;
-      if (u < 0 || v < 0 || u >= columns || v >= rows || seen[static_cast<std::size_t>(v * columns + u)])
+      if (u < 0 || v < 0 || u >= columns.count || v >= rows.count ||
+          seen[static_cast<std::size_t>(v * columns.count + u)])
         continue;
       next[count++] = {u, v};
     }
@@ -91,27 +108,29 @@ void make_maze(OccupancyMap& map, Random& random) {
       continue;
     }
     const auto [u, v] = next[random.index(count)];
-    seen[static_cast<std::size_t>(v * columns + u)] = true;
-    open(std::min(c, u), std::min(r, v), u == c ? corridor : pitch + corridor,
-         v == r ? corridor : pitch + corridor);
+    seen[static_cast<std::size_t>(v * columns.count + u)] = true;
+    open(std::min(c, u), std::min(r, v), std::max(c, u), std::max(r, v));
     way.emplace_back(u, v);
   }
 }
 
 void make_rooms(OccupancyMap& map, Random& random) {
-  const int pitch = room_size + room_wall;
-  const int columns = (map.width - room_wall) / pitch;
-  const int rows = (map.height - room_wall) / pitch;
-  if (columns < 1 || rows < 1) throw std::invalid_argument("rooms need at least 68 x 68 cells");
+  const Pieces columns(map.width, room_size, room_wall);
+  const Pieces rows(map.height, room_size, room_wall);
+  if (columns.count < 1 || rows.count < 1) throw std::invalid_argument("rooms need at least 68 x 68 cells");
   std::ranges::fill(map.blocked, 1);
-  const auto offset = [&] { return 2 + static_cast<int>(random.index(room_size - door - 4)); };
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      const int left = room_wall + c * pitch;
-      const int top = room_wall + r * pitch;
-      fill(map, left, top, room_size, room_size, 0);
-      if (c + 1 < columns) fill(map, left + room_size, top + offset(), room_wall, door, 0);
-      if (r + 1 < rows) fill(map, left + offset(), top + room_size, door, room_wall, 0);
+  const auto offset = [&](int size) {
+    return 2 + static_cast<int>(random.index(static_cast<std::size_t>(size - door - 4)));
+  };
+  for (int r = 0; r < rows.count; ++r) {
+    for (int c = 0; c < columns.count; ++c) {
+      const int left = columns.begin(c);
+      const int top = rows.begin(r);
+      const int wide = columns.size(c);
+      const int high = rows.size(r);
+      fill(map, left, top, wide, high, 0);
+      if (c + 1 < columns.count) fill(map, left + wide, top + offset(high), room_wall, door, 0);
+      if (r + 1 < rows.count) fill(map, left + offset(wide), top + high, door, room_wall, 0);
     }
   }
 }

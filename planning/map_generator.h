@@ -17,9 +17,9 @@ enum class MapKind { blank, dense, maze, room };
 std::optional<MapKind> map_kind(std::string_view name);
 
 /// One metre a cell. `blank` has no obstacle, `dense` random star-shaped polygons over 28 % of the cells,
-/// `maze` a perfect maze (one way between any two places) of corridors 24 wide with walls of 4, `room` rooms
-/// of 60 with doors of 20 in walls of 4; what does not fill a whole corridor or room at the right and the
-/// bottom is blocked. Throws std::invalid_argument for fewer than 1 or more than 16384 cells a side.
+/// `maze` a perfect maze (one way between any two places) of corridors at least 24 wide with walls of 4,
+/// `room` rooms of at least 60 with doors of 20 in walls of 4. Corridors and rooms are as many as fit, and
+/// fill the map. Throws std::invalid_argument for fewer than 1 or more than 16384 cells a side.
 OccupancyMap generate_map(MapKind kind, int width, int height, Random& random);
 
 struct StartAndGoal {

@@ -12,7 +12,7 @@
 
 #include <sys/wait.h>
 
-#include "coppice/temporary_folder.h"
+#include "files/temporary_folder.h"
 
 namespace coppice::test {
 

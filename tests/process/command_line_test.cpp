@@ -159,6 +159,58 @@ int count_of(const std::string& what, const std::string& text) {
   return count;
 }
 
+TEST(CommandLine, APictureThatIsNoSvgIsRefusedAtOnce) {
+  for (const std::string command : {"plan", "simulate", "run"}) {
+    for (const std::string name : {"x.png", "x.svgz", "x"}) {
+      const test::Outcome outcome = test::shell(coppice(command + " none.json --picture " + name));
+      EXPECT_EQ(outcome.exit_code, 2) << command;
+      EXPECT_NE(outcome.output.find(name + " is not allowed, expected a name that ends in .svg"),
+                std::string::npos)
+          << outcome.output;
+    }
+  }
+  EXPECT_EQ(
+      test::shell(coppice("plan " + rooms() + " --robots 1 --plan-budget 0 --picture /dev/null")).exit_code,
+      0);
+}
+
+TEST(CommandLine, AnUnusableFolderForTemporaryFilesIsTold) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("file", "").string();
+  for (const auto& [place, why] :
+       {std::pair(std::string("/nope"), "No such file or directory"), std::pair(file, "Not a directory")}) {
+    for (const std::string& command :
+         {coppice("run " + rooms()), "'" + test::program("planner_service") + "' --domain 7 " + rooms()}) {
+      const test::Outcome outcome = test::shell("TMPDIR='" + place + "' " + command);
+      EXPECT_EQ(outcome.exit_code, 2) << command;
+      EXPECT_EQ(count_of(place + ": takes no temporary files: " + why, outcome.output), 1) << outcome.output;
+    }
+  }
+}
+
+TEST(CommandLine, ADoubtAboutAMapIsToldOnce) {
+  const test::TemporaryFolder folder;
+  folder.write(
+      "site.pgm", "P2\n20 20\n255\n" + [] {
+        std::string shades;
+        for (int k = 0; k < 400; ++k) shades += "254 ";
+        return shades;
+      }());
+  folder.write("site.yaml", "image: site.pgm\nresolution: 1\norigin: [0, 0, 0]\nfree_thresh: 0.25\n");
+  const std::string scenario =
+      folder
+          .write(
+              "fleet.json",
+              R"({"map": "site.yaml", "radius": 1, "robots": [{"name": "r1", "start": {"x": 5, "y": 5}, "goal": {"x": 9, "y": 5}}]})")
+          .string();
+  for (const std::string command : {"plan ", "simulate ", "run "}) {
+    const test::Outcome outcome = test::shell(coppice(command + scenario));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+    EXPECT_EQ(count_of("site.yaml: free_thresh 0.25 makes shade 205 free", outcome.output), 1)
+        << outcome.output;
+  }
+}
+
 TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
   struct Refused {
     std::string environment;

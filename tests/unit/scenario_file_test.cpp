@@ -220,6 +220,30 @@ TEST(ScenarioFile, MalformedScenNamesFileAndLine) {
   EXPECT_NE(error("version 1\n").find("map: is missing"), std::string::npos);
 }
 
+TEST(ScenarioFile, TheMapMayLieElsewhere) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "maps");
+  const auto map = folder.write("maps/small.map", small_map);
+  const auto scen = folder.write("fleet.scen", "version 1\n0\tsmall.map\t6\t4\t0\t0\t5\t3\t0\n");
+  const auto json = folder.write("fleet.json", scenario(two_robots));
+  const auto without = folder.write("none.json", std::string("{\"radius\": 0.5, ") + two_robots + "}");
+  for (const auto& file : {scen, json, without}) {
+    const Scenario read = read_scenario(file, {.radius = 0.5, .map = map.string()});
+    EXPECT_EQ(read.map.width, 6) << file;
+    EXPECT_EQ(read.map_file, map.string()) << file;
+  }
+  for (const auto& file : {scen, json}) {
+    try {
+      read_scenario(file, {.radius = 0.5});
+      ADD_FAILURE() << file;
+    } catch (const InputError& problem) {
+      EXPECT_EQ(problem.what(), file.string() + ": map: there is no " +
+                                    (folder.path() / "small.map").string() +
+                                    " (--map FILE names a map that lies elsewhere)");
+    }
+  }
+}
+
 TEST(ScenarioFile, WhatIsWrittenIsReadBack) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
