@@ -83,7 +83,7 @@ TEST(ScenarioFile, ReadsScenWithRobotsAtCellCentres) {
 TEST(ScenarioFile, EveryMistakeIsNamed) {
   const std::vector<std::array<std::string, 2>> cases{
       {R"({"robots": []})", "map: is missing"},
-      {R"({"map": "other.map", )" + std::string(two_robots) + "}", "other.map: cannot be read"},
+      {R"({"map": "other.map", )" + std::string(two_robots) + "}", "fleet.json: map: there is no "},
       {scenario(R"("robots": [])"), "robots: is empty"},
       {scenario(R"("speed": 3, )" + std::string(two_robots)), "speed"},
       {R"({"map": "small.map", "radius": -1, )" + std::string(two_robots) + "}", "radius: -1 is not allowed"},
