@@ -24,9 +24,10 @@ namespace {
 std::filesystem::path place_for_temporary_files() {
   const char* const named = std::getenv("TMPDIR");
   const std::filesystem::path folder = named != nullptr && *named != '\0' ? named : "/tmp";
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(folder, errno);
+  if (::access(folder.c_str(), F_OK) != 0) fail(folder, errno);
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) fail(folder, ENOTDIR);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(folder, errno);
   return std::filesystem::absolute(folder);
 }
 
