@@ -48,7 +48,7 @@ JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
 /// How many steps a planner takes for a few robots that stand in a clinch among many elsewhere, on rooms.
 int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   Random random(4);
-  const OccupancyMap map = generate_map(MapKind::room, 512, 512, random);
+  const OccupancyMap map = generate_map(MapKind::room, 452, 452, random);
   const ClearanceField field(map);
   const auto far = [&](const Point2& p) {
     return std::ranges::all_of(clinch, [&](const JointTask& task) {

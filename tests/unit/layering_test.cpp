@@ -36,7 +36,7 @@ struct MayInclude {
 
 const std::vector<MayInclude> layers = {
     {"idl/.*", any({"<fastcdr/.*>", std::string(standard)})},
-    {"planning/.*", any({from("planning"), "<Eigen/.*>", std::string(standard)})},
+    {"planning/.*", any({from("planning"), "<Eigen/.*>", "<boost/polygon/.*>", std::string(standard)})},
     {"motion/.*", any({from("planning|motion"), "<Eigen/.*>", std::string(standard)})},
     {"files/.*", any({from("planning|motion|files"), std::string(proto), "<.*>"})},
     {"bus/.*", any({from("planning|motion|bus"), R"("(fleet|ros2)[A-Za-z]*\.h")", "<.*>"})},
