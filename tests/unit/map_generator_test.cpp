@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "planning/reachability.h"
+
 namespace coppice {
 namespace {
 
@@ -60,7 +62,7 @@ TEST(MapGenerator, RobotsThatFitACorridorReachAllOfTheMap) {
         for (int i = 0; i < side; ++i) fits += field.is_free({i + 0.5, j + 0.5}, radius);
       }
       EXPECT_GT(fits, 0u);
-      EXPECT_EQ(open_places(field, radius).size(), fits) << side;
+      EXPECT_EQ(ReachablePart::largest(field, radius).size(), fits) << side;
     }
   }
 }
