@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "coppice/temporary_folder.h"
+#include "files/temporary_folder.h"
 
 namespace coppice {
 namespace {
