@@ -41,8 +41,13 @@ void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of
 /// Throws std::runtime_error where programs of ROS could not take part.
 void check_ros(const RosOptions& options, const std::string& discovery, const std::string& security);
 
+/// Of an option that names a DDS domain.
+CLI::Validator a_domain();
 /// Of an option that says how processes find each other (DdsSettings::discovery).
 CLI::Validator a_discovery();
+/// What holds without that option, for people.
+inline constexpr const char* default_discovery =
+    "the servers of ROS_DISCOVERY_SERVER, or multicast, or with --security static";
 /// Of an option that names a folder: not empty, as of a variable that is not set.
 CLI::Validator a_folder_name();
 

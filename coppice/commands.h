@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "simulation/faults.h"
 
 namespace coppice {
+
+/// A command with what it was told; returns its exit code.
+using ChosenCommand = std::function<int()>;
 
 /// A recording that is to be made besides.
 struct NewRecording {

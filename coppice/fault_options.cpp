@@ -53,6 +53,7 @@ void add_fault_options(CLI::App& command, Faults& faults) {
     command.add_option_function<std::vector<std::string>>(name, take_all, what)
         ->type_name(expected)
         ->group(group)
+        ->default_str("none")
         ->allow_extra_args(false);
   };
   number("--loss", faults.bus.loss, "share of the samples that are lost; reliable ones are sent again")
@@ -71,8 +72,9 @@ void add_fault_options(CLI::App& command, Faults& faults) {
           faults.kills.push_back({robot, seconds(time, "--kill")});
         });
   number("--restart-after", faults.restart_after,
-         "seconds after which the process of a killed agent is started anew; without: never")
-      ->check(number_between(shortest, longest));
+         "seconds after which the process of a killed agent is started anew")
+      ->check(number_between(shortest, longest))
+      ->default_str("never");
   number("--pause-rate", faults.pause_rate, "agents that stop for a while, for each robot and hour")
       ->check(number_between(0, most_an_hour));
   number("--pause", faults.pause, "how long, seconds")->check(number_between(shortest, longest));

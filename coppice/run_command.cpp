@@ -25,10 +25,12 @@
 #include "bus/ros_names.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
+#include "coppice/local_fleets.h"
 #include "coppice/log_watch.h"
 #include "coppice/process_fleet.h"
 #include "coppice/time_scale.h"
 #include "files/input_error.h"
+#include "files/output_check.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 #include "files/temporary_folder.h"
@@ -127,8 +129,7 @@ std::filesystem::path made_folder(const std::string& name) {
   std::error_code problem;
   std::filesystem::create_directories(name, problem);
   if (problem) throw InputError(fmt::format("{}: cannot be made: {}", name, problem.message()));
-  if (access(name.c_str(), W_OK | X_OK) != 0)
-    throw InputError(fmt::format("{}: no permission to write to it", name));
+  check_output_folder(name);
   return name;
 }
 
@@ -147,18 +148,24 @@ std::string discovery_of(const FleetOptions& options, std::size_t robots) {
 
 /// The options by which the processes of a run find each other. All are on one host.
 Command network_of(const FleetOptions& options, std::size_t robots) {
-  const int domain = options.domain ? *options.domain : usual_ros_domain();
-  const Command network{"--domain", std::to_string(domain)};
+  const Command network{"--domain", std::to_string(options.domain.value())};
   const std::string discovery = discovery_of(options, robots);
   return discovery.empty() ? network : joined(network, {"--discovery", discovery});
 }
 
 /// The same for this process, which looks on.
 DdsSettings settings_of(const FleetOptions& options, std::size_t robots) {
-  return {.domain = options.domain ? *options.domain : usual_ros_domain(),
+  return {.domain = options.domain.value(),
           .discovery = discovery_of(options, robots),
           .largest_datagram = datagram_for_one_host,
           .security = options.security.empty() ? "" : options.security + "/observer"};
+}
+
+/// The command that shows the fleet to another terminal.
+std::string watching_command(const FleetOptions& options, std::size_t robots) {
+  Command command = joined({"coppice", "monitor"}, network_of(options, robots));
+  if (!options.security.empty()) command = joined(command, {"--security", options.security + "/observer"});
+  return shell_words(command);
 }
 
 /// What all processes are told of their log.
@@ -413,9 +420,14 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
   FleetOptions fleet_on_domain = fleet_options;
   const bool has_own_domain = !fleet_options.domain && !fleet_options.ros.on;
-  if (has_own_domain) fleet_on_domain.domain = own_domain(run_folder.path().string());
+  if (!fleet_options.domain)
+    fleet_on_domain.domain = has_own_domain ? own_domain(run_folder.path().string()) : usual_ros_domain();
   const std::vector<Process> processes = processes_of(scenario, options, fleet_on_domain, programs, state);
   if (!has_own_domain) check_that_nobody_serves(settings_of(fleet_on_domain, scenario.robots.size()));
+  if (!options.quiet)
+    std::cout << fmt::format("fleet on domain {}; watch it with: {}", *fleet_on_domain.domain,
+                             watching_command(fleet_on_domain, scenario.robots.size()))
+              << std::endl;
   ProcessFleet fleet(logs);
   std::vector<std::string> logged;
   for (const Process& process : processes) {

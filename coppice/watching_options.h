@@ -24,7 +24,7 @@ struct WatchingOptions {
 /// --record, which it returns, and --force.
 CLI::Option* add_recording_options(CLI::App& command, NewRecording& record, const char* of_what);
 
-/// `options` and `exit_code` outlive the parsing; that runs the command.
-void add_watching_commands(CLI::App& app, WatchingOptions& options, int& exit_code);
+/// `options` and `chosen` outlive the parsing, which fills them in.
+void add_watching_commands(CLI::App& app, WatchingOptions& options, ChosenCommand& chosen);
 
 }  // namespace coppice

@@ -18,6 +18,7 @@
 
 #include "files/input_error.h"
 #include "files/text_file.h"
+#include "planning/nearest_name.h"
 
 namespace coppice {
 
@@ -26,6 +27,13 @@ namespace {
 using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
+
+std::string did_you_mean(std::string_view misspelt, const Descriptor& type) {
+  std::vector<std::string> names;
+  for (int i = 0; i < type.field_count(); ++i) names.push_back(type.field(i)->name());
+  const std::string nearest = nearest_name(misspelt, names);
+  return nearest.empty() ? "" : fmt::format(" (did you mean {}?)", nearest);
+}
 
 std::string names_of_fields(const Descriptor& type, std::string_view format, std::string_view between) {
   std::string names;
@@ -118,8 +126,8 @@ class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, Me
     level.field = type.FindFieldByName(name);
     if (level.field == nullptr) level.field = type.FindFieldByCamelcaseName(name);
     if (level.field == nullptr) {
-      return fail(fmt::format("{}\"{}\" is no field, expected {}", place(), printable(name),
-                              names_of_fields(type, "{}", ", ")));
+      return fail(fmt::format("{}\"{}\" is no field{}, expected one of {}", place(), printable(name),
+                              did_you_mean(name, type), names_of_fields(type, "{}", ", ")));
     }
     if (!level.given.insert(level.field).second) return fail(place() + "is given twice");
     return true;

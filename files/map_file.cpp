@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "files/file_kind.h"
 #include "files/input_error.h"
 #include "files/ros_map_file.h"
 #include "files/text_file.h"
@@ -88,6 +89,7 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
 }  // namespace
 
 OccupancyMap read_map(const std::filesystem::path& path, MapWarnings warnings) {
+  refuse_other_kinds(path, {FileKind::map, FileKind::ros_map, FileKind::empty}, "a map (.map or .yaml)");
   const std::string ending = ending_of(path);
   if (ending == ".map") return parse_moving_ai(read_text(path), path);
   if (ending == ".yaml" || ending == ".yml") return read_ros_map(path, warnings);

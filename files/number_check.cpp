@@ -25,15 +25,15 @@ CLI::Validator number(Fine&& fine, const std::string& expected, const std::strin
 
 CLI::Validator number_between(double least, double most) {
   return number([=](double x) { return x >= least && x <= most; }, fmt::format("from {} to {}", least, most),
-                fmt::format("NUMBER in [{} - {}]", least, most));
+                fmt::format("{} to {}", least, most));
 }
 
 CLI::Validator number_above_zero() {
-  return number([](double x) { return x > 0; }, "above 0", "NUMBER>0");
+  return number([](double x) { return x > 0; }, "above 0", "above 0");
 }
 
 CLI::Validator number_not_negative() {
-  return number([](double x) { return x >= 0; }, "of at least 0", "NUMBER>=0");
+  return number([](double x) { return x >= 0; }, "of at least 0", "0 or more");
 }
 
 }  // namespace coppice

@@ -1,19 +1,34 @@
 #include "files/output_check.h"
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <string>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "files/input_error.h"
 #include "files/text_file.h"
 
 namespace coppice {
 
 namespace {
 
+namespace fs = std::filesystem;
+
+/// Of making a file of that name; it is removed again. Permissions alone do not tell: what is read-only, full
+/// or too long says so only then.
+std::string problem_with_making(const std::string& file) {
+  const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (made < 0) return std::strerror(errno);
+  ::close(made);
+  ::unlink(file.c_str());
+  return {};
+}
+
 std::string problem_with_output(const std::string& text) {
-  namespace fs = std::filesystem;
   std::error_code ignored;
   const fs::path file = text;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
@@ -25,9 +40,15 @@ std::string problem_with_output(const std::string& text) {
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))  // a device, or a pipe
     return ::access(file.c_str(), W_OK) == 0 ? "" : fmt::format("{} cannot be written: no permission", text);
   // It is written beside and renamed: so the folder decides, not a file that is there.
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    return fmt::format("{} cannot be written: no permission to write to {}", text, folder.string());
-  return {};
+  const std::string problem = problem_with_making(fmt::format("{}.{}.tmp", text, ::getpid()));
+  return problem.empty() ? "" : fmt::format("{} cannot be written: {}", text, problem);
+}
+
+std::string problem_with_folder(const std::string& text) {
+  std::error_code ignored;
+  if (!fs::is_directory(text, ignored)) return fmt::format("there is no folder {}", text);
+  const std::string problem = problem_with_making(fmt::format("{}/.{}.tmp", text, ::getpid()));
+  return problem.empty() ? "" : fmt::format("nothing can be written to {}: {}", text, problem);
 }
 
 std::string problem_with_picture(const std::string& text) {
@@ -41,12 +62,20 @@ std::string problem_with_picture(const std::string& text) {
 
 }  // namespace
 
+CLI::Validator output_folder() {
+  return {[](std::string& text) { return problem_with_folder(text); }, "FOLDER"};
+}
+
 CLI::Validator output_file() {
   return {[](std::string& text) { return problem_with_output(text); }, "FILE"};
 }
 
 CLI::Validator picture_file() {
   return {[](std::string& text) { return problem_with_picture(text); }, "FILE.svg"};
+}
+
+void check_output_folder(const std::string& folder) {
+  if (const std::string problem = problem_with_folder(folder); !problem.empty()) throw InputError(problem);
 }
 
 }  // namespace coppice

@@ -1,6 +1,8 @@
 // Whether a file can be written that is to be written in the end: told before the work, not after it.
 #pragma once
 
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 namespace coppice {
@@ -9,5 +11,10 @@ namespace coppice {
 CLI::Validator output_file();
 /// The same, of a picture: its name ends in .svg, unless it is a device.
 CLI::Validator picture_file();
+/// The same, of a folder that is there.
+CLI::Validator output_folder();
+
+/// Throws InputError if no file can be made in the folder.
+void check_output_folder(const std::string& folder);
 
 }  // namespace coppice

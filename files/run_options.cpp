@@ -11,45 +11,71 @@
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/report_file.h"
+#include "files/report_terms.h"
 #include "planning/quantities.h"
 
 namespace coppice {
 
-void add_run_options(CLI::App& command, RunOptions& options) {
-  command.add_option("scenario", options.scenario, "scenario (.json) or Moving AI scenario (.scen)")
+void add_run_options(CLI::App& command, RunOptions& options, Progression progression) {
+  const bool is_of_plan = progression == Progression::paths_only;
+  command.add_option("scenario", options.scenario, "a scenario (.json) or a Moving AI scenario (.scen)")
       ->required();
-  command.add_option("--map", options.overrides.map,
-                     "file of the map, instead of the one that the scenario names");
+  command
+      .add_option("--map", options.overrides.map,
+                  "file of the map, where it lies elsewhere than the scenario says")
+      ->default_str("the scenario's");
+  command.option_defaults()->group("Robots and planning");
   command.add_option("--robots", options.overrides.robots, "only the first N robots")
-      ->check(CLI::Range(1, 100000));
+      ->check(whole_number_between(1, 100000))
+      ->default_str("all");
   command.add_option("--radius", options.overrides.radius, "of every robot, metres")
-      ->check(number_above_zero());
-  command.add_option("--max-speed", options.overrides.max_speed, "of every robot, m/s")
-      ->check(number_above_zero());
-  command.add_option("--seed", options.overrides.seed, "of every random choice");
-  command.add_option("--time-scale", options.time_scale, "fleet seconds a wall second")
-      ->check(number_between(least_quantity, largest_time_scale));
-  command.add_option("--timeout", options.timeout, "fleet seconds until the run ends")
-      ->check(number_above_zero());
-  command
-      .add_option("--lifelong", options.lifelong,
-                  "fleet seconds in which every robot that arrives gets a new goal, drawn at random")
-      ->check(number_not_negative());
-  command
-      .add_option("--plan-budget", options.plan_budget,
-                  "seconds to look for shorter paths after the first; 0: none")
-      ->check(number_between(0, largest_quantity));
-  command.add_option("--report", options.report, "write the report (JSON)")->check(output_file());
-  command.add_option("--trajectory", options.trajectory, "write every control step (CSV)")
-      ->check(output_file());
-  command.add_option("--picture", options.picture, "write a picture (SVG)")->check(picture_file());
+      ->check(number_above_zero())
+      ->default_str("the scenario's, or 5 cells of the map");
+  command.add_option("--max-speed", options.overrides.max_speed, "of every robot, metres a second")
+      ->check(number_above_zero())
+      ->default_str("the scenario's, or 20 cells of the map a second");
+  command.add_option("--seed", options.overrides.seed, "of every random choice")
+      ->check(a_seed())
+      ->default_str("the scenario's, or 1");
   command
       .add_option("--planner", options.planner,
                   "ma-rrdt: trees shared by all (MA-RRdT*); rrdt: each robot alone (RRdT*); rrt-star: RRT*")
       ->check(CLI::IsMember(std::vector<std::string>(planner_names.begin(), planner_names.end())));
   command.add_flag_callback(
       "--no-sharing", [&options] { options.planner = planner_names[1]; }, "the same as --planner rrdt");
-  command.add_flag("--quiet", options.quiet, "print neither progress nor the report");
+  command
+      .add_option("--plan-budget", options.plan_budget,
+                  "seconds to look for shorter paths after the first ones; 0: none")
+      ->check(number_between(0, largest_quantity))
+      ->default_str(is_of_plan ? "until no shorter path turns up" : fmt::format("{}", default_plan_budget));
+  command
+      .add_option("--time-scale", options.time_scale,
+                  "fleet seconds a second of the wall's clock; simulate and plan wait for no clock")
+      ->check(number_between(least_quantity, largest_time_scale))
+      ->default_str(progression == Progression::many_processes
+                        ? "1, or with more than 25 robots a processor (25 x processors / robots)^1.5"
+                        : "1");
+  command
+      .add_option("--timeout", options.timeout,
+                  is_of_plan ? "seconds until planning ends" : "fleet seconds until the run ends")
+      ->check(number_above_zero());
+  command
+      .add_option(
+          "--lifelong", options.lifelong,
+          "fleet seconds in which every robot that arrives gets a new goal that it can reach; 0: none; "
+          "plan gives none")
+      ->check(number_not_negative());
+  command.option_defaults()->group("Results");
+  const auto file = [&](const char* name, std::string& chosen, const char* what,
+                        const CLI::Validator& check) {
+    command.add_option(name, chosen, what)->check(check)->default_str("not written");
+  };
+  file("--report", options.report, "writes the report (JSON; coppice help report explains it)",
+       output_file());
+  file("--trajectory", options.trajectory, "writes every control step (CSV)", output_file());
+  file("--picture", options.picture, "writes a picture (SVG)", picture_file());
+  command.add_flag("--quiet", options.quiet, "prints neither progress nor the report");
+  command.footer(terms_of_table());
 }
 
 PlannerKind chosen_planner(const RunOptions& options) {

@@ -33,8 +33,12 @@ struct RunOptions {
   bool quiet = false;  ///< neither progress nor the report is printed
 };
 
-/// Adds the options to a command; values out of range are usage errors.
-void add_run_options(CLI::App& command, RunOptions& options);
+/// How a command goes about a run: the defaults depend on it.
+enum class Progression : unsigned char { paths_only, virtual_clock, one_process, many_processes };
+
+/// Adds the options to a command, and what the table means that it prints; values out of range are usage
+/// errors.
+void add_run_options(CLI::App& command, RunOptions& options, Progression progression);
 
 /// Of `run`, `simulate` and the service, wall seconds; `plan` goes on until nothing shorter turns up.
 inline constexpr double default_plan_budget = 1;

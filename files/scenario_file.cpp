@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "files/file_kind.h"
 #include "files/input_error.h"
 #include "files/json_file.h"
 #include "files/map_file.h"
@@ -145,6 +146,7 @@ std::string map_of(const std::filesystem::path& scenario, const std::string& nam
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options) {
+  refuse_other_kinds(path, {FileKind::scenario, FileKind::scen}, "a scenario (.json or .scen)");
   int said_width = 0;
   int said_height = 0;
   const bool is_scen = ending_of(path) == ".scen";

@@ -10,6 +10,7 @@
 
 #include "bus/message_key.h"
 #include "bus/validation.h"
+#include "files/file_kind.h"
 
 namespace coppice {
 
@@ -35,6 +36,12 @@ Topics topics_that_keep_nothing() {
   return topics_that([](const TopicInfo& info) { return info.durability == Durability::volatile_; });
 }
 
+/// Its name, if it may be one.
+const std::string& recording_in(const std::string& file) {
+  refuse_other_kinds(file, {FileKind::recording}, "a recording (MCAP)");
+  return file;
+}
+
 McapMessages messages_of(const Recording& recording, const Topics& topics, mcap::Time from,
                          mcap::Time until) {
   return {recording.file(), from, until, recording.channels_of(topics)};
@@ -42,7 +49,7 @@ McapMessages messages_of(const Recording& recording, const Topics& topics, mcap:
 
 }  // namespace
 
-Recording::Recording(const std::string& file) : reader_(file) {
+Recording::Recording(const std::string& file) : reader_(recording_in(file)) {
   for (const auto& [id, channel] : reader_.channels()) {
     const auto schema = reader_.schemas().find(channel.schema);
     if (schema == reader_.schemas().end() || channel.message_encoding != mcap::protobuf) continue;

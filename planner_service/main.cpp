@@ -20,13 +20,13 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "bus/command_line.h"
 #include "bus/dds_bus.h"
 #include "bus/dds_ros.h"
 #include "bus/discovery.h"
 #include "bus/journal.h"
 #include "bus/keep.h"
 #include "bus/process.h"
-#include "bus/process_options.h"
 #include "bus/ros_names.h"
 #include "bus/validation.h"
 #include "files/input_error.h"
@@ -37,6 +37,7 @@
 #include "files/temporary_folder.h"
 #include "planner_service/claim_desk.h"
 #include "planner_service/muster.h"
+#include "planner_service/options.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
 #include "planner_service/roll_call.h"
@@ -273,20 +274,11 @@ int run(const RunOptions& options, const ProcessOptions& process, const RosOptio
 
 int main(int argc, char** argv) {
   fill_standard_streams();
-  RunOptions options;
-  ProcessOptions process;
-  RosOptions in_ros;
-  CLI::App app{"Coppice planner service: missions in, progress and a report out"};
-  app.set_version_flag("--version", COPPICE_VERSION);
-  add_run_options(app, options);
-  add_process_options(app, process);
-  add_ros_options(app, in_ros, false, true);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return app.exit(problem) == 0 ? 0 : 2;
-  }
-  set_up_logging("planner_service", process.log.level, process.log.json);
+  CLI::App app;
+  ServiceOptions options;
+  add_service_options(app, options);
+  if (const auto exit_code = parse(app, argc, argv)) return *exit_code;
+  set_up_logging("planner_service", options.process.log.level, options.process.log.json);
   install_stop_signals();
-  return exit_code_of([&] { return run(options, process, in_ros); });
+  return exit_code_of([&] { return run(options.run, options.process, options.ros); });
 }

@@ -12,15 +12,15 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "bus/command_line.h"
 #include "bus/dds_bus.h"
 #include "bus/journal.h"
 #include "bus/keep.h"
 #include "bus/process.h"
-#include "bus/process_options.h"
-#include "planning/robot_name.h"
 #include "robot_agent/diary.h"
 #include "robot_agent/memory.h"
 #include "robot_agent/nameless_agent.h"
+#include "robot_agent/options.h"
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_link.h"
 
@@ -32,15 +32,10 @@ constexpr double patience = 5;         // seconds of waiting that are worth no l
 constexpr double claim_period = 1;     // seconds
 constexpr double longest_braking = 5;  // seconds
 
-struct AgentOptions {
-  ProcessOptions process;
-  RosOptions ros;
-
-  std::optional<TrackingSettings> tracking() const {
-    if (!ros.drives) return std::nullopt;
-    return TrackingSettings{.tolerance = ros.tolerance, .patience = ros.patience};
-  }
-};
+std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
+  if (!options.drives) return std::nullopt;
+  return TrackingSettings{.tolerance = options.tolerance, .patience = options.patience};
+}
 
 /// What is known of the robot from before, and where that goes on.
 struct Past {
@@ -135,7 +130,7 @@ int run_as(const RobotName& name, const AgentOptions& options, Heartbeat& heart)
   DdsBus bus(network, Role::agent, "robot_agent " + name);
   Listeners listeners{past.keeper(), ros_link(options.ros, bus, name), Diary(name)};
   RobotAgent agent(name);
-  if (const auto tracking = options.tracking()) agent.lead(*tracking);
+  if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
   agent.recall(std::move(past.memory));
   spdlog::info("on domain {}", network.domain);
   while (!stop_requested()) {
@@ -205,7 +200,7 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
     if (asking && std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
   };
   if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, keep_the_claim)) {
-    agent.begin(std::move(past->memory), all_options.tracking());
+    agent.begin(std::move(past->memory), tracking_of(all_options.ros));
     // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
     // service, the other one keeps the claim.
     DdsSettings network = options.network;
@@ -230,21 +225,11 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
 
 int main(int argc, char** argv) {
   fill_standard_streams();
+  CLI::App app;
   AgentOptions options;
-  std::string name;
-  CLI::App app{"Coppice robot agent: plans, drives and avoids for one robot"};
-  app.set_version_flag("--version", COPPICE_VERSION);
-  app.add_option("--name", name,
-                 "of the robot, as the scenario names it; without, the service says which one it is");
-  add_process_options(app, options.process);
-  add_ros_options(app, options.ros, true, false);
-  try {
-    app.parse(argc, argv);
-    if (app.count("--name") > 0 && !is_robot_name(name))
-      throw CLI::ValidationError("--name", fmt::format("expected {}", robot_name_rule));
-  } catch (const CLI::ParseError& problem) {
-    return app.exit(problem) == 0 ? 0 : 2;
-  }
+  add_agent_options(app, options);
+  if (const auto exit_code = parse(app, argc, argv)) return *exit_code;
+  const std::string& name = options.name;
   set_up_logging(name.empty() ? "robot_agent" : "robot_agent " + name, options.process.log.level,
                  options.process.log.json);
   install_stop_signals();

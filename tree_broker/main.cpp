@@ -6,12 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
+#include "bus/command_line.h"
 #include "bus/dds_bus.h"
 #include "bus/journal.h"
 #include "bus/keep.h"
 #include "bus/process.h"
-#include "bus/process_options.h"
 #include "tree_broker/forest_record.h"
+#include "tree_broker/options.h"
 #include "tree_broker/tree_broker.h"
 
 namespace {
@@ -50,18 +51,11 @@ int run(const ProcessOptions& options, std::uint64_t seed) {
 
 int main(int argc, char** argv) {
   fill_standard_streams();
-  ProcessOptions options;
-  std::uint64_t seed = 1;
-  CLI::App app{"Coppice tree broker: grows the disjointed trees that every robot may use"};
-  app.set_version_flag("--version", COPPICE_VERSION);
-  add_process_options(app, options);
-  app.add_option("--seed", seed, "of every random choice");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return app.exit(problem) == 0 ? 0 : 2;
-  }
-  set_up_logging("tree_broker", options.log.level, options.log.json);
+  CLI::App app;
+  BrokerOptions options;
+  add_broker_options(app, options);
+  if (const auto exit_code = parse(app, argc, argv)) return *exit_code;
+  set_up_logging("tree_broker", options.process.log.level, options.process.log.json);
   install_stop_signals();
-  return exit_code_of([&] { return run(options, seed); });
+  return exit_code_of([&] { return run(options.process, options.seed); });
 }

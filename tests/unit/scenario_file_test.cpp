@@ -149,7 +149,8 @@ TEST(ScenarioFile, JsonIsReadStrictly) {
       {"{radius: 1}", "fleet.json:1: "},
       {"{\"radius\": 1} {}", "fleet.json:1: "},
       {std::string("{\"radius\": 1}\0{}", 16), "fleet.json:1: a zero byte"},
-      {"{\"raduis\": 1}", "\"raduis\" is no field, expected map, radius, max_speed"},
+      {"{\"raduis\": 1}",
+       "\"raduis\" is no field (did you mean radius?), expected one of map, radius, max_speed"},
       {"{\"map\": 5}", "map: expected a text in quotes, found 5"},
       {"{\"map\": \"\xff\"}", "fleet.json:1: map: "},
       {"{\"robots\": {}}", "robots: expected a list [...], found an object"},
@@ -158,7 +159,8 @@ TEST(ScenarioFile, JsonIsReadStrictly) {
        "fleet.json:4: robots[0].start: expected {\"x\": ..., \"y\": ...}, found a list"},
       {start + "\"start\": {\"x\": 1,\n\"y\": \"12\"}}]}",
        "fleet.json:5: robots[0].start.y: expected a number, found a text"},
-      {start + "\"start\": {\"x\": 1, \"z\": 1}}]}", "robots[0].start: \"z\" is no field, expected x, y"},
+      {start + "\"start\": {\"x\": 1, \"z\": 1}}]}",
+       "robots[0].start: \"z\" is no field, expected one of x, y"},
       {std::string(1'000'000, '['), "fleet.json:1: "},
       {"{\"robots\": " + std::string(1'000'000, '['), "fleet.json:1: robots[0]: "}};
   for (const auto& [json, expected] : cases) {

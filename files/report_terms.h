@@ -1,0 +1,25 @@
+// What the words mean that a run's table and its report use.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace coppice {
+
+struct Term {
+  std::string_view name;
+  std::string_view meaning;
+};
+
+/// Of the table that run, simulate, plan and the planner service print.
+std::span<const Term> table_terms();
+
+/// Of the report (idl/report.proto): "run_time", "robots[].load.periods".
+std::span<const Term> report_terms();
+
+/// For help (bus/command_line.h).
+std::string terms_of_table();
+std::string terms_of_report();
+
+}  // namespace coppice

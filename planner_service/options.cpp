@@ -1,0 +1,17 @@
+#include "planner_service/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "bus/command_line.h"
+
+namespace coppice {
+
+void add_service_options(CLI::App& app, ServiceOptions& options) {
+  set_up_command_line(app, "planner_service",
+                      "Coppice planner service: missions in, progress and a report out");
+  add_run_options(app, options.run, Progression::one_process);
+  add_process_options(app, options.process);
+  add_ros_options(app, options.ros, false, true);
+}
+
+}  // namespace coppice

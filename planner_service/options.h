@@ -1,0 +1,18 @@
+// The command line of planner_service.
+#pragma once
+
+#include "bus/process_options.h"
+#include "files/run_options.h"
+
+namespace coppice {
+
+struct ServiceOptions {
+  RunOptions run;
+  ProcessOptions process;
+  RosOptions ros;
+};
+
+/// `options` outlives the parsing.
+void add_service_options(CLI::App& app, ServiceOptions& options);
+
+}  // namespace coppice

@@ -1,0 +1,21 @@
+#include "tree_broker/options.h"
+
+#include <limits>
+
+#include <CLI/CLI.hpp>
+
+#include "bus/command_line.h"
+#include "files/number_check.h"
+
+namespace coppice {
+
+void add_broker_options(CLI::App& app, BrokerOptions& options) {
+  set_up_command_line(app, "tree_broker",
+                      "Coppice tree broker: grows the disjointed trees that every robot may use");
+  add_process_options(app, options.process);
+  app.option_defaults()->group("Planning");
+  app.add_option("--seed", options.seed, "of every random choice")
+      ->check(whole_number_between<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()));
+}
+
+}  // namespace coppice
