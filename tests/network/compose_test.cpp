@@ -15,20 +15,13 @@ namespace {
 
 const std::filesystem::path deploy = std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy";
 
-bool is_installed(const std::string& command) {
-  return test::shell("command -v " + command).exit_code == 0;
-}
-
 TEST(Deploy, TheComposeFileIsValid) {
-  if (!is_installed("docker-compose")) GTEST_SKIP() << "docker-compose is not installed";
   const test::Outcome outcome =
       test::shell("docker-compose -f '" + (deploy / "docker-compose.yml").string() + "' config --quiet");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
 TEST(Deploy, TheKubernetesManifestFitsThePrograms) {
-  if (test::shell("/usr/bin/python3 -c 'import yaml'").exit_code != 0)
-    GTEST_SKIP() << "python3-yaml is not installed";
   const std::filesystem::path check = std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/network/manifest.py";
   const test::Outcome outcome =
       test::shell("/usr/bin/python3 '" + check.string() + "' '" + (deploy / "kubernetes.yaml").string() +
@@ -40,12 +33,9 @@ TEST(Deploy, TheKubernetesManifestFitsThePrograms) {
 /// With the programs of this build, on this machine's own root file system; COPPICE_IMAGE_ROOT names an
 /// image's.
 TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
-  if (!is_installed("docker-compose")) GTEST_SKIP() << "docker-compose is not installed";
 #ifdef _GLIBCXX_TSAN
   GTEST_SKIP() << "containers do not load what the thread sanitizer needs (tests/tsan)";
 #endif
-  if (test::shell("/usr/bin/python3 -c 'import yaml'").exit_code != 0)
-    GTEST_SKIP() << "python3-yaml is not installed";
   const std::string namespaces = test::shell("ip netns list | sort").output;
   const test::TemporaryFolder folder;
   const char* const image = std::getenv("COPPICE_IMAGE_ROOT");
@@ -73,7 +63,6 @@ TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
 }
 
 TEST(Deploy, TheSystemdUnitsAreValid) {
-  if (!is_installed("systemd-analyze")) GTEST_SKIP() << "systemd-analyze is not installed";
   const test::TemporaryFolder folder;
   int units = 0;
   for (const auto& unit : std::filesystem::directory_iterator(deploy / "systemd")) {

@@ -278,7 +278,6 @@ TEST(DdsBus, RefusesWhatTheRoleDoesNotWrite) {
 
 TEST(DdsBus, AnotherVendorsDdsReceivesTheRobotStates) {
   const std::string subscriber = std::string(COPPICE_TEST_BIN_DIR) + "/cyclone_subscriber";
-  if (!std::filesystem::exists(subscriber)) GTEST_SKIP() << "Cyclone DDS is not installed";
   auto heard = std::async(std::launch::async, [&] {
     return test::shell(subscriber + " " + std::to_string(domain + 6) + " 20 20");
   });

@@ -76,7 +76,6 @@ struct FleetInRos {
 };
 
 TEST(RosFleet, OneThatKnowsRosAloneReadsWhereARobotIsAndSendsItElsewhere) {
-  if (!std::filesystem::exists(peer)) GTEST_SKIP() << "Cyclone DDS is not installed";
   FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, 165, {"--serve"});
   const auto ask = [&](const std::string& robot, const std::string& goal, const std::string& seconds) {
     return test::shell(peer + " " + fleet.domain + " " + robot + " goal " + goal + " " + seconds);
@@ -125,7 +124,6 @@ double least_distance(const std::vector<Place>& a, const std::vector<Place>& b) 
 }
 
 TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
-  if (!std::filesystem::exists(peer)) GTEST_SKIP() << "Cyclone DDS is not installed";
   const std::vector<Robot> robots{{"r1", 5, 10, 35, 11}, {"r2", 35, 15, 5, 16}, {"r3", 20, 15, 30, 25}};
   FleetInRos fleet(robots, 166, {"--drive", "ros", "--timeout", "120"});
   std::vector<std::unique_ptr<test::Background>> players;

@@ -25,9 +25,8 @@ Outcome reference_reader(const std::string& recording, const std::string& trajec
 }
 
 TEST(McapOfARun, IsReadByTheReferenceReader) {
-  if (shell("node --version").exit_code != 0) GTEST_SKIP() << "node is not installed";
-  if (!std::filesystem::exists(scripts / "node_modules" / "@mcap"))
-    GTEST_SKIP() << "npm ci --prefix tests/web has not been run";
+  ASSERT_TRUE(std::filesystem::exists(scripts / "node_modules" / "@mcap"))
+      << "needs node, and `npm ci` in tests/web: tests/run installs them";
   const test::TemporaryFolder folder;
   const std::string recording = (folder.path() / "run.mcap").string();
   const std::string trajectory = (folder.path() / "run.csv").string();

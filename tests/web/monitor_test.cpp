@@ -1,6 +1,6 @@
 // A real monitor of a real fleet, seen by others' programs: Foxglove's client, promtool, a Prometheus server;
-// and what it refuses. Needs Node.js with what tests/web/package.json names, and Prometheus; says so where
-// they are missing.
+// and what it refuses. Needs Node.js with what tests/web/package.json names, and Prometheus: tests/run
+// installs them.
 
 #include <algorithm>
 #include <functional>
@@ -27,11 +27,6 @@ constexpr int domain = 170;
 std::filesystem::path web() {
   return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
 }
-
-bool has_node() {
-  return test::shell("command -v node").exit_code == 0 && std::filesystem::exists(web() / "node_modules/ws");
-}
-constexpr const char* why_not_node = "needs node, and `npm ci` in tests/web";
 
 std::string which(const std::string& name) {
   const test::Outcome found = test::shell("command -v " + name);
@@ -88,7 +83,6 @@ struct MonitorTest : testing::Test {
 };
 
 TEST_F(MonitorTest, ShowsFoxgloveAndAPageWhatTheFleetDrives) {
-  if (!has_node()) GTEST_SKIP() << why_not_node;
   const auto watcher = monitor(domain);
   const auto run = fleet(domain);
   const test::Outcome outcome =
@@ -102,7 +96,6 @@ TEST_F(MonitorTest, ShowsFoxgloveAndAPageWhatTheFleetDrives) {
 }
 
 TEST_F(MonitorTest, RefusesWhatItShouldAndGoesOn) {
-  if (!has_node()) GTEST_SKIP() << why_not_node;
   const auto watcher = monitor(domain + 1);
   const test::Outcome outcome = node("monitor_refusals.js", url());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
@@ -110,8 +103,7 @@ TEST_F(MonitorTest, RefusesWhatItShouldAndGoesOn) {
 }
 
 TEST_F(MonitorTest, PrometheusReadsIt) {
-  if (which("promtool").empty() || which("prometheus").empty() || which("curl").empty())
-    GTEST_SKIP() << "needs prometheus and curl";
+  ASSERT_FALSE(which("prometheus").empty()) << "needs prometheus: tests/run installs it";
   const auto watcher = monitor(domain + 2);
   const auto run = fleet(domain + 2);
   const auto value = [&](const std::string& base, const std::string& what) {

@@ -1,5 +1,5 @@
-// The page's sources, where what `npm install` gets is there (monitor/web/README.md): their own tests, and
-// that the bundle that is committed is what they make.
+// The page's sources, with what `npm install` gets (monitor/web/README.md): their own tests, and that the
+// bundle that is committed is what they make.
 
 #include <cstdlib>
 
@@ -12,8 +12,8 @@ namespace {
 
 struct PageSources : testing::Test {
   void SetUp() override {
-    if (!std::filesystem::exists(sources / "node_modules/vite"))
-      GTEST_SKIP() << "needs `npm install --no-save` in monitor/web";
+    ASSERT_TRUE(std::filesystem::exists(sources / "node_modules/vite"))
+        << "needs `npm install --no-save` in monitor/web: tests/run installs it";
   }
   /// By a shell in their folder.
   test::Outcome there(const std::string& command) const {

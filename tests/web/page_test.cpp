@@ -1,5 +1,5 @@
 // The page of a real monitor, of a fleet that drives and of a recording of one, used as a person uses it: by
-// Debian's chromium, which playwright-core drives. Says so where they are missing.
+// Debian's chromium, which playwright-core drives. tests/run installs both.
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 
@@ -28,7 +28,7 @@ struct Page : testing::Test {
   void SetUp() override {
     const bool there = test::shell("command -v node && command -v chromium").exit_code == 0 &&
                        std::filesystem::exists(web() / "node_modules/playwright-core");
-    if (!there) GTEST_SKIP() << "needs node, chromium, and `npm ci` in tests/web";
+    ASSERT_TRUE(there) << "needs node, chromium, and `npm ci` in tests/web: tests/run installs them";
   }
 
   std::filesystem::path path(const std::string& name) const { return folder.path() / name; }
