@@ -180,9 +180,10 @@ void DdsRosFleet::publish(const OccupancyMap& map, WallTime now) {
 std::vector<RosGoal> DdsRosFleet::take() {
   std::vector<RosGoal> all;
   for (const auto& [robot, reader] : implementation_->goals) {
-    take_all<geometry::PoseStamped_>(*reader, [&](const geometry::PoseStamped_& sample, WallTime) {
-      all.push_back(goal_from(sample, robot));
-    });
+    take_all<geometry::PoseStamped_>(*reader,
+                                     [&, robot = robot](const geometry::PoseStamped_& sample, WallTime) {
+                                       all.push_back(goal_from(sample, robot));
+                                     });
   }
   return all;
 }

@@ -1,8 +1,6 @@
 #include "motion/dismantling.h"
 
 #include <algorithm>
-#include <iterator>
-#include <ranges>
 
 #include "motion/segments.h"
 #include "planning/shuffle.h"
@@ -130,7 +128,7 @@ void Dismantling::drive(std::size_t robot, const Path& way) {
 }
 
 void Dismantling::finish() {
-  std::ranges::copy(back_ | std::views::reverse, std::back_inserter(moves_));
+  moves_.insert(moves_.end(), back_.rbegin(), back_.rend());
   plan_ = JointPlan{std::move(moves_), stranded_};
   done_ = true;
 }

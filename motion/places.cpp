@@ -74,8 +74,7 @@ Edge edge_along(Place to, Path path, Add&& add) {
   Edge edge{.to = to, .length = length, .path = std::move(path), .near = {to}};
   add(edge);
   std::ranges::sort(edge.near);
-  const auto [first, last] = std::ranges::unique(edge.near);
-  edge.near.erase(first, last);
+  edge.near.erase(std::unique(edge.near.begin(), edge.near.end()), edge.near.end());
   return edge;
 }
 
@@ -265,7 +264,7 @@ void PackedPlaces::grow_cells() {
     if (least > cost_of[v]) continue;
     lattice_.for_each_neighbour(
         v, [](Lattice::Vertex) { return true; },
-        [&](Lattice::Vertex w, double metres) {
+        [&, v = v, least = least](Lattice::Vertex w, double metres) {
           const float there = least + static_cast<float>(cost(w, metres));
           if (cost_of[w] <= there) return;
           cost_of[w] = there;

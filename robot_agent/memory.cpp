@@ -41,7 +41,7 @@ void Recollection::receive(const RobotState& state) {
     silent_.erase(state.robot);
   } else {
     const Driver body(commitment_of(state, 0), state.radius, limits_of(state), control_period);
-    if (!memory_) memory_.emplace(*mission_, body);
+    if (!memory_) memory_ = Memory{.mission = *mission_, .body = body};
     drive_on(memory_->body, state.stamp, *memory_);
     memory_->body = body;
     memory_->sequence = state.sequence;

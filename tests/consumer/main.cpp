@@ -1,0 +1,8 @@
+// Uses a layer of Coppice. By Coppice's own settings the unused arguments would be warned of.
+
+#include "planning/clearance_field.h"
+
+int main(int argc, char** argv) {
+  const coppice::OccupancyMap map{.width = 4, .height = 3, .blocked = std::vector<std::uint8_t>(12, 0)};
+  return coppice::ClearanceField(map).is_free({2, 1.5}, 1) ? 0 : 1;
+}
