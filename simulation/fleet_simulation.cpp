@@ -56,7 +56,8 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
 void FleetSimulation::start(Agent& agent) {
   const bool may_return = agent.faults.restart_after < infinity;
   auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
-  agent.process = std::make_unique<Participant<RobotAgent>>(RobotAgent(agent.name, grounds_), port);
+  agent.process = std::make_unique<Participant<RobotAgent>>(
+      Participant<RobotAgent>{.role = RobotAgent(agent.name, grounds_), .port = port});
   agent.process->role.recall(memory_of(agent.kept->messages));
   Remembrance remembrance(agent.name);
   remembrance.recall(agent.kept->messages);

@@ -1,0 +1,108 @@
+#include "coppice/manual_page.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+namespace coppice {
+namespace {
+
+/// Text as groff prints it: hyphens that can be copied, and no line that is taken for a request.
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    const bool begins_a_line = out.empty() || out.back() == '\n';
+    if (begins_a_line && (c == '.' || c == '\'')) out += "\\&";
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+std::string bold(const std::string& text) {
+  return "\\fB" + escaped(text) + "\\fR";
+}
+
+/// Its help may have a formatter of its own.
+const CLI::Formatter& formatter_of(const CLI::App& app) {
+  return dynamic_cast<const CLI::Formatter&>(*app.get_formatter());
+}
+
+std::string item(const CLI::App& app, const CLI::Option& option) {
+  const CLI::Formatter& help = formatter_of(app);
+  const std::string name = help.make_option_name(&option, option.get_positional());
+  return fmt::format(".TP\n{}{}\n{}\n", bold(name), escaped(help.make_option_opts(&option)),
+                     escaped(help.make_option_desc(&option)));
+}
+
+std::string section(const std::string& title, const std::string& text) {
+  return text.empty() ? text : fmt::format(".SH {}\n{}", title, text);
+}
+
+std::string arguments(const CLI::App& app) {
+  std::string text;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional()) text += item(app, *option);
+  }
+  return text;
+}
+
+std::string options(const CLI::App& app) {
+  std::string text;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_positional() && !option->get_group().empty()) text += item(app, *option);
+  }
+  return text;
+}
+
+std::string commands(const CLI::App& app) {
+  std::string text;
+  for (const CLI::App* command : app.get_subcommands({}))
+    text +=
+        fmt::format(".TP\n{}\n{}: see {}(1).\n", bold(command->get_name()),
+                    escaped(command->get_description()), bold(app.get_name() + "-" + command->get_name()));
+  return text;
+}
+
+/// Lines as they are.
+std::string verbatim(const std::string& text) {
+  return text.empty() ? text : fmt::format(".nf\n{}\n.fi\n", escaped(text));
+}
+
+std::string usage(const CLI::App& app, const std::string& called) {
+  std::string line = formatter_of(app).make_usage(&app, called);
+  line.erase(0, line.find(called) + called.size());
+  return fmt::format("{}{}", bold(called), escaped(line));
+}
+
+/// `called`: as it is typed. `parent`: of a command, the program's name.
+ManualPage page_of(const CLI::App& app, const std::string& called, const std::string& parent) {
+  ManualPage page{parent.empty() ? app.get_name() : parent + "-" + app.get_name(), {}};
+  page.text = fmt::format(".TH {} 1 \"\" \"coppice {}\" Coppice\n", escaped(page.name), COPPICE_VERSION);
+  page.text +=
+      section("NAME", fmt::format("{} \\- {}\n", escaped(page.name), escaped(app.get_description())));
+  page.text += section("SYNOPSIS", usage(app, called));
+  page.text += section("COMMANDS", commands(app));
+  page.text += section("ARGUMENTS", arguments(app));
+  page.text += section("OPTIONS", options(app));
+  page.text += section("NOTES", verbatim(app.get_footer()));
+  if (!parent.empty()) page.text += section("SEE ALSO", bold(parent) + "(1)\n");
+  return page;
+}
+
+}  // namespace
+
+std::vector<ManualPage> manual_pages(const CLI::App& program) {
+  const std::string& name = program.get_name();
+  std::vector<ManualPage> pages{page_of(program, name, "")};
+  for (const CLI::App* command : program.get_subcommands({}))
+    pages.push_back(page_of(*command, name + " " + command->get_name(), name));
+  return pages;
+}
+
+}  // namespace coppice
