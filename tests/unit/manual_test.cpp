@@ -18,12 +18,12 @@ namespace {
 
 /// What bash offers after the words, of which the last may be begun or empty.
 std::set<std::string> offered(const std::string& program, const std::string& words) {
-  static const test::TemporaryFolder folder;
-  visit_programs([](const CLI::App& app) { folder.write(app.get_name(), bash_completion(app)); });
+  const test::TemporaryFolder folder;
+  visit_programs([&](const CLI::App& app) { folder.write(app.get_name(), bash_completion(app)); });
   const test::Outcome outcome =
       test::shell(fmt::format("cd '{0}' && exec bash -c '. ./{1} && COMP_WORDS=({1} {2}) && "
                               "COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)) && "
-                              "_{1} && printf \"%s\\n\" \"${{COMPREPLY[@]}}\"'",
+                              "_{1}; printf \"%s\\n\" \"${{COMPREPLY[@]}}\"'",
                               folder.path().string(), program, words));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   std::istringstream lines(outcome.output);
