@@ -54,5 +54,14 @@ TEST_F(PageSources, HoldWithAMadeUpFleet) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
+TEST(WebPackages, RunOnTheNodeJsOfDebian12) {
+  const std::string ours = COPPICE_SOURCE_DIR;
+  const test::Outcome outcome =
+      test::shell("cd '" + ours +
+                  "' && node tests/web/locked_engines.mjs tests/web/package-lock.json "
+                  "monitor/web/package-lock.json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
 }  // namespace
 }  // namespace coppice
