@@ -1,8 +1,8 @@
 #include "coppice/manual_page.h"
 
-#include <memory>
-
 #include <fmt/format.h>
+
+#include "bus/command_line.h"
 
 namespace coppice {
 namespace {
@@ -28,16 +28,13 @@ std::string bold(const std::string& text) {
   return "\\fB" + escaped(text) + "\\fR";
 }
 
-/// Its help may have a formatter of its own.
-const CLI::Formatter& formatter_of(const CLI::App& app) {
-  return dynamic_cast<const CLI::Formatter&>(*app.get_formatter());
-}
-
-std::string item(const CLI::App& app, const CLI::Option& option) {
-  const CLI::Formatter& help = formatter_of(app);
-  const std::string name = help.make_option_name(&option, option.get_positional());
-  return fmt::format(".TP\n{}{}\n{}\n", bold(name), escaped(help.make_option_opts(&option)),
-                     escaped(help.make_option_desc(&option)));
+std::string item(const CLI::Option& option) {
+  const bool is_argument = option.get_positional();
+  const std::string value = is_argument ? std::string() : value_name(option);
+  const std::string rules = rules_of(option);
+  return fmt::format(".TP\n{}{}\n{}{}\n", bold(option.get_name(is_argument, !is_argument)),
+                     value.empty() ? "" : " " + escaped(value), escaped(option.get_description()),
+                     rules.empty() ? "" : " [" + escaped(rules) + "]");
 }
 
 std::string section(const std::string& title, const std::string& text) {
@@ -47,15 +44,19 @@ std::string section(const std::string& title, const std::string& text) {
 std::string arguments(const CLI::App& app) {
   std::string text;
   for (const CLI::Option* option : app.get_options()) {
-    if (option->get_positional()) text += item(app, *option);
+    if (option->get_positional()) text += item(*option);
   }
   return text;
 }
 
 std::string options(const CLI::App& app) {
   std::string text;
-  for (const CLI::Option* option : app.get_options()) {
-    if (!option->get_positional() && !option->get_group().empty()) text += item(app, *option);
+  for (const std::string& group : app.get_groups()) {
+    std::string items;
+    for (const CLI::Option* option : app.get_options()) {
+      if (!option->get_positional() && option->get_group() == group) items += item(*option);
+    }
+    if (!group.empty() && !items.empty()) text += ".SS " + escaped(group) + "\n" + items;
   }
   return text;
 }
@@ -75,9 +76,12 @@ std::string verbatim(const std::string& text) {
 }
 
 std::string usage(const CLI::App& app, const std::string& called) {
-  std::string line = formatter_of(app).make_usage(&app, called);
-  line.erase(0, line.find(called) + called.size());
-  return fmt::format("{}{}", bold(called), escaped(line));
+  std::string line = " [OPTIONS]";
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional()) line += " " + option->get_name(true, false);
+  }
+  if (!app.get_subcommands({}).empty()) line += " COMMAND";
+  return bold(called) + escaped(line) + "\n";
 }
 
 /// `called`: as it is typed. `parent`: of a command, the program's name.
@@ -90,7 +94,7 @@ ManualPage page_of(const CLI::App& app, const std::string& called, const std::st
   page.text += section("COMMANDS", commands(app));
   page.text += section("ARGUMENTS", arguments(app));
   page.text += section("OPTIONS", options(app));
-  page.text += section("NOTES", verbatim(app.get_footer()));
+  page.text += section("NOTES", verbatim(help_text(app.get_footer())));
   if (!parent.empty()) page.text += section("SEE ALSO", bold(parent) + "(1)\n");
   return page;
 }
