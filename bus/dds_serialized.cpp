@@ -47,14 +47,14 @@ std::vector<std::uint8_t> serialized(const Message& message) {
   return std::visit(
       [&]<class M>(const M& m) {
         const auto sample = to_dds(m);
-        std::vector<char> bytes(encapsulation + sample.getCdrSerializedSize(sample));
-        FastBuffer buffer(bytes.data(), bytes.size());
+        std::vector<std::uint8_t> bytes(1 + encapsulation + sample.getCdrSerializedSize(sample));
+        bytes[0] = static_cast<std::uint8_t>(message.index());
+        FastBuffer buffer(reinterpret_cast<char*>(bytes.data()) + 1, bytes.size() - 1);
         Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
         cdr.serialize_encapsulation();
         sample.serialize(cdr);
-        std::vector<std::uint8_t> result{static_cast<std::uint8_t>(message.index())};
-        result.insert(result.end(), bytes.data(), bytes.data() + cdr.getSerializedDataLength());
-        return result;
+        bytes.resize(1 + cdr.getSerializedDataLength());
+        return bytes;
       },
       message);
 }
