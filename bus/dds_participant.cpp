@@ -28,6 +28,7 @@ constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after
 // take the acknowledgments of its new beginning, which count from one, for old ones.
 constexpr int lease = 120;
 constexpr int datagram_for_credentials = 8192;  // bytes
+constexpr int datagram_for_endpoints = 4096;    // likewise
 
 /// Each process announces which endpoints it has, of those that all know.
 void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
@@ -52,10 +53,15 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
   discovery.m_DiscoveryServers = std::move(list.found);
 }
 
-/// A step of an authentication must fit: it holds certificates, and DDS does not cut it.
-int largest_datagram_of(const DdsSettings& settings) {
-  return settings.security.empty() ? settings.largest_datagram
-                                   : std::max(settings.largest_datagram, datagram_for_credentials);
+/// DDS does not cut these, so they must fit: a step of an authentication, which holds certificates; and the
+/// announcement of those who read or write nearly all topics, which names each endpoint that all know.
+int largest_datagram_of(const DdsSettings& settings, Role role) {
+  int largest = settings.largest_datagram;
+  if (!settings.security.empty()) largest = std::max(largest, datagram_for_credentials);
+  const bool has_most_endpoints = role == Role::observer || role == Role::replayer;
+  if (has_most_endpoints && discovery_of(settings) == static_discovery)
+    largest = std::max(largest, datagram_for_endpoints);
+  return largest;
 }
 
 }  // namespace
@@ -79,7 +85,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
       sparing_udp_transport({.audience = audience,
                              .announcements = by_servers ? nullptr : &announcements,
                              .traffic = traffic,
-                             .largest_datagram = largest_datagram_of(settings),
+                             .largest_datagram = largest_datagram_of(settings, role),
                              .is_secure = !settings.security.empty()}));
   // Otherwise ten from the beginning, each as long as a datagram.
   qos.allocation().send_buffers = {.preallocated_number = 1, .dynamic = true};

@@ -143,6 +143,17 @@ std::string map_of(const std::filesystem::path& scenario, const std::string& nam
   return file.string();
 }
 
+/// Where the scenario names the map, what is wrong with that is told with the scenario.
+OccupancyMap read_map_of(const std::filesystem::path& scenario, const std::string& map_file,
+                         const ScenarioOptions& options) {
+  if (!options.map.empty()) return read_map(map_file, options.warnings);
+  try {
+    return read_map(map_file, options.warnings);
+  } catch (const InputError& problem) {
+    fail(scenario, "map", problem.what());
+  }
+}
+
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options) {
@@ -160,7 +171,7 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   const std::string map_file = map_of(path, file.map(), options);
   Scenario scenario{.map_name = options.map.empty() ? file.map() : options.map,
                     .map_file = map_file,
-                    .map = read_map(map_file, options.warnings),
+                    .map = read_map_of(path, map_file, options),
                     .seed = options.seed.value_or(file.has_seed() ? file.seed() : 1),
                     .robots = {}};
   const OccupancyMap& map = scenario.map;

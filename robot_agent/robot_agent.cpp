@@ -447,7 +447,7 @@ Point2 RobotAgent::command(WallTime now) const {
 
 void RobotAgent::retire() {
   retired_ = true;
-  if (status_.reason.empty()) status_.reason = "the agent was told to stop";
+  if (mission_ && status_.reason.empty()) status_.reason = "the agent was told to stop";
   stop();
 }
 

@@ -58,7 +58,10 @@ TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
   EXPECT_EQ(report.collisions(), 0u);
   EXPECT_GT(report.trees_published(), 0u) << "the broker took part";
   EXPECT_NE(outcome.output.find("discovery is killed"), std::string::npos) << said;
-  EXPECT_EQ(test::contents(logs / "service.log").find("warning"), std::string::npos) << said;
+  // While the discovery server is gone the service finds no agents, and may say so.
+  const test::Outcome warnings =
+      test::shell("grep warning '" + (logs / "service.log").string() + "' | grep -v 'no agent has come'");
+  EXPECT_EQ(warnings.output, "") << said;
   EXPECT_EQ(test::shell("ip netns list | sort").output, namespaces) << "namespaces are left";
 }
 
@@ -66,6 +69,7 @@ TEST(Deploy, TheSystemdUnitsAreValid) {
   const test::TemporaryFolder folder;
   int units = 0;
   for (const auto& unit : std::filesystem::directory_iterator(deploy / "systemd")) {
+    if (unit.path().extension() == ".cmake") continue;
     std::string text = test::contents(unit.path());
     const std::string installed = "/usr/local/bin/";
     for (std::size_t at = text.find(installed); at != std::string::npos; at = text.find(installed, at + 1))

@@ -118,7 +118,7 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
        "robots[1].goal: b and a would overlap"},
       {"{\"map\": ", "fleet.json:1: map: "},
       {"[1, 2]", "fleet.json:1: expected {\"map\": ..."},
-      {"", "fleet.json:1: "}};
+      {"", "fleet.json: is empty, expected a scenario"}};
   for (const auto& [json, expected] : cases) {
     const std::string error = error_of(json);
     EXPECT_NE(error.find(expected), std::string::npos)
