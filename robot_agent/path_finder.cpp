@@ -20,6 +20,9 @@ constexpr int iterations_alone = 300;
 // proportion to the map.
 constexpr std::uint64_t least_doubt = 20'000;
 constexpr std::uint64_t cells_an_iteration = 8;
+// Where that finds a way, the trees may still come to it. Such a passage is as wide as the robot, or nearly
+// so.
+constexpr std::uint64_t doubts_until_a_roadmap_serves = 5;
 
 }  // namespace
 
@@ -57,10 +60,14 @@ std::optional<PathFinder::Result> PathFinder::step() {
   const std::uint64_t doubt =
       std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
   if (iterations_ < doubt) return std::nullopt;
-  if (!known_.empty()) return take_first_path(std::move(known_));
-  if (auto way = VoronoiRoadmap(field_).way(start_, mission_.goal, mission_.radius))
-    return take_first_path(std::move(*way));
-  return NoPath{"no path: the goal cannot be reached from the start with this radius"};
+  if (known_.empty()) {
+    auto way = VoronoiRoadmap(field_).way(start_, mission_.goal, mission_.radius);
+    if (!way) return NoPath{"no path: the goal cannot be reached from the start with this radius"};
+    known_ = std::move(*way);
+    samples_until_ = doubts_until_a_roadmap_serves * doubt;
+  }
+  if (iterations_ < samples_until_) return std::nullopt;
+  return take_first_path(std::move(known_));
 }
 
 bool PathFinder::grow() {

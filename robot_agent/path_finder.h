@@ -72,6 +72,7 @@ class PathFinder {
   MaRrdtStar<ClearanceField> planner_;
   GroupIndex group_ = 0;
   std::uint64_t iterations_ = 0;
+  std::uint64_t samples_until_ = 0;  ///< iterations, before the known path is taken
   int steps_without_news_ = 0;
   std::uint32_t sent_ = 0;
   std::map<NodeId, std::int32_t> sent_index_;
