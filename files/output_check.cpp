@@ -71,7 +71,7 @@ CLI::Validator output_file() {
 }
 
 CLI::Validator picture_file() {
-  return {[](std::string& text) { return problem_with_picture(text); }, "FILE.svg"};
+  return {[](std::string& text) { return problem_with_picture(text); }, "FILE"};
 }
 
 void check_output_folder(const std::string& folder) {

@@ -23,6 +23,7 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
   command
       .add_option("--map", options.overrides.map,
                   "file of the map, where it lies elsewhere than the scenario says")
+      ->type_name("FILE")
       ->default_str("the scenario's");
   command.option_defaults()->group("Robots and planning");
   command.add_option("--robots", options.overrides.robots, "only the first N robots")
