@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <queue>
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -371,7 +370,8 @@ class VoronoiRoadmap::Search {
     for (; vertex != nullptr; vertex = known_[diagram_.index(vertex)].before)
       legs.push_back(&known_[diagram_.index(vertex)].leg);
     Path path = first;
-    for (const Path* leg : legs | std::views::reverse) path.insert(path.end(), leg->begin() + 1, leg->end());
+    std::ranges::reverse(legs);  // clang 14 knows no views of GCC's library
+    for (const Path* leg : legs) path.insert(path.end(), leg->begin() + 1, leg->end());
     return path;
   }
 
