@@ -108,7 +108,8 @@ class NarrowPassages {
     open.emplace(0, end);
     std::vector<Point2> stack;
     while (!open.empty()) {
-      const auto [here, v] = open.top();
+      const double here = open.top().first;
+      const Vertex v = open.top().second;
       open.pop();
       if (here > distance.at(v) || !is_narrow(v)) continue;
       const Point2 p = lattice_.at(v);
@@ -213,7 +214,8 @@ std::vector<Lattice::Vertex> PackedPlaces::from(const Point2& anchor) {
   });
   std::vector<Lattice::Vertex> order;
   while (!open.empty()) {
-    const auto [least, v] = open.top();
+    const double least = open.top().first;
+    const Lattice::Vertex v = open.top().second;
     open.pop();
     if (least > distance[v]) continue;
     order.push_back(v);
