@@ -243,7 +243,7 @@ struct AgentLoad {
   WallTime matched_at = 0;             ///< when the last of these was matched
   std::uint64_t bytes_sent = 0;        ///< in UDP datagrams, without their headers
   std::uint64_t bytes_received = 0;
-  /// Of the state of one that might be touched soon, when the robot decides by it, seconds of fleet time;
+  /// Age of a state of a robot that might be touched soon, when this robot uses it, seconds of fleet time;
   double state_age_p50 = 0;
   double state_age_p99 = 0;  ///< to within a tenth
   double state_age_max = 0;

@@ -20,7 +20,8 @@ std::optional<std::string> warning_in(std::string_view line);
 
 class LogWatch {
  public:
-  /// Of the processes of these names: NAME.log in `folder`. `kept`: the folder outlives the run.
+  /// Watches the logs of the processes of these names: NAME.log in `folder`. `kept`: the folder outlives the
+  /// run.
   LogWatch(std::filesystem::path folder, const std::vector<std::string>& names, bool kept);
 
   /// What was logged since the last call, each line with the process's name before it. Of many lines in a

@@ -58,7 +58,7 @@ Words words_of(FileKind kind) {
   return {"of an unknown kind", ""};
 }
 
-/// None of what cannot be read twice.
+/// The first bytes of a file; nothing where it cannot be read twice, as a pipe.
 std::optional<std::string> beginning_of(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))

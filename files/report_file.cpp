@@ -41,7 +41,7 @@ std::string indented(const std::string& json) {
   return result;
 }
 
-/// Whose agent missed most of its own.
+/// The robot whose agent missed the largest share of its control periods.
 std::string worst_of(const proto::Report& report) {
   const auto worst = std::ranges::max_element(report.robots(), {}, &proto::Report::Robot::periods_missed);
   if (report.robots_size() < 2) return {};

@@ -12,10 +12,10 @@ struct Term {
   std::string_view meaning;
 };
 
-/// Of the table that run, simulate, plan and the planner service print.
+/// The terms of the table that run, simulate, plan and the planner service print.
 std::span<const Term> table_terms();
 
-/// Of the report (idl/report.proto): "run_time", "robots[].load.periods".
+/// The terms of the report (idl/report.proto): "run_time", "robots[].load.periods".
 std::span<const Term> report_terms();
 
 /// For help (bus/command_line.h).

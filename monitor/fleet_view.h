@@ -60,7 +60,7 @@ struct SeenRobot {
 
 /// What it is at. Of a robot whose run has ended at its goal: it has arrived.
 Phase phase_of(const SeenRobot& robot);
-/// What is left of its way at that fleet time, metres; none: it has no path, or was not heard of.
+/// The length of the way that is left at that fleet time, metres; none without a path or a state.
 std::optional<double> way_left(const SeenRobot& robot, double time);
 
 /// Whether a fleet is there.

@@ -113,7 +113,7 @@ std::optional<double> has_arrived(const SeenRobot& robot, WallTime) {
   return robot.status ? std::optional<double>(phase_of(robot) == Phase::arrived) : std::nullopt;
 }
 
-/// Of those that have spoken of where they are, at the view's fleet time.
+/// One value for each robot that has said its position, at the view's fleet time.
 template <auto Value>
 std::optional<double> of_progress(const SeenRobot& robot, WallTime now) {
   if (!robot.state || !robot.mission) return std::nullopt;

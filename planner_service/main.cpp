@@ -51,7 +51,7 @@ using namespace coppice;
 constexpr double worth_telling = 3;            // seconds
 constexpr std::uint32_t refusals_logged = 10;  // then every thousandth
 
-/// Who this process is among services. Another one after each start.
+/// The identity of this process among services. Each start draws a new one.
 ServiceStatus own_status() {
   std::random_device device;
   ServiceStatus own{.service = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u,
@@ -94,7 +94,7 @@ struct Reception {
   }
 };
 
-/// What is heard until it knows that no other service has the fleet, and `done()`.
+/// Returns what arrives until no other service can have the fleet and `done()` holds.
 template <class Done>
 Muster listen(DdsBus& bus, Reception& reception, Heartbeat& heart, int domain, Done&& done) {
   Muster heard;

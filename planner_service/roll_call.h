@@ -1,4 +1,4 @@
-// Who has come and who has not: agents whose robots no mission names, and missions for which no agent came.
+// The roll call of a run: agents whose robots no mission names, and missions for which no agent came.
 //
 // A state machine, beside the planner service: messages and the time go in, lines of a log come out.
 #pragma once
