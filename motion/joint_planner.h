@@ -1,14 +1,17 @@
 // Looks for a joint plan (joint_plan.h), by one method after the other:
-// 1. LaCAM on packed places (lacam.h, places.h) sorts out crowds at once.
-// 2. Four robots or fewer: weighted A* on packings that follow the passages (few_robots.h).
-// 3. LaCAM on more places. Robots may stand in a clinch, side by side, so that neither can take a way to
-// another
-//    place without touching the other. So there are places a step away from robots that did not get away, and
-//    one behind the other from the ends of passages.
-// 4. The crowd is taken apart and put together again (dismantling.h).
-// 5. The slower search for refuges (push_and_rotate.h). Where many want to go somewhere, what brought the
-// most
-//    robots to their goals is taken instead, and the others call again from where they stand then.
+//
+// LaCAM on packed places (lacam.h, places.h) sorts out crowds at once.
+//
+// For four robots or fewer: weighted A* on packings that follow the passages (few_robots.h).
+//
+// LaCAM on more places. Robots may stand in a clinch: side by side, so that neither can take a way to another
+// place without touching the other. So there are places a step away from robots that did not get away, and
+// places one behind the other from the ends of passages.
+//
+// The crowd is taken apart and put together again (dismantling.h).
+//
+// The slower search for refuges (push_and_rotate.h). Where many want to go somewhere, what brought the most
+// robots to their goals is taken instead, and the others call again from where they stand then.
 //
 // Robots of several sizes are planned for as if all were the largest. Where they have no room for that, the
 // search for refuges comes first, and what it does not sort out is taken apart.

@@ -5,9 +5,9 @@
 // of these that are alive stand, the leader makes a joint plan (motion/joint_planner.h) and publishes it;
 // each then drives its own moves in the plan's order (motion/precedence.h), and is free again after its last.
 // A later knot overrides an earlier one at any time; who is called away from a plan leaves the others free.
-// Who leaves a plan with moves to make, for it was stopped or came too late, opens no gate: the first one
-// that waits for it calls a new knot. A
-// knot that does not sort out its crowd is followed by one of the whole fleet.
+// A robot that leaves a plan with moves to make, for it was stopped or came too late, opens no gate: the
+// first one that waits for it calls a new knot. A knot that does not sort out its crowd is followed by one of
+// the whole fleet.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
