@@ -1,7 +1,7 @@
 #include <iostream>
 
 #include "bench/experiments.h"
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/scale_bench.h"
 #include "coppice/sharing_bench.h"

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bus/command_line.h"
-#include "bus/process.h"
+#include "runtime/command_line.h"
+#include "runtime/process.h"
 #include "coppice/fault_options.h"
 #include "files/map_file.h"
 #include "files/number_check.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/dds_bus.h"
-#include "bus/process_options.h"
+#include "dds/dds_bus.h"
+#include "runtime/process_options.h"
 #include "coppice/diagnosis.h"
 #include "files/run_options.h"
 #include "monitor/web_server.h"
@@ -28,7 +28,7 @@ struct NewRecording {
 
 struct FleetOptions {
   std::optional<int> domain;  ///< none: one of its own
-  std::string discovery;      ///< as in bus/dds_bus.h
+  std::string discovery;      ///< as in dds/dds_bus.h
   std::string security;       ///< folder with a folder of credentials for each role; empty: none
   std::string state;          ///< folder for what processes keep for their successors; empty: see `restart`
   bool standby = false;       ///< a second broker, that takes over if the first is gone

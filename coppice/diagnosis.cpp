@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bus/discovery.h"
+#include "dds/discovery.h"
 #include "coppice/time_scale.h"
 
 namespace coppice {

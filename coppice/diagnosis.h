@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/datagram.h"
-#include "bus/discovery.h"
+#include "dds/datagram.h"
+#include "dds/discovery.h"
 
 namespace coppice {
 

@@ -3,8 +3,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include "bus/dds_discovery_server.h"
-#include "bus/process.h"
+#include "dds/discovery_server.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 
 namespace coppice {

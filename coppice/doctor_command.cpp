@@ -1,6 +1,6 @@
 #include <iostream>
 
-#include "bus/discovery.h"
+#include "dds/discovery.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 

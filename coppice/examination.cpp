@@ -27,8 +27,8 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include "bus/dds_bus.h"
-#include "bus/discovery.h"
+#include "dds/dds_bus.h"
+#include "dds/discovery.h"
 
 namespace coppice {
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/simulation_recording.h"
 #include "files/report_file.h"

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "bus/discovery.h"
+#include "dds/discovery.h"
 #include "files/input_error.h"
 #include "files/text_file.h"
 

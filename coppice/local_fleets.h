@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bus/dds_bus.h"
+#include "dds/dds_bus.h"
 
 namespace coppice {
 

@@ -10,11 +10,11 @@
 #include <string_view>
 #include <vector>
 
-#include "bus/fleet_clock.h"
+#include "messages/fleet_clock.h"
 
 namespace coppice {
 
-/// A line of a log as set_up_logging (bus/process.h) makes it, without its time and name, if it warns or
+/// A line of a log as set_up_logging (runtime/process.h) makes it, without its time and name, if it warns or
 /// reports an error: "warning: ..."; none: any other line.
 std::optional<std::string> warning_in(std::string_view line);
 

@@ -8,8 +8,8 @@
 #include <mimalloc.h>
 #endif
 
-#include "bus/command_line.h"
-#include "bus/process.h"
+#include "runtime/command_line.h"
+#include "runtime/process.h"
 #include "coppice/command_table.h"
 
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "bus/command_line.h"
+#include "runtime/command_line.h"
 
 namespace coppice {
 namespace {

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "monitor/monitor.h"
 #include "monitor/player.h"

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
 #include "files/input_error.h"

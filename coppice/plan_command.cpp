@@ -5,7 +5,7 @@
 #include <limits>
 #include <span>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "files/report_file.h"
 #include "planning/fleet_plan.h"

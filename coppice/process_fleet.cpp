@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 
 namespace coppice {
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "bus/dds_bus.h"
-#include "bus/process.h"
+#include "dds/dds_bus.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/recording_file.h"
 

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "bus/dds_bus.h"
-#include "bus/process.h"
-#include "bus/topics.h"
-#include "bus/validation.h"
+#include "dds/dds_bus.h"
+#include "runtime/process.h"
+#include "messages/topics.h"
+#include "messages/validation.h"
 #include "coppice/commands.h"
 #include "files/input_error.h"
 #include "monitor/recording.h"

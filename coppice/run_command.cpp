@@ -18,11 +18,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "bus/dds_bus.h"
-#include "bus/dds_security.h"
-#include "bus/discovery.h"
-#include "bus/process.h"
-#include "bus/ros_names.h"
+#include "dds/dds_bus.h"
+#include "dds/security.h"
+#include "dds/discovery.h"
+#include "runtime/process.h"
+#include "ros2/names.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/local_fleets.h"

@@ -18,7 +18,7 @@
 #include "bench/output.h"
 #include "bench/statistics.h"
 #include "bench/trial.h"
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/process_fleet.h"

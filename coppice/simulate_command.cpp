@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/simulation_recording.h"
 #include "files/input_error.h"

@@ -5,8 +5,8 @@
 #include <ncurses.h>
 #include <unistd.h>
 
-#include "bus/dds_bus.h"
-#include "bus/process.h"
+#include "dds/dds_bus.h"
+#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "monitor/fleet_table.h"
 

@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bus/process.h"
-#include "bus/process_options.h"
+#include "runtime/process.h"
+#include "runtime/process_options.h"
 #include "coppice/local_fleets.h"
 #include "files/number_check.h"
 #include "files/output_check.h"

@@ -18,7 +18,7 @@ std::span<const Term> table_terms();
 /// The terms of the report (idl/report.proto): "run_time", "robots[].load.periods".
 std::span<const Term> report_terms();
 
-/// For help (bus/command_line.h).
+/// For help (runtime/command_line.h).
 std::string terms_of_table();
 std::string terms_of_report();
 

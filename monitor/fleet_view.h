@@ -3,7 +3,7 @@
 // A state machine: messages go in, with the time at which they came. Everything that shows a fleet (page,
 // Foxglove, metrics, terminal, pictures) looks at this.
 //
-// Units as in bus/messages.h.
+// Units as in messages/messages.h.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@
 #include <set>
 #include <vector>
 
-#include "bus/messages.h"
-#include "bus/name_index.h"
+#include "messages/messages.h"
+#include "messages/name_index.h"
 #include "monitor/robot_progress.h"
 
 namespace coppice {

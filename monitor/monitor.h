@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "bus/bus.h"
+#include "messages/bus.h"
 #include "live.pb.h"
 #include "monitor/fleet_view.h"
 #include "monitor/live_stream.h"

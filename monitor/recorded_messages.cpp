@@ -8,7 +8,7 @@
 
 #include <google/protobuf/descriptor.pb.h>
 
-#include "bus/validation.h"
+#include "messages/validation.h"
 #include "planning/packed_cells.h"
 #include "recording.pb.h"
 

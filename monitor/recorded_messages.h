@@ -9,8 +9,8 @@
 #include <string_view>
 #include <variant>
 
-#include "bus/messages.h"
-#include "bus/topics.h"
+#include "messages/messages.h"
+#include "messages/topics.h"
 
 namespace coppice {
 
@@ -53,7 +53,7 @@ WallTime wall_time(std::uint64_t nanoseconds);
 /// each 0 or 1.
 std::string recorded(const Message& message);
 /// Nothing if the bytes are no such message, or too many. What it says is not checked beyond that
-/// (bus/validation.h).
+/// (messages/validation.h).
 std::optional<Message> message_in(TopicNumber topic, std::string_view bytes);
 
 }  // namespace coppice

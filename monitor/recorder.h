@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "bus/bus.h"
+#include "messages/bus.h"
 #include "monitor/mcap_writer.h"
 #include "monitor/recorded_messages.h"
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "bus/message_key.h"
-#include "bus/validation.h"
+#include "messages/message_key.h"
+#include "messages/validation.h"
 #include "files/file_kind.h"
 
 namespace coppice {

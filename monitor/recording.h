@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.h"
+#include "messages/bus.h"
 #include "monitor/mcap_reader.h"
 #include "monitor/recorded_messages.h"
 
@@ -55,7 +55,7 @@ class Playback {
 
   /// Nothing after the last one. Throws InputError where the file is damaged.
   std::optional<Arrival> next();
-  /// Messages left out, as they are none of their topic or fail validation (bus/validation.h).
+  /// Messages left out, as they are none of their topic or fail validation (messages/validation.h).
   std::uint64_t rejected() const { return rejected_; }
 
  private:

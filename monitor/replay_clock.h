@@ -1,8 +1,8 @@
 // A recording's wall clock, as it goes when the recording is replayed.
 #pragma once
 
-#include "bus/fleet_clock.h"
-#include "bus/messages.h"
+#include "messages/fleet_clock.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

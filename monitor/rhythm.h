@@ -1,7 +1,7 @@
 // What is done so many times a second, by a loop that turns more often.
 #pragma once
 
-#include "bus/fleet_clock.h"
+#include "messages/fleet_clock.h"
 
 namespace coppice {
 

@@ -7,7 +7,7 @@
 
 #include <optional>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "motion/polyline.h"
 
 namespace coppice {

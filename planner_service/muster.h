@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/messages.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

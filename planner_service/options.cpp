@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bus/command_line.h"
+#include "runtime/command_line.h"
 
 namespace coppice {
 

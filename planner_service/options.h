@@ -1,7 +1,7 @@
 // The command line of planner_service.
 #pragma once
 
-#include "bus/process_options.h"
+#include "runtime/process_options.h"
 #include "files/run_options.h"
 
 namespace coppice {

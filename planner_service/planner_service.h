@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/messages.h"
-#include "bus/ros_conversion.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
+#include "ros2/conversion.h"
 #include "files/picture.h"
 #include "files/scenario.h"
 #include "files/track_record.h"

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/messages.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

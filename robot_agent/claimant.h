@@ -15,8 +15,8 @@
 #include <optional>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/messages.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "bus/clock_offset.h"
-#include "bus/messages.h"
-#include "bus/name_index.h"
+#include "messages/clock_offset.h"
+#include "messages/messages.h"
+#include "messages/name_index.h"
 #include "motion/promise.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "motion/places.h"
 #include "planning/clearance_field.h"
 

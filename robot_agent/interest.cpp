@@ -3,7 +3,7 @@
 #include <bit>
 #include <utility>
 
-#include "bus/validation.h"
+#include "messages/validation.h"
 #include "robot_agent/fleet.h"
 
 namespace coppice {

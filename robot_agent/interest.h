@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

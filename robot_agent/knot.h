@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "motion/joint_planner.h"
 #include "motion/places.h"
 #include "motion/way_follower.h"

@@ -1,7 +1,7 @@
 // What messages say in the words of motion/.
 #pragma once
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "motion/promise.h"
 
 namespace coppice {

@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "bus/command_line.h"
-#include "bus/dds_bus.h"
-#include "bus/journal.h"
-#include "bus/keep.h"
-#include "bus/process.h"
+#include "runtime/command_line.h"
+#include "dds/dds_bus.h"
+#include "runtime/journal.h"
+#include "messages/keep.h"
+#include "runtime/process.h"
 #include "robot_agent/diary.h"
 #include "robot_agent/memory.h"
 #include "robot_agent/nameless_agent.h"

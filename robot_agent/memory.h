@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "bus/keep.h"
-#include "bus/messages.h"
+#include "messages/keep.h"
+#include "messages/messages.h"
 #include "motion/driver.h"
 #include "robot_agent/fleet.h"
 

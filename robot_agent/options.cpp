@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bus/command_line.h"
+#include "runtime/command_line.h"
 #include "planning/robot_name.h"
 
 namespace coppice {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "bus/process_options.h"
+#include "runtime/process_options.h"
 
 namespace coppice {
 

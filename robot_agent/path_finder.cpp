@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "bus/tree_message.h"
+#include "messages/tree_message.h"
 #include "planning/suggestions.h"
 #include "planning/voronoi_roadmap.h"
 

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/path_improvement.h"

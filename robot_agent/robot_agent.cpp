@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "bus/validation.h"
+#include "messages/validation.h"
 #include "motion/free_way.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/messages.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
 #include "motion/driver.h"
 #include "motion/path_follower.h"
 #include "motion/trail.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "bus/dds_ros.h"
+#include "ros2/dds_ros.h"
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_side.h"
 

@@ -1,13 +1,13 @@
 // What one agent says in ROS 2, and hears from there: plain values to and from the frames of ROS
-// (bus/ros_conversion.h). Pure; bus/dds_ros.h carries them.
+// (ros2/conversion.h). Pure; ros2/dds_ros.h carries them.
 #pragma once
 
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "bus/messages.h"
-#include "bus/ros_conversion.h"
+#include "messages/messages.h"
+#include "ros2/conversion.h"
 #include "robot_agent/robot_agent.h"
 
 namespace coppice {

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "bus/fleet_clock.h"
+#include "messages/fleet_clock.h"
 #include "planning/geometry.h"
 
 namespace coppice {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "bus/messages.h"
-#include "bus/validation.h"
+#include "messages/messages.h"
+#include "messages/validation.h"
 
 namespace coppice {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/simulated_bus.h"
+#include "simulation/simulated_bus.h"
 #include "planning/random.h"
 
 namespace coppice {

@@ -16,8 +16,8 @@
 #include <utility>
 #include <vector>
 
-#include "bus/keep.h"
-#include "bus/simulated_bus.h"
+#include "messages/keep.h"
+#include "simulation/simulated_bus.h"
 #include "files/scenario.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"

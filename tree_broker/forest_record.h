@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "bus/keep.h"
-#include "bus/messages.h"
+#include "messages/keep.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

@@ -6,11 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
-#include "bus/command_line.h"
-#include "bus/dds_bus.h"
-#include "bus/journal.h"
-#include "bus/keep.h"
-#include "bus/process.h"
+#include "runtime/command_line.h"
+#include "dds/dds_bus.h"
+#include "runtime/journal.h"
+#include "messages/keep.h"
+#include "runtime/process.h"
 #include "tree_broker/forest_record.h"
 #include "tree_broker/options.h"
 #include "tree_broker/tree_broker.h"

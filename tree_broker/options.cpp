@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bus/command_line.h"
+#include "runtime/command_line.h"
 #include "files/number_check.h"
 
 namespace coppice {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "bus/tree_message.h"
-#include "bus/validation.h"
+#include "messages/tree_message.h"
+#include "messages/validation.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"
 

@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/messages.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
 #include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 

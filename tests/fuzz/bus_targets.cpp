@@ -10,13 +10,13 @@
 #include <utility>
 #include <variant>
 
-#include "bus/dds_checked_type.h"
-#include "bus/dds_conversion.h"
-#include "bus/dds_serialized.h"
-#include "bus/dds_server_list.h"
-#include "bus/dds_transport.h"
-#include "bus/topics.h"
-#include "bus/validation.h"
+#include "dds/checked_type.h"
+#include "dds/conversion.h"
+#include "dds/serialized.h"
+#include "dds/server_list.h"
+#include "dds/transport.h"
+#include "messages/topics.h"
+#include "messages/validation.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
 #include "tests/fuzz/targets.h"

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <variant>
 
-#include "bus/dds_ros_conversion.h"
-#include "bus/validation.h"
+#include "ros2/dds_conversion.h"
+#include "messages/validation.h"
 #include "monitor/foxglove.h"
 #include "monitor/live_stream.h"
 #include "planner_service/planner_service.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "bus/journal.h"
+#include "runtime/journal.h"
 #include "files/input_error.h"
 #include "files/map_file.h"
 #include "files/scenario_file.h"

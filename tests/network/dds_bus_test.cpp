@@ -1,6 +1,6 @@
 // The bus over real Fast DDS, within this process and to another vendor's.
 
-#include "bus/dds_bus.h"
+#include "dds/dds_bus.h"
 
 #include <algorithm>
 #include <chrono>
@@ -19,10 +19,10 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
 
-#include "bus/dds_conversion.h"
-#include "bus/dds_discovery_server.h"
-#include "bus/dds_transport.h"
-#include "bus/topics.h"
+#include "dds/conversion.h"
+#include "dds/discovery_server.h"
+#include "dds/transport.h"
+#include "messages/topics.h"
 #include "tests/network/samples.h"
 #include "tests/processes.h"
 #include "tests/support.h"

@@ -1,11 +1,11 @@
-#include "bus/dds_checked_type.h"
+#include "dds/checked_type.h"
 
 #include <future>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "bus/dds_conversion.h"
+#include "dds/conversion.h"
 
 namespace coppice {
 namespace {

@@ -1,5 +1,5 @@
 // The topics of ROS 2 over the bus's participant, from both ends.
-#include "bus/dds_ros.h"
+#include "ros2/dds_ros.h"
 
 #include <chrono>
 #include <thread>
@@ -10,9 +10,9 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <gtest/gtest.h>
 
-#include "bus/dds_qos.h"
-#include "bus/process.h"
-#include "bus/ros_topics.h"
+#include "dds/qos.h"
+#include "runtime/process.h"
+#include "ros2/topics.h"
 #include "ros2.h"
 #include "ros2PubSubTypes.h"
 #include "tests/processes.h"

@@ -1,7 +1,7 @@
 // DDS-Security: whoever has no good credentials of its role gets nothing in or out, and whoever has does.
 // Each refusal is shown beside the same exchange with the right credentials, so that it could fail.
 
-#include "bus/dds_security.h"
+#include "dds/security.h"
 
 #include <chrono>
 #include <cstdlib>
@@ -22,10 +22,10 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
 
-#include "bus/dds_bus.h"
-#include "bus/dds_conversion.h"
-#include "bus/dds_static_endpoints.h"
-#include "bus/topics.h"
+#include "dds/dds_bus.h"
+#include "dds/conversion.h"
+#include "dds/static_endpoints.h"
+#include "messages/topics.h"
 #include "tests/network/samples.h"
 #include "tests/support.h"
 

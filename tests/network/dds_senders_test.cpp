@@ -1,5 +1,5 @@
 // Who may speak for whom.
-#include "bus/dds_senders.h"
+#include "dds/senders.h"
 
 #include <chrono>
 #include <set>
@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/dds_bus.h"
-#include "bus/dds_discovery_server.h"
+#include "dds/dds_bus.h"
+#include "dds/discovery_server.h"
 #include "tests/network/samples.h"
 
 namespace coppice {

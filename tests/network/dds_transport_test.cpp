@@ -1,6 +1,6 @@
 // What the transport decides for each datagram, and what it reads from one.
 
-#include "bus/dds_transport.h"
+#include "dds/transport.h"
 
 #include <array>
 #include <chrono>

@@ -12,7 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bus/dds_bus.h"
+#include "dds/dds_bus.h"
 
 namespace {
 

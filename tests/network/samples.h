@@ -5,8 +5,8 @@
 #include <chrono>
 #include <vector>
 
-#include "bus/dds_bus.h"
-#include "bus/messages.h"
+#include "dds/dds_bus.h"
+#include "messages/messages.h"
 
 namespace coppice {
 

@@ -16,7 +16,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/dds_bus.h"
+#include "dds/dds_bus.h"
 #include "files/report_file.h"
 #include "planning/random.h"
 #include "tests/processes.h"

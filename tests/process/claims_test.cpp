@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "files/report_file.h"
 #include "tests/processes.h"
 #include "tests/support.h"

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "bus/discovery.h"
+#include "dds/discovery.h"
 #include "tests/support.h"
 
 namespace coppice {

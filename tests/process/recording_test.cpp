@@ -16,9 +16,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/dds_bus.h"
-#include "bus/process.h"
-#include "bus/topics.h"
+#include "dds/dds_bus.h"
+#include "runtime/process.h"
+#include "messages/topics.h"
 #include "files/input_error.h"
 #include "monitor/fleet_view.h"
 #include "tests/processes.h"

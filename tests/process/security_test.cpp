@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/dds_security.h"
+#include "dds/security.h"
 #include "tests/support.h"
 
 namespace coppice {

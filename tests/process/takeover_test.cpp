@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/dds_bus.h"
+#include "dds/dds_bus.h"
 #include "planning/map_generator.h"
 #include "tests/processes.h"
 #include "tests/support.h"

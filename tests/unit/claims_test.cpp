@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/simulated_bus.h"
+#include "simulation/simulated_bus.h"
 #include "planner_service/claim_desk.h"
 #include "robot_agent/claimant.h"
 #include "robot_agent/nameless_agent.h"

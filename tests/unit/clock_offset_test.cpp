@@ -1,4 +1,4 @@
-#include "bus/clock_offset.h"
+#include "messages/clock_offset.h"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // Samples from bytes that no honest process sends.
-#include "bus/dds_serialized.h"
+#include "dds/serialized.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 
 namespace coppice {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/command_line.h"
+#include "runtime/command_line.h"
 #include "coppice/command_table.h"
 #include "files/report_file.h"
 #include "files/report_terms.h"

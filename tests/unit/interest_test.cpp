@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "bus/validation.h"
+#include "messages/validation.h"
 #include "robot_agent/fleet.h"
 #include "tests/unit/states.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/validation.h"
+#include "messages/validation.h"
 #include "motion/joint_planner.h"
 #include "motion/precedence.h"
 #include "planning/map_generator.h"

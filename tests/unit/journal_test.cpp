@@ -1,5 +1,5 @@
 // What survives a process on disk, and what a full, foreign or torn file does.
-#include "bus/journal.h"
+#include "runtime/journal.h"
 
 #include <csignal>
 #include <fstream>
@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bus/dds_serialized.h"
+#include "dds/serialized.h"
 #include "tests/support.h"
 
 namespace coppice {

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "bus/keep.h"
+#include "messages/keep.h"
 
 namespace coppice {
 

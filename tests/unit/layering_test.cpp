@@ -39,15 +39,21 @@ const std::vector<MayInclude> layers = {
     {"planning/.*", any({from("planning"), "<Eigen/.*>", "<boost/polygon/.*>", std::string(standard)})},
     {"motion/.*", any({from("planning|motion"), "<Eigen/.*>", std::string(standard)})},
     {"files/.*", any({from("planning|motion|files"), std::string(proto), "<.*>"})},
-    {"bus/.*", any({from("planning|motion|bus"), R"("(fleet|ros2)[A-Za-z]*\.h")", "<.*>"})},
-    {"tree_broker/.*", any({from("planning|motion|files|bus|tree_broker"), "<.*>"})},
-    {"robot_agent/.*", any({from("planning|motion|files|bus|robot_agent"), "<.*>"})},
-    {"planner_service/.*",
-     any({from("planning|motion|files|bus|planner_service"), std::string(proto), "<.*>"})},
-    {"simulation/.*",
-     any({from("planning|motion|files|bus|tree_broker|robot_agent|planner_service|simulation"), "<.*>"})},
-    {"monitor/.*", any({from("planning|motion|files|bus|monitor"), std::string(proto), "<.*>"})},
-    {"coppice/.*", any({from("planning|motion|files|bus|planner_service|simulation|bench|monitor|coppice"),
+    {"messages/.*", any({from("planning|motion|messages"), "<.*>"})},
+    {"dds/.*", any({from("planning|motion|messages|dds"), R"("fleet[A-Za-z]*\.h")", "<.*>"})},
+    {"ros2/.*", any({from("planning|motion|messages|dds|ros2"), R"("ros2[A-Za-z]*\.h")", "<.*>"})},
+    {"runtime/.*", any({from("planning|motion|messages|dds|ros2|runtime"), "<.*>"})},
+    {"tree_broker/.*", any({from("planning|motion|files|messages|dds|ros2|runtime|tree_broker"), "<.*>"})},
+    {"robot_agent/.*", any({from("planning|motion|files|messages|dds|ros2|runtime|robot_agent"), "<.*>"})},
+    {"planner_service/.*", any({from("planning|motion|files|messages|dds|ros2|runtime|planner_service"),
+                                std::string(proto), "<.*>"})},
+    {"simulation/.*", any({from("planning|motion|files|messages|dds|ros2|runtime|tree_broker|robot_agent|"
+                                "planner_service|simulation"),
+                           "<.*>"})},
+    {"monitor/.*",
+     any({from("planning|motion|files|messages|dds|ros2|runtime|monitor"), std::string(proto), "<.*>"})},
+    {"coppice/.*", any({from("planning|motion|files|messages|dds|ros2|runtime|planner_service|simulation|"
+                             "bench|monitor|coppice"),
                         R"("(tree_broker|robot_agent)/options\.h")", "<.*>"})},
     {"(tests|bench)/.*", ".*"},
 };
@@ -65,19 +71,19 @@ const std::string mains =
 const std::string commands = "|coppice/.*";
 
 const std::vector<Reserved> reserved = {
-    {"<(fastdds|fastrtps|fastcdr)/.*>|\"(fleet|ros2)[A-Za-z]*\\.h\"", "(bus/dds_|idl/).*" + tests_and_benches,
-     "DDS is known to the DDS bus alone"},
-    {"\"bus/(dds_.*|process.*|journal\\.h)\"",
-     "bus/(dds_|process|journal).*" + mains + commands + tests_and_benches,
+    {"<(fastdds|fastrtps|fastcdr)/.*>|\"(fleet|ros2)[A-Za-z]*\\.h\"",
+     "(dds|idl)/.*|ros2/dds_.*" + tests_and_benches, "DDS is known to the DDS bus alone"},
+    {"\"(dds/.*|ros2/dds_.*|runtime/.*)\"",
+     "(dds|runtime)/.*|ros2/dds_.*" + mains + commands + tests_and_benches,
      "only a main joins a role to the real bus"},
     {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
-     "bus/(dds_|process).*|monitor/web_server\\.cpp" + commands + tests_and_benches,
+     "dds/.*|ros2/dds_.*|runtime/process.*|monitor/web_server\\.cpp" + commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
     {"<random>",
      "planning/random\\.h|(tree_broker|robot_agent|planner_service)/main\\.cpp" + tests_and_benches,
      "chance is passed in"},
     {"<(iostream|fstream|filesystem)>",
-     "files/.*|bus/(journal|command_line).*" + mains + commands + tests_and_benches,
+     "files/.*|runtime/(journal|command_line).*" + mains + commands + tests_and_benches,
      "what reads or writes is at the edges"},
 };
 
@@ -128,24 +134,24 @@ TEST(Layering, WrongDirectionsAreSeen) {
       {"planning/trees.h", "<spdlog/spdlog.h>"},
       {"planning/trees.cpp", "<fstream>"},
       {"planning/trees.h", "\"scenario.pb.h\""},
-      {"motion/driver.h", "\"bus/messages.h\""},
+      {"motion/driver.h", "\"messages/messages.h\""},
       {"motion/driver.h", "<mutex>"},
-      {"files/map_file.h", "\"bus/messages.h\""},
-      {"bus/messages.h", "\"files/scenario.h\""},
-      {"bus/bus.h", "\"fleet.h\""},
-      {"bus/ros_conversion.h", "\"ros2.h\""},
-      {"bus/simulated_bus.h", "<fastdds/dds/topic/Topic.hpp>"},
+      {"files/map_file.h", "\"messages/messages.h\""},
+      {"messages/messages.h", "\"files/scenario.h\""},
+      {"messages/bus.h", "\"fleet.h\""},
+      {"ros2/conversion.h", "\"ros2.h\""},
+      {"simulation/simulated_bus.h", "<fastdds/dds/topic/Topic.hpp>"},
       {"robot_agent/robot_agent.h", "\"tree_broker/tree_broker.h\""},
-      {"robot_agent/robot_agent.h", "\"bus/dds_bus.h\""},
+      {"robot_agent/robot_agent.h", "\"dds/dds_bus.h\""},
       {"robot_agent/robot_agent.cpp", "<chrono>"},
       {"planner_service/planner_service.cpp", "\"simulation/fleet_simulation.h\""},
       {"simulation/fleet_simulation.h", "\"coppice/commands.h\""},
-      {"simulation/fleet_simulation.h", "\"bus/dds_bus.h\""},
+      {"simulation/fleet_simulation.h", "\"dds/dds_bus.h\""},
       {"simulation/fleet_simulation.h", "<random>"},
       {"nowhere/file.h", "<vector>"},
   };
   for (const auto& [file, include] : wrong) EXPECT_TRUE(problem(file, include)) << file << ": " << include;
-  EXPECT_FALSE(problem("robot_agent/main.cpp", "\"bus/dds_bus.h\""));
+  EXPECT_FALSE(problem("robot_agent/main.cpp", "\"dds/dds_bus.h\""));
   EXPECT_FALSE(problem("motion/driver.h", "\"planning/geometry.h\""));
 }
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "bus/discovery.h"
+#include "dds/discovery.h"
 #include "files/input_error.h"
 
 namespace coppice {

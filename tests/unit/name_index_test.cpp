@@ -1,5 +1,5 @@
 // Numbers for names.
-#include "bus/name_index.h"
+#include "messages/name_index.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

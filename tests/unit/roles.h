@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "planner_service/planner_service.h"
 
 namespace coppice {

@@ -1,5 +1,5 @@
 // Names, frames and values of ROS 2.
-#include "bus/ros_conversion.h"
+#include "ros2/conversion.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/discovery.h"
-#include "bus/process_options.h"
-#include "bus/ros_names.h"
+#include "dds/discovery.h"
+#include "runtime/process_options.h"
+#include "ros2/names.h"
 #include "planning/clearance_field.h"
 
 namespace coppice {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "monitor/fleet_view.h"
 
 namespace coppice::test {

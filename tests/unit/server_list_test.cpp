@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "bus/dds_server_list.h"
+#include "dds/server_list.h"
 
 namespace coppice {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bus/validation.h"
+#include "messages/validation.h"
 #include "motion/promise.h"
 #include "planning/quantities.h"
 #include "tests/unit/listener.h"

@@ -1,4 +1,4 @@
-#include "bus/simulated_bus.h"
+#include "simulation/simulated_bus.h"
 
 #include <map>
 

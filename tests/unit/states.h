@@ -1,7 +1,7 @@
 // What a robot of five metres that drives at up to 20 m/s says of itself.
 #pragma once
 
-#include "bus/messages.h"
+#include "messages/messages.h"
 #include "robot_agent/fleet.h"
 
 namespace coppice {

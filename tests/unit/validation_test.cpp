@@ -1,5 +1,5 @@
 // What a hostile or broken sender may put on the bus is told and dropped.
-#include "bus/validation.h"
+#include "messages/validation.h"
 
 #include <functional>
 #include <limits>

@@ -13,7 +13,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "bus/process.h"
+#include "runtime/process.h"
 #include "monitor/monitor.h"
 #include "tests/support.h"
 

@@ -1,0 +1,460 @@
+#include "dds/transport.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <string>
+#include <string_view>
+#include <unordered_set>
+#include <utility>
+
+#include <fastdds/rtps/common/LocatorList.hpp>
+#include <fastdds/rtps/common/LocatorSelector.hpp>
+#include <fastdds/rtps/common/LocatorsIterator.hpp>
+#include <fastdds/rtps/transport/ChainingTransport.h>
+#include <fastdds/rtps/transport/ChainingTransportDescriptor.h>
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+
+#include "dds/datagram.h"
+
+namespace coppice {
+
+namespace rtps = eprosima::fastrtps::rtps;
+namespace transport = eprosima::fastdds::rtps;
+
+namespace {
+
+// The group hears all news, and has new members. Who was told directly, since it had just come, is in the
+// group.
+constexpr std::chrono::milliseconds repeat_to_one{10'000};
+constexpr std::chrono::milliseconds repeat_to_group{3'000};
+// The first ones may be lost, or too early for those who start at the same time: the gaps double from here
+// on.
+constexpr std::chrono::milliseconds first_repeat_to_group{500};
+constexpr int most_doublings = 3;
+// By then all have met; two hundred who still told each other so often would do hardly anything else.
+constexpr int repeats_until_seldom = 10;
+constexpr std::chrono::milliseconds seldom{30'000};
+
+constexpr std::chrono::milliseconds between_heartbeats{300};
+
+constexpr std::size_t most_met = 20'000;  // participants
+
+constexpr std::string_view robot_key = "robot=";
+constexpr std::string_view replayer_data = "replayer";
+
+}  // namespace
+
+Audience::Limit::Limit(Audience& audience, std::vector<RobotName> agents) : audience_(audience) {
+  std::ranges::sort(agents);
+  audience_.agents_ = std::move(agents);
+  audience_.limited_in_ = std::this_thread::get_id();
+}
+
+Audience::Limit::~Limit() {
+  audience_.limited_in_ = std::thread::id();
+}
+
+void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
+  const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
+                    info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
+  const Guid& participant = info.info.m_guid;
+  const auto& addresses = info.info.default_locators.unicast;
+  const Announced announced{robot_of(info.info.m_userData), {addresses.begin(), addresses.end()}};
+  const std::scoped_lock lock(mutex_);
+  if (gone) {
+    for (auto& [address, there] : at_)
+      std::erase_if(there, [&](const Process& p) { return p.participant == participant; });
+    std::erase_if(at_, [](const auto& entry) { return entry.second.empty(); });
+    unproven_.erase(participant);
+    authenticated_.erase(participant);
+  } else if (!is_secure_) {
+    place(participant, announced);
+  } else if (!authenticated_.contains(participant)) {
+    unproven_[participant] = announced;
+  }
+}
+
+void Audience::authenticate(const Guid& participant) {
+  const std::scoped_lock lock(mutex_);
+  authenticated_.insert(participant);
+  const auto announced = unproven_.find(participant);
+  if (announced == unproven_.end()) return;
+  place(participant, announced->second);
+  unproven_.erase(announced);
+}
+
+void Audience::place(const Guid& participant, const Announced& announced) {
+  for (const Address& address : announced.addresses) {
+    std::vector<Process>& there = at_[address];
+    const auto known = std::ranges::find(there, participant, &Process::participant);
+    if (known == there.end()) {
+      there.push_back({participant, announced.robot});
+    } else {
+      known->robot = announced.robot;
+    }
+  }
+}
+
+bool Audience::includes(const rtps::Locator_t& address) const {
+  const std::scoped_lock lock(mutex_);
+  const auto known = at_.find(address);
+  return known == at_.end() || std::ranges::any_of(known->second, [&](const Process& p) {
+           return p.robot.empty() || std::ranges::binary_search(agents_, p.robot);
+         });
+}
+
+std::vector<std::uint8_t> user_data_of(const RobotName& robot) {
+  if (robot.empty()) return {};
+  std::vector<std::uint8_t> data(robot_key.begin(), robot_key.end());
+  data.insert(data.end(), robot.begin(), robot.end());
+  return data;
+}
+
+RobotName robot_of(std::span<const std::uint8_t> user_data) {
+  const std::string text(user_data.begin(), user_data.end());
+  return text.starts_with(robot_key) ? text.substr(robot_key.size()) : RobotName();
+}
+
+std::vector<std::uint8_t> user_data_of_replayer() {
+  return {replayer_data.begin(), replayer_data.end()};
+}
+
+namespace {
+
+// DDS-RTPS 2.2, 8.3.3 (messages) and 9.4.5 (submessages).
+constexpr std::uint8_t heartbeat = 0x07;
+constexpr std::uint8_t info_timestamp = 0x09;
+constexpr std::uint8_t info_destination = 0x0e;
+constexpr std::uint8_t data = 0x15;
+constexpr std::uint8_t first_of_vendors = 0x80;
+constexpr std::uint8_t is_little_endian = 0x01;
+constexpr std::uint8_t holds_data = 0x04;
+constexpr std::size_t submessage_header = 4;
+constexpr std::size_t prefix_length = 12;  // of a participant's GUID
+constexpr std::size_t writer_at = 12;      // of a data submessage; its sequence number follows
+
+using Bytes = std::span<const std::uint8_t>;
+using EntityId = std::array<std::uint8_t, 4>;
+
+/// Hands over each submessage, with its header and all that follows it, as long as `wants_more` says so.
+template <class WantsMore>
+void for_each_submessage(Bytes message, WantsMore&& wants_more) {
+  constexpr std::size_t header = 20;
+  for (std::size_t at = header; at + submessage_header <= message.size();) {
+    const Bytes rest = message.subspan(at);
+    if (!wants_more(rest)) return;
+    const bool little = (rest[1] & is_little_endian) != 0;
+    const std::size_t length = little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
+    if (length == 0) return;  // to the end of the message
+    at += submessage_header + length;
+  }
+}
+
+/// The octets as one number, the first one the highest.
+std::uint64_t number_of(Bytes octets) {
+  std::uint64_t number = 0;
+  for (const std::uint8_t octet : octets) number = number << 8 | octet;
+  return number;
+}
+
+bool holds_data_of(const EntityId& writer, Bytes submessage) {
+  return submessage.size() >= writer_at + 12 && (submessage[1] & holds_data) != 0 &&
+         std::ranges::equal(submessage.subspan(writer_at, 4), writer);
+}
+
+}  // namespace
+
+/// DDS-RTPS 2.2, 8.5.3 (participant discovery).
+std::optional<std::uint64_t> announcement_in(Bytes message) {
+  constexpr EntityId participant_writer{0x00, 0x01, 0x00, 0xc2};
+  std::optional<std::uint64_t> number;
+  bool says_more = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    const std::uint8_t kind = submessage[0];
+    if (kind == data && !number && holds_data_of(participant_writer, submessage)) {
+      number = number_of(submessage.subspan(writer_at + 4, 8));
+    } else {
+      says_more = kind != info_timestamp && kind < first_of_vendors;
+    }
+    return !says_more;
+  });
+  return says_more ? std::nullopt : number;
+}
+
+/// DDS-RTPS 2.2, 9.4.4 (header).
+rtps::GuidPrefix_t sender_of(Bytes message) {
+  constexpr std::size_t prefix_at = 8;
+  rtps::GuidPrefix_t sender;
+  if (message.size() >= prefix_at + prefix_length)
+    std::ranges::copy(message.subspan(prefix_at, prefix_length), sender.value);
+  return sender;
+}
+
+/// DDS-RTPS 2.2, 9.4.5.3 (data), 9.4.2.11 (lists of parameters) and 9.6.2.2.2 (what they say).
+std::vector<rtps::Locator_t> addresses_in(Bytes announcement) {
+  constexpr std::uint16_t locators_of_discovery = 0x0032;
+  constexpr std::uint16_t sentinel = 0x0001;
+  constexpr std::size_t locator_length = 24;
+  constexpr std::size_t payload_at = 24;
+  constexpr std::size_t encapsulation = 4;
+  constexpr std::uint8_t has_inline_qos = 0x02;
+  std::vector<rtps::Locator_t> addresses;
+  for_each_submessage(announcement, [&](Bytes submessage) {
+    if (submessage[0] != data || (submessage[1] & has_inline_qos) != 0 ||
+        submessage.size() < payload_at + encapsulation)
+      return true;
+    const bool little = (submessage[payload_at + 1] & is_little_endian) != 0;
+    Bytes rest = submessage.subspan(payload_at + encapsulation);
+    while (rest.size() >= 4) {
+      const auto id = static_cast<std::uint16_t>(little ? rest[0] | rest[1] << 8 : rest[0] << 8 | rest[1]);
+      const std::size_t length = little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
+      rest = rest.subspan(4);
+      if (id == sentinel || length > rest.size()) break;
+      if (id == locators_of_discovery && length == locator_length) {
+        const auto number = [&](std::size_t at) {
+          std::array<std::uint8_t, 4> octets{};
+          std::ranges::copy(rest.subspan(at, 4), octets.begin());
+          if (little) std::ranges::reverse(octets);
+          return static_cast<std::uint32_t>(number_of(octets));
+        };
+        rtps::Locator_t locator(static_cast<std::int32_t>(number(0)), number(4));
+        std::ranges::copy(rest.subspan(8, 16), locator.address);
+        addresses.push_back(locator);
+      }
+      rest = rest.subspan(length);
+    }
+    return false;
+  });
+  return addresses;
+}
+
+/// DDS-RTPS 2.2, 8.3.7.5 (heartbeats) and 8.5.4 (endpoint discovery).
+std::optional<EndpointHeartbeat> endpoint_heartbeat_in(Bytes message) {
+  constexpr std::uint32_t publications_writer = 0x0003c2;
+  constexpr std::uint32_t subscriptions_writer = 0x0004c2;
+  constexpr std::size_t numbers_at = 12;  // behind the ids of the reader and the writer
+  std::optional<EndpointHeartbeat> found;
+  bool says_more = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    const std::uint8_t kind = submessage[0];
+    if (kind == heartbeat && !found && submessage.size() >= numbers_at + 16) {
+      found = {.writer = static_cast<std::uint32_t>(number_of(submessage.subspan(numbers_at - 4, 4))),
+               .first = number_of(submessage.subspan(numbers_at, 8)),
+               .last = number_of(submessage.subspan(numbers_at + 8, 8))};
+      says_more = found->writer != publications_writer && found->writer != subscriptions_writer;
+    } else {
+      says_more = kind != info_timestamp && kind < first_of_vendors;
+    }
+    return !says_more;
+  });
+  return says_more ? std::nullopt : found;
+}
+
+/// DDS-Security 1.1, 7.4.3 (ParticipantStatelessMessage).
+bool is_handshake_of_others(Bytes message) {
+  constexpr EntityId handshake_writer{0x00, 0x02, 0x01, 0xc3};
+  constexpr std::size_t payload_at = 24;  // of a data submessage without inline QoS
+  // Behind the encapsulation, the message's own identity and that of the one that it answers.
+  constexpr std::size_t destination_at = payload_at + 4 + 24 + 24;
+  Bytes receiver;
+  bool of_others = false;
+  for_each_submessage(message, [&](Bytes submessage) {
+    if (submessage[0] == info_destination && submessage.size() >= submessage_header + prefix_length)
+      receiver = submessage.subspan(submessage_header, prefix_length);
+    of_others = submessage[0] == data && !receiver.empty() && holds_data_of(handshake_writer, submessage) &&
+                submessage.size() >= destination_at + prefix_length &&
+                !std::ranges::equal(submessage.subspan(destination_at, prefix_length), receiver);
+    return !of_others;
+  });
+  return of_others;
+}
+
+void Announcements::hear(Bytes announcement) {
+  const std::scoped_lock lock(mutex_);
+  if (met_.size() >= most_met) met_.clear();  // names that somebody makes up: those are never given up
+  if (!met_.insert(sender_of(announcement)).second) return;
+  const std::vector<rtps::Locator_t> addresses = addresses_in(announcement);
+  // Within a host it is reached by the loopback, whatever it says.
+  const auto leads_there = [&](const auto& entry) {
+    const rtps::Locator_t& destination = entry.first.destination;
+    return std::ranges::any_of(addresses, [&](const rtps::Locator_t& address) {
+      return destination == address ||
+             (destination.port == address.port && rtps::IPLocator::isLocal(destination));
+    });
+  };
+  std::erase_if(told_, leads_there);
+  std::erase_if(beaten_, leads_there);
+}
+
+void Announcements::forget(const rtps::GuidPrefix_t& participant) {
+  const std::scoped_lock lock(mutex_);
+  met_.erase(participant);
+}
+
+bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
+                           std::uint64_t number, Time now) {
+  if (!begun_) return false;
+  const bool is_group = rtps::IPLocator::isMulticast(destination);
+  const std::scoped_lock lock(mutex_);
+  const auto [entry, fresh] = told_.try_emplace({sender, destination});
+  Told& told = entry->second;
+  const bool is_news = told.number != number && is_group;
+  const auto first_gaps = first_repeat_to_group * (1 << std::min(told.repeats, most_doublings));
+  const auto usual = is_group ? std::min(repeat_to_group, first_gaps) : repeat_to_one;
+  const auto gap = told.repeats < repeats_until_seldom ? usual : seldom;
+  if (!fresh && !is_news && now - told.at < gap) return false;
+  const int repeats = fresh || is_news ? 0 : std::min(told.repeats + 1, repeats_until_seldom);
+  told = {number, now, repeats};
+  return true;
+}
+
+bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
+                           const EndpointHeartbeat& beat, Time now) {
+  const std::scoped_lock lock(mutex_);
+  const auto [entry, fresh] = beaten_.try_emplace({sender, destination, beat.writer});
+  Beaten& beaten = entry->second;
+  if (!fresh && beaten.heartbeat == beat && now - beaten.at < between_heartbeats) return false;
+  beaten = {beat, now};
+  return true;
+}
+
+namespace {
+
+class SparingTransport final : public transport::ChainingTransport {
+ public:
+  SparingTransport(const transport::ChainingTransportDescriptor& descriptor,
+                   std::unique_ptr<transport::TransportDescriptorInterface> configuration,
+                   const SparingTransportParts& parts)
+      : ChainingTransport(descriptor), configuration_(std::move(configuration)), parts_(parts) {}
+
+  transport::TransportDescriptorInterface* get_configuration() override { return configuration_.get(); }
+
+  bool send(rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
+            rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
+            const std::chrono::steady_clock::time_point& timeout) override {
+    if (parts_.audience.is_limited()) {
+      const auto includes = [&](const rtps::Locator_t& l) { return parts_.audience.includes(l); };
+      return send_to(includes, udp, message, size, begin, end, timeout);
+    }
+    if (parts_.announcements != nullptr) {
+      Announcements& announcements = *parts_.announcements;
+      const Bytes bytes(message, size);
+      if (const auto number = announcement_in(bytes)) {
+        const auto now = std::chrono::steady_clock::now();
+        const auto is_due = [&](const rtps::Locator_t& l) {
+          return announcements.is_due(udp, l, *number, now);
+        };
+        return send_to(is_due, udp, message, size, begin, end, timeout);
+      }
+      if (const auto beat = endpoint_heartbeat_in(bytes)) {
+        const auto now = std::chrono::steady_clock::now();
+        const auto is_due = [&](const rtps::Locator_t& l) {
+          return announcements.is_due(udp, l, *beat, now);
+        };
+        return send_to(is_due, udp, message, size, begin, end, timeout);
+      }
+    }
+    if (parts_.is_secure && is_handshake_of_others({message, size})) return true;
+    const auto all = [](const rtps::Locator_t&) { return true; };
+    return send_to(all, udp, message, size, begin, end, timeout);
+  }
+
+  /// UDP goes through all addresses that it has a channel to, and is asked for those of all readers whenever
+  /// one more is found.
+  bool OpenOutputChannel(transport::SendResourceList& senders, const rtps::Locator_t& address) override {
+    const std::scoped_lock lock(opening_);
+    if (open_.contains(address)) return true;
+    if (!ChainingTransport::OpenOutputChannel(senders, address)) return false;
+    open_.insert(address);
+    return true;
+  }
+
+  /// The same choice as UDP's own, which looks for each locator among all chosen before. It is made anew
+  /// whenever a reader is found or lost: N processes that meet would spend N^4 comparisons on it.
+  void select_locators(rtps::LocatorSelector& selector) const override {
+    auto& readers = selector.transport_starts();
+    const bool in_groups = std::ranges::any_of(readers, [](const rtps::LocatorSelectorEntry* reader) {
+      return reader->transport_should_process && !reader->multicast.empty();
+    });
+    if (in_groups) return ChainingTransport::select_locators(selector);
+    // Hundreds of addresses, hundreds of times: what is known of them stays on the stack.
+    std::array<std::byte, 16384> room;
+    std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
+    std::pmr::unordered_set<rtps::Locator_t, AddressHash> chosen(&memory);
+    chosen.reserve(readers.size());
+    for (std::size_t i = 0; i < readers.size(); ++i) {
+      rtps::LocatorSelectorEntry& reader = *readers[i];
+      if (!reader.transport_should_process) continue;
+      for (std::size_t k = 0; k < reader.unicast.size(); ++k) {
+        if (IsLocatorSupported(reader.unicast[k]) && chosen.insert(reader.unicast[k]).second)
+          reader.state.unicast.push_back(k);
+      }
+      if (!reader.state.unicast.empty()) selector.select(i);
+    }
+  }
+
+  void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,
+               const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
+    parts_.traffic.bytes_received += size;
+    std::unique_lock one_at_a_time(discovering_, std::defer_lock);
+    if (announcement_in({message, size})) {
+      one_at_a_time.lock();
+      if (parts_.announcements != nullptr) parts_.announcements->hear({message, size});
+    }
+    next->OnDataReceived(message, size, local, remote);
+  }
+
+ private:
+  template <class Wanted>
+  bool send_to(Wanted&& wanted, rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
+               rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
+               const std::chrono::steady_clock::time_point& timeout) {
+    transport::LocatorList chosen;
+    for (; *begin != *end; ++*begin) {
+      if (wanted(**begin)) chosen.push_back(**begin);
+    }
+    if (chosen.empty()) return true;
+    parts_.traffic.bytes_sent += std::uint64_t{size} * chosen.size();
+    rtps::Locators first(chosen.begin());
+    rtps::Locators last(chosen.end());
+    return udp->send(message, size, &first, &last, timeout);
+  }
+
+  std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
+  SparingTransportParts parts_;
+  std::mutex opening_;
+  std::unordered_set<rtps::Locator_t, AddressHash> open_;  ///< channels go on until the participant ends
+  std::mutex discovering_;
+};
+
+struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor {
+  SparingTransportDescriptor(const std::shared_ptr<transport::TransportDescriptorInterface>& udp,
+                             const SparingTransportParts& p)
+      : ChainingTransportDescriptor(udp), parts(p) {}
+  transport::TransportInterface* create_transport() const override {
+    auto configuration = std::make_unique<SparingTransportDescriptor>(*this);
+    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the interface's way
+    return new SparingTransport(*this, std::move(configuration), parts);
+  }
+  /// What DDS sends: others may send more, where all are on one host, and that must fit the buffers.
+  std::uint32_t max_message_size() const override {
+    return static_cast<std::uint32_t>(parts.largest_datagram);
+  }
+  SparingTransportParts parts;
+};
+
+}  // namespace
+
+std::shared_ptr<transport::TransportDescriptorInterface> sparing_udp_transport(
+    const SparingTransportParts& parts) {
+  auto udp = std::make_shared<transport::UDPv4TransportDescriptor>();
+  udp->receiveBufferSize = wanted_receive_buffer;
+  udp->maxMessageSize = datagram_for_one_host;
+  return std::make_shared<SparingTransportDescriptor>(udp, parts);
+}
+
+}  // namespace coppice

@@ -1,0 +1,339 @@
+// What travels between the processes, as plain structs: one for each topic of topics.h.
+//
+// Units: metres in the map frame, seconds, metres per second. Times named `stamp`, `expiry` or `..._time` are
+// fleet time (fleet_clock.h). Nothing here is trusted when it comes off a bus: validation.h checks it first.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "messages/fleet_clock.h"
+#include "motion/joint_plan.h"
+#include "planning/geometry.h"
+#include "planning/occupancy_map.h"
+#include "planning/planner_kind.h"
+
+namespace coppice {
+
+using RobotName = std::string;
+
+/// Names a disjointed tree: which broker froze it, and its number there.
+struct TreeId {
+  std::uint64_t broker = 0;
+  std::uint32_t number = 0;
+  auto operator<=>(const TreeId&) const = default;
+};
+
+/// map: service -> all.
+struct MapMessage {
+  std::string map_id;
+  OccupancyMap map;
+  std::vector<double> radii{};  ///< of the robots that are to drive on it, each once: brokers may grow ahead
+  bool operator==(const MapMessage&) const = default;
+};
+
+/// mission: service -> agents, broker. One for each robot; a newer one for the same robot replaces the older.
+struct Mission {
+  RobotName robot;
+  std::uint32_t number = 0;      ///< grows with each mission of the run; statuses name it
+  std::uint32_t fleet_size = 1;  ///< robots in this run: none sets off before it has heard of all of them
+  std::string map_id;
+  Point2 start = Point2::Zero();
+  Point2 goal = Point2::Zero();
+  double radius = 0;
+  double max_speed = 0;
+  double max_acceleration = 0;
+  double goal_tolerance = 0;
+  std::uint64_t seed = 0;
+  PlannerKind planner = PlannerKind::ma_rrdt_star;
+  double plan_budget = 1;  ///< wall seconds to look for a shorter path after the first one
+  bool cancelled = false;  ///< the run has ended: stop planning, brake and stand
+  FleetClock clock;        ///< its epoch names the run: agents outlive it, and so does what they said in it
+  bool operator==(const Mission&) const = default;
+};
+
+/// The two root trees of a group.
+enum class Side : std::uint8_t { start, goal };
+
+/// root_nodes: agent -> broker. Nodes that joined a root tree since the last batch.
+struct RootNodes {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  struct Node {
+    Side side = Side::start;
+    Point2 position = Point2::Zero();
+    std::int32_t parent =
+        -1;  ///< index among the root nodes that this agent sent for this mission; -1: a root
+    bool operator==(const Node&) const = default;
+  };
+  std::uint32_t first_index = 0;  ///< of nodes[0] among all that this agent sent for this mission
+  std::vector<Node> nodes;
+  WallTime run = 0;  ///< which one its mission is of
+  bool operator==(const RootNodes&) const = default;
+};
+
+/// inactive_tree: broker -> agents, brokers. Never changes once published.
+struct InactiveTreeMessage {
+  TreeId tree;
+  std::string map_id;
+  double radius = 0;  ///< every node and edge keeps at least this clearance
+  struct Node {
+    Point2 position = Point2::Zero();
+    std::int32_t parent = -1;   ///< index in nodes, always below the node's own; -1: the root (node 0)
+    double edge_clearance = 0;  ///< of the edge to the parent; of the node itself for the root
+    bool operator==(const Node&) const = default;
+  };
+  std::vector<Node> nodes;
+  bool operator==(const InactiveTreeMessage&) const = default;
+};
+
+/// active_trees: broker -> monitor, recorder. What the broker that leads grows just now, several times a
+/// second while it does.
+struct ActiveTreesMessage {
+  std::uint64_t broker = 0;
+  std::string map_id;
+  struct Edge {
+    Point2 from = Point2::Zero();
+    Point2 to = Point2::Zero();  ///< a tree of one node has one edge, from it to itself
+    bool operator==(const Edge&) const = default;
+  };
+  std::vector<Edge> edges;
+  bool operator==(const ActiveTreesMessage&) const = default;
+};
+
+enum class Phase : std::uint8_t {
+  waiting,   ///< no map or no mission yet
+  planning,  ///< has a mission, looks for a path
+  driving,   ///< follows its path
+  arrived,   ///< stands within the tolerance of its goal
+  no_path,   ///< proved that no path exists, or gave up at a limit; stands at its start
+  stopped,   ///< the run has ended: stands
+};
+
+/// What a robot binds itself to (motion/promise.h): it keeps the state's velocity until `turn`, then moves
+/// with the velocity given here until `expiry`; from then on only its limits bound it.
+struct Promise {
+  double turn = 0;
+  Point2 velocity = Point2::Zero();
+  double expiry = 0;
+  bool operator==(const Promise&) const = default;
+};
+
+/// Of two epochs of knots, whether the first is the later one. They count round (RFC 1982, serial numbers),
+/// so that there is a later one to each, also to one that nobody honestly came to; 0 is before all.
+constexpr bool is_later_epoch(std::uint32_t epoch, std::uint32_t other) {
+  if (epoch == 0 || other == 0) return epoch > other;
+  return epoch != other && epoch - other <= ~std::uint32_t{0} / 2;
+}
+constexpr std::uint32_t epoch_after(std::uint32_t epoch) {
+  return epoch + 1 == 0 ? 1 : epoch + 1;
+}
+
+/// Names a knot, a joint plan in the making or under way of the robots within reach of a place: a later epoch
+/// overrides an earlier one, and in one epoch the leader of the lower name.
+struct KnotId {
+  std::uint32_t epoch = 0;  ///< 0: none yet
+  RobotName leader{};
+  Point2 place = Point2::Zero();
+  double reach = 0;  ///< metres
+
+  bool includes(const Point2& p) const { return (p - place).norm() <= reach; }
+  bool overrides(const KnotId& other) const {
+    return epoch != other.epoch ? is_later_epoch(epoch, other.epoch) : leader < other.leader;
+  }
+  bool operator==(const KnotId&) const = default;
+};
+
+/// A robot's part in its knot.
+enum class Stage : std::uint8_t {
+  free,     ///< none, or done with it: drives by itself
+  holding,  ///< stands, or brakes, until there is a joint plan
+  ordered,  ///< drives as the joint plan says
+};
+
+/// Says when a state of another robot arrived, so that it can compare clocks (clock_offset.h).
+struct Echo {
+  RobotName robot;
+  double stamp = 0;     ///< of its state
+  double received = 0;  ///< by the clock of who says so
+  bool operator==(const Echo&) const = default;
+};
+
+/// robot_state: agent -> agents, the more often the closer they are; monitor. Once a control step, or less
+/// often while it stands.
+struct RobotState {
+  RobotName robot;
+  std::uint32_t sequence = 0;
+  double stamp = 0;
+  Point2 position = Point2::Zero();  ///< at stamp
+  Point2 velocity = Point2::Zero();  ///< from stamp on
+  double radius = 0;
+  double max_speed = 0;
+  double max_acceleration = 0;
+  Phase phase = Phase::waiting;
+  Promise promise;
+  KnotId knot;
+  Stage stage = Stage::free;
+  double progress = 0;      ///< metres along its moves of the joint plan, while ordered
+  RobotName waits_for;      ///< empty: for nobody
+  std::uint8_t copies = 1;  ///< this state and those after it are each said at least so many times, until one
+                            ///< gives another number
+  std::uint8_t copy = 0;    ///< which of these it is
+  bool passed_on = false;   ///< by another robot, which hears no more of this one
+  bool counts_as_dead = false;  ///< to the one that passes it on
+  bool is_new =
+      false;  ///< started anew in mid-run, or out of touch of late: it may not know where all others are
+  bool wants_echo = false;          ///< nobody has told it of late to have heard of it
+  std::vector<RobotName> misses{};  ///< it hears nothing of these, of all in turn: who does shall say so
+  std::vector<Echo> echoes{};       ///< of some of the others, all in turn
+  WallTime run = 0;                 ///< which one its mission is of
+  bool operator==(const RobotState&) const = default;
+};
+
+/// joint_plan: agent -> agents, monitor. What a knot's leader found (motion/joint_plan.h).
+struct JointPlanMessage {
+  KnotId knot;
+  struct Member {
+    RobotName robot;
+    double radius = 0;
+    bool stranded = false;  ///< the moves do not bring it to its goal
+    bool operator==(const Member&) const = default;
+  };
+  std::vector<Member> members;
+  std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
+  WallTime run = 0;         ///< which one the leader's mission is of
+  bool operator==(const JointPlanMessage&) const = default;
+};
+
+/// path: agent -> service, monitor.
+struct PathMessage {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  Path waypoints;    ///< from start to goal; empty: none
+  WallTime run = 0;  ///< which one its mission is of
+  bool operator==(const PathMessage&) const = default;
+};
+
+/// track: agent -> service, recorder. Every control step, in batches, so that a report can be checked.
+struct TrackMessage {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  struct Point {
+    double time = 0;
+    Point2 position = Point2::Zero();
+    Point2 velocity = Point2::Zero();
+    bool operator==(const Point&) const = default;
+  };
+  std::uint32_t first_index = 0;  ///< of points[0] among all of this run: gaps show
+  std::vector<Point> points;
+  WallTime run = 0;  ///< which one its mission is of
+  bool operator==(const TrackMessage&) const = default;
+};
+
+/// What an agent's process has to do, since it began.
+struct AgentLoad {
+  std::uint32_t samples_received = 0;  ///< of all topics
+  std::uint32_t states_received = 0;   ///< of these: states of other robots, copies included
+  std::uint32_t periods = 0;           ///< of control
+  std::uint32_t periods_missed = 0;    ///< of these: over before the process came to decide for them
+  std::uint32_t agents_matched = 0;    ///< others that are told of its states
+  WallTime matched_at = 0;             ///< when the last of these was matched
+  std::uint64_t bytes_sent = 0;        ///< in UDP datagrams, without their headers
+  std::uint64_t bytes_received = 0;
+  /// Age of a state of a robot that might be touched soon, when this robot uses it, seconds of fleet time;
+  double state_age_p50 = 0;
+  double state_age_p99 = 0;  ///< to within a tenth
+  double state_age_max = 0;
+  double processor_seconds = 0;  ///< of all its threads; 0 in a simulation
+  bool operator==(const AgentLoad&) const = default;
+};
+
+/// agent_status: agent -> service, monitor. On every change and at a slow beat.
+struct AgentStatus {
+  RobotName robot;
+  std::uint32_t mission = 0;
+  Phase phase = Phase::waiting;
+  std::string reason;          ///< why not, for no_path
+  double mission_time = 0;     ///< when the mission and its map were there
+  double path_time = 0;        ///< when the path was found (or given up); 0: not yet
+  double arrival_time = 0;     ///< 0: not yet
+  double plan_seconds = 0;     ///< wall-clock seconds between mission and first path
+  double improve_seconds = 0;  ///< from then to the path that it drives; 0: the first
+  double driven_length = 0;
+  std::uint32_t nodes_valid = 0;
+  std::uint32_t nodes_invalid = 0;
+  std::uint32_t trees_received = 0;
+  std::uint32_t trees_grafted = 0;
+  std::uint32_t track_points = 0;  ///< how many the agent has sent in all
+  std::uint32_t rejected = 0;      ///< messages dropped as invalid
+  AgentLoad load{};
+  WallTime run = 0;          ///< which one its mission is of; 0: none yet
+  double way_left = -1;      ///< metres along its way to its goal; below 0: it has none
+  std::string wait_cause{};  ///< why it does not come on, though it has a goal to reach; empty: it does
+  double came_on_at = 0;     ///< fleet time at which it last came on, or its mission came
+  double waited = 0;         ///< fleet seconds of this mission in which it did not come on
+  bool operator==(const AgentStatus&) const = default;
+};
+
+/// Nothing that the later one says is news but how far the robot has come.
+inline bool same_progress(const AgentStatus& earlier, const AgentStatus& later) {
+  return earlier.run == later.run && earlier.mission == later.mission && earlier.phase == later.phase &&
+         earlier.reason == later.reason && earlier.path_time == later.path_time &&
+         earlier.arrival_time == later.arrival_time && earlier.improve_seconds == later.improve_seconds;
+}
+
+/// broker_status: broker -> brokers, service, monitor.
+struct BrokerStatus {
+  std::uint64_t broker = 0;
+  bool leads = true;           ///< grows and publishes trees; otherwise it stands by
+  WallTime leading_since = 0;  ///< if it leads
+  std::uint32_t nodes_valid = 0;
+  std::uint32_t nodes_invalid = 0;
+  std::uint32_t trees_active = 0;
+  std::uint32_t trees_published = 0;  ///< inactive ones that it knows: while it leads, it has published all
+  std::string covered_map{};  ///< id of the map that its trees cover by now, for all radii; empty: not yet
+  std::uint32_t rejected = 0;
+  double processor_seconds = 0;  ///< of all its threads, since the process began
+  bool operator==(const BrokerStatus&) const = default;
+};
+
+/// service_status: service -> services, monitor. Each fleet has one service: a second one hears of it and
+/// refuses.
+struct ServiceStatus {
+  std::uint64_t service = 0;  ///< drawn at random, above 0: another one after each start
+  std::string host{};
+  std::uint32_t process = 0;  ///< its id there
+  WallTime since = 0;         ///< it was started
+  WallTime run = 0;           ///< the one whose missions it has handed out; 0: none yet
+  bool operator==(const ServiceStatus&) const = default;
+};
+
+/// claim: agent without a name -> service. Said again and again until it has a robot, and once more with
+/// that.
+struct Claim {
+  std::uint64_t claimant = 0;  ///< drawn at random, above 0: another one after each start
+  std::uint32_t number = 0;    ///< grows with each claim of this claimant
+  RobotName robot{};           ///< which one it is by now; empty: none yet
+  bool operator==(const Claim&) const = default;
+};
+
+/// assignment: service -> agents without a name, and those that had none. The newest of a robot counts.
+struct Assignment {
+  RobotName robot;
+  std::uint64_t claimant = 0;
+  std::uint32_t number = 0;  ///< of the claim that it answers
+  bool operator==(const Assignment&) const = default;
+};
+
+/// Seconds. Whoever the service has heard nothing of for so long has lost its robot, and knows that by
+/// itself.
+inline constexpr WallTime claim_lease = 10;
+
+using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState,
+                             JointPlanMessage, PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim,
+                             Assignment, ActiveTreesMessage, ServiceStatus>;
+
+}  // namespace coppice

@@ -1,0 +1,67 @@
+// The one table of topics: name, message, who writes, who reads, and how it is delivered.
+//
+// Used by every bus and by the tests; a topic is declared nowhere else.
+#pragma once
+
+#include <string_view>
+
+#include "messages/bus.h"
+
+namespace coppice {
+
+enum class Reliability : unsigned char { best_effort, reliable };
+enum class Durability : unsigned char { volatile_, transient_local };
+
+struct TopicInfo {
+  std::string_view name;
+  Reliability reliability;
+  Durability durability;
+  int depth;  ///< samples kept for each key; 0: all
+};
+
+/// Specialised for each message type: `info`, and whether a role writes or reads the topic.
+template <class M>
+struct Topic;
+
+#define COPPICE_TOPIC(MESSAGE, NAME, RELIABILITY, DURABILITY, DEPTH, WRITERS, READERS)                  \
+  template <>                                                                                           \
+  struct Topic<MESSAGE> {                                                                               \
+    static constexpr TopicInfo info{NAME, Reliability::RELIABILITY, Durability::DURABILITY, DEPTH};     \
+    static constexpr bool written_by(Role role) {                                                       \
+      return ((WRITERS | topic_roles::replayer) >> static_cast<unsigned>(role)) & 1;                    \
+    }                                                                                                   \
+    static constexpr bool read_by(Role role) { return ((READERS) >> static_cast<unsigned>(role)) & 1; } \
+  }
+
+namespace topic_roles {
+inline constexpr unsigned broker = 1u << static_cast<unsigned>(Role::broker);
+inline constexpr unsigned claimant = 1u << static_cast<unsigned>(Role::claimant);
+inline constexpr unsigned agent = (1u << static_cast<unsigned>(Role::agent)) | claimant;  // it becomes one
+inline constexpr unsigned service = 1u << static_cast<unsigned>(Role::service);
+inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer);
+inline constexpr unsigned onlooker = observer | (1u << static_cast<unsigned>(Role::viewer));
+// It writes every topic, and reads one of each role that a fleet has: it stops where one is there.
+inline constexpr unsigned replayer = 1u << static_cast<unsigned>(Role::replayer);
+}  // namespace topic_roles
+
+// clang-format off
+//            message              name             reliability  durability       depth  written by            read by
+COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::onlooker | topic_roles::replayer);
+COPPICE_TOPIC(Mission,             "mission",       reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::onlooker);
+COPPICE_TOPIC(RootNodes,           "root_nodes",    reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::onlooker);
+COPPICE_TOPIC(InactiveTreeMessage, "inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::broker | topic_roles::service | topic_roles::onlooker);
+COPPICE_TOPIC(RobotState,          "robot_state",   best_effort, volatile_,       32,    topic_roles::agent,   topic_roles::agent | topic_roles::onlooker);
+COPPICE_TOPIC(JointPlanMessage,    "joint_plan",    reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::onlooker);
+COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::service | topic_roles::onlooker);
+COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::onlooker | topic_roles::replayer);
+COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::broker | topic_roles::service | topic_roles::onlooker | topic_roles::replayer);
+COPPICE_TOPIC(Claim,               "claim",         reliable,    transient_local, 1,     topic_roles::claimant, topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(Assignment,          "assignment",    reliable,    transient_local, 1,     topic_roles::service, topic_roles::claimant | topic_roles::observer);
+COPPICE_TOPIC(ServiceStatus,       "service_status", reliable,   transient_local, 1,     topic_roles::service, topic_roles::service | topic_roles::onlooker);
+COPPICE_TOPIC(ActiveTreesMessage,  "active_trees",  reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::onlooker);
+// clang-format on
+
+#undef COPPICE_TOPIC
+
+}  // namespace coppice

@@ -1,0 +1,285 @@
+#include "messages/validation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "messages/topics.h"
+#include "motion/precedence.h"
+
+namespace coppice {
+
+namespace {
+
+using Problem = std::optional<std::string>;
+
+bool sane(const Point2& p) {
+  return is_sane(p.x()) && is_sane(p.y());
+}
+bool not_negative(double x) {
+  return x >= 0 && x <= largest_quantity;
+}
+
+/// How many of its bytes a character of UTF-8 takes that begins here; 0 if none does, or one that commands a
+/// terminal.
+std::size_t printable_bytes(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7f;
+  const std::size_t length = byte(0) >= 0xf0 ? 4 : byte(0) >= 0xe0 ? 3 : 2;
+  if (byte(0) < 0xc2 || byte(0) > 0xf4 || text.size() < length) return 0;
+  std::uint32_t code = byte(0) & (0xffu >> (length + 1));
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+    code = code << 6 | (byte(k) & 0x3fu);
+  }
+  constexpr std::array<std::uint32_t, 5> least{0, 0, 0xa0, 0x800, 0x10000};
+  const bool is_surrogate = code >= 0xd800 && code < 0xe000;
+  return code >= least[length] && code <= 0x10ffff && !is_surrogate ? length : 0;
+}
+
+/// Reports and logs quote it.
+bool printable(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t bytes = printable_bytes(text);
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
+  }
+  return true;
+}
+bool named_or_empty(const std::string& name) {
+  return name.size() <= longest_name && printable(name);
+}
+bool named(const std::string& name) {
+  return !name.empty() && named_or_empty(name);
+}
+bool known(Phase phase) {
+  return phase <= Phase::stopped;
+}
+
+Problem first_of(std::initializer_list<std::pair<bool, const char*>> checks) {
+  for (const auto& [holds, text] : checks) {
+    if (!holds) return text;
+  }
+  return std::nullopt;
+}
+
+Problem check(const MapMessage& m) {
+  const auto in_range = [](int cells) { return cells >= 1 && cells <= largest_map_side; };
+  return first_of({{named(m.map_id), "map id is empty, too long or not printable"},
+                   {in_range(m.map.width) && in_range(m.map.height), "map size is out of range"},
+                   {is_sane_size(m.map.resolution), "resolution is out of range"},
+                   {sane(m.map.origin), "origin is not finite"},
+                   {m.map.y_axis <= YAxis::up, "unknown y axis"},
+                   {m.map.blocked.size() == static_cast<std::size_t>(std::max(m.map.width, 0)) *
+                                                static_cast<std::size_t>(std::max(m.map.height, 0)),
+                    "number of cells does not agree with the size"},
+                   {std::ranges::all_of(m.radii, is_sane_size), "a radius is out of range"}});
+}
+
+Problem check(const Mission& m) {
+  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
+                   {named(m.map_id), "map id is empty, too long or not printable"},
+                   {m.fleet_size >= 1, "fleet size is 0"},
+                   {sane(m.start) && sane(m.goal), "start or goal is not finite"},
+                   {is_sane_size(m.radius), "radius is out of range"},
+                   {is_sane_size(m.max_speed), "speed limit is out of range"},
+                   {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
+                   {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
+                   {is_sane_size(m.goal_tolerance), "goal tolerance is out of range"},
+                   {m.planner <= PlannerKind::rrt_star, "unknown planner"},
+                   {not_negative(m.plan_budget), "plan budget is negative or not finite"},
+                   {m.clock.epoch >= 0 && m.clock.epoch <= latest_run, "clock epoch is not a time"},
+                   {m.clock.scale >= least_quantity && m.clock.scale <= largest_time_scale,
+                    "clock scale is out of range"}});
+}
+
+Problem check(const RootNodes& m) {
+  if (!named(m.robot)) return "robot name is empty, too long or not printable";
+  if (!std::isfinite(m.run)) return "run has no time";
+  for (std::size_t i = 0; i < m.nodes.size(); ++i) {
+    const RootNodes::Node& node = m.nodes[i];
+    if (!sane(node.position)) return "node position is not finite";
+    if (node.side > Side::goal) return "node belongs to no root tree";
+    const std::int64_t own = static_cast<std::int64_t>(m.first_index) + static_cast<std::int64_t>(i);
+    if (node.parent < -1 || node.parent >= own) return "node's parent does not come before it";
+  }
+  return std::nullopt;
+}
+
+Problem check(const InactiveTreeMessage& m) {
+  if (!named(m.map_id)) return "map id is empty, too long or not printable";
+  if (!is_sane_size(m.radius)) return "radius is out of range";
+  if (m.nodes.empty()) return "tree has no node";
+  for (std::size_t i = 0; i < m.nodes.size(); ++i) {
+    const InactiveTreeMessage::Node& node = m.nodes[i];
+    if (!sane(node.position)) return "node position is not finite";
+    if (!not_negative(node.edge_clearance)) return "edge clearance is negative or not finite";
+    const bool root = i == 0;
+    if (root ? node.parent != -1 : node.parent < 0 || node.parent >= static_cast<std::int64_t>(i)) {
+      return "node's parent does not come before it";
+    }
+  }
+  return std::nullopt;
+}
+
+Problem check(const ActiveTreesMessage& m) {
+  const auto fine = [](const ActiveTreesMessage::Edge& e) { return sane(e.from) && sane(e.to); };
+  return first_of({{m.broker != 0, "broker has no id"},
+                   {named(m.map_id), "map id is empty, too long or not printable"},
+                   {std::ranges::all_of(m.edges, fine), "edge is not finite"}});
+}
+
+Problem check(const RobotState& m) {
+  const auto echo_fine = [](const Echo& e) {
+    return named(e.robot) && is_sane(e.stamp) && is_sane(e.received);
+  };
+  return first_of(
+      {{named(m.robot), "robot name is empty, too long or not printable"},
+       {is_sane(m.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry), "time is not finite"},
+       {std::isfinite(m.run), "run has no time"},
+       {m.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry, "promise ends before it begins"},
+       {m.promise.expiry - m.stamp <= longest_promise, "promise is too long"},
+       {sane(m.position), "position is not finite"},
+       {is_sane_size(m.radius), "radius is out of range"},
+       {is_sane_size(m.max_speed), "speed limit is out of range"},
+       {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
+       {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
+       {sane(m.velocity) && m.velocity.norm() <= m.max_speed * 1.001, "velocity is above the limit"},
+       {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
+        "promised velocity is above the limit"},
+       {known(m.phase), "unknown phase"},
+       {m.stage <= Stage::ordered, "unknown stage"},
+       {named_or_empty(m.knot.leader) && (m.knot.epoch == 0) == m.knot.leader.empty(),
+        "knot's epoch and leader do not agree"},
+       {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
+       {not_negative(m.progress), "progress is negative or not finite"},
+       {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
+       {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
+        "too many robots that are missed, or one whose name is empty, too long or not printable"},
+       {m.copies > 0, "it is said less than once"},
+       {m.passed_on || !m.counts_as_dead, "it comes from a robot that is dead"},
+       {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
+        "too many echoes, or one without a name or a finite time"}});
+}
+
+/// Asked only where the parts are fine.
+bool fits_its_robots(const JointPlanMessage& m) {
+  std::vector<double> radii;
+  for (const JointPlanMessage::Member& member : m.members) radii.push_back(member.radius);
+  return pieces_of(m.moves, radii) <= most_plan_pieces;
+}
+
+Problem check(const JointPlanMessage& m) {
+  const auto member_fine = [](const JointPlanMessage::Member& member) {
+    return named(member.robot) && is_sane_size(member.radius);
+  };
+  const auto move_fine = [&](const Move& move) {
+    return move.robot < m.members.size() && !move.path.empty() &&
+           std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
+  };
+  Problem problem =
+      first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},
+                {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
+                {std::isfinite(m.run), "run has no time"},
+                {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
+                {m.members.size() <= most_robots, "too many members"},
+                {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"}});
+  if (!problem && !fits_its_robots(m)) problem = "ways are too long for robots that small";
+  return problem;
+}
+
+Problem check(const PathMessage& m) {
+  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
+                   {std::isfinite(m.run), "run has no time"},
+                   {std::ranges::all_of(m.waypoints, [](const Point2& p) { return sane(p); }),
+                    "waypoint is not finite"}});
+}
+
+Problem check(const TrackMessage& m) {
+  const auto fine = [](const TrackMessage::Point& p) {
+    return is_sane(p.time) && sane(p.position) && sane(p.velocity);
+  };
+  return first_of(
+      {{named(m.robot), "robot name is empty, too long or not printable"},
+       {std::isfinite(m.run), "run has no time"},
+       {std::ranges::all_of(m.points, fine), "point is not finite"},
+       {std::ranges::is_sorted(m.points, std::less{}, &TrackMessage::Point::time), "time runs back"}});
+}
+
+Problem check(const AgentStatus& m) {
+  return first_of(
+      {{named(m.robot), "robot name is empty, too long or not printable"},
+       {std::isfinite(m.run), "run has no time"},
+       {known(m.phase), "unknown phase"},
+       {m.reason.size() <= longest_reason && printable(m.reason), "reason is too long or not printable"},
+       {is_sane(m.mission_time) && is_sane(m.path_time) && is_sane(m.arrival_time) &&
+            is_sane(m.plan_seconds) && is_sane(m.improve_seconds),
+        "time is not finite"},
+       {not_negative(m.driven_length) && is_sane(m.way_left), "length is negative or not finite"},
+       {m.wait_cause.size() <= longest_reason && printable(m.wait_cause),
+        "cause of its waiting is too long or not printable"},
+       {is_sane(m.came_on_at) && not_negative(m.waited), "waiting is negative or not finite"},
+       {std::isfinite(m.load.matched_at) && not_negative(m.load.state_age_p50) &&
+            not_negative(m.load.state_age_p99) && not_negative(m.load.state_age_max) &&
+            not_negative(m.load.processor_seconds),
+        "load is negative or not finite"}});
+}
+
+Problem check(const BrokerStatus& m) {
+  return first_of(
+      {{m.broker != 0, "broker has no id"},
+       {named_or_empty(m.covered_map), "map id is too long or not printable"},
+       {std::isfinite(m.leading_since) && m.leading_since >= 0, "time since it leads is not a time"},
+       {not_negative(m.processor_seconds), "processor time is negative or not finite"}});
+}
+
+Problem check(const ServiceStatus& m) {
+  return first_of({{m.service != 0, "service has no id"},
+                   {named_or_empty(m.host), "host is too long or not printable"},
+                   {std::isfinite(m.since) && m.since >= 0, "time since it runs is not a time"},
+                   {m.run >= 0 && m.run <= latest_run, "run is not a time"}});
+}
+
+Problem check(const Claim& m) {
+  return first_of({{m.claimant != 0, "claimant is 0"},
+                   {named_or_empty(m.robot), "robot name is too long or not printable"}});
+}
+
+Problem check(const Assignment& m) {
+  return first_of({{named(m.robot), "robot name is empty or too long"}, {m.claimant != 0, "claimant is 0"}});
+}
+
+}  // namespace
+
+std::optional<std::string> problem_with(const Message& message) {
+  return std::visit([](const auto& m) { return check(m); }, message);
+}
+
+bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field) {
+  // What the broker has found to be free, from the other end of an edge.
+  constexpr double rounding = 1e-6;  // metres
+  return std::ranges::all_of(tree.nodes, [&](const InactiveTreeMessage::Node& node) {
+    const auto parent = static_cast<std::size_t>(std::max(node.parent, 0));
+    return field.segment_free(tree.nodes[parent].position, node.position, tree.radius - rounding);
+  });
+}
+
+const RobotName* sender_of(const Message& message) {
+  return std::visit(
+      []<class M>(const M& m) -> const RobotName* {
+        if constexpr (std::same_as<M, JointPlanMessage>) return &m.knot.leader;
+        if constexpr (std::same_as<M, RobotState>) return m.passed_on ? nullptr : &m.robot;
+        if constexpr (Topic<M>::written_by(Role::agent) && requires { m.robot; }) return &m.robot;
+        return nullptr;
+      },
+      message);
+}
+
+}  // namespace coppice

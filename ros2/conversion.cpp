@@ -1,0 +1,73 @@
+#include "ros2/conversion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "ros2/names.h"
+#include "planning/quantities.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double standing = 1e-3;  // m/s: slower than that has no direction
+
+bool sane(const Point2& p) {
+  return is_sane(p.x()) && is_sane(p.y());
+}
+
+}  // namespace
+
+OccupancyMap with_y_up(const OccupancyMap& map) {
+  if (map.y_axis == YAxis::up) return map;
+  OccupancyMap up = map;
+  up.y_axis = YAxis::up;
+  up.origin.y() = -(map.origin.y() + map.height * map.resolution);
+  const auto width = static_cast<std::ptrdiff_t>(map.width);
+  for (std::ptrdiff_t j = 0; j < map.height; ++j) {
+    const auto row = map.blocked.begin() + j * width;
+    std::copy(row, row + width, up.blocked.begin() + (map.height - 1 - j) * width);
+  }
+  return up;
+}
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * std::numbers::pi);
+}
+
+Point2 into_robot(const Point2& v, double yaw) {
+  return out_of_robot(v, -yaw);
+}
+
+Point2 out_of_robot(const Point2& v, double yaw) {
+  const double c = std::cos(yaw);
+  const double s = std::sin(yaw);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
+double yaw_of(double x, double y, double z, double w) {
+  return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
+}
+
+std::optional<std::string> problem_with(const RosOdometry& seen) {
+  if (seen.frame != ros_map_frame) return "its frame_id is not \"map\"";
+  const auto& [linear, angular] = seen.twist;
+  if (!sane(seen.pose.position) || !sane(linear) || !is_sane(angular)) return "it is not finite";
+  if (!is_sane(seen.pose.yaw)) return "its orientation is not finite";
+  return std::nullopt;
+}
+
+std::optional<std::string> problem_with(const RosGoal& goal) {
+  if (goal.frame != ros_map_frame && !goal.frame.empty()) return "its frame_id is not \"map\"";
+  if (!sane(goal.position)) return "it is not finite";
+  return std::nullopt;
+}
+
+double Heading::facing(const Point2& velocity) {
+  if (velocity.norm() > standing) yaw_ = std::atan2(velocity.y(), velocity.x());
+  return yaw_;
+}
+
+}  // namespace coppice

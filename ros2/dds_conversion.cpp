@@ -1,0 +1,132 @@
+#include "ros2/dds_conversion.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "ros2/names.h"
+
+namespace coppice {
+
+namespace builtin = builtin_interfaces::msg::dds_;
+namespace geometry = geometry_msgs::msg::dds_;
+namespace nav = nav_msgs::msg::dds_;
+namespace tf2 = tf2_msgs::msg::dds_;
+
+namespace {
+
+constexpr std::uint8_t occupied = 100;  // per cent, as map_server says it
+
+builtin::Time_ time_of(WallTime time) {
+  const double whole = std::floor(time);
+  builtin::Time_ result;
+  result.sec(static_cast<std::int32_t>(whole));
+  result.nanosec(static_cast<std::uint32_t>((time - whole) * 1e9));
+  return result;
+}
+
+template <class Sample>
+void set_header(Sample& sample, WallTime stamp, const std::string& frame) {
+  sample.header().stamp(time_of(stamp));
+  sample.header().frame_id(frame);
+}
+
+template <class V>
+void set(V& vector, const Point2& p) {
+  vector.x(p.x());
+  vector.y(p.y());
+}
+
+void set(geometry::Quaternion_& rotation, double yaw) {
+  rotation.z(std::sin(yaw / 2));
+  rotation.w(std::cos(yaw / 2));
+}
+
+void set(geometry::Pose_& to, const RosPose& pose) {
+  set(to.position(), pose.position);
+  set(to.orientation(), pose.yaw);
+}
+
+void set(geometry::Twist_& to, const RosTwist& twist) {
+  set(to.linear(), twist.linear);
+  to.angular().z(twist.angular);
+}
+
+}  // namespace
+
+/// Covariances stay 0: the body of a robot that is no real one is where it says.
+nav::Odometry_ odometry_of(const RosOdometry& message, const RobotName& robot) {
+  nav::Odometry_ sample;
+  set_header(sample, message.stamp, ros_frame(robot, "odom"));
+  sample.child_frame_id(ros_frame(robot, "base_link"));
+  set(sample.pose().pose(), message.pose);
+  set(sample.twist().twist(), message.twist);
+  return sample;
+}
+
+/// map -> odom, which are one here for nothing drifts, and odom -> base_link (REP 105).
+tf2::TFMessage_ transforms_of(const RosOdometry& message, const RobotName& robot) {
+  tf2::TFMessage_ sample;
+  sample.transforms().resize(2);
+  geometry::TransformStamped_& odom = sample.transforms()[0];
+  set_header(odom, message.stamp, ros_map_frame);
+  odom.child_frame_id(ros_frame(robot, "odom"));
+  set(odom.transform().rotation(), 0.0);
+  geometry::TransformStamped_& base = sample.transforms()[1];
+  set_header(base, message.stamp, ros_frame(robot, "odom"));
+  base.child_frame_id(ros_frame(robot, "base_link"));
+  set(base.transform().translation(), message.pose.position);
+  set(base.transform().rotation(), message.pose.yaw);
+  return sample;
+}
+
+/// Each pose faces the next one, the last one as the one before.
+nav::Path_ path_of(const RosPlan& plan) {
+  nav::Path_ sample;
+  set_header(sample, plan.stamp, ros_map_frame);
+  sample.poses().resize(plan.way.size());
+  Heading heading;
+  for (std::size_t k = 0; k < plan.way.size(); ++k) {
+    if (k + 1 < plan.way.size()) heading.facing(plan.way[k + 1] - plan.way[k]);
+    set_header(sample.poses()[k], plan.stamp, ros_map_frame);
+    set(sample.poses()[k].pose(), {plan.way[k], heading.yaw()});
+  }
+  return sample;
+}
+
+nav::OccupancyGrid_ grid_of(const OccupancyMap& map, WallTime now) {
+  const OccupancyMap up = with_y_up(map);
+  nav::OccupancyGrid_ sample;
+  set_header(sample, now, ros_map_frame);
+  sample.info().map_load_time(time_of(now));
+  sample.info().resolution(static_cast<float>(up.resolution));
+  sample.info().width(static_cast<std::uint32_t>(up.width));
+  sample.info().height(static_cast<std::uint32_t>(up.height));
+  set(sample.info().origin(), {up.origin, 0});
+  sample.data().reserve(up.blocked.size());
+  for (const std::uint8_t blocked : up.blocked) sample.data().push_back(blocked != 0 ? occupied : 0);
+  return sample;
+}
+
+RosOdometry odometry_from(const nav::Odometry_& sample, WallTime arrived) {
+  const auto& pose = sample.pose().pose();
+  const auto& turn = pose.orientation();
+  const auto& twist = sample.twist().twist();
+  return {
+      .stamp = arrived,
+      .frame = sample.header().frame_id(),
+      .pose = {{pose.position().x(), pose.position().y()}, yaw_of(turn.x(), turn.y(), turn.z(), turn.w())},
+      .twist = {{twist.linear().x(), twist.linear().y()}, twist.angular().z()}};
+}
+
+RosGoal goal_from(const geometry::PoseStamped_& sample, const RobotName& robot) {
+  const auto& place = sample.pose().position();
+  return {robot, sample.header().frame_id(), {place.x(), place.y()}};
+}
+
+geometry::Twist_ twist_of(const RosCommand& message) {
+  geometry::Twist_ sample;
+  set(sample, message.twist);
+  return sample;
+}
+
+}  // namespace coppice

@@ -1,0 +1,36 @@
+// Samples of ROS 2's types (idl/ros2.idl) and what they mean here.
+#pragma once
+
+#include <fastdds/rtps/common/SerializedPayload.h>
+
+#include "dds/checked_type.h"
+#include "ros2/conversion.h"
+#include "planning/occupancy_map.h"
+#include "ros2.h"
+
+namespace coppice {
+
+nav_msgs::msg::dds_::Odometry_ odometry_of(const RosOdometry& message, const RobotName& robot);
+tf2_msgs::msg::dds_::TFMessage_ transforms_of(const RosOdometry& message, const RobotName& robot);
+nav_msgs::msg::dds_::Path_ path_of(const RosPlan& plan);
+nav_msgs::msg::dds_::OccupancyGrid_ grid_of(const OccupancyMap& map, WallTime now);
+geometry_msgs::msg::dds_::Twist_ twist_of(const RosCommand& message);
+
+/// Of anybody: to be looked at by problem_with (ros_conversion.h).
+RosOdometry odometry_from(const nav_msgs::msg::dds_::Odometry_& sample, WallTime arrived);
+RosGoal goal_from(const geometry_msgs::msg::dds_::PoseStamped_& sample, const RobotName& robot);
+
+/// A type that no bytes can make throw (dds_checked_type.h), and whose unreadable samples show.
+template <class Support>
+class CheckedRosType final : public Support {
+ public:
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* bytes, void* data) override {
+    if (deserialized<Support>(*this, bytes, data)) return true;
+    auto& sample = *static_cast<typename Support::type*>(data);
+    sample = {};
+    sample.header().frame_id("(unreadable)");
+    return true;
+  }
+};
+
+}  // namespace coppice

@@ -1,0 +1,191 @@
+#include "ros2/dds_ros.h"
+
+#include <string>
+#include <utility>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/Topic.hpp>
+
+#include "dds/qos.h"
+#include "ros2/dds_conversion.h"
+#include "ros2/names.h"
+#include "ros2/topics.h"
+#include "ros2PubSubTypes.h"
+
+namespace coppice {
+
+namespace dds = eprosima::fastdds::dds;
+namespace geometry = geometry_msgs::msg::dds_;
+namespace nav = nav_msgs::msg::dds_;
+namespace tf2 = tf2_msgs::msg::dds_;
+
+namespace {
+
+constexpr int most_taken = 100;           // samples of a topic at a time
+constexpr double longest_farewell = 0.5;  // seconds
+
+/// Endpoints on a participant, removed at the end.
+class Endpoints {
+ public:
+  explicit Endpoints(dds::DomainParticipant& participant) : participant_(participant) {
+    publisher_ = required(participant.create_publisher(dds::PUBLISHER_QOS_DEFAULT), "a publisher for ROS");
+    subscriber_ = participant.create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+  }
+  ~Endpoints() {
+    publisher_->delete_contained_entities();
+    participant_.delete_publisher(publisher_);
+    if (subscriber_ != nullptr) {
+      subscriber_->delete_contained_entities();
+      participant_.delete_subscriber(subscriber_);
+    }
+    for (dds::Topic* topic : topics_) participant_.delete_topic(topic);
+  }
+  Endpoints(const Endpoints&) = delete;
+  Endpoints& operator=(const Endpoints&) = delete;
+
+  template <class Support>
+  dds::DataWriter* writer(const TopicInfo& info, const std::string& name) {
+    dds::DataWriterQos qos;
+    apply(info, qos);
+    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;  // maps are cut in fragments
+    return required(publisher_->create_datawriter(topic(new Support(), name), qos), "a writer for ROS");
+  }
+  template <class Support>
+  dds::DataReader* reader(const TopicInfo& info, const std::string& name) {
+    dds::DataReaderQos qos;
+    apply(info, qos);
+    return required(required(subscriber_, "a subscriber for ROS")
+                        ->create_datareader(topic(new CheckedRosType<Support>(), name), qos),
+                    "a reader for ROS");
+  }
+
+ private:
+  /// Without type information, as dds_bus.cpp does: not all vendors read each other's.
+  dds::Topic* topic(dds::TopicDataType* data_type, const std::string& name) {
+    dds::TypeSupport type(data_type);
+    type->auto_fill_type_information(false);
+    type->auto_fill_type_object(false);
+    type.register_type(&participant_);
+    topics_.push_back(required(participant_.create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT),
+                               "a topic of ROS"));
+    return topics_.back();
+  }
+
+  dds::DomainParticipant& participant_;
+  dds::Publisher* publisher_;
+  dds::Subscriber* subscriber_;
+  std::vector<dds::Topic*> topics_;
+};
+
+template <class Sample, class Fn>
+void take_all(dds::DataReader& reader, Fn&& fn) {
+  Sample sample;
+  dds::SampleInfo info;
+  for (int taken = 0; taken < most_taken && reader.take_next_sample(&sample, &info) ==
+                                                eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
+       ++taken) {
+    if (info.valid_data) fn(sample, seconds(info.reception_timestamp));
+  }
+}
+
+}  // namespace
+
+struct DdsRosRobot::Implementation {
+  RobotName robot;
+  Endpoints endpoints;
+  dds::DataWriter* cmd_vel = nullptr;
+  dds::DataWriter* plan = nullptr;
+  dds::DataWriter* odom = nullptr;
+  dds::DataWriter* tf = nullptr;
+  dds::DataReader* seen = nullptr;
+
+  void write(const RosOdometry& message) {
+    if (odom == nullptr) return;  // it is not for us to say
+    auto odometry = odometry_of(message, robot);
+    odom->write(&odometry);
+    auto transforms = transforms_of(message, robot);
+    tf->write(&transforms);
+  }
+  void write(const RosCommand& message) {
+    auto twist = twist_of(message);
+    cmd_vel->write(&twist);
+  }
+  void write(const RosPlan& message) {
+    auto path = path_of(message);
+    plan->write(&path);
+  }
+};
+
+DdsRosRobot::DdsRosRobot(DdsBus& bus, const RobotName& robot, bool elsewhere)
+    : implementation_(new Implementation{robot, Endpoints(bus.participant())}) {
+  Implementation& it = *implementation_;
+  const auto topic = [&](const TopicInfo& info) { return ros_topic(robot, info.name); };
+  it.cmd_vel =
+      it.endpoints.writer<geometry::Twist_PubSubType>(ros_topics::cmd_vel, topic(ros_topics::cmd_vel));
+  it.plan = it.endpoints.writer<nav::Path_PubSubType>(ros_topics::plan, topic(ros_topics::plan));
+  if (elsewhere) {
+    it.seen = it.endpoints.reader<nav::Odometry_PubSubType>(ros_topics::odom, topic(ros_topics::odom));
+  } else {
+    it.odom = it.endpoints.writer<nav::Odometry_PubSubType>(ros_topics::odom, topic(ros_topics::odom));
+    it.tf = it.endpoints.writer<tf2::TFMessage_PubSubType>(ros_topics::tf, ros_topic(ros_topics::tf.name));
+  }
+}
+
+DdsRosRobot::~DdsRosRobot() {
+  implementation_->cmd_vel->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(longest_farewell));
+}
+
+void DdsRosRobot::publish(const RosMessage& message) {
+  std::visit([&](const auto& m) { implementation_->write(m); }, message);
+}
+
+std::vector<RosOdometry> DdsRosRobot::take() {
+  std::vector<RosOdometry> all;
+  if (implementation_->seen == nullptr) return all;
+  take_all<nav::Odometry_>(*implementation_->seen, [&](const nav::Odometry_& sample, WallTime arrived) {
+    all.push_back(odometry_from(sample, arrived));
+  });
+  return all;
+}
+
+struct DdsRosFleet::Implementation {
+  Endpoints endpoints;
+  dds::DataWriter* map = nullptr;
+  std::vector<std::pair<RobotName, dds::DataReader*>> goals{};
+};
+
+DdsRosFleet::DdsRosFleet(DdsBus& bus, std::span<const RobotName> robots)
+    : implementation_(new Implementation{Endpoints(bus.participant())}) {
+  Endpoints& endpoints = implementation_->endpoints;
+  implementation_->map =
+      endpoints.writer<nav::OccupancyGrid_PubSubType>(ros_topics::map, ros_topic(ros_topics::map.name));
+  for (const RobotName& robot : robots)
+    implementation_->goals.emplace_back(
+        robot, endpoints.reader<geometry::PoseStamped_PubSubType>(
+                   ros_topics::goal_pose, ros_topic(robot, ros_topics::goal_pose.name)));
+}
+
+DdsRosFleet::~DdsRosFleet() = default;
+
+void DdsRosFleet::publish(const OccupancyMap& map, WallTime now) {
+  auto grid = grid_of(map, now);
+  implementation_->map->write(&grid);
+}
+
+std::vector<RosGoal> DdsRosFleet::take() {
+  std::vector<RosGoal> all;
+  for (const auto& [robot, reader] : implementation_->goals) {
+    take_all<geometry::PoseStamped_>(*reader,
+                                     [&, robot = robot](const geometry::PoseStamped_& sample, WallTime) {
+                                       all.push_back(goal_from(sample, robot));
+                                     });
+  }
+  return all;
+}
+
+}  // namespace coppice

@@ -1,0 +1,47 @@
+#include "ros2/names.h"
+
+#include <map>
+#include <stdexcept>
+
+namespace coppice {
+
+namespace {
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+bool fits(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
+}
+
+}  // namespace
+
+std::string ros_name(const RobotName& robot) {
+  std::string name = robot;
+  for (char& c : name) c = fits(c) ? c : '_';
+  return name.empty() || is_digit(name[0]) ? "_" + name : name;
+}
+
+void check_ros_names(std::span<const RobotName> robots) {
+  std::map<std::string, RobotName> seen;
+  for (const RobotName& robot : robots) {
+    const auto [known, fresh] = seen.emplace(ros_name(robot), robot);
+    if (!fresh)
+      throw std::runtime_error("robots " + known->second + " and " + robot + " would both be " +
+                               known->first + " in ROS: rename one of them");
+  }
+}
+
+std::string ros_topic(const RobotName& robot, std::string_view topic) {
+  return "rt/" + ros_name(robot) + "/" + std::string(topic);
+}
+
+std::string ros_topic(std::string_view topic) {
+  return "rt/" + std::string(topic);
+}
+
+std::string ros_frame(const RobotName& robot, std::string_view frame) {
+  return ros_name(robot) + "/" + std::string(frame);
+}
+
+}  // namespace coppice

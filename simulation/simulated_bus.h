@@ -1,0 +1,131 @@
+// The bus of the simulation: in memory, on a virtual clock, the same for the same seed.
+//
+// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end, late
+// joiners get what transient-local topics keep. Every sample takes `delay` seconds; what goes wrong beyond
+// that is BusFaults.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "messages/bus.h"
+#include "messages/messages.h"
+#include "messages/name_index.h"
+#include "messages/topics.h"
+#include "planning/random.h"
+
+namespace coppice {
+
+/// A time in which the participants of one side and of the other do not reach each other, seconds.
+struct Partition {
+  double from = 0;
+  double until = 0;
+};
+
+/// A time in which two agents do not reach each other, though all others reach both, seconds.
+struct CutLink {
+  RobotName a;
+  RobotName b;
+  double from = 0;
+  double until = 0;
+};
+
+struct BusFaults {
+  double loss = 0;       ///< share of the samples, below 1; reliable ones are sent again
+  double delay = 0;      ///< seconds, of every sample
+  double jitter = 0;     ///< seconds by which a delay may be longer or shorter
+  double duplicate = 0;  ///< share of the samples that arrive twice
+  bool reorder = false;  ///< best-effort samples of one sender may overtake each other
+  std::vector<Partition> partitions{};
+  std::vector<CutLink> cut_links{};
+};
+
+class SimulatedBus {
+ public:
+  /// One participant's end. Stays valid for as long as the bus lives.
+  class Port {
+   public:
+    void publish(Outgoing message) { bus_.publish(*this, std::move(message)); }
+    /// All that is due by the bus's time.
+    std::vector<Arrival> take();
+    /// When the next message is due that wakes who waits for it, which best-effort samples do not; infinity
+    /// if none is under way.
+    double next_delivery() const { return next_delivery_; }
+    /// Its process is dead: nothing reaches it any more, and what it kept for late joiners is gone.
+    void close();
+
+   private:
+    friend class SimulatedBus;
+    Port(SimulatedBus& bus, std::size_t index, RobotName robot, int side)
+        : bus_(bus), index_(index), robot_(std::move(robot)), side_(side) {}
+    void deliver(double due, const std::shared_ptr<const Message>& message, Reliability reliability);
+
+    struct Delivery {
+      Arrival arrival;
+      Reliability reliability;
+    };
+    SimulatedBus& bus_;
+    std::size_t index_;
+    RobotName robot_;  ///< empty: of another role
+    int side_;
+    bool closed_ = false;
+    std::vector<Delivery> inbox_;  ///< under way, in the order of sending
+    double next_delivery_ = std::numeric_limits<double>::infinity();
+    std::array<std::vector<double>, 2> last_due_;  ///< by reliability and sender
+  };
+
+  /// `delay`: seconds from publishing to delivery where nothing goes wrong, above 0.
+  explicit SimulatedBus(double delay, BusFaults faults = {}, Random random = Random(0))
+      : delay_(delay), faults_(std::move(faults)), random_(random) {}
+
+  /// `robot`: of an agent. `side`: of the partitions.
+  Port& attach(Role role, const RobotName& robot = {}, int side = 0);
+
+  /// Nobody of another role joins from now on: what no one of this role reads is not kept.
+  void keep_for(Role late) { late_ = late; }
+
+  /// Virtual time, seconds; never runs back.
+  void set_time(double now) { now_ = now; }
+
+  /// Samples that did not reach a reader at the first attempt.
+  std::size_t lost() const { return lost_; }
+  /// Messages that no reader would take (validation.h): whoever says such things falls silent to all others.
+  std::size_t rejected() const { return rejected_; }
+
+ private:
+  void publish(const Port& sender, Outgoing outgoing);
+  void send(const Port& sender, Port& receiver, const std::shared_ptr<const Message>& message,
+            Reliability reliability);
+  bool is_cut(const Port& sender, const Port& receiver, double time) const;
+  bool fails(const Port& sender, const Port& receiver, double time);
+  double delay_of_a_sample();
+
+  double delay_;
+  BusFaults faults_;
+  Random random_;
+  double now_ = 0;
+  std::size_t lost_ = 0;
+  std::size_t rejected_ = 0;
+  std::optional<Role> late_;  ///< none: anybody may join
+  std::vector<std::unique_ptr<Port>> ports_;
+  std::array<std::vector<Port*>, 7> by_role_;
+  NameIndex robots_;
+  std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`; the last that it attached
+  struct Kept {
+    std::size_t sender;
+    std::shared_ptr<const Message> message;
+  };
+  /// What transient-local topics keep, by topic and key, in the order of first publication.
+  std::vector<std::pair<std::string, std::vector<Kept>>> kept_;
+  std::unordered_map<std::string, std::size_t> kept_index_;
+};
+
+}  // namespace coppice
