@@ -26,7 +26,7 @@ int most_memory() {
 
 void measure(const Scenario& scenario) {
   const ClearanceField field(scenario.map);
-  PlacesOfMap places(field);
+  MapRoadmaps places(field);
   std::cout << "map " << most_memory() << '\n';
   std::vector<JointTask> tasks;
   for (const RobotTask& robot : scenario.robots) tasks.push_back({robot.start, robot.goal, robot.radius});

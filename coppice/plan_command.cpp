@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t samples_between_questions = 256;
 // A tree that has not come to the goal by then may never do so: worth a search of all passages.
-constexpr std::uint64_t least_doubt = 20'000;
+constexpr std::uint64_t least_iterations = 20'000;
 constexpr std::uint64_t cells_a_sample = 8;
 
 double seconds_since(Clock::time_point begin) {
@@ -85,7 +85,7 @@ Plans plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Ra
   const auto begin = Clock::now();
   RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, suggested_epsilon(field, p.radius),
                                   random);
-  const std::uint64_t doubt = std::max<std::uint64_t>(least_doubt, field.frame().cells() / cells_a_sample);
+  const std::uint64_t doubt = std::max<std::uint64_t>(least_iterations, field.frame().cells() / cells_a_sample);
   std::uint64_t samples = 1;
   while (samples < doubt && planner.step() && (samples % samples_between_questions != 0 || !out_of_time()))
     ++samples;

@@ -183,17 +183,17 @@ idl::RobotState to_dds(const RobotState& m) {
   d.promise_turn(m.promise.turn);
   d.promise_velocity(to_dds(m.promise.velocity));
   d.promise_expiry(m.promise.expiry);
-  d.knot_epoch(m.knot.epoch);
-  d.knot_leader(m.knot.leader);
-  d.knot_place(to_dds(m.knot.place));
-  d.knot_reach(m.knot.reach);
+  d.round_epoch(m.round.epoch);
+  d.round_leader(m.round.leader);
+  d.round_centre(to_dds(m.round.centre));
+  d.round_reach(m.round.reach);
   d.stage(octet(m.stage));
   d.progress(m.progress);
   d.waits_for(m.waits_for);
   d.copies(m.copies);
   d.copy(m.copy);
   d.passed_on(m.passed_on);
-  d.counts_as_dead(m.counts_as_dead);
+  d.counts_as_failed(m.counts_as_failed);
   d.is_new(m.is_new);
   d.wants_echo(m.wants_echo);
   for (const RobotName& robot : m.misses) d.misses().emplace_back().robot(robot);
@@ -222,14 +222,14 @@ RobotState from_dds(const idl::RobotState& d) {
           .max_acceleration = d.max_acceleration(),
           .phase = static_cast<Phase>(d.phase()),
           .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry()},
-          .knot = {d.knot_epoch(), text(d.knot_leader()), from_dds(d.knot_place()), d.knot_reach()},
+          .round = {d.round_epoch(), text(d.round_leader()), from_dds(d.round_centre()), d.round_reach()},
           .stage = static_cast<Stage>(d.stage()),
           .progress = d.progress(),
           .waits_for = text(d.waits_for()),
           .copies = d.copies(),
           .copy = d.copy(),
           .passed_on = d.passed_on(),
-          .counts_as_dead = d.counts_as_dead(),
+          .counts_as_failed = d.counts_as_failed(),
           .is_new = d.is_new(),
           .wants_echo = d.wants_echo(),
           .misses = std::move(misses),
@@ -239,10 +239,10 @@ RobotState from_dds(const idl::RobotState& d) {
 
 idl::JointPlan to_dds(const JointPlanMessage& m) {
   idl::JointPlan d;
-  d.leader(m.knot.leader);
-  d.epoch(m.knot.epoch);
-  d.place(to_dds(m.knot.place));
-  d.reach(m.knot.reach);
+  d.leader(m.round.leader);
+  d.epoch(m.round.epoch);
+  d.centre(to_dds(m.round.centre));
+  d.reach(m.round.reach);
   d.run(m.run);
   for (const JointPlanMessage::Member& member : m.members) {
     idl::JointPlanMember& to = d.members().emplace_back();
@@ -260,7 +260,7 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
 }
 
 JointPlanMessage from_dds(const idl::JointPlan& d) {
-  JointPlanMessage m{.knot = {d.epoch(), text(d.leader()), from_dds(d.place()), d.reach()},
+  JointPlanMessage m{.round = {d.epoch(), text(d.leader()), from_dds(d.centre()), d.reach()},
                      .members = {},
                      .moves = {},
                      .run = d.run()};

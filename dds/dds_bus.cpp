@@ -125,7 +125,7 @@ constexpr bool wakes = Topic<M>::info.reliability == Reliability::reliable;
 
 struct DdsBus::Implementation {
   Role role;
-  Audience audience;  // of whoever is there; with security, of whoever has proved who it is
+  Recipients recipients;  // of whoever is there; with security, of whoever has proved who it is
   Announcements announcements;
   Traffic traffic;
   Senders senders;
@@ -149,7 +149,7 @@ struct DdsBus::Implementation {
   std::size_t lost = 0;
 
   Implementation(Role role_of_process, bool is_secure, const RobotName& robot)
-      : role(role_of_process), audience(is_secure), discoveries(audience, senders, announcements, robot) {}
+      : role(role_of_process), recipients(is_secure), discoveries(recipients, senders, announcements, robot) {}
 
   /// Whatever it throws, the destructor runs: DDS's threads know the members above.
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
@@ -190,7 +190,7 @@ struct DdsBus::Implementation {
     factory->set_qos(later);
     auto* const created =
         factory->create_participant(static_cast<std::uint32_t>(settings.domain),
-                                    participant_qos(settings, role, sender, audience, announcements, traffic),
+                                    participant_qos(settings, role, sender, recipients, announcements, traffic),
                                     &discoveries, dds::StatusMask::none());
     factory->set_qos(usual);
     return required(created, "a participant (is the domain between 0 and 232?)");
@@ -337,8 +337,8 @@ void DdsBus::publish(const Outgoing& outgoing) {
             implementation_->role != Role::replayer)
           writer->clear_history(nullptr);
         auto sample = to_dds(m);
-        std::optional<Audience::Limit> limit;
-        if (outgoing.agents) limit.emplace(implementation_->audience, *outgoing.agents);
+        std::optional<Recipients::Limit> limit;
+        if (outgoing.agents) limit.emplace(implementation_->recipients, *outgoing.agents);
         if (!writer->write(&sample)) {
           ++implementation_->lost;
           spdlog::warn("could not write a sample of topic {}", Topic<M>::info.name);

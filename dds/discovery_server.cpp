@@ -62,7 +62,7 @@ bool PortWatch::heard_rtps() {
 }
 
 struct DdsDiscoveryServer::Implementation {
-  Audience audience{false};  // sends to all
+  Recipients recipients{false};  // sends to all
   Traffic traffic;
   dds::DomainParticipant* participant = nullptr;
 };
@@ -72,7 +72,7 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
   dds::DomainParticipantQos qos;
   qos.name("discovery_server");
   qos.transport().use_builtin_transports = false;
-  qos.transport().user_transports.push_back(sparing_udp_transport({.audience = implementation_->audience,
+  qos.transport().user_transports.push_back(sparing_udp_transport({.recipients = implementation_->recipients,
                                                                    .announcements = nullptr,
                                                                    .traffic = implementation_->traffic,
                                                                    .largest_datagram = datagram_for_networks,

@@ -73,7 +73,7 @@ std::string discovery_of(const DdsSettings& settings) {
 }
 
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role, const std::string& sender,
-                                          Audience& audience, Announcements& announcements,
+                                          Recipients& recipients, Announcements& announcements,
                                           Traffic& traffic) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
@@ -82,7 +82,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
   const std::string discovery = discovery_of(settings);
   const bool by_servers = are_servers(discovery);
   qos.transport().user_transports.push_back(
-      sparing_udp_transport({.audience = audience,
+      sparing_udp_transport({.recipients = recipients,
                              .announcements = by_servers ? nullptr : &announcements,
                              .traffic = traffic,
                              .largest_datagram = largest_datagram_of(settings, role),

@@ -19,18 +19,18 @@ std::string discovery_of(const DdsSettings& settings);
 /// The last three must outlive the participant. Throws std::runtime_error if the settings do not go together,
 /// or name no discovery servers.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role,
-                                                             const std::string& sender, Audience& audience,
+                                                             const std::string& sender, Recipients& recipients,
                                                              Announcements& announcements, Traffic& traffic);
 
-/// Tells the audience who is where, and the senders who is who.
+/// Tells the recipients who is where, and the senders who is who.
 class Discoveries final : public eprosima::fastdds::dds::DomainParticipantListener {
  public:
   /// `robot`: whose agent this process is; empty: nobody's.
-  Discoveries(Audience& audience, Senders& senders, Announcements& announcements, RobotName robot)
-      : audience_(audience), senders_(senders), announcements_(announcements), robot_(std::move(robot)) {}
+  Discoveries(Recipients& recipients, Senders& senders, Announcements& announcements, RobotName robot)
+      : recipients_(recipients), senders_(senders), announcements_(announcements), robot_(std::move(robot)) {}
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
-    audience_.discover(info);
+    recipients_.discover(info);
     senders_.discover(info);
     if (info.status == info.DISCOVERED_PARTICIPANT) look_for_a_double(info.info.m_guid.guidPrefix);
     if (info.status == info.REMOVED_PARTICIPANT || info.status == info.DROPPED_PARTICIPANT)
@@ -38,13 +38,13 @@ class Discoveries final : public eprosima::fastdds::dds::DomainParticipantListen
   }
   void onParticipantAuthentication(eprosima::fastdds::dds::DomainParticipant*,
                                    eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
-    if (info.status == info.AUTHORIZED_PARTICIPANT) audience_.authenticate(info.guid);
+    if (info.status == info.AUTHORIZED_PARTICIPANT) recipients_.authenticate(info.guid);
   }
 
  private:
   void look_for_a_double(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const;
 
-  Audience& audience_;
+  Recipients& recipients_;
   Senders& senders_;
   Announcements& announcements_;
   RobotName robot_;

@@ -48,17 +48,17 @@ constexpr std::string_view replayer_data = "replayer";
 
 }  // namespace
 
-Audience::Limit::Limit(Audience& audience, std::vector<RobotName> agents) : audience_(audience) {
+Recipients::Limit::Limit(Recipients& recipients, std::vector<RobotName> agents) : recipients_(recipients) {
   std::ranges::sort(agents);
-  audience_.agents_ = std::move(agents);
-  audience_.limited_in_ = std::this_thread::get_id();
+  recipients_.agents_ = std::move(agents);
+  recipients_.limited_in_ = std::this_thread::get_id();
 }
 
-Audience::Limit::~Limit() {
-  audience_.limited_in_ = std::thread::id();
+Recipients::Limit::~Limit() {
+  recipients_.limited_in_ = std::thread::id();
 }
 
-void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
+void Recipients::discover(const rtps::ParticipantDiscoveryInfo& info) {
   const bool gone = info.status == rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT ||
                     info.status == rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
   const Guid& participant = info.info.m_guid;
@@ -78,7 +78,7 @@ void Audience::discover(const rtps::ParticipantDiscoveryInfo& info) {
   }
 }
 
-void Audience::authenticate(const Guid& participant) {
+void Recipients::authenticate(const Guid& participant) {
   const std::scoped_lock lock(mutex_);
   authenticated_.insert(participant);
   const auto announced = unproven_.find(participant);
@@ -87,7 +87,7 @@ void Audience::authenticate(const Guid& participant) {
   unproven_.erase(announced);
 }
 
-void Audience::place(const Guid& participant, const Announced& announced) {
+void Recipients::place(const Guid& participant, const Announced& announced) {
   for (const Address& address : announced.addresses) {
     std::vector<Process>& there = at_[address];
     const auto known = std::ranges::find(there, participant, &Process::participant);
@@ -99,7 +99,7 @@ void Audience::place(const Guid& participant, const Announced& announced) {
   }
 }
 
-bool Audience::includes(const rtps::Locator_t& address) const {
+bool Recipients::includes(const rtps::Locator_t& address) const {
   const std::scoped_lock lock(mutex_);
   const auto known = at_.find(address);
   return known == at_.end() || std::ranges::any_of(known->second, [&](const Process& p) {
@@ -336,8 +336,8 @@ class SparingTransport final : public transport::ChainingTransport {
   bool send(rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
             rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& timeout) override {
-    if (parts_.audience.is_limited()) {
-      const auto includes = [&](const rtps::Locator_t& l) { return parts_.audience.includes(l); };
+    if (parts_.recipients.is_limited()) {
+      const auto includes = [&](const rtps::Locator_t& l) { return parts_.recipients.includes(l); };
       return send_to(includes, udp, message, size, begin, end, timeout);
     }
     if (parts_.announcements != nullptr) {

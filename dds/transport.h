@@ -56,22 +56,22 @@ struct AddressHash {
 };
 
 /// The agents to which this process's next states are sent, and at which addresses agents are.
-class Audience {
+class Recipients {
  public:
   /// While it exists, what this thread writes goes to those agents only, and to all who are no agents.
   class Limit {
    public:
-    Limit(Audience& audience, std::vector<RobotName> agents);
+    Limit(Recipients& recipients, std::vector<RobotName> agents);
     ~Limit();
     Limit(const Limit&) = delete;
     Limit& operator=(const Limit&) = delete;
 
    private:
-    Audience& audience_;
+    Recipients& recipients_;
   };
 
   /// `is_secure`: who says that it is a robot's agent must have been authenticated, and keeps its address.
-  explicit Audience(bool is_secure = false) : is_secure_(is_secure) {}
+  explicit Recipients(bool is_secure = false) : is_secure_(is_secure) {}
 
   /// Another process is there, has changed or is gone.
   void discover(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info);
@@ -193,7 +193,7 @@ class Announcements {
 bool is_handshake_of_others(std::span<const std::uint8_t> message);
 
 struct SparingTransportParts {
-  Audience& audience;
+  Recipients& recipients;
   Announcements*
       announcements;  ///< null where it announces itself to discovery servers only, which acknowledge
   Traffic& traffic;

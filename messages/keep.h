@@ -29,7 +29,7 @@ struct KeepsNothing {
   void said(const Message&) {}
 };
 
-/// Puts what a role's chooser (robot_agent/memory.h and the like) finds worth keeping into a store.
+/// Puts what a role's chooser (robot_agent/saved_state.h and the like) finds worth keeping into a store.
 template <class Chooser, class Store>
 class Keeper {
  public:

@@ -15,7 +15,7 @@ struct KeyOf {
   std::string operator()(const BrokerStatus& m) const { return std::to_string(m.broker); }
   std::string operator()(const ServiceStatus& m) const { return std::to_string(m.service); }
   std::string operator()(const Claim& m) const { return std::to_string(m.claimant); }
-  std::string operator()(const JointPlanMessage& m) const { return m.knot.leader; }
+  std::string operator()(const JointPlanMessage& m) const { return m.round.leader; }
   std::string operator()(const auto& m) const { return m.robot; }
 };
 

@@ -122,7 +122,7 @@ struct Promise {
   bool operator==(const Promise&) const = default;
 };
 
-/// Of two epochs of knots, whether the first is the later one. They count round (RFC 1982, serial numbers),
+/// Of two epochs of rounds, whether the first is the later one. They count round (RFC 1982, serial numbers),
 /// so that there is a later one to each, also to one that nobody honestly came to; 0 is before all.
 constexpr bool is_later_epoch(std::uint32_t epoch, std::uint32_t other) {
   if (epoch == 0 || other == 0) return epoch > other;
@@ -132,26 +132,26 @@ constexpr std::uint32_t epoch_after(std::uint32_t epoch) {
   return epoch + 1 == 0 ? 1 : epoch + 1;
 }
 
-/// Names a knot, a joint plan in the making or under way of the robots within reach of a place: a later epoch
+/// Names a round, a joint plan in the making or under way of the robots within reach of a place: a later epoch
 /// overrides an earlier one, and in one epoch the leader of the lower name.
-struct KnotId {
+struct RoundId {
   std::uint32_t epoch = 0;  ///< 0: none yet
   RobotName leader{};
-  Point2 place = Point2::Zero();
+  Point2 centre = Point2::Zero();
   double reach = 0;  ///< metres
 
-  bool includes(const Point2& p) const { return (p - place).norm() <= reach; }
-  bool overrides(const KnotId& other) const {
+  bool includes(const Point2& p) const { return (p - centre).norm() <= reach; }
+  bool overrides(const RoundId& other) const {
     return epoch != other.epoch ? is_later_epoch(epoch, other.epoch) : leader < other.leader;
   }
-  bool operator==(const KnotId&) const = default;
+  bool operator==(const RoundId&) const = default;
 };
 
-/// A robot's part in its knot.
+/// A robot's part in its round.
 enum class Stage : std::uint8_t {
   free,     ///< none, or done with it: drives by itself
-  holding,  ///< stands, or brakes, until there is a joint plan
-  ordered,  ///< drives as the joint plan says
+  waiting,  ///< stands, or brakes, until there is a joint plan
+  executing,  ///< drives as the joint plan says
 };
 
 /// Says when a state of another robot arrived, so that it can compare clocks (clock_offset.h).
@@ -175,15 +175,15 @@ struct RobotState {
   double max_acceleration = 0;
   Phase phase = Phase::waiting;
   Promise promise;
-  KnotId knot;
+  RoundId round;
   Stage stage = Stage::free;
-  double progress = 0;      ///< metres along its moves of the joint plan, while ordered
+  double progress = 0;      ///< metres along its moves of the joint plan, while executing
   RobotName waits_for;      ///< empty: for nobody
   std::uint8_t copies = 1;  ///< this state and those after it are each said at least so many times, until one
                             ///< gives another number
   std::uint8_t copy = 0;    ///< which of these it is
   bool passed_on = false;   ///< by another robot, which hears no more of this one
-  bool counts_as_dead = false;  ///< to the one that passes it on
+  bool counts_as_failed = false;  ///< to the one that passes it on
   bool is_new =
       false;  ///< started anew in mid-run, or out of touch of late: it may not know where all others are
   bool wants_echo = false;          ///< nobody has told it of late to have heard of it
@@ -193,9 +193,9 @@ struct RobotState {
   bool operator==(const RobotState&) const = default;
 };
 
-/// joint_plan: agent -> agents, monitor. What a knot's leader found (motion/joint_plan.h).
+/// joint_plan: agent -> agents, monitor. What a round's leader found (motion/joint_plan.h).
 struct JointPlanMessage {
-  KnotId knot;
+  RoundId round;
   struct Member {
     RobotName robot;
     double radius = 0;

@@ -155,16 +155,16 @@ Problem check(const RobotState& m) {
        {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
         "promised velocity is above the limit"},
        {known(m.phase), "unknown phase"},
-       {m.stage <= Stage::ordered, "unknown stage"},
-       {named_or_empty(m.knot.leader) && (m.knot.epoch == 0) == m.knot.leader.empty(),
+       {m.stage <= Stage::executing, "unknown stage"},
+       {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
         "knot's epoch and leader do not agree"},
-       {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
+       {sane(m.round.centre) && not_negative(m.round.reach), "knot has no place or reach"},
        {not_negative(m.progress), "progress is negative or not finite"},
        {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
        {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
         "too many robots that are missed, or one whose name is empty, too long or not printable"},
        {m.copies > 0, "it is said less than once"},
-       {m.passed_on || !m.counts_as_dead, "it comes from a robot that is dead"},
+       {m.passed_on || !m.counts_as_failed, "it comes from a robot that is dead"},
        {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
         "too many echoes, or one without a name or a finite time"}});
 }
@@ -185,8 +185,8 @@ Problem check(const JointPlanMessage& m) {
            std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
   };
   Problem problem =
-      first_of({{m.knot.epoch > 0 && named(m.knot.leader), "knot has no epoch or no leader"},
-                {sane(m.knot.place) && not_negative(m.knot.reach), "knot has no place or reach"},
+      first_of({{m.round.epoch > 0 && named(m.round.leader), "knot has no epoch or no leader"},
+                {sane(m.round.centre) && not_negative(m.round.reach), "knot has no place or reach"},
                 {std::isfinite(m.run), "run has no time"},
                 {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
                 {m.members.size() <= most_robots, "too many members"},
@@ -274,7 +274,7 @@ bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field) {
 const RobotName* sender_of(const Message& message) {
   return std::visit(
       []<class M>(const M& m) -> const RobotName* {
-        if constexpr (std::same_as<M, JointPlanMessage>) return &m.knot.leader;
+        if constexpr (std::same_as<M, JointPlanMessage>) return &m.round.leader;
         if constexpr (std::same_as<M, RobotState>) return m.passed_on ? nullptr : &m.robot;
         if constexpr (Topic<M>::written_by(Role::agent) && requires { m.robot; }) return &m.robot;
         return nullptr;

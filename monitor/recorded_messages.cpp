@@ -166,14 +166,14 @@ std::optional<Message> from(const recording::ActiveTrees& m) {
 
 // --- states and joint plans ---
 
-void to(const KnotId& knot, recording::Knot* out) {
-  out->set_epoch(knot.epoch);
-  out->set_leader(knot.leader);
-  to(knot.place, out->mutable_place());
-  out->set_reach(knot.reach);
+void to(const RoundId& round, recording::CoordinationRound* out) {
+  out->set_epoch(round.epoch);
+  out->set_leader(round.leader);
+  to(round.centre, out->mutable_centre());
+  out->set_reach(round.reach);
 }
-KnotId from(const recording::Knot& knot) {
-  return {knot.epoch(), knot.leader(), from(knot.place()), knot.reach()};
+RoundId from(const recording::CoordinationRound& round) {
+  return {round.epoch(), round.leader(), from(round.centre()), round.reach()};
 }
 
 void to(const RobotState& m, recording::RobotState* out) {
@@ -190,14 +190,14 @@ void to(const RobotState& m, recording::RobotState* out) {
   out->set_promise_turn(m.promise.turn);
   to(m.promise.velocity, out->mutable_promise_velocity());
   out->set_promise_expiry(m.promise.expiry);
-  to(m.knot, out->mutable_knot());
+  to(m.round, out->mutable_round());
   out->set_stage(static_cast<recording::Stage>(number(m.stage)));
   out->set_progress(m.progress);
   out->set_waits_for(m.waits_for);
   out->set_copies(m.copies);
   out->set_copy(m.copy);
   out->set_passed_on(m.passed_on);
-  out->set_counts_as_dead(m.counts_as_dead);
+  out->set_counts_as_failed(m.counts_as_failed);
   out->set_is_new(m.is_new);
   out->set_wants_echo(m.wants_echo);
   for (const RobotName& robot : m.misses) out->add_misses(robot);
@@ -219,14 +219,14 @@ std::optional<Message> from(const recording::RobotState& m) {
                    .max_acceleration = m.max_acceleration(),
                    .phase = octet<Phase>(static_cast<std::uint32_t>(m.phase())),
                    .promise = {m.promise_turn(), from(m.promise_velocity()), m.promise_expiry()},
-                   .knot = from(m.knot()),
+                   .round = from(m.round()),
                    .stage = octet<Stage>(static_cast<std::uint32_t>(m.stage())),
                    .progress = m.progress(),
                    .waits_for = m.waits_for(),
                    .copies = octet<std::uint8_t>(m.copies()),
                    .copy = octet<std::uint8_t>(m.copy()),
                    .passed_on = m.passed_on(),
-                   .counts_as_dead = m.counts_as_dead(),
+                   .counts_as_failed = m.counts_as_failed(),
                    .is_new = m.is_new(),
                    .wants_echo = m.wants_echo(),
                    .misses = {m.misses().begin(), m.misses().end()},
@@ -236,7 +236,7 @@ std::optional<Message> from(const recording::RobotState& m) {
 }
 
 void to(const JointPlanMessage& m, recording::JointPlan* out) {
-  to(m.knot, out->mutable_knot());
+  to(m.round, out->mutable_round());
   out->set_run(m.run);
   for (const JointPlanMessage::Member& member : m.members) {
     auto* const added = out->add_members();
@@ -251,7 +251,7 @@ void to(const JointPlanMessage& m, recording::JointPlan* out) {
   }
 }
 std::optional<Message> from(const recording::JointPlan& m) {
-  JointPlanMessage plan{.knot = from(m.knot()), .members = {}, .moves = {}, .run = m.run()};
+  JointPlanMessage plan{.round = from(m.round()), .members = {}, .moves = {}, .run = m.run()};
   for (const auto& member : m.members())
     plan.members.push_back({member.robot(), member.radius(), member.stranded()});
   for (const auto& move : m.moves()) plan.moves.push_back({move.member(), path_in(move.path())});

@@ -37,7 +37,7 @@ Nearest nearest(const Polyline& path, const Point2& position, std::optional<doub
 }
 
 bool waits(const RobotState& state) {
-  return !state.waits_for.empty() || state.stage == Stage::holding;
+  return !state.waits_for.empty() || state.stage == Stage::waiting;
 }
 
 bool has_somewhere_to_go(Phase phase) {

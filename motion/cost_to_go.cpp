@@ -21,23 +21,23 @@ std::uint32_t interleaved(std::uint32_t x, std::uint32_t y) {
 
 }  // namespace
 
-std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph) {
+std::vector<Vertex> numbers_by_neighbourhood(const AnnotatedRoadmap& graph) {
   Box<2> box{graph.at(0), graph.at(0)};
-  for (Place k = 0; k < graph.size(); ++k)
+  for (Vertex k = 0; k < graph.size(); ++k)
     box = {box.lower.cwiseMin(graph.at(k)), box.upper.cwiseMax(graph.at(k))};
   const double per_metre = 65535 / std::max(1.0, (box.upper - box.lower).maxCoeff());
-  std::vector<std::pair<std::uint32_t, Place>> order;
-  for (Place k = 0; k < graph.size(); ++k) {
+  std::vector<std::pair<std::uint32_t, Vertex>> order;
+  for (Vertex k = 0; k < graph.size(); ++k) {
     const Point2 p = per_metre * (graph.at(k) - box.lower);
     order.emplace_back(interleaved(static_cast<std::uint32_t>(p.x()), static_cast<std::uint32_t>(p.y())), k);
   }
   std::ranges::sort(order);
-  std::vector<Place> numbers(graph.size());
-  for (Place n = 0; n < order.size(); ++n) numbers[order[n].second] = n;
+  std::vector<Vertex> numbers(graph.size());
+  for (Vertex n = 0; n < order.size(); ++n) numbers[order[n].second] = n;
   return numbers;
 }
 
-CostToGo::CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Place goal, Place start)
+CostToGo::CostToGo(const AnnotatedRoadmap& graph, std::span<const Vertex> numbers, Vertex goal, Vertex start)
     : graph_(&graph),
       numbers_(numbers),
       towards_(graph.at(start)),
@@ -45,8 +45,8 @@ CostToGo::CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Plac
   reach(goal, 0);
 }
 
-void CostToGo::reach(Place place, float cost) {
-  const Place number = numbers_[place];
+void CostToGo::reach(Vertex place, float cost) {
+  const Vertex number = numbers_[place];
   std::unique_ptr<Known>& known = known_[number / Known::places];
   if (!known) {
     known = std::make_unique<Known>();
@@ -59,15 +59,15 @@ void CostToGo::reach(Place place, float cost) {
   std::ranges::push_heap(open_, std::greater{}, &Entry::through);
 }
 
-float CostToGo::from(Place place) {
+float CostToGo::from(Vertex place) {
   while (!settled(place) && !open_.empty()) {
     const Entry next = open_.front();
     std::ranges::pop_heap(open_, std::greater{}, &Entry::through);
     open_.pop_back();
     if (settled(next.place)) continue;
-    const Place number = numbers_[next.place];
+    const Vertex number = numbers_[next.place];
     known_[number / Known::places]->settled.set(number % Known::places);
-    for (const PlaceGraph::Edge& edge : graph_->edges(next.place))
+    for (const AnnotatedRoadmap::Edge& edge : graph_->edges(next.place))
       reach(edge.to, next.cost + static_cast<float>(edge.length));
   }
   const auto& known = known_[numbers_[place] / Known::places];

@@ -14,42 +14,42 @@
 #include <span>
 #include <vector>
 
-#include "motion/place_graph.h"
+#include "motion/annotated_roadmap.h"
 
 namespace coppice {
 
 /// By the place, its number among all: close to those of the places around it. `graph` is not empty.
-std::vector<Place> numbers_by_neighbourhood(const PlaceGraph& graph);
+std::vector<Vertex> numbers_by_neighbourhood(const AnnotatedRoadmap& graph);
 
 class CostToGo {
  public:
   /// `graph`, and the `numbers` of its places (numbers_by_neighbourhood), outlive it. The search goes from
   /// `goal` towards `start`, where the first questions are.
-  CostToGo(const PlaceGraph& graph, std::span<const Place> numbers, Place goal, Place start);
+  CostToGo(const AnnotatedRoadmap& graph, std::span<const Vertex> numbers, Vertex goal, Vertex start);
 
   /// The length of the shortest way; infinite where there is none.
-  float from(Place place);
+  float from(Vertex place);
 
  private:
   struct Entry {
     double through;  ///< at least the length of a way from `start` to the goal over this place
     float cost;
-    Place place;
+    Vertex place;
   };
   /// What is known of places of one neighbourhood.
   struct Known {
-    static constexpr Place places = 16;
+    static constexpr Vertex places = 16;
     std::array<float, places> cost;  ///< the least so far
     std::bitset<places> settled{};
   };
-  void reach(Place place, float cost);
-  bool settled(Place place) const {
+  void reach(Vertex place, float cost);
+  bool settled(Vertex place) const {
     const auto& known = known_[numbers_[place] / Known::places];
     return known && known->settled[numbers_[place] % Known::places];
   }
 
-  const PlaceGraph* graph_;
-  std::span<const Place> numbers_;
+  const AnnotatedRoadmap* graph_;
+  std::span<const Vertex> numbers_;
   Point2 towards_;
   std::vector<std::unique_ptr<Known>> known_;  ///< null: nothing
   std::vector<Entry> open_;                    ///< a heap

@@ -27,13 +27,13 @@ void FewRobots::begin_at(const Point2& anchor) {
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
-    const auto place = static_cast<Place>(packed_->size()) + static_cast<Place>(known - ends.begin());
+    const auto place = static_cast<Vertex>(packed_->size()) + static_cast<Vertex>(known - ends.begin());
     if (known == ends.end()) ends.push_back(p);
     return place;
   };
-  std::vector<PlaceTask> tasks;
+  std::vector<VertexTask> tasks;
   for (const JointTask& robot : robots_) {
-    const Place start = place_of(robot.position);
+    const Vertex start = place_of(robot.position);
     tasks.push_back({start, robot.goal ? std::optional(place_of(*robot.goal)) : std::nullopt});
   }
   graph_ = packed_->with(ends, obstacles_);
@@ -51,7 +51,7 @@ bool FewRobots::step() {
   if (outcome == JointAStar::Outcome::searching) return false;
   if (outcome == JointAStar::Outcome::solved) {
     moves_.emplace();
-    for (const PlaceMove& move : search_->moves())
+    for (const VertexMove& move : search_->moves())
       moves_->push_back({move.robot, graph_.edges(move.from)[move.edge].path});
     anchors_.clear();
   }

@@ -15,7 +15,7 @@
 
 #include "motion/joint_a_star.h"
 #include "motion/joint_plan.h"
-#include "motion/places.h"
+#include "motion/packed_roadmap.h"
 #include "planning/clearance_field.h"
 
 namespace coppice {
@@ -44,8 +44,8 @@ class FewRobots {
   std::vector<JointTask> robots_;
   std::vector<Disc> obstacles_;
   std::vector<Point2> anchors_;  ///< that are left, the next one last
-  std::optional<PackedPlaces> packed_;
-  PlaceGraph graph_;
+  std::optional<PackedRoadmap> packed_;
+  AnnotatedRoadmap graph_;
   std::optional<JointAStar> search_;
   std::optional<std::vector<Move>> moves_;
 };

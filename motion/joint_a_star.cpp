@@ -23,7 +23,7 @@ bool JointAStar::fits(std::size_t places, std::size_t robots) {
   return robots * bits_for(places) <= key_bits;
 }
 
-JointAStar::JointAStar(const PlaceGraph& graph, std::vector<PlaceTask> tasks)
+JointAStar::JointAStar(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks)
     : graph_(graph),
       tasks_(std::move(tasks)),
       bits_(bits_for(graph.size())),
@@ -36,7 +36,7 @@ JointAStar::JointAStar(const PlaceGraph& graph, std::vector<PlaceTask> tasks)
   reach(start_, {.cost = 0});
 }
 
-JointAStar::Key JointAStar::moved(Key at, std::size_t robot, Place to) const {
+JointAStar::Key JointAStar::moved(Key at, std::size_t robot, Vertex to) const {
   return at ^ Key { place(at, robot) ^ to } << (robot * bits_);
 }
 
@@ -48,7 +48,7 @@ bool JointAStar::is_goal(Key at) const {
 }
 
 /// Whether a robot that takes the edge touches none of the others.
-bool JointAStar::is_clear(Key at, std::size_t robot, const PlaceGraph::Edge& edge) const {
+bool JointAStar::is_clear(Key at, std::size_t robot, const AnnotatedRoadmap::Edge& edge) const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && std::ranges::binary_search(edge.near, place(at, i))) return false;
   }
@@ -76,7 +76,7 @@ std::size_t JointAStar::expand(Key at) {
   const float cost = nodes_.at(at).cost;
   std::size_t moves = 0;
   for (std::uint16_t robot = 0; robot < tasks_.size(); ++robot) {
-    const std::vector<PlaceGraph::Edge>& edges = graph_.edges(place(at, robot));
+    const std::vector<AnnotatedRoadmap::Edge>& edges = graph_.edges(place(at, robot));
     moves += edges.size();
     for (std::uint16_t k = 0; k < edges.size(); ++k) {
       if (!is_clear(at, robot, edges[k])) continue;
@@ -104,8 +104,8 @@ JointAStar::Outcome JointAStar::search(std::size_t moves) {
   return Outcome::searching;
 }
 
-std::vector<PlaceMove> JointAStar::moves() const {
-  std::vector<PlaceMove> moves;
+std::vector<VertexMove> JointAStar::moves() const {
+  std::vector<VertexMove> moves;
   for (Key at = *end_; at != start_; at = nodes_.at(at).parent) {
     const Node& node = nodes_.at(at);
     moves.push_back({node.robot, place(node.parent, node.robot), node.edge});

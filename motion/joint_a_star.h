@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "motion/cost_to_go.h"
-#include "motion/place_graph.h"
-#include "motion/place_task.h"
+#include "motion/annotated_roadmap.h"
+#include "motion/vertex_task.h"
 
 namespace coppice {
 
@@ -25,7 +25,7 @@ class JointAStar {
   static bool fits(std::size_t places, std::size_t robots);
 
   /// `graph` outlives it; it fits. Every goal can be reached from its start when its robot is alone.
-  JointAStar(const PlaceGraph& graph, std::vector<PlaceTask> tasks);
+  JointAStar(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks);
 
   /// `too_large`: it may remember no more configurations.
   enum class Outcome { searching, solved, no_solution, too_large };
@@ -33,7 +33,7 @@ class JointAStar {
   Outcome search(std::size_t moves);
 
   /// One robot after the other, all others standing. Only once solved.
-  std::vector<PlaceMove> moves() const;
+  std::vector<VertexMove> moves() const;
 
  private:
   using Key = std::uint64_t;  ///< the places of the robots, `bits_` each, the first robot lowest
@@ -49,20 +49,20 @@ class JointAStar {
     Key at;
   };
 
-  Place place(Key at, std::size_t robot) const {
-    return static_cast<Place>(at >> (robot * bits_) & ((Key{1} << bits_) - 1));
+  Vertex place(Key at, std::size_t robot) const {
+    return static_cast<Vertex>(at >> (robot * bits_) & ((Key{1} << bits_) - 1));
   }
-  Key moved(Key at, std::size_t robot, Place to) const;
+  Key moved(Key at, std::size_t robot, Vertex to) const;
   bool is_goal(Key at) const;
-  bool is_clear(Key at, std::size_t robot, const PlaceGraph::Edge& edge) const;
+  bool is_clear(Key at, std::size_t robot, const AnnotatedRoadmap::Edge& edge) const;
   float to_go(Key at);
   void reach(Key at, const Node& node);
   std::size_t expand(Key at);
 
-  const PlaceGraph& graph_;
-  std::vector<PlaceTask> tasks_;
+  const AnnotatedRoadmap& graph_;
+  std::vector<VertexTask> tasks_;
   std::size_t bits_;
-  std::vector<Place> numbers_;
+  std::vector<Vertex> numbers_;
   std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
   std::unordered_map<Key, Node> nodes_;
   std::vector<Entry> open_;  ///< a heap

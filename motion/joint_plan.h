@@ -18,7 +18,7 @@ struct JointTask {
   Point2 position = Point2::Zero();
   std::optional<Point2> goal;  ///< none: anywhere
   double radius = 0;
-  bool movable = true;  ///< false: dead; it stays where it is, and has no goal
+  bool movable = true;  ///< false: failed; it stays where it is, and has no goal
 };
 
 /// Where it is to stand in the end; none: anywhere.

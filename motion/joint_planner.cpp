@@ -37,7 +37,7 @@ double largest_radius(std::span<const JointTask> tasks) {
 
 }  // namespace
 
-JointPlanner::JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random)
+JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random)
     : places_(places),
       tasks_(std::move(tasks)),
       radius_(largest_radius(tasks_)),
@@ -75,28 +75,28 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
   std::vector<Point2> ends;
   const auto place_of = [&](const Point2& p) {
     const auto known = std::ranges::find(ends, p);
-    const auto place = static_cast<Place>(packed().size()) + static_cast<Place>(known - ends.begin());
+    const auto place = static_cast<Vertex>(packed().size()) + static_cast<Vertex>(known - ends.begin());
     if (known == ends.end()) ends.push_back(p);
     return place;
   };
-  std::vector<PlaceTask> crowd;
-  std::vector<Disc> dead;
+  std::vector<VertexTask> crowd;
+  std::vector<Disc> failed;
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     const JointTask& task = tasks_[i];
     if (!task.movable) {
-      dead.push_back({task.position, task.radius});
+      failed.push_back({task.position, task.radius});
       continue;
     }
     movable_.push_back(i);
-    const Place start = place_of(task.position);
+    const Vertex start = place_of(task.position);
     crowd.push_back({start, task.goal ? std::optional(place_of(*task.goal)) : std::nullopt});
   }
   for (const Point2& p : elbow_room) place_of(p);
-  graph_ = packed().with(ends, dead);
+  graph_ = packed().with(ends, failed);
   crowd_.emplace(graph_, std::move(crowd), random_);
   for (const std::uint32_t k : crowd_->shut_in()) {
     const JointTask& task = tasks_[movable_[k]];
-    const SpacedRoute missed = coarsest_route(places_.field(), radius_, task.position, *task.goal, dead, 1);
+    const SpacedRoute missed = coarsest_route(places_.field(), radius_, task.position, *task.goal, failed, 1);
     if (!missed.path.empty()) return use_finer_places(missed.share * usual_spacing(radius_), elbow_room);
     shut_in_.push_back(movable_[k]);
   }
@@ -162,12 +162,12 @@ void JointPlanner::set_up_few(std::span<const Point2> centres) {
 bool JointPlanner::step() {
   if (few_) return search_few();
   if (crowd_) return search_crowd();
-  if (second_try_ && !dismantled_) return dismantle();
+  if (second_try_ && !evacuated_) return evacuate();
   if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
     return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);
   if (!refuges_->step()) return false;
-  if (!refuges_->plan().stranded.empty() && !dismantled_) return dismantle();
+  if (!refuges_->plan().stranded.empty() && !evacuated_) return evacuate();
   const bool better = !partial_ || refuges_->plan().stranded.size() <= partial_->stranded.size();
   if (!better) return take_up(*std::move(partial_));
   plan_ = refuges_->plan();
@@ -175,11 +175,11 @@ bool JointPlanner::step() {
 }
 
 /// Such a plan strands nobody without need.
-bool JointPlanner::dismantle() {
-  if (!dismantling_) dismantling_ = std::make_unique<Dismantling>(places_.field(), tasks_, random_);
-  if (!dismantling_->step()) return false;
-  dismantled_ = true;
-  auto plan = std::exchange(dismantling_, nullptr)->take_plan();
+bool JointPlanner::evacuate() {
+  if (!evacuation_) evacuation_ = std::make_unique<EvacuateAndReassemble>(places_.field(), tasks_, random_);
+  if (!evacuation_->step()) return false;
+  evacuated_ = true;
+  auto plan = std::exchange(evacuation_, nullptr)->take_plan();
   const bool is_best = plan && (!refuges_ || plan->stranded.size() < refuges_->plan().stranded.size());
   return is_best && take_up(*std::move(plan));
 }
@@ -215,9 +215,9 @@ bool JointPlanner::search_crowd() {
   return false;
 }
 
-std::vector<Move> JointPlanner::moves_of(std::span<const PlaceMove> moves) const {
+std::vector<Move> JointPlanner::moves_of(std::span<const VertexMove> moves) const {
   std::vector<Move> result;
-  for (const PlaceMove& move : moves)
+  for (const VertexMove& move : moves)
     result.push_back({movable_[move.robot], graph_.edges(move.from)[move.edge].path});
   return result;
 }

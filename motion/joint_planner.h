@@ -8,7 +8,7 @@
 // place without touching the other. So there are places a step away from robots that did not get away, and
 // places one behind the other from the ends of passages.
 //
-// The crowd is taken apart and put together again (dismantling.h).
+// The crowd is taken apart and put together again (evacuation.h).
 //
 // The slower search for refuges (push_and_rotate.h). Where many want to go somewhere, what brought the most
 // robots to their goals is taken instead, and the others call again from where they stand then.
@@ -25,11 +25,11 @@
 #include <utility>
 #include <vector>
 
-#include "motion/dismantling.h"
+#include "motion/evacuate_and_reassemble.h"
 #include "motion/few_robots.h"
 #include "motion/joint_plan.h"
 #include "motion/lacam.h"
-#include "motion/places.h"
+#include "motion/packed_roadmap.h"
 #include "motion/push_and_rotate.h"
 #include "planning/clearance_field.h"
 #include "planning/random.h"
@@ -40,7 +40,7 @@ class JointPlanner {
  public:
   /// `places`, and their field, outlive it. A robot that could not even reach its goal alone is stranded from
   /// the start.
-  JointPlanner(PlacesOfMap& places, std::vector<JointTask> tasks, Random random);
+  JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
 
   /// A bounded amount of work. True once the plan is there.
   bool step();
@@ -52,32 +52,32 @@ class JointPlanner {
  private:
   void set_up_crowd(std::span<const Point2> elbow_room);
   void use_finer_places(double spacing, std::span<const Point2> elbow_room);
-  PackedPlaces& packed() { return places_.packed(radius_, spacing_); }
+  PackedRoadmap& packed() { return places_.packed(radius_, spacing_); }
   bool has_room_for_the_largest() const;
-  bool dismantle();
+  bool evacuate();
   bool search_few();
   bool search_crowd();
   bool in_a_clinch(const JointTask& task) const;
   std::vector<Point2> elbow_room() const;
   void set_up_few(std::span<const Point2> centres);
   std::vector<Point2> under_way() const;
-  std::vector<Move> moves_of(std::span<const PlaceMove> moves) const;
+  std::vector<Move> moves_of(std::span<const VertexMove> moves) const;
   JointPlan best_of_crowd() const;
   bool take_up(JointPlan plan);
 
-  PlacesOfMap& places_;
+  MapRoadmaps& places_;
   std::vector<JointTask> tasks_;
   double radius_;   ///< of the largest robot
   double spacing_;  ///< of the lattice that places lie on
   Random random_;
-  PlaceGraph graph_{};
+  AnnotatedRoadmap graph_{};
   std::vector<std::size_t> movable_;  ///< the robots of `crowd_`
   std::optional<Lacam> crowd_;
   std::unique_ptr<FewRobots> few_;
   std::size_t configurations_ = 0;
   bool second_try_ = false;
-  std::unique_ptr<Dismantling> dismantling_;
-  bool dismantled_ = false;  ///< or that was tried in vain
+  std::unique_ptr<EvacuateAndReassemble> evacuation_;
+  bool evacuated_ = false;  ///< or that was tried in vain
   std::unique_ptr<PushAndRotate> refuges_;
   std::optional<JointPlan> partial_;  ///< the best of the crowds that were not sorted out
   std::vector<std::size_t> shut_in_;

@@ -25,19 +25,19 @@ constexpr std::size_t between_looks_back = 50;
 // Robots in configurations, about 10 bytes each: some 5 MB of an agent, and no more.
 constexpr std::size_t most_remembered = 500'000;
 
-std::uint64_t hash_of(const std::vector<Place>& at) {  // FNV-1a
+std::uint64_t hash_of(const std::vector<Vertex>& at) {  // FNV-1a
   std::uint64_t hash = 14695981039346656037U;
-  for (const Place place : at) hash = (hash ^ place) * 1099511628211U;
+  for (const Vertex place : at) hash = (hash ^ place) * 1099511628211U;
   return hash;
 }
 
-bool contains(const std::vector<Place>& places, Place place) {
+bool contains(const std::vector<Vertex>& places, Vertex place) {
   return std::ranges::binary_search(places, place);
 }
 
 }  // namespace
 
-Lacam::Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random)
+Lacam::Lacam(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks, Random random)
     : graph_(graph),
       tasks_(std::move(tasks)),
       random_(random),
@@ -125,10 +125,10 @@ std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
   std::ranges::reverse(set);
   if (set.size() < node.at.size()) {
     const std::uint32_t robot = order_[set.size()];
-    std::vector<Place> ends{node.at[robot]};
-    for (const PlaceGraph::Edge& edge : graph_.edges(node.at[robot])) ends.push_back(edge.to);
+    std::vector<Vertex> ends{node.at[robot]};
+    for (const AnnotatedRoadmap::Edge& edge : graph_.edges(node.at[robot])) ends.push_back(edge.to);
     shuffle(ends, random_);
-    for (const Place end : ends) node.constraints.push_back({number, {robot, end}});
+    for (const Vertex end : ends) node.constraints.push_back({number, {robot, end}});
   }
   return set;
 }
@@ -136,7 +136,7 @@ std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
 /// The configuration that follows, in `at_`, and the moves that lead there; false if the forced moves cannot
 /// be made.
 bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
-  for (const Place place : at_) occupant_[place] = nobody;
+  for (const Vertex place : at_) occupant_[place] = nobody;
   at_ = node.at;
   for (std::uint32_t i = 0; i < at_.size(); ++i) occupant_[at_[i]] = i;
   decided_.assign(at_.size(), false);
@@ -155,10 +155,10 @@ bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
 
 /// What a robot may do next, best first.
 std::vector<Lacam::Candidate> Lacam::candidates(std::uint32_t robot) {
-  const Place here = at_[robot];
+  const Vertex here = at_[robot];
   std::vector<Candidate> result;
   if (!forced_[robot] || forced_[robot] == here) result.push_back({cost(robot, here), nullptr});
-  for (const PlaceGraph::Edge& edge : graph_.edges(here)) {
+  for (const AnnotatedRoadmap::Edge& edge : graph_.edges(here)) {
     if (forced_[robot] && forced_[robot] != edge.to) continue;
     const float there = cost(robot, edge.to);
     if (there == unreachable) continue;
@@ -172,27 +172,27 @@ std::vector<Lacam::Candidate> Lacam::candidates(std::uint32_t robot) {
 
 /// Whether what a robot does is out of the way of all who wait for it: it does not touch them where they are,
 /// and ends where they do not touch it.
-bool Lacam::in_nobodys_way(Place here, const PlaceGraph::Edge* edge) const {
-  const Place end = edge != nullptr ? edge->to : here;
+bool Lacam::in_nobodys_way(Vertex here, const AnnotatedRoadmap::Edge* edge) const {
+  const Vertex end = edge != nullptr ? edge->to : here;
   return std::ranges::none_of(reserved_, [&](const Reserved& other) {
     return contains(other.edge->near, end) || (edge != nullptr && contains(edge->near, other.from));
   });
 }
 
-bool Lacam::empty_around(const PlaceGraph::Edge& edge, std::uint32_t robot) const {
+bool Lacam::empty_around(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot) const {
   return std::ranges::all_of(
-      edge.near, [&](Place place) { return occupant_[place] == nobody || occupant_[place] == robot; });
+      edge.near, [&](Vertex place) { return occupant_[place] == nobody || occupant_[place] == robot; });
 }
 
 /// Makes everybody move who stands near the edge. Who has moved has done so even if another cannot.
-bool Lacam::clear(const PlaceGraph::Edge& edge, std::uint32_t robot) {
-  const auto stays = [&](Place place) {
+bool Lacam::clear(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot) {
+  const auto stays = [&](Vertex place) {
     const std::uint32_t other = occupant_[place];
     return other != nobody && other != robot && decided_[other];
   };
   if (std::ranges::any_of(edge.near, stays)) return false;
   reserved_.push_back({at_[robot], &edge});
-  for (const Place place : edge.near) {
+  for (const Vertex place : edge.near) {
     const std::uint32_t other = occupant_[place];
     if (other != nobody && other != robot && (decided_[other] || !push(other))) break;
   }
@@ -203,7 +203,7 @@ bool Lacam::clear(const PlaceGraph::Edge& edge, std::uint32_t robot) {
 /// PIBT: the robot takes the best move for which all in its way can make room. False if it stays where it is.
 bool Lacam::push(std::uint32_t robot) {
   decided_[robot] = true;
-  const Place here = at_[robot];
+  const Vertex here = at_[robot];
   for (const auto& [cost, edge] : candidates(robot)) {
     if (!in_nobodys_way(here, edge)) continue;
     if (edge == nullptr) return false;
@@ -230,10 +230,10 @@ std::vector<std::uint32_t> Lacam::under_way_in(const Configuration& at) const {
   return result;
 }
 
-std::vector<PlaceMove> Lacam::moves() const {
+std::vector<VertexMove> Lacam::moves() const {
   std::vector<std::size_t> chain;
   for (std::size_t k = best_; k != 0; k = nodes_[k].parent) chain.push_back(k);
-  std::vector<PlaceMove> all;
+  std::vector<VertexMove> all;
   for (auto k = chain.rbegin(); k != chain.rend(); ++k) {
     const Configuration& before = nodes_[nodes_[*k].parent].at;
     for (const auto& [robot, edge] : nodes_[*k].steps) all.push_back({robot, before[robot], edge});

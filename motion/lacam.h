@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "motion/cost_to_go.h"
-#include "motion/place_graph.h"
-#include "motion/place_task.h"
+#include "motion/annotated_roadmap.h"
+#include "motion/vertex_task.h"
 #include "planning/random.h"
 
 namespace coppice {
@@ -31,7 +31,7 @@ class Lacam {
  public:
   /// `graph` outlives it. At most 65,535 robots, of which no two start at one place, and edges of a place.
   /// Robots that could not even alone get to their goals, shut_in(), give way as if they had none.
-  Lacam(const PlaceGraph& graph, std::vector<PlaceTask> tasks, Random random);
+  Lacam(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks, Random random);
   const std::vector<std::uint32_t>& shut_in() const { return shut_in_; }
 
   /// `too_large`: there is no room to remember more configurations; it ends.
@@ -47,13 +47,13 @@ class Lacam {
   std::vector<std::uint32_t> left_over() const { return under_way_in(nodes_[best_].at); }
 
   /// To the best configuration: one after the other, all others standing.
-  std::vector<PlaceMove> moves() const;
+  std::vector<VertexMove> moves() const;
 
  private:
-  using Configuration = std::vector<Place>;  // by robot
+  using Configuration = std::vector<Vertex>;  // by robot
   struct Forced {
     std::uint32_t robot;
-    Place to;
+    Vertex to;
   };
   /// A set of constraints: one more than in another set. The first of a node is the empty one.
   struct Constraint {
@@ -75,17 +75,17 @@ class Lacam {
   };
   struct Candidate {
     float cost;
-    const PlaceGraph::Edge* edge;  ///< null: stay
+    const AnnotatedRoadmap::Edge* edge;  ///< null: stay
   };
   struct Reserved {
-    Place from;
-    const PlaceGraph::Edge* edge;
+    Vertex from;
+    const AnnotatedRoadmap::Edge* edge;
   };
 
-  float cost(std::uint32_t robot, Place place) {
+  float cost(std::uint32_t robot, Vertex place) {
     return cost_to_go_[robot] ? cost_to_go_[robot]->from(place) : 0;
   }
-  bool at_goal(std::uint32_t robot, Place place) const {
+  bool at_goal(std::uint32_t robot, Vertex place) const {
     return !tasks_[robot].goal || *tasks_[robot].goal == place;
   }
   std::vector<std::uint32_t> under_way_in(const Configuration& at) const;
@@ -95,17 +95,17 @@ class Lacam {
   bool generate(const Node& node, const std::vector<Forced>& forced);
   void set_order(const Node& node);
   std::vector<Candidate> candidates(std::uint32_t robot);
-  bool in_nobodys_way(Place here, const PlaceGraph::Edge* edge) const;
-  bool empty_around(const PlaceGraph::Edge& edge, std::uint32_t robot) const;
-  bool clear(const PlaceGraph::Edge& edge, std::uint32_t robot);
+  bool in_nobodys_way(Vertex here, const AnnotatedRoadmap::Edge* edge) const;
+  bool empty_around(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot) const;
+  bool clear(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot);
   bool push(std::uint32_t robot);
 
-  const PlaceGraph& graph_;
-  std::vector<PlaceTask> tasks_;
+  const AnnotatedRoadmap& graph_;
+  std::vector<VertexTask> tasks_;
   std::vector<std::uint32_t> shut_in_;  ///< ascending
   Random random_;
   std::vector<float> least_;    ///< by robot, below 1: its priority while it does not wait
-  std::vector<Place> numbers_;  ///< of the places
+  std::vector<Vertex> numbers_;  ///< of the places
   std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
   std::deque<Node> nodes_;
   std::vector<std::size_t> open_;
@@ -120,7 +120,7 @@ class Lacam {
   Configuration at_;
   std::vector<std::uint32_t> occupant_;       ///< by place
   std::vector<bool> decided_;                 ///< by robot
-  std::vector<std::optional<Place>> forced_;  ///< by robot
+  std::vector<std::optional<Vertex>> forced_;  ///< by robot
   std::vector<Reserved> reserved_;            ///< edges of those who wait for others to make room
   std::vector<Step> steps_;
 };

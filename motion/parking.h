@@ -1,5 +1,5 @@
 // Places at which robots of a crowd close no way, and the ways there past the others: what a crowd is taken
-// apart with (dismantling.h).
+// apart with (evacuation.h).
 //
 // A place will do if the largest of the robots can drive around it; or, in narrow maps, if the free space
 // around all that has parked stays in one piece with it: what the place takes away is no more than what a

@@ -9,7 +9,7 @@
 //     taken it, if s is a number of whole periods; in between, what follows linearly (velocities change in
 //     steps, at the period's beginning).
 // A robot that stands may bind itself for longer, by a late expiry: others can pass it closely then. One that
-// is dead stands for ever.
+// is failed stands for ever.
 //
 // Where clocks may differ, a robot may be ahead or behind on its commitment by as much time.
 //

@@ -24,18 +24,18 @@ std::size_t RouteFinders::effort() const {
 
 std::vector<Path> ways_alone(const ClearanceField& field, std::span<const JointTask> tasks,
                              RouteFinders& finders) {
-  std::vector<Disc> dead;
+  std::vector<Disc> failed;
   for (const JointTask& task : tasks) {
-    if (!task.movable) dead.push_back({task.position, task.radius});
+    if (!task.movable) failed.push_back({task.position, task.radius});
   }
   std::vector<Path> ways(tasks.size());
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const JointTask& task = tasks[i];
     if (!task.movable || !task.goal) continue;
-    ways[i] = finders.of(task.radius).route(task.position, *task.goal, dead);
+    ways[i] = finders.of(task.radius).route(task.position, *task.goal, failed);
     if (!ways[i].empty()) continue;
     SpacedRoute finer =
-        coarsest_route(field, task.radius, task.position, *task.goal, dead, finders.share() / 2);
+        coarsest_route(field, task.radius, task.position, *task.goal, failed, finders.share() / 2);
     ways[i] = std::move(finer.path);
     if (!ways[i].empty()) finders.refine(finer.share);
   }

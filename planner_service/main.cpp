@@ -35,8 +35,8 @@
 #include "files/run_options.h"
 #include "files/scenario_file.h"
 #include "files/temporary_folder.h"
-#include "planner_service/claim_desk.h"
-#include "planner_service/muster.h"
+#include "planner_service/robot_assignment.h"
+#include "planner_service/startup_barrier.h"
 #include "planner_service/options.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
@@ -70,7 +70,7 @@ ServiceStatus own_status() {
 
 /// Beside the service: who is which robot, whether another service has the fleet, and who has not come.
 struct Reception {
-  ClaimDesk desk;
+  RobotAssignment desk;
   SoleService sole;
   RollCall roll;
 
@@ -96,8 +96,8 @@ struct Reception {
 
 /// Returns what arrives until no other service can have the fleet and `done()` holds.
 template <class Done>
-Muster listen(DdsBus& bus, Reception& reception, Heartbeat& heart, int domain, Done&& done) {
-  Muster heard;
+StartupBarrier listen(DdsBus& bus, Reception& reception, Heartbeat& heart, int domain, Done&& done) {
+  StartupBarrier heard;
   while ((!reception.sole.may_begin(wall_now()) || !done(heard)) && !stop_requested()) {
     bus.wait(longest_wait);
     for (Arrival& arrival : bus.take()) {
@@ -114,17 +114,17 @@ Muster listen(DdsBus& bus, Reception& reception, Heartbeat& heart, int domain, D
 /// Until an agent for each robot, and a broker, can hear of its mission, and those of a large fleet have
 /// found each other: on few processors they do so sooner while none of them drives. Who has not come by then
 /// gets its mission when it does.
-Muster wait_for_agents(DdsBus& bus, Reception& reception, Heartbeat& heart, std::size_t robots, int domain) {
+StartupBarrier wait_for_agents(DdsBus& bus, Reception& reception, Heartbeat& heart, std::size_t robots, int domain) {
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
-  Muster all = listen(bus, reception, heart, domain, [&](const Muster& heard) {
-    const bool met = std::cmp_less(robots, large_fleet) || heard.acquainted(robots - 1) >= robots;
+  StartupBarrier all = listen(bus, reception, heart, domain, [&](const StartupBarrier& heard) {
+    const bool met = std::cmp_less(robots, large_fleet) || heard.is_synchronised(robots - 1) >= robots;
     return (met && bus.matched_readers<Mission>() >= robots + 1) || wall_now() >= latest;
   });
   const double waited = wall_now() - begin;
   if (waited > worth_telling)
     spdlog::info("after {:.1f} s {} of {} processes have come, and {} agents have found all others", waited,
-                 bus.matched_readers<Mission>(), robots + 1, all.acquainted(robots - 1));
+                 bus.matched_readers<Mission>(), robots + 1, all.is_synchronised(robots - 1));
   return all;
 }
 
@@ -142,7 +142,7 @@ std::optional<Journal> journal_of_service(const std::string& folder) {
 
 /// Goes on with the run that was kept; message by message, for an hour of a large fleet is hundreds of
 /// megabytes.
-RunRecord go_on(PlannerService& service, ClaimDesk& desk, const Journal& journal, Heartbeat& heart) {
+RunRecord go_on(PlannerService& service, RobotAssignment& desk, const Journal& journal, Heartbeat& heart) {
   RunRecord record;
   journal.for_each([&](const Message& message) {
     heart.beat(wall_now());
@@ -229,7 +229,7 @@ bool run_succeeds(const RunOptions& options, const ProcessOptions& process, cons
   const int domain = process.network.domain;
   Reception reception(names_of(scenario), wall_now());
   const bool goes_on = journal != nullptr && !journal->empty();
-  Muster heard;
+  StartupBarrier heard;
   if (!goes_on) heard = wait_for_agents(bus, reception, heart, scenario.robots.size(), domain);
   PlannerService service(std::move(scenario),
                          {.time_scale = options.time_scale.value_or(1),
@@ -242,12 +242,12 @@ bool run_succeeds(const RunOptions& options, const ProcessOptions& process, cons
                          wall_now(), std::move(tracks));
   Keeper keeper(journal != nullptr ? go_on(service, reception.desk, *journal, heart) : RunRecord(), journal);
   if (service.run()) reception.sole.begin(*service.run());
-  if (goes_on) heard = listen(bus, reception, heart, domain, [](const Muster&) { return true; });
+  if (goes_on) heard = listen(bus, reception, heart, domain, [](const StartupBarrier&) { return true; });
   heard.for_each([&](const Arrival& arrival) {
     keeper.heard(*arrival.message);
     service.on(arrival);
   });
-  heard = Muster();  // it may hold the tracks of the run before
+  heard = StartupBarrier();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   serve(bus, ros.get(), service, reception, keeper, heart, options.quiet ? nullptr : &display, domain);
   const proto::Report report = service.report();

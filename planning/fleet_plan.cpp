@@ -12,7 +12,7 @@ namespace {
 constexpr int iterations_a_search = 256;
 // A search in which no robot has succeeded for so long may have no end: worth a search of all passages, whose
 // time is in proportion to the map.
-constexpr std::uint64_t least_doubt = 200'000;
+constexpr std::uint64_t least_iterations = 200'000;
 constexpr std::uint64_t cells_an_iteration = 8;
 
 }  // namespace
@@ -51,7 +51,7 @@ bool FleetPlanner::search() {
   }
   fruitless_ = planner_->open_groups() < open_before ? 0 : fruitless_ + iterations_a_search;
   const std::uint64_t doubt =
-      std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
+      std::max<std::uint64_t>(least_iterations, field_.frame().cells() / cells_an_iteration);
   if (fruitless_ >= doubt) settle_by_roadmap();
   return planner_->open_groups() > 0;
 }

@@ -1,5 +1,5 @@
 // Finds out from the service which robot this agent is, where nobody has told it
-// (planner_service/claim_desk.h).
+// (planner_service/robot_assignment.h).
 //
 // It asks until it is given a robot that nobody speaks as. What it has been given is its own as long as it
 // does not fall silent for claim_lease, and nobody else is given it. It counts the lease itself, from when it

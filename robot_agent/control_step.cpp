@@ -15,25 +15,25 @@ namespace {
 
 constexpr double period = control_period;
 // A robot whose agent slept for so long, or that was cut off, stands as long again before it moves on: the
-// others may have come to think it dead, and hear of it first.
+// others may have come to think it failed, and hear of it first.
 constexpr WallTime own_silence = 1;
-constexpr std::uint32_t repeat_news = 5;  // control periods in which a robot that stands says so in each
-// The same of its part in a knot, to all in it: in as many turns as listeners share a state's copies
+constexpr std::uint32_t repeat_change = 5;  // control periods in which a robot that stands says so in each
+// The same of its part in a round, to all in it: in as many turns as listeners share a state's copies
 // (Fleet::copies), so that each of them hears one.
-constexpr std::uint32_t repeat_knot_news = sure_witnesses - 1;
-constexpr WallTime longest_muster = 10;  // seconds to wait for the others' missions before setting off
+constexpr std::uint32_t repeat_round_news = sure_witnesses - 1;
+constexpr WallTime longest_startup = 10;  // seconds to wait for the others' missions before setting off
 // Of one that was started anew about where somebody is; then it says that it is stuck.
 constexpr double longest_ignorance = 120;
 constexpr WallTime least_ignorance = 30;         // likewise, of the wall's clock: others must find it first
-constexpr std::uint32_t beats_between_news = 2;  // of the silent
+constexpr std::uint32_t heartbeats_between_relays = 2;  // of the silent
 constexpr double asks_for_news = 1.5;            // seconds, of one that was out of touch
 constexpr double decisions_counted = 16;         // of those that may be late: a pause is one
 constexpr double share_of_overload = 0.25;
 constexpr int most_times_stranded = 5;  // joint plans that may fail a robot before it gives up
 // Seconds until it tries again, if another is wanted elsewhere meanwhile: its attempts stop the others.
-constexpr double between_hopes = 300;
-constexpr int most_calls_in_vain = 30;  // knots from one place, likewise
-constexpr double stall = 3;             // seconds without progress that make a robot call a knot
+constexpr double between_retries = 300;
+constexpr int most_calls_in_vain = 30;  // rounds from one place, likewise
+constexpr double stall = 3;             // seconds without progress that make a robot call a round
 // The same, however often it has bound itself to stand meanwhile: two that push each other back to and fro
 // let each other go first for ever.
 constexpr double longest_stall = 30;
@@ -84,8 +84,8 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   // Its journal begins with its first state, and so does its track.
   if (due && fleet_now - body_->time() >= period) pass_over(fleet_now);
   if (fleet_now - body_->time() > grace()) listen_anew(fleet_now);
-  // Where it wakes late it leaves out no number, if it drives, and no beat: gaps are what others have lost.
-  const std::uint32_t next_beat = sequence_ - sequence_ % standing_stride + standing_stride;
+  // Where it wakes late it leaves out no number, if it drives, and no heartbeat: gaps are what others have lost.
+  const std::uint32_t next_heartbeat = sequence_ - sequence_ % heartbeat_interval + heartbeat_interval;
   int periods = 0;
   while (body_->time() + period <= fleet_now) {
     if (body_->stands() && fleet_now - body_->time() > longest_sleep) {
@@ -98,7 +98,7 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
     status_.driven_length += period * body_->velocity().norm();
     body_->advance();
     trail_.go_on(body_->position(), ground_->field, body_->radius());
-    sequence_ += (body_->stands() || !due) && sequence_ < next_beat;
+    sequence_ += (body_->stands() || !due) && sequence_ < next_heartbeat;
     due = true;
   }
   if (!due) return;
@@ -109,11 +109,11 @@ void RobotAgent::control(double fleet_now, std::vector<Outgoing>& out) {
   decide(fleet_now);
   watch_coming_on(fleet_now, periods * period);
   // Counted by periods and not by steps: one that sleeps, or wakes late, misses none.
-  const std::uint32_t beats = sequence_ / standing_stride;
-  const bool beat = beats != std::exchange(last_beat_, beats);
-  speak(fleet_now, beat, out);
-  if (beat) pass_on_last_words(fleet_now, out);
-  if (auto plan = knot_.take_own_plan()) {
+  const std::uint32_t heartbeats = sequence_ / heartbeat_interval;
+  const bool heartbeat = heartbeats != std::exchange(last_heartbeat_, heartbeats);
+  speak(fleet_now, heartbeat, out);
+  if (heartbeat) relay_states(fleet_now, out);
+  if (auto plan = round_.take_own_plan()) {
     plan->run = mission_->clock.epoch;
     out.emplace_back(*std::move(plan));
   }
@@ -140,13 +140,13 @@ void RobotAgent::pass_over(double fleet_now) {
                  period);
 }
 
-void RobotAgent::pass_on_last_words(double fleet_now, std::vector<Outgoing>& out) {
+void RobotAgent::relay_states(double fleet_now, std::vector<Outgoing>& out) {
   for (RobotState& last : fleet_.last_words(fleet_now)) out.emplace_back(std::move(last));
-  if (last_beat_ % beats_between_news != 0) return;
-  const std::vector<RobotName> to = fleet_.who_missed_the_news(fleet_now);
+  if (last_heartbeat_ % heartbeats_between_relays != 0) return;
+  const std::vector<RobotName> to = fleet_.peers_to_inform(fleet_now);
   if (to.empty()) return;
   // As often as it takes that one of these hears it, for nobody says to have heard that.
-  for (const RobotState& last : fleet_.states_of_the_silent(fleet_now))
+  for (const RobotState& last : fleet_.states_of_silent_peers(fleet_now))
     for (int copy = 0; copy < fleet_.copies(); ++copy) out.emplace_back(Message(last), to);
 }
 
@@ -162,13 +162,13 @@ bool RobotAgent::stands_as_newcomer(double fleet_now) {
   is_new_ = fleet_now < heard_again_at_;
   if (!is_new_) {
     if (status_.phase != Phase::no_path) status_.reason.clear();
-    hope_anew();
+    retry_after_change();
     return false;
   }
   if (body_->stands()) stand_for(fleet_now, waiting_lease);
   if (status_.phase == Phase::driving)
     status_.reason = "its agent was started in mid-run, and has not heard where all others are";
-  if (status_.phase == Phase::driving && is_too_long(fleet_now - mustering_since_))
+  if (status_.phase == Phase::driving && is_too_long(fleet_now - startup_since_))
     give_up("its agent was started in mid-run, and nobody who is alive knows where all others are");
   return true;  // its body brakes
 }
@@ -197,7 +197,7 @@ void RobotAgent::watch_isolation(double fleet_now) {
   const auto unfound = fleet_.heard_by_others_only();
   if (!unfound) {
     isolated_since_ = std::numeric_limits<double>::infinity();
-    if (std::exchange(is_isolated_, false)) hope_anew();
+    if (std::exchange(is_isolated_, false)) retry_after_change();
     return;
   }
   isolated_since_ = std::min(isolated_since_, fleet_now);
@@ -216,34 +216,34 @@ bool RobotAgent::waits_for_its_robot(double fleet_now) {
 
 /// Chooses the velocity of the next period.
 void RobotAgent::decide(double fleet_now) {
-  const bool holds = knot_.stage() == Stage::holding;
-  fleet_.judge_silence(fleet_now, body_->position(), holds ? knot_.id() : KnotId{}, ground_->field);
+  const bool holds = round_.stage() == Stage::waiting;
+  fleet_.detect_failures(fleet_now, body_->position(), holds ? round_.id() : RoundId{}, ground_->field);
   if (fleet_.cut_off()) listen_anew(fleet_now);
-  if (fleet_.out_of_touch()) missed_news_until_ = fleet_now + asks_for_news * fleet_.second();
+  if (fleet_.out_of_touch()) asks_for_news_until_ = fleet_now + asks_for_news * fleet_.second();
   if (stands_as_newcomer(fleet_now) || waits_for_its_robot(fleet_now)) return;
   watch_isolation(fleet_now);
   const std::span<const Neighbour> others =
       body_->bound_to_stand() ? std::span<const Neighbour>() : neighbours(fleet_now);
   const bool listens = fleet_now < heard_again_at_;
-  if (!listens && status_.phase != Phase::stopped && knot_.stage() == Stage::holding)
-    knot_.hold(self(), fleet_, ground_->places, fleet_now);
-  if (!listens && status_.phase != Phase::stopped && std::exchange(has_left_knot_, false) &&
-      knot_.stage() == Stage::free)
-    knot_.call(self(), fleet_, fleet_now);
-  const bool free = knot_.stage() == Stage::free;
+  if (!listens && status_.phase != Phase::stopped && round_.stage() == Stage::waiting)
+    round_.hold(self(), fleet_, ground_->places, fleet_now);
+  if (!listens && status_.phase != Phase::stopped && std::exchange(has_left_round_, false) &&
+      round_.stage() == Stage::free)
+    round_.call(self(), fleet_, fleet_now);
+  const bool free = round_.stage() == Stage::free;
   lets_others_finish_ = lets_others_finish_ && !all_free_around();
   if (listens) {
     // Its body brakes: one that the others miss is not reckoned with where it would evade to.
     last_gain_time_ = fleet_now;
     if (body_->stands()) stand_for(fleet_now, waiting_lease);
-  } else if (status_.phase == Phase::driving && free && !knot_.stranded() && !lets_others_finish_ &&
+  } else if (status_.phase == Phase::driving && free && !round_.stranded() && !lets_others_finish_ &&
              may_set_off(fleet_now)) {
     // One that the joint plan cannot help stands out of the others' way until they are done.
     drive_freely(fleet_now, others);
   } else {
     last_gain_time_ = fleet_now;
-    if (status_.phase != Phase::stopped && knot_.stage() == Stage::ordered) {
-      drive_as_ordered(fleet_now, others);
+    if (status_.phase != Phase::stopped && round_.stage() == Stage::executing) {
+      execute_plan(fleet_now, others);
     } else {
       body_->choose(Point2::Zero(), others, ground_->field);
       // A robot that plans, or waits for news of the others, will set off any moment.
@@ -278,10 +278,10 @@ void RobotAgent::drive_freely(double fleet_now, std::span<const Neighbour> neigh
     last_gain_ = follower_->progress();
     last_gain_time_ = fleet_now;
   }
-  // Not while a joint plan is being driven: it may be what clears the way, and a new knot would end it.
+  // Not while a joint plan is being driven: it may be what clears the way, and a new round would end it.
   const bool stalls = stalled_for(fleet_now) > stall || fleet_now - last_gain_time_ > longest_stall;
-  if (stalls && all_free_around() && !fleet_.doubts(body_->position(), around_radii * body_->radius()))
-    knot_.call(self(), fleet_, fleet_now);
+  if (stalls && all_free_around() && !fleet_.is_suspected_near(body_->position(), around_radii * body_->radius()))
+    round_.call(self(), fleet_, fleet_now);
 }
 
 /// Seconds; those in which it is bound to stand do not count.
@@ -305,19 +305,19 @@ bool RobotAgent::lets_go_first(const Point2& preferred) const {
   });
 }
 
-void RobotAgent::drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours) {
+void RobotAgent::execute_plan(double fleet_now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_->position() + period * body_->velocity();
-  const Point2 wanted = knot_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
+  const Point2 wanted = round_.preferred_velocity(self(), fleet_, next, body_->limits(), fleet_now);
   if (wanted.isZero(0)) {
     body_->follow(wanted, neighbours, ground_->field);
-    stand_for(fleet_now, std::clamp(knot_.waits_until() - fleet_now, waiting_lease, longest_lease));
+    stand_for(fleet_now, std::clamp(round_.waits_until() - fleet_now, waiting_lease, longest_lease));
   } else if (!body_->bound_to_stand()) {
-    knot_.led_past(body_->follow(wanted, neighbours, ground_->field));
+    round_.led_past(body_->follow(wanted, neighbours, ground_->field));
     // Of several that fear each other's next move, one must go.
     if (body_->commitment().next_velocity.norm() > crawl * body_->limits().max_speed)
       last_drive_time_ = fleet_now;
     const bool held_up = fleet_now - last_drive_time_ > waiting_lease;
-    if (held_up && knot_.gives_way(self(), fleet_, fleet_now)) {
+    if (held_up && round_.gives_way(self(), fleet_, fleet_now)) {
       body_->follow(Point2::Zero(), neighbours, ground_->field);
       stand_for(fleet_now, waiting_lease);
     }
@@ -338,13 +338,13 @@ void RobotAgent::watch_arrival(double fleet_now) {
     enter(Phase::driving);
   }
   const bool others_go_elsewhere = gave_up_ && fleet_.new_goals() != new_goals_ &&
-                                   fleet_now - gave_up_at_ > between_hopes * fleet_.second();
-  if (fleet_.turns_for_the_better() != turns_for_the_better_ || others_go_elsewhere) hope_anew();
-  const bool may_become_better = fleet_.doubts(body_->position(), everywhere);
-  if (status_.phase == Phase::driving && knot_.calls_in_vain() > most_calls_in_vain && !may_become_better)
+                                   fleet_now - gave_up_at_ > between_retries * fleet_.second();
+  if (fleet_.recoveries() != recoveries_ || others_go_elsewhere) retry_after_change();
+  const bool may_become_better = fleet_.is_suspected_near(body_->position(), everywhere);
+  if (status_.phase == Phase::driving && round_.calls_in_vain() > most_calls_in_vain && !may_become_better)
     return give_up(fmt::format("a way past the others was not found within {} joint plans from this place",
                                most_calls_in_vain));
-  if (status_.phase != Phase::driving || knot_.stage() != Stage::free || !body_->stands()) return;
+  if (status_.phase != Phase::driving || round_.stage() != Stage::free || !body_->stands()) return;
   if (at_goal) {
     const bool is_there =
         !tracking_ || (*tracking_->position() - mission_->goal).norm() <= arrives_within(*mission_);
@@ -354,16 +354,16 @@ void RobotAgent::watch_arrival(double fleet_now) {
     }
     if (status_.arrival_time == 0) status_.arrival_time = body_->time();
     enter(Phase::arrived);
-  } else if (knot_.stranded() && !may_become_better && fleet_.all_free(body_->position(), everywhere)) {
+  } else if (round_.stranded() && !may_become_better && fleet_.all_free(body_->position(), everywhere)) {
     // Where the others are now, another attempt may succeed.
-    if (++times_stranded_ < most_times_stranded) return knot_.call_everybody(self(), fleet_now);
+    if (++times_stranded_ < most_times_stranded) return round_.call_everybody(self(), fleet_now);
     give_up(fmt::format("a joint plan that brings this robot to its goal was not found within {} attempts",
                         most_times_stranded));
   }
 }
 
 void RobotAgent::give_up(std::string reason) {
-  if (is_new_ || is_isolated_) knot_.leave();
+  if (is_new_ || is_isolated_) round_.leave();
   status_.reason = std::move(reason);
   gave_up_ = true;
   gave_up_at_ = body_->time();
@@ -371,12 +371,12 @@ void RobotAgent::give_up(std::string reason) {
   enter(Phase::no_path);
 }
 
-/// One that counted as dead is back, or is known to be, or somebody goes elsewhere: what it closed may be
+/// One that counted as failed is back, or is known to be, or somebody goes elsewhere: what it closed may be
 /// open.
-void RobotAgent::hope_anew() {
-  turns_for_the_better_ = fleet_.turns_for_the_better();
+void RobotAgent::retry_after_change() {
+  recoveries_ = fleet_.recoveries();
   times_stranded_ = 0;
-  knot_.hope_anew();
+  round_.retry_after_change();
   if (!std::exchange(gave_up_, false) || status_.phase != Phase::no_path) return;
   status_.reason.clear();
   enter(Phase::driving);
@@ -394,8 +394,8 @@ void RobotAgent::enter(Phase phase) {
 /// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
 /// there are.
 bool RobotAgent::may_set_off(double fleet_now) {
-  const bool mustered = fleet_now - mustering_since_ > longest_muster * std::max(1.0, mission_->clock.scale);
-  return fleet_.complete(mustered ? 0 : mission_->fleet_size);
+  const bool startup_is_over = fleet_now - startup_since_ > longest_startup * std::max(1.0, mission_->clock.scale);
+  return fleet_.complete(startup_is_over ? 0 : mission_->fleet_size);
 }
 
 /// All who may come near while this robot looks ahead, or brakes.
@@ -416,30 +416,30 @@ FleetMember RobotAgent::self() const {
           .wants_to_stay = status_.phase == Phase::arrived,
           .radius = body_->radius(),
           .stands = body_->stands(),
-          .knot = knot_.id(),
-          .stage = knot_.stage(),
-          .progress = knot_.progress()};
+          .round = round_.id(),
+          .stage = round_.stage(),
+          .progress = round_.progress()};
 }
 
 /// One that is bound to stand need not look again before it has something to say.
 int RobotAgent::periods_to_next_control() const {
   if (first_control_) return 0;
-  const bool rests = since_news_ > repeat_news && !knot_.plans() && body_->bound_to_stand(standing_stride);
-  return rests ? standing_stride - static_cast<int>(sequence_ % standing_stride) : 1;
+  const bool rests = since_change_ > repeat_change && !round_.plans() && body_->bound_to_stand(heartbeat_interval);
+  return rests ? heartbeat_interval - static_cast<int>(sequence_ % heartbeat_interval) : 1;
 }
 
 /// Tells the others. Who goes on standing as it has said does so less often.
-void RobotAgent::speak(double fleet_now, bool beat, std::vector<Outgoing>& out) {
-  const Steady steady{body_->stands(), status_.phase, knot_.id(), knot_.stage(), knot_.waits_for()};
-  const bool same_part = steady.knot == last_said_.knot && steady.stage == last_said_.stage;
-  since_news_ = steady.stands && steady == last_said_ ? since_news_ + 1 : 0;
-  since_knot_ = same_part ? since_knot_ + 1 : 0;
+void RobotAgent::speak(double fleet_now, bool heartbeat, std::vector<Outgoing>& out) {
+  const Steady steady{body_->stands(), status_.phase, round_.id(), round_.stage(), round_.waits_for()};
+  const bool same_part = steady.round == last_said_.round && steady.stage == last_said_.stage;
+  since_change_ = steady.stands && steady == last_said_ ? since_change_ + 1 : 0;
+  since_round_change_ = same_part ? since_round_change_ + 1 : 0;
   last_said_ = steady;
-  const bool rests = since_news_ > repeat_news;
-  if (rests && !beat) return;
-  const std::uint32_t turn = rests ? sequence_ - sequence_ % standing_stride : sequence_;
-  const KnotId* news = since_knot_ <= repeat_knot_news ? &knot_.id() : nullptr;
-  auto [agents, echoes, misses] = fleet_.address(turn, news, knot_.waits_for(), fleet_now);
+  const bool rests = since_change_ > repeat_change;
+  if (rests && !heartbeat) return;
+  const std::uint32_t turn = rests ? sequence_ - sequence_ % heartbeat_interval : sequence_;
+  const RoundId* news = since_round_change_ <= repeat_round_news ? &round_.id() : nullptr;
+  auto [agents, echoes, misses] = fleet_.address(turn, news, round_.waits_for(), fleet_now);
   RobotState said = state(fleet_now, std::move(echoes));
   said.misses = std::move(misses);
   const int copies = std::max(said.copies, std::exchange(copies_promised_, said.copies));
@@ -471,12 +471,12 @@ RobotState RobotAgent::state(double fleet_now, std::vector<Echo> echoes) const {
           .max_acceleration = body_->limits().max_acceleration,
           .phase = status_.phase,
           .promise = {c.turn, c.next_velocity, c.expiry},
-          .knot = knot_.id(),
-          .stage = knot_.stage(),
-          .progress = knot_.progress(),
-          .waits_for = knot_.waits_for(),
+          .round = round_.id(),
+          .stage = round_.stage(),
+          .progress = round_.progress(),
+          .waits_for = round_.waits_for(),
           .copies = copies(),
-          .is_new = is_new_ || (fleet_now < missed_news_until_ && !fleet_.out_of_touch()),
+          .is_new = is_new_ || (fleet_now < asks_for_news_until_ && !fleet_.out_of_touch()),
           .wants_echo = !fleet_.echoed(fleet_now),
           .echoes = std::move(echoes),
           .run = mission_->clock.epoch};

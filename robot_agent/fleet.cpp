@@ -56,7 +56,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
   if (!p.state) {
     p.radius = mission.radius;
     p.max_speed = mission.max_speed;
-    if (!p.dead) p.place = mission.start;
+    if (!p.failed) p.place = mission.start;
   }
   new_goals_ += p.mission && p.mission->number != mission.number;
   p.mission = std::make_unique<const Mission>(mission);
@@ -71,14 +71,14 @@ void Fleet::forget_other_runs() {
   answered_until_.clear();
   next_echo_ = chosen_among_ = 0;
   missing_.clear();
-  missing_dead_.clear();
+  silent_failed_.clear();
   missed_by_others_.clear();
   all_known_ = false;
   somebody_new_at_ = somebody_back_at_ = long_ago;
   for (Peer& p : heard) {
     if (!p.state || p.state->run != clock_.epoch) continue;
     p.clock = {};
-    p.introductions = 0;
+    p.handshakes = 0;
     if (p.state->is_new) somebody_new_at_ = std::max(somebody_new_at_, clock_.fleet_time(p.heard_at));
     peers_[number_of(p.robot)] = std::move(p);
   }
@@ -90,7 +90,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (has_clock_ && state->run != clock_.epoch) return false;
   const std::size_t number = number_of(state->robot);
   Peer& p = peers_[number];
-  if (state->passed_on && is_doubtful(*state, p, arrived)) return false;
+  if (state->passed_on && is_untrustworthy(*state, p, arrived)) return false;
   if (has_clock_) {
     const double now = clock_.fleet_time(arrived);
     p.clock.hear(state->stamp, now);
@@ -102,7 +102,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (somebody_missing_) hear_of_the_missing(*state, p, clock_.fleet_time(arrived));
   if (state->copy == 0 && !state->passed_on) {
     const Received::Count count = p.received.hear(state->sequence);
-    if (count.sent > 0 && own_mission_ && tells_at_every_beat(p)) loss_.add(count);
+    if (count.sent > 0 && own_mission_ && tells_at_every_heartbeat(p)) loss_.add(count);
   }
   // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
   if (p.state && state->stamp <= p.state->stamp) {
@@ -112,18 +112,18 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (std::exchange(p.across, false)) minority_until_ = 0;
   if (const double now = clock_.fleet_time(arrived); own_mission_ && !state->passed_on && was_away(p, now))
     p.back_at = somebody_back_at_ = now;
-  p.said_dead = !p.state && state->counts_as_dead;
-  somebody_said_dead_ = somebody_said_dead_ || p.said_dead;
+  p.reported_failed = !p.state && state->counts_as_failed;
+  failure_reported_ = failure_reported_ || p.reported_failed;
   if (state->is_new) {
-    p.introductions = 0;
+    p.handshakes = 0;
     if (has_clock_) somebody_new_at_ = clock_.fleet_time(arrived);
   }
-  if (!p.state || p.dead) all_settled_until_ = 0;
-  if (std::exchange(p.dead, false)) {
+  if (!p.state || p.failed) all_settled_until_ = 0;
+  if (std::exchange(p.failed, false)) {
     all_known_ = false;
     p.rests.clear();
-    p.doubted_until = 0;
-    ++turns_for_the_better_;
+    p.suspected_until = 0;
+    ++recoveries_;
   }
   p.state = std::move(state);
   p.place = p.state->position;
@@ -133,7 +133,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   p.waits_for_this = p.state->waits_for == self_;
   p.heard_at = arrived;
   p.said_again = false;
-  p.stride_until = 0;
+  p.interval_until = 0;
   away_until_[number] = 0;
   told_from_[number] = 0;
   return true;
@@ -161,11 +161,11 @@ bool Fleet::has_room_for(const RobotName& robot) const {
 
 /// Others may pass on what they like of a robot: nothing from its future, and not that it has said something
 /// newer where it is heard itself. It is passed on again.
-bool Fleet::is_doubtful(const RobotState& passed_on, const Peer& p, WallTime arrived) const {
+bool Fleet::is_untrustworthy(const RobotState& passed_on, const Peer& p, WallTime arrived) const {
   if (!has_clock_) return false;
   const double now = clock_.fleet_time(arrived);
   const bool heard_itself =
-      p.state && !p.state->passed_on && !p.dead && since(p.heard_at, now) < relay_from * second();
+      p.state && !p.state->passed_on && !p.failed && since(p.heard_at, now) < relay_from * second();
   return is_from_the_future(passed_on.stamp, p, now) || (heard_itself && passed_on.stamp > p.state->stamp);
 }
 
@@ -190,9 +190,9 @@ void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double no
 void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
                            std::vector<Neighbour>& near) const {
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
-  if (p.dead && now < p.doubted_until) {
+  if (p.failed && now < p.suspected_until) {
     near.push_back({standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true});
-  } else if (p.dead) {
+  } else if (p.failed) {
     const double covers = covers_rests(p);
     for (const Point2& rest : p.rests) {
       const double room = (rest - position).norm() - own_mission_->radius - standing_gap;
@@ -207,7 +207,7 @@ void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
 
 /// Within about a second: it says something as often as one that stands, or more often.
 bool Fleet::may_be_touched_soon(const Peer& p) const {
-  return stride_over(gap(p), closing_speed(p)) <= standing_stride;
+  return send_interval(gap(p), closing_speed(p)) <= heartbeat_interval;
 }
 
 void Fleet::collect_neighbours(const Point2& position, double reach, double horizon, double now,
@@ -216,7 +216,7 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
   for (std::size_t k = 0; k < peers_.size(); ++k) {
     if (now < away_until_[k]) continue;
     const Peer& p = peers_[k];
-    if (p.state && !p.dead) {
+    if (p.state && !p.failed) {
       const RobotState& s = *p.state;
       const double age = now - s.stamp - p.clock.estimate() + p.clock.error(now);
       const double braking = s.promise.expiry - s.stamp + s.max_speed / s.max_acceleration;
@@ -239,16 +239,16 @@ FleetMember Fleet::member(const Peer& p) const {
             .goal = p.place,
             .radius = p.radius,
             .max_speed = p.max_speed,
-            .dead = p.dead,
-            .knot = {}};
+            .failed = p.failed,
+            .round = {}};
   }
   const RobotState& s = *p.state;
   const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
-  const Mission* const mission = p.dead ? nullptr : p.mission.get();
+  const Mission* const mission = p.failed ? nullptr : p.mission.get();
   const bool has_given_up = s.phase == Phase::no_path;
   return {.robot = p.robot,
           .position = p.place,
-          .velocity = p.dead ? Point2::Zero() : s.velocity,
+          .velocity = p.failed ? Point2::Zero() : s.velocity,
           .goal = has_given_up ? std::nullopt : std::optional(mission ? mission->goal : p.place),
           .arrives_within = mission ? arrives_within(*mission) : 0,
           .wants_to_stay = !wants_to_go_on(s.phase),
@@ -256,14 +256,14 @@ FleetMember Fleet::member(const Peer& p) const {
           .max_speed = s.max_speed,
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
           .stands = stands,
-          .dead = p.dead,
+          .failed = p.failed,
           .takes_no_part = s.phase == Phase::stopped || ((s.is_new || p.is_ignorant) && has_given_up),
-          .knot = s.knot,
+          .round = s.round,
           .stage = s.stage,
           .progress = s.progress};
 }
 
-std::vector<Disc> Fleet::places_of_the_dead(const Point2& position, double now) const {
+std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) const {
   std::vector<Disc> places;
   for (const Peer& p : peers_) {
     const double covers = covers_rests(p);
@@ -295,27 +295,27 @@ std::vector<FleetMember> Fleet::beside(const Point2& p, double radius, double su
   return close;
 }
 
-bool Fleet::all_hold(const KnotId& knot) const {
+bool Fleet::all_wait(const RoundId& round) const {
   return std::ranges::all_of(peers_, [&](const Peer& p) {
     const FleetMember m = member(p);
-    if (m.dead || m.knot.overrides(knot)) return true;
+    if (m.failed || m.round.overrides(round)) return true;
     if (m.takes_no_part) return m.stands;
-    if (m.knot != knot && !knot.includes(m.position)) return true;
-    return m.stands && m.stage == Stage::holding && m.knot == knot;
+    if (m.round != round && !round.includes(m.position)) return true;
+    return m.stands && m.stage == Stage::waiting && m.round == round;
   });
 }
 
 bool Fleet::all_free(const Point2& p, double reach) const {
   return std::ranges::all_of(peers_, [&](const Peer& peer) {
     const bool far = (peer.place - p).norm() > reach;
-    return far || peer.dead || !peer.state || peer.state->stage == Stage::free;
+    return far || peer.failed || !peer.state || peer.state->stage == Stage::free;
   });
 }
 
-double Fleet::crowd(const Point2& p, double near) const {
+double Fleet::cluster_reach(const Point2& p, double near) const {
   std::vector<Point2> outside;
   for (const Peer& peer : peers_) {
-    if (!peer.dead) outside.push_back(peer.place);
+    if (!peer.failed) outside.push_back(peer.place);
   }
   double reach = near;
   std::vector<Point2> open{p};
@@ -357,7 +357,7 @@ std::vector<RobotName> Fleet::robots_of_the_run() const {
 /// One that never came is at its start; but of before this one was started anew it knows nothing.
 bool Fleet::is_known(const Peer& p) const {
   const bool done = p.mission && p.mission->cancelled && (p.state || !begun_anew_);
-  return done || (p.state && p.clock.known()) || p.dead;
+  return done || (p.state && p.clock.known()) || p.failed;
 }
 
 RobotName Fleet::unknown() const {

@@ -1,4 +1,4 @@
-// What the members of a knot are to do, as a joint planner is told.
+// What the members of a round are to do, as a joint planner is told.
 //
 // Metres in the map frame.
 #pragma once

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstdint>
 
-#include "robot_agent/interest.h"
+#include "robot_agent/send_interval.h"
 
 namespace coppice {
 
-/// Which of one robot's last states came, of those at every beat (standing_stride): these are for all who are
-/// not far away. They may overtake each other: what is missing counts as lost only when it is some beats old.
+/// Which of one robot's last states came, of those at every heartbeat (heartbeat_interval): these are for all who are
+/// not far away. They may overtake each other: what is missing counts as lost only when it is some heartbeats old.
 /// And a robot may pause, or come from far away: so it counts only if two in a row came both shortly before
 /// and shortly after it.
 class Received {
@@ -23,10 +23,10 @@ class Received {
   };
 
   /// What has become certain now that one came, of whatever age, perhaps not for the first time.
-  Count hear(std::uint32_t turn) {
+  Count hear(std::uint32_t tick) {
     Count count;
-    if (turn % standing_stride != 0) return count;
-    const std::uint32_t sequence = turn / standing_stride;
+    if (tick % heartbeat_interval != 0) return count;
+    const std::uint32_t sequence = tick / heartbeat_interval;
     if (came_ != 0 && sequence <= newest_ && newest_ - sequence < window) {
       came_ |= 1u << (newest_ - sequence);
       return count;
@@ -45,7 +45,7 @@ class Received {
 
  private:
   static constexpr std::uint32_t window = 32;  // a longer gap is a pause, a restart or a partition
-  static constexpr std::uint32_t settled = 4;  // beats: none comes later
+  static constexpr std::uint32_t settled = 4;  // heartbeats: none comes later
   static constexpr std::uint32_t reach = 4;
 
   bool two_in_a_row(std::uint32_t from) const {

@@ -17,8 +17,8 @@
 #include "runtime/journal.h"
 #include "messages/keep.h"
 #include "runtime/process.h"
-#include "robot_agent/diary.h"
-#include "robot_agent/memory.h"
+#include "robot_agent/event_log.h"
+#include "robot_agent/saved_state.h"
 #include "robot_agent/nameless_agent.h"
 #include "robot_agent/options.h"
 #include "robot_agent/robot_agent.h"
@@ -40,17 +40,17 @@ std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
 /// What is known of the robot from before, and where that goes on.
 struct Past {
   std::optional<Journal> journal;
-  Remembrance remembrance;
-  std::optional<Memory> memory{};
+  StateKeeper remembrance;
+  std::optional<SavedState> memory{};
 
-  Keeper<Remembrance, Journal> keeper() { return {std::move(remembrance), journal ? &*journal : nullptr}; }
+  Keeper<StateKeeper, Journal> keeper() { return {std::move(remembrance), journal ? &*journal : nullptr}; }
 };
 
 /// Its journal's name is no other process's, whatever the robot is called. `meanwhile`: called again and
 /// again, for a long one takes seconds to read.
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
   Past past{journal_in(options.process.state, "robot-" + robot, meanwhile),
-            Remembrance(robot, options.ros.drives)};
+            StateKeeper(robot, options.ros.drives)};
   if (!past.journal) return past;
   if (!past.journal->complete()) {
     throw std::runtime_error(
@@ -59,7 +59,7 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
                     "the robot stands at the start of its mission",
                     past.journal->file().string()));
   }
-  Recollection recollection;
+  SavedStateBuilder recollection;
   past.journal->for_each([&](const Message& message) {
     past.remembrance.recall({&message, 1});
     recollection.add(message);
@@ -78,18 +78,18 @@ std::unique_ptr<RosLink> ros_link(const RosOptions& options, DdsBus& bus, const 
 
 /// All who listen to what a robot's agent hears and says.
 struct Listeners {
-  Keeper<Remembrance, Journal> keeper;
+  Keeper<StateKeeper, Journal> keeper;
   std::unique_ptr<RosLink> ros;
-  Diary diary;
+  EventLog event_log;
 
   void heard(const Message& message) {
     keeper.heard(message);
-    diary.heard(message);
+    event_log.heard(message);
     if (ros) ros->heard(message);
   }
   void said(const Message& message) {
     keeper.said(message);
-    for (const Diary::Line& line : diary.said(message, wall_now()))
+    for (const EventLog::Line& line : event_log.said(message, wall_now()))
       spdlog::log(line.is_warning ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
     if (ros) ros->said(message);
   }
@@ -128,7 +128,7 @@ int run_as(const RobotName& name, const AgentOptions& options, Heartbeat& heart)
   DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
-  Listeners listeners{past.keeper(), ros_link(options.ros, bus, name), Diary(name)};
+  Listeners listeners{past.keeper(), ros_link(options.ros, bus, name), EventLog(name)};
   RobotAgent agent(name);
   if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
   agent.recall(std::move(past.memory));
@@ -206,7 +206,7 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
     DdsSettings network = options.network;
     network.robot = robot;
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-    Listeners listeners{past->keeper(), ros_link(all_options.ros, bus, robot), Diary(robot)};
+    Listeners listeners{past->keeper(), ros_link(all_options.ros, bus, robot), EventLog(robot)};
     claim_again(bus);
     while (!stop_requested()) {
       keep_the_claim();  // first, for it may have slept

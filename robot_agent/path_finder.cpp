@@ -18,11 +18,11 @@ constexpr int patience = 40;
 constexpr int iterations_alone = 300;
 // A search that has not ended by then may have no end: worth a search of all passages, whose time is in
 // proportion to the map.
-constexpr std::uint64_t least_doubt = 20'000;
+constexpr std::uint64_t least_iterations = 20'000;
 constexpr std::uint64_t cells_an_iteration = 8;
 // Where that finds a way, the trees may still come to it. Such a passage is as wide as the robot, or nearly
 // so.
-constexpr std::uint64_t doubts_until_a_roadmap_serves = 5;
+constexpr std::uint64_t searches_until_roadmap_serves = 5;
 
 }  // namespace
 
@@ -58,13 +58,13 @@ std::optional<PathFinder::Result> PathFinder::step() {
   ++steps_without_news_;
   if (solved()) return take_first_path(rrt_star_ ? rrt_star_->path() : planner_.path(group_));
   const std::uint64_t doubt =
-      std::max<std::uint64_t>(least_doubt, field_.frame().cells() / cells_an_iteration);
+      std::max<std::uint64_t>(least_iterations, field_.frame().cells() / cells_an_iteration);
   if (iterations_ < doubt) return std::nullopt;
   if (known_.empty()) {
     auto way = VoronoiRoadmap(field_).way(start_, mission_.goal, mission_.radius);
     if (!way) return NoPath{"no path: the goal cannot be reached from the start with this radius"};
     known_ = std::move(*way);
-    samples_until_ = doubts_until_a_roadmap_serves * doubt;
+    samples_until_ = searches_until_roadmap_serves * doubt;
   }
   if (iterations_ < samples_until_) return std::nullopt;
   return take_first_path(std::move(known_));

@@ -18,7 +18,7 @@ namespace coppice {
 namespace {
 
 constexpr double period = control_period;
-constexpr WallTime status_beat = 0.5;    // seconds: at least this often, for liveliness
+constexpr WallTime status_interval = 0.5;    // seconds: at least this often, for liveliness
 constexpr std::size_t track_batch = 10;  // points, half a second of fleet time: what a death loses
 constexpr std::size_t longest_batch = 10'000;
 constexpr WallTime pause_between_improvements = 0.001;
@@ -27,7 +27,7 @@ constexpr int improvements_a_step = 4;      // bounded pieces of work, some hund
 constexpr double worth_swapping = 0.005;    // of what is left to drive
 constexpr std::size_t most_tree_nodes = 4'000'000;  // as many as a broker grows
 
-bool is_of_run(const std::optional<Memory>& memory, const Mission& mission) {
+bool is_of_run(const std::optional<SavedState>& memory, const Mission& mission) {
   return memory && memory->mission.clock == mission.clock && memory->mission.map_id == mission.map_id;
 }
 
@@ -46,13 +46,13 @@ void RobotAgent::on(Arrival arrival) {
   if (const auto* state = std::get_if<RobotState>(arrival.message.get())) {
     ++load_.states_received;
     const auto position = body_ && takes_part() ? std::optional(body_->position()) : std::nullopt;
-    if (fleet_.hear({std::move(arrival.message), state}, arrival.at)) knot_.hear(*state, position);
+    if (fleet_.hear({std::move(arrival.message), state}, arrival.at)) round_.hear(*state, position);
     return;
   }
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
     // One of the run before, which its leader's writer still tells who comes late, is of robots elsewhere.
     if (mission_ && takes_part() && plan->run == mission_->clock.epoch)
-      knot_.hear({std::move(arrival.message), plan});
+      round_.hear({std::move(arrival.message), plan});
   } else {
     std::visit(
         [&](const auto& m) {
@@ -63,7 +63,7 @@ void RobotAgent::on(Arrival arrival) {
   next_wake_ = std::min(next_wake_, arrival.at);
 }
 
-/// In knots: else nothing would ever lead it out of one, and who waits for that stands, too.
+/// In rounds: else nothing would ever lead it out of one, and who waits for that stands, too.
 bool RobotAgent::takes_part() const {
   return status_.phase != Phase::stopped && !((is_new_ || is_isolated_) && status_.phase == Phase::no_path);
 }
@@ -154,7 +154,7 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
 }
 
 /// The newest map, or the one that it drives on: other maps may be heard of meanwhile. Null: it is not there.
-std::shared_ptr<Ground> RobotAgent::ground_of(const Mission& mission) const {
+std::shared_ptr<MapContext> RobotAgent::ground_of(const Mission& mission) const {
   if (map_ && map_->map_id == mission.map_id) return map_;
   return ground_ && ground_->map_id == mission.map_id ? ground_ : nullptr;
 }
@@ -188,7 +188,7 @@ void RobotAgent::begin_mission(WallTime now) {
 void RobotAgent::take_up(const Mission& mission, WallTime now) {
   if (const auto ground = ground_of(mission); ground_ != ground) {
     finder_.reset();  // it, and a joint planner, look at the old one
-    knot_ = Knot(name_);
+    round_ = CoordinationRound(name_);
     improver_.reset();
     ground_ = ground;
   }
@@ -205,13 +205,13 @@ void RobotAgent::take_up(const Mission& mission, WallTime now) {
   stopped_at_ = std::numeric_limits<double>::infinity();
   said_that_it_stands_ = false;
   mission_wall_ = now;
-  mustering_since_ = fleet_now;
+  startup_since_ = fleet_now;
   if (!body_) place_body(mission, fleet_now);
   came_to_ = body_->position();
   found_.reset();
   times_stranded_ = 0;
   gave_up_ = false;
-  knot_.forget_failures();
+  round_.forget_failures();
   lets_others_finish_ = true;
 }
 
@@ -240,16 +240,16 @@ void RobotAgent::join_late(std::span<const Heard> silent, double fleet_now) {
   listen_anew(fleet_now);
 }
 
-void RobotAgent::go_on_from(const Memory& memory, double fleet_now) {
+void RobotAgent::go_on_from(const SavedState& memory, double fleet_now) {
   body_ = memory.body;
   track_ = tracking_ ? memory.seen : memory.track;
   if (tracking_ && !track_.empty()) last_seen_ = track_.back().time;
   sequence_ = memory.sequence;
-  last_beat_ = sequence_ / standing_stride;
+  last_heartbeat_ = sequence_ / heartbeat_interval;
   first_control_ = false;
-  knot_.forget(memory.knot_epoch);
+  round_.forget(memory.round_epoch);
   join_late(memory.silent, fleet_now);
-  has_left_knot_ = memory.stage != Stage::free;
+  has_left_round_ = memory.stage != Stage::free;
   const AgentStatus& before = memory.status;
   if (before.mission == mission_->number) {
     status_.mission_time = before.mission_time;
@@ -271,7 +271,7 @@ void RobotAgent::stop() {
   follower_.reset();
   finder_.reset();
   stopped_at_ = body_->time();
-  knot_.leave();
+  round_.leave();
   enter(Phase::stopped);
 }
 
@@ -372,7 +372,7 @@ void RobotAgent::follow(const Path& path, std::vector<Outgoing>& out) {
 void RobotAgent::improve(WallTime now, std::vector<Outgoing>& out) {
   if (!finder_->is_taut()) return follow(finder_->pull_taut(), out);
   const bool over = now > first_path_wall_ + mission_->plan_budget || status_.phase != Phase::driving ||
-                    knot_.stage() != Stage::free;
+                    round_.stage() != Stage::free;
   bool going = !over;
   if (going && !fleet_.somebody_plans()) {
     for (int k = 0; k < improvements_a_step && going; ++k) going = finder_->improve();
@@ -405,14 +405,14 @@ void RobotAgent::say_track(std::vector<Outgoing>& out) {
 }
 
 /// Track points go out in batches, and all of them with a change of phase, so that the record is complete.
-/// Not with each beat, which is of the wall's clock: of a slow fleet that would be points one by one, and
+/// Not with each heartbeat, which is of the wall's clock: of a slow fleet that would be points one by one, and
 /// each message is kept for who comes late.
 void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   const bool has_come_to_stand =
       status_.phase == Phase::stopped && !track_.empty() && track_.back().velocity.isZero(0);
   if (has_come_to_stand && !std::exchange(said_that_it_stands_, true)) status_changed_ = true;
   if (!track_.empty() && (status_changed_ || track_.size() >= track_batch)) say_track(out);
-  next_status_ = std::min(next_status_, now + status_beat);  // the clock may have been set back
+  next_status_ = std::min(next_status_, now + status_interval);  // the clock may have been set back
   if (!status_changed_ && now < next_status_) return;
   if (status_.phase == Phase::waiting && !retired_) status_.reason = bounded(why_it_has_no_mission(now));
   if (mission_) status_.wait_cause = bounded(wait_cause(mission_->clock.fleet_time(now)));
@@ -424,11 +424,11 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
   status_.load = load_;
   out.emplace_back(status_);
   status_changed_ = false;
-  next_status_ = now + status_beat;
+  next_status_ = now + status_interval;
 }
 
 /// Its track is where it was seen, once a control period.
-void RobotAgent::on(const Sighting& robot) {
+void RobotAgent::on(const OdometrySample& robot) {
   if (!tracking_ || !body_) return;
   const FleetClock& clock = mission_->clock;
   const double time = clock.fleet_time(robot.at);

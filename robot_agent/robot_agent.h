@@ -21,9 +21,9 @@
 #include "planning/path_improvement.h"
 #include "robot_agent/age_count.h"
 #include "robot_agent/fleet.h"
-#include "robot_agent/ground.h"
-#include "robot_agent/knot.h"
-#include "robot_agent/memory.h"
+#include "robot_agent/map_context.h"
+#include "robot_agent/coordination_round.h"
+#include "robot_agent/saved_state.h"
 #include "robot_agent/path_finder.h"
 #include "robot_agent/tracking.h"
 
@@ -31,14 +31,14 @@ namespace coppice {
 
 class RobotAgent {
  public:
-  explicit RobotAgent(RobotName name, std::shared_ptr<Grounds> grounds = std::make_shared<Grounds>())
-      : name_(std::move(name)), grounds_(std::move(grounds)), fleet_(name_), knot_(name_) {
+  explicit RobotAgent(RobotName name, std::shared_ptr<MapContexts> grounds = std::make_shared<MapContexts>())
+      : name_(std::move(name)), grounds_(std::move(grounds)), fleet_(name_), round_(name_) {
     status_.robot = name_;
   }
 
   /// What its predecessor kept (memory.h), if that was killed in mid-run. Before anything else. It is of use
   /// if the mission that comes is of the same run.
-  void recall(std::optional<Memory> memory) { memory_ = std::move(memory); }
+  void recall(std::optional<SavedState> memory) { memory_ = std::move(memory); }
 
   /// Its robot is elsewhere and follows its body: it takes more room, and the track is that of the robot.
   /// Before anything else.
@@ -49,7 +49,7 @@ class RobotAgent {
   void expect(std::span<const Arrival> arrivals) const;
   void on(Arrival arrival);
   /// The robot that follows was seen.
-  void on(const Sighting& robot);
+  void on(const OdometrySample& robot);
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
   std::vector<Outgoing> step(WallTime now);
   /// What the process's bus has counted, for the status.
@@ -79,11 +79,11 @@ class RobotAgent {
 
   Mission as_reference(Mission mission) const;
   void begin_run();
-  std::shared_ptr<Ground> ground_of(const Mission& mission) const;
+  std::shared_ptr<MapContext> ground_of(const Mission& mission) const;
   void begin_mission(WallTime now);
   void take_up(const Mission& mission, WallTime now);
   void place_body(const Mission& mission, double fleet_now);
-  void go_on_from(const Memory& memory, double fleet_now);
+  void go_on_from(const SavedState& memory, double fleet_now);
   void join_late(std::span<const Heard> silent, double fleet_now);
   void forget_trees(const std::function<bool(const InactiveTreeMessage&)>& which);
   const char* problem_with_task() const;
@@ -96,7 +96,7 @@ class RobotAgent {
   void follow(const Path& path, std::vector<Outgoing>& out);
   void improve(WallTime now, std::vector<Outgoing>& out);
   void control(double fleet_now, std::vector<Outgoing>& out);
-  void pass_on_last_words(double fleet_now, std::vector<Outgoing>& out);
+  void relay_states(double fleet_now, std::vector<Outgoing>& out);
   void pass_over(double fleet_now);
   double grace() const;
   void listen_anew(double fleet_now);
@@ -114,7 +114,7 @@ class RobotAgent {
   bool is_too_long(double seconds) const;
   bool waits_for_its_robot(double fleet_now);
   void drive_freely(double fleet_now, std::span<const Neighbour> neighbours);
-  void drive_as_ordered(double fleet_now, std::span<const Neighbour> neighbours);
+  void execute_plan(double fleet_now, std::span<const Neighbour> neighbours);
   void stand_for(double fleet_now, double seconds);
   bool records(double fleet_now) const;
   bool takes_part() const;
@@ -122,7 +122,7 @@ class RobotAgent {
   bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double fleet_now);
   void give_up(std::string reason);
-  void hope_anew();
+  void retry_after_change();
   bool may_set_off(double fleet_now);
   bool all_free_around() const;
   void enter(Phase phase);
@@ -130,7 +130,7 @@ class RobotAgent {
   FleetMember self() const;
   int periods_to_next_control() const;
   std::uint8_t copies() const;
-  void speak(double fleet_now, bool beat, std::vector<Outgoing>& out);
+  void speak(double fleet_now, bool heartbeat, std::vector<Outgoing>& out);
   RobotState state(double fleet_now, std::vector<Echo> echoes) const;
   void say_track(std::vector<Outgoing>& out);
   void report(WallTime now, std::vector<Outgoing>& out);
@@ -139,16 +139,16 @@ class RobotAgent {
   struct Steady {
     bool stands = false;
     Phase phase = Phase::waiting;
-    KnotId knot{};
+    RoundId round{};
     Stage stage = Stage::free;
     RobotName waits_for{};
     bool operator==(const Steady&) const = default;
   };
 
   RobotName name_;
-  std::shared_ptr<Grounds> grounds_;
-  std::shared_ptr<Ground> map_;                             ///< the newest
-  std::shared_ptr<Ground> ground_;                          ///< of the mission's map
+  std::shared_ptr<MapContexts> grounds_;
+  std::shared_ptr<MapContext> map_;                             ///< the newest
+  std::shared_ptr<MapContext> ground_;                          ///< of the mission's map
   std::unique_ptr<PathImprover<ClearanceField>> improver_;  ///< on the ground, for `improver_radius_`
   double improver_radius_ = 0;
   std::vector<InactiveTreeMessage> trees_;  ///< of this map
@@ -163,7 +163,7 @@ class RobotAgent {
   AgentLoad load_;
   Fleet fleet_;
 
-  std::optional<Memory> memory_;    ///< until its mission comes
+  std::optional<SavedState> memory_;    ///< until its mission comes
   std::optional<Mission> mission_;  ///< the one that is being carried out
   std::unique_ptr<PathFinder> finder_;
   std::optional<PathFinder::Result> found_;  ///< in the last step
@@ -171,7 +171,7 @@ class RobotAgent {
   std::optional<Tracking> tracking_;  ///< of a robot that is elsewhere
   std::optional<PathFollower> follower_;
   Trail trail_;  ///< since it last saw its path
-  Knot knot_;
+  CoordinationRound round_;
   Point2 came_to_ = Point2::Zero();         ///< where it last came on
   double last_gain_ = 0;                    ///< metres along its path when it last came on
   double last_gain_time_ = 0;               ///< fleet time
@@ -185,26 +185,26 @@ class RobotAgent {
   bool status_changed_ = true;
   bool retired_ = false;
   std::uint32_t sequence_ = 0;    ///< of the next state, by control periods
-  std::uint32_t last_beat_ = 0;   ///< in standing strides
-  std::uint32_t since_news_ = 0;  ///< control steps
-  std::uint32_t since_knot_ = 0;  ///< control steps in which nothing about its part in a knot has changed
+  std::uint32_t last_heartbeat_ = 0;   ///< in standing strides
+  std::uint32_t since_change_ = 0;  ///< control steps
+  std::uint32_t since_round_change_ = 0;  ///< control steps in which nothing about its part in a round has changed
   Steady last_said_;
   std::uint8_t copies_promised_ = 1;  ///< by its last state
   bool first_control_ = true;
   double gave_up_at_ = 0;             ///< fleet time at which it last gave up
   std::uint32_t new_goals_ = 0;       ///< that others had been given until then
-  double missed_news_until_ = 0;      ///< fleet time: until then it asks who has died
+  double asks_for_news_until_ = 0;      ///< fleet time: until then it asks who has died
   bool said_that_it_stands_ = false;  ///< since it was stopped
   double stopped_at_ = std::numeric_limits<double>::infinity();  ///< fleet time
   double heard_again_at_ = 0;  ///< fleet time: until then it stands, after a silence
   bool is_new_ = false;        ///< does not know yet where all others are, though it is mid-run
   bool is_isolated_ = false;   ///< gave up because others hear one that it does not
   double isolated_since_ = std::numeric_limits<double>::infinity();  ///< fleet time: they have done so
-  bool has_left_knot_ = false;  ///< others count on its part in a joint plan that it knows no more
-  double mustering_since_ = 0;  ///< fleet time
+  bool has_left_round_ = false;  ///< others count on its part in a joint plan that it knows no more
+  double startup_since_ = 0;  ///< fleet time
   int times_stranded_ = 0;
   bool gave_up_ = false;                    ///< as the others stood
-  std::uint32_t turns_for_the_better_ = 0;  ///< of what is known of the dead, that it has reckoned with
+  std::uint32_t recoveries_ = 0;  ///< of what is known of the failed, that it has reckoned with
   std::optional<WallTime> run_heard_at_;    ///< its first mission, whichever robot's
   WallTime mission_wall_ = 0;
   WallTime first_path_wall_ = 0;

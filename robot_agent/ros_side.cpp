@@ -19,7 +19,7 @@ void RosSide::said(const Message& message) {
   if (path != nullptr && path->robot == robot_) path_ = path->waypoints;
 }
 
-Sighting RosSide::sighting(const RosOdometry& seen) {
+OdometrySample RosSide::sighting(const RosOdometry& seen) {
   yaw_ = seen.pose.yaw;
   return {.at = seen.stamp,
           .position = turned(seen.pose.position, y_axis_),

@@ -21,7 +21,7 @@ class RosSide {
   void said(const Message& message);
 
   /// Where the robot was seen, of odometry that problem_with found fine.
-  Sighting sighting(const RosOdometry& seen);
+  OdometrySample sighting(const RosOdometry& seen);
 
   /// Twenty times a second: where the robot is, if that is for the agent to say, and how it is to move; and
   /// its path when that is another one. Nothing before its first mission.

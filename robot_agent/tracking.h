@@ -14,7 +14,7 @@
 namespace coppice {
 
 /// Where a robot was when, by its own odometry.
-struct Sighting {
+struct OdometrySample {
   WallTime at = 0;
   Point2 position = Point2::Zero();
   Point2 velocity = Point2::Zero();
@@ -36,7 +36,7 @@ class Tracking {
   double tolerance() const { return settings_.tolerance; }
 
   /// `reference`: where the body was then.
-  void see(const Sighting& robot, const Point2& reference) {
+  void see(const OdometrySample& robot, const Point2& reference) {
     seen_at_ = robot.at;
     position_ = robot.position;
     error_ = reference - robot.position;

@@ -27,22 +27,22 @@ std::string RobotAgent::wait_cause(double fleet_now) {
     return fmt::format("its robot is {:.2f} m off the place where it should be", tracking_->error());
   if (fleet_.cut_off()) return why_it_is_cut_off();
   if (fleet_now < heard_again_at_) return "it was cut off or paused, and listens for what it missed";
-  if (knot_.stage() == Stage::holding && knot_.id().leader == name_)
-    return knot_.plans() ? "it makes a joint plan for the robots around it"
+  if (round_.stage() == Stage::waiting && round_.id().leader == name_)
+    return round_.plans() ? "it makes a joint plan for the robots around it"
                          : "it is to make a joint plan, and waits until the robots around it stand";
-  if (knot_.stage() == Stage::holding)
-    return fmt::format("it stands until {} has made a joint plan", knot_.id().leader);
-  if (knot_.stage() == Stage::ordered && !knot_.waits_for().empty())
-    return fmt::format("it waits for {}, which goes first by the joint plan", knot_.waits_for());
-  if (knot_.stage() == Stage::free && !may_set_off(fleet_now)) {
+  if (round_.stage() == Stage::waiting)
+    return fmt::format("it stands until {} has made a joint plan", round_.id().leader);
+  if (round_.stage() == Stage::executing && !round_.waits_for().empty())
+    return fmt::format("it waits for {}, which goes first by the joint plan", round_.waits_for());
+  if (round_.stage() == Stage::free && !may_set_off(fleet_now)) {
     const RobotName unknown = fleet_.unknown();
     return unknown.empty() ? fmt::format("{} of {} robots have missions by now",
                                          fleet_.robots_of_the_run().size(), mission_->fleet_size)
                            : fmt::format("it has not heard where {} is", unknown);
   }
-  if (knot_.stage() == Stage::free && knot_.stranded())
+  if (round_.stage() == Stage::free && round_.stranded())
     return "no joint plan brings it to its goal: it stands until the others are done";
-  if (knot_.stage() == Stage::free && lets_others_finish_) return "it lets others finish their joint plan";
+  if (round_.stage() == Stage::free && lets_others_finish_) return "it lets others finish their joint plan";
   return what_is_in_the_way();
 }
 
@@ -59,7 +59,7 @@ std::string RobotAgent::what_is_in_the_way() const {
   if (close.empty()) return "other robots may come where it wants to go";
   const auto nearest = std::ranges::min_element(
       close, {}, [&](const FleetMember& m) { return (m.position - body_->position()).norm() - m.radius; });
-  return nearest->dead ? fmt::format("{} is in the way, and counts as dead", nearest->robot)
+  return nearest->failed ? fmt::format("{} is in the way, and counts as dead", nearest->robot)
                        : fmt::format("{} is in the way", nearest->robot);
 }
 

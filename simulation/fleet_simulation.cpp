@@ -59,7 +59,7 @@ void FleetSimulation::start(Agent& agent) {
   agent.process = std::make_unique<Participant<RobotAgent>>(
       Participant<RobotAgent>{.role = RobotAgent(agent.name, grounds_), .port = port});
   agent.process->role.recall(memory_of(agent.kept->messages));
-  Remembrance remembrance(agent.name);
+  StateKeeper remembrance(agent.name);
   remembrance.recall(agent.kept->messages);
   agent.keeper.emplace(std::move(remembrance), may_return ? agent.kept.get() : nullptr);
 }

@@ -73,7 +73,7 @@ class FleetSimulation {
     double next_kill = 0;  ///< infinity: none
     std::size_t restarts = 0;
     std::unique_ptr<KeptInMemory> kept;  ///< if it may be started anew
-    std::optional<Keeper<Remembrance, KeptInMemory>> keeper{};
+    std::optional<Keeper<StateKeeper, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was when the agent last had its turn
     double next_event() const;
   };
@@ -97,7 +97,7 @@ class FleetSimulation {
   double next_event() const;
 
   SimulatedBus bus_;
-  std::shared_ptr<Grounds> grounds_ = std::make_shared<Grounds>();
+  std::shared_ptr<MapContexts> grounds_ = std::make_shared<MapContexts>();
   std::function<void(const Message&, double)> listener_;  ///< empty: nobody
   double now_ = 0;
   Participant<PlannerService> service_;

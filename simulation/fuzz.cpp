@@ -20,7 +20,7 @@ constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
 constexpr double spare = 1;           // metres from obstacles, beside the radius, where they start and go
 constexpr double max_speed = 20;
-constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as dead
+constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as failed
 // Two that do not reach each other are safe for as long as they like, if others are alive who reach both;
 // after two minutes they give up.
 constexpr double longest_cut_of_a_link = 110;
@@ -117,7 +117,7 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
   return text;
 }
 
-/// How the robots stand in the end: the dead do not move, and who arrived is where it wants to be.
+/// How the robots stand in the end: the failed do not move, and who arrived is where it wants to be.
 std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const FleetSimulation& simulation) {
   std::vector<JointTask> ends;
   for (const NamedTrack& track : tracks) {
@@ -130,21 +130,21 @@ std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const Flee
   return ends;
 }
 
-/// Whether a robot that is alive could have arrived, past the dead, from where it is.
+/// Whether a robot that is alive could have arrived, past the failed, from where it is.
 bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span<const JointTask> ends) {
-  std::vector<Disc> dead;
+  std::vector<Disc> failed;
   for (const JointTask& end : ends) {
-    if (!end.movable) dead.push_back({end.position, end.radius});
+    if (!end.movable) failed.push_back({end.position, end.radius});
   }
   // A gap that only a finer lattice finds is no way that anybody would miss.
   RouteFinder finder(field, robot.radius, usual_spacing(robot.radius) / 2);
-  return !finder.route(robot.position, *robot.goal, dead).empty();
+  return !finder.route(robot.position, *robot.goal, failed).empty();
 }
 
-/// The same, with the others that live in its way as well. The dead may close the only place where two of
+/// The same, with the others that live in its way as well. The failed may close the only place where two of
 /// them could have changed their order.
 std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::vector<JointTask>& ends) {
-  PlacesOfMap places(field);
+  MapRoadmaps places(field);
   JointPlanner planner(places, ends, Random(1));
   while (!planner.step()) {
   }
@@ -200,7 +200,7 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
     if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
     const bool shut_in = somebody_died && !(*sorted_out)[i];
-    // What it knew of the dead died with its own process, and with all others.
+    // What it knew of the failed died with its own process, and with all others.
     const bool ignorant = somebody_died && simulation.suffered().restarts > 0 &&
                           robot.reason().find("its agent was started in mid-run, and") != std::string::npos;
     std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;

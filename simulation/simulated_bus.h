@@ -59,7 +59,7 @@ class SimulatedBus {
     /// When the next message is due that wakes who waits for it, which best-effort samples do not; infinity
     /// if none is under way.
     double next_delivery() const { return next_delivery_; }
-    /// Its process is dead: nothing reaches it any more, and what it kept for late joiners is gone.
+    /// Its process is failed: nothing reaches it any more, and what it kept for late joiners is gone.
     void close();
 
    private:

@@ -17,15 +17,15 @@
 
 namespace coppice::test {
 
-struct Place {
+struct Vertex {
   double x = 0;
   double y = 0;
 };
 
-inline double distance(Place a, Place b) {
+inline double distance(Vertex a, Vertex b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
-inline Place between(Place a, Place b, double share) {
+inline Vertex between(Vertex a, Vertex b, double share) {
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
@@ -54,11 +54,11 @@ class PlainMap {
   }
 
   /// Least distance from the segment to a blocked cell or the border, as far as `reach`.
-  double clearance(Place a, Place b, double reach) const {
+  double clearance(Vertex a, Vertex b, double reach) const {
     const double width = static_cast<double>(rows_[0].size());
     const double height = static_cast<double>(rows_.size());
     double least = reach;
-    for (const Place p : {a, b}) least = std::min({least, p.x, p.y, width - p.x, height - p.y});
+    for (const Vertex p : {a, b}) least = std::min({least, p.x, p.y, width - p.x, height - p.y});
     const auto cell = [](double value, double most) {
       return static_cast<int>(std::clamp(value, 0.0, most - 1));
     };
@@ -78,9 +78,9 @@ class PlainMap {
            std::string_view::npos;
   }
   /// From a segment to the closed cell: convex along the segment.
-  static double to_cell(Place a, Place b, int i, int j) {
+  static double to_cell(Vertex a, Vertex b, int i, int j) {
     return least_on_unit([&](double share) {
-      const Place p = between(a, b, share);
+      const Vertex p = between(a, b, share);
       return std::hypot(std::max({i - p.x, 0.0, p.x - i - 1}), std::max({j - p.y, 0.0, p.y - j - 1}));
     });
   }
@@ -90,8 +90,8 @@ class PlainMap {
 
 struct Expected {
   std::string name;
-  Place start;
-  Place goal;
+  Vertex start;
+  Vertex goal;
 };
 
 /// The robots of a Moving AI .scen, at the centres of their cells, as the contract names them.
@@ -106,8 +106,8 @@ inline std::vector<Expected> robots_of_scen(const std::filesystem::path& path) {
     std::string map;
     int width = 0;
     int height = 0;
-    Place start;
-    Place goal;
+    Vertex start;
+    Vertex goal;
     if (!(fields >> bucket >> map >> width >> height >> start.x >> start.y >> goal.x >> goal.y)) continue;
     robots.push_back({"r" + std::to_string(robots.size() + 1),
                       {start.x + 0.5, start.y + 0.5},
@@ -118,7 +118,7 @@ inline std::vector<Expected> robots_of_scen(const std::filesystem::path& path) {
 
 struct Sample {
   double time = 0;
-  Place place;
+  Vertex place;
 };
 
 /// By robot, in the order of the file.
@@ -144,7 +144,7 @@ inline std::map<std::string, std::vector<Sample>> read_trajectory_rows(const std
 class Follower {
  public:
   explicit Follower(const std::vector<Sample>& track) : track_(track) {}
-  Place at(double time) {
+  Vertex at(double time) {
     while (next_ < track_.size() && track_[next_].time <= time) ++next_;
     if (next_ == 0) return track_.front().place;
     if (next_ == track_.size()) return track_.back().place;
@@ -168,12 +168,12 @@ inline double least_distance(const std::vector<Sample>& a, const std::vector<Sam
   const double end = std::min(a.back().time, b.back().time);
   Follower in_a(a);
   Follower in_b(b);
-  Place a0 = in_a.at(times.front());
-  Place b0 = in_b.at(times.front());
+  Vertex a0 = in_a.at(times.front());
+  Vertex b0 = in_b.at(times.front());
   double least = distance(a0, b0);
   for (std::size_t i = 1; i < times.size() && times[i] <= end; ++i) {
-    const Place a1 = in_a.at(times[i]);
-    const Place b1 = in_b.at(times[i]);
+    const Vertex a1 = in_a.at(times[i]);
+    const Vertex b1 = in_b.at(times[i]);
     // Nearly always they are too far from each other to come nearer than they were.
     if (distance(a0, b0) - distance(a0, a1) - distance(b0, b1) < least)
       least = std::min(

@@ -36,7 +36,7 @@ inline void expect_good_paths(const proto::Report& report, const std::vector<Exp
     EXPECT_EQ(robot.name(), robots[i].name);
     EXPECT_TRUE(robot.planned());
     ASSERT_GE(robot.path_size(), 2);
-    std::vector<Place> path;
+    std::vector<Vertex> path;
     for (const auto& p : robot.path()) path.push_back({p.x(), p.y()});
     EXPECT_LE(distance(path.front(), robots[i].start), tolerance);
     EXPECT_LE(distance(path.back(), robots[i].goal), tolerance);
@@ -64,8 +64,8 @@ inline void expect_good_motion(const proto::Report& report, const std::filesyste
     }
     double driven = 0;
     for (std::size_t i = 1; i < a->second.size(); ++i) {
-      const Place from = a->second[i - 1].place;
-      const Place to = a->second[i].place;
+      const Vertex from = a->second[i - 1].place;
+      const Vertex to = a->second[i].place;
       driven += distance(from, to);
       clearance = std::min(clearance, map.clearance(from, to, reach) - radius);
     }

@@ -54,7 +54,7 @@ RobotState state_of_b(double stamp) {
           .max_acceleration = 8,
           .phase = Phase::driving,
           .promise = {stamp + 0.05, Point2::Zero(), stamp + 0.1},
-          .knot = {},
+          .round = {},
           .echoes = {{"a", stamp - 0.05, stamp}}};
 }
 
@@ -196,8 +196,8 @@ std::vector<Input> topic_seeds<InactiveTreeMessage>() {
 template <>
 std::vector<Input> topic_seeds<RobotState>() {
   RobotState calls = state_of_b(0.45);
-  calls.stage = Stage::holding;
-  calls.knot = {1, "b", {12, 6}, 20};
+  calls.stage = Stage::waiting;
+  calls.round = {1, "b", {12, 6}, 20};
   RobotState passed_on = state_of_b(0.45);
   passed_on.passed_on = true;
   passed_on.velocity = {1, 1};
@@ -294,7 +294,7 @@ std::vector<Input> sequence_seeds(std::index_sequence<K...>) {
                 static_cast<std::uint8_t>(sample.size() >> 8)});
     all.insert(all.end(), sample.begin(), sample.end());
   };
-  // Of states, the one that calls to a knot, which the plan after it belongs to.
+  // Of states, the one that calls to a round, which the plan after it belongs to.
   (add(K, topic_seeds<std::variant_alternative_t<K, Message>>()[K == 4 ? 1 : 0]), ...);
   return {all};
 }

@@ -374,7 +374,7 @@ TEST(DdsBus, CopiesOfAStateAndWhatAnotherPassesOnAllWaitForTheReader) {
   const auto complete = [&](const auto& entry) { return entry.second.size() == copies + 1u; };
   for (std::uint32_t k = 1; std::ranges::count_if(heard, complete) < 5 && Clock::now() < end; ++k) {
     RobotState state = some_state(k);
-    state.passed_on = state.counts_as_dead = false;
+    state.passed_on = state.counts_as_failed = false;
     state.copies = copies;
     for (state.copy = 0; state.copy < copies; ++state.copy) sender.publish(Message(state));
     state.copy = 0;

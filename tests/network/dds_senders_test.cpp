@@ -47,7 +47,7 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
   for (std::uint32_t k = 1; !enough() && Clock::now() < end; ++k) {
     RobotState state = some_state(10 * k);
     forger.publish(Message(state));  // as passed on
-    state.passed_on = state.counts_as_dead = false;
+    state.passed_on = state.counts_as_failed = false;
     honest.publish(Message(state));
     state.sequence = 10 * k + 1;
     forger.publish(Message(state));

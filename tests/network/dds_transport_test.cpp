@@ -77,9 +77,9 @@ std::vector<rtps::Locator_t> chosen(const eprosima::fastdds::rtps::TransportDesc
 }
 
 TEST(Transport, ChoosesTheAddressesThatUdpChooses) {
-  Audience audience;
+  Recipients recipients;
   Traffic traffic;
-  const auto sparing = sparing_udp_transport({audience, nullptr, traffic, 1'000, false});
+  const auto sparing = sparing_udp_transport({recipients, nullptr, traffic, 1'000, false});
   const eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
   for (std::uint32_t seed = 1; seed <= 200; ++seed) {
     Random random(seed);
@@ -300,61 +300,61 @@ TEST(Transport, AnAudienceIsTheAgentsThatAreNamedAndAllWhoAreNone) {
   const auto a = address("10.0.0.1", 7411);
   const auto b = address("10.0.0.1", 7413);
   const auto monitor = address("10.0.0.1", 7415);
-  Audience audience;
+  Recipients recipients;
   rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
-  audience.discover(info(data, "a", 1, a));
-  audience.discover(info(data, "b", 2, b));
-  audience.discover(info(data, "", 3, monitor));
-  EXPECT_FALSE(audience.is_limited());
+  recipients.discover(info(data, "a", 1, a));
+  recipients.discover(info(data, "b", 2, b));
+  recipients.discover(info(data, "", 3, monitor));
+  EXPECT_FALSE(recipients.is_limited());
   {
-    const Audience::Limit limit(audience, {"z", "b"});
-    EXPECT_TRUE(audience.is_limited());
-    EXPECT_FALSE(audience.includes(a));
-    EXPECT_TRUE(audience.includes(b));
-    EXPECT_TRUE(audience.includes(monitor));
+    const Recipients::Limit limit(recipients, {"z", "b"});
+    EXPECT_TRUE(recipients.is_limited());
+    EXPECT_FALSE(recipients.includes(a));
+    EXPECT_TRUE(recipients.includes(b));
+    EXPECT_TRUE(recipients.includes(monitor));
     // One that is restarted at the same address stays known when its predecessor is given up.
-    audience.discover(info(data, "b", 4, a));
+    recipients.discover(info(data, "b", 4, a));
     auto gone = info(data, "a", 1, a);
     gone.status = rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
-    audience.discover(gone);
-    EXPECT_TRUE(audience.includes(a));
+    recipients.discover(gone);
+    EXPECT_TRUE(recipients.includes(a));
   }
-  EXPECT_FALSE(audience.is_limited());
+  EXPECT_FALSE(recipients.is_limited());
 }
 
 TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
   const auto a = address("10.0.0.1", 7411);
-  Audience audience(true);
+  Recipients recipients(true);
   rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
-  audience.discover(info(data, "a", 1, a));
+  recipients.discover(info(data, "a", 1, a));
   const rtps::GUID_t agent = data.m_guid;
   const auto reaches = [&](const rtps::Locator_t& at) {
-    const Audience::Limit limit(audience, {"b"});
-    return audience.includes(at);
+    const Recipients::Limit limit(recipients, {"b"});
+    return recipients.includes(at);
   };
   EXPECT_TRUE(reaches(a)) << "anybody, as far as is known";
-  audience.authenticate(agent);
+  recipients.authenticate(agent);
   EXPECT_FALSE(reaches(a));
   // Neither a stranger at the same address nor a forged change makes it another.
-  audience.discover(info(data, "b", 2, a));
-  audience.discover(info(data, "b", 1, a));
+  recipients.discover(info(data, "b", 2, a));
+  recipients.discover(info(data, "b", 1, a));
   EXPECT_FALSE(reaches(a));
   auto gone = info(data, "a", 1, a);
   gone.status = rtps::ParticipantDiscoveryInfo::REMOVED_PARTICIPANT;
-  audience.discover(gone);
+  recipients.discover(gone);
   EXPECT_TRUE(reaches(a));
 }
 
 // Fast DDS takes the address of another host that this one has, too, for this one's loopback.
 TEST(Transport, TwoAgentsAtOneAddressAreBothReached) {
   const auto shared = address("127.0.0.1", 7411);
-  Audience audience;
+  Recipients recipients;
   rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
-  audience.discover(info(data, "here", 1, shared));
-  audience.discover(info(data, "on_another_host", 2, shared));
+  recipients.discover(info(data, "here", 1, shared));
+  recipients.discover(info(data, "on_another_host", 2, shared));
   const auto reaches = [&](const RobotName& robot) {
-    const Audience::Limit limit(audience, {robot});
-    return audience.includes(shared);
+    const Recipients::Limit limit(recipients, {robot});
+    return recipients.includes(shared);
   };
   EXPECT_TRUE(reaches("here"));
   EXPECT_TRUE(reaches("on_another_host"));
@@ -364,20 +364,20 @@ TEST(Transport, TwoAgentsAtOneAddressAreBothReached) {
 TEST(Transport, WhoIsNoAgentHearsAllWhereAnAgentWasKilled) {
   const auto a = address("10.0.0.1", 7411);
   for (const bool is_secure : {false, true}) {
-    Audience audience(is_secure);
+    Recipients recipients(is_secure);
     rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
     const auto come = [&](const RobotName& robot, std::uint8_t id) {
-      audience.discover(info(data, robot, id, a));
-      if (is_secure) audience.authenticate(data.m_guid);
+      recipients.discover(info(data, robot, id, a));
+      if (is_secure) recipients.authenticate(data.m_guid);
     };
     const auto reaches_a = [&] {
-      const Audience::Limit limit(audience, {"b"});
-      return audience.includes(a);
+      const Recipients::Limit limit(recipients, {"b"});
+      return recipients.includes(a);
     };
     come("a", 1);
     EXPECT_FALSE(reaches_a());
     if (is_secure) {
-      audience.discover(info(data, "", 2, a));
+      recipients.discover(info(data, "", 2, a));
       EXPECT_FALSE(reaches_a()) << "a stranger may say so too";
     }
     come("", 3);
@@ -386,7 +386,7 @@ TEST(Transport, WhoIsNoAgentHearsAllWhereAnAgentWasKilled) {
     EXPECT_TRUE(reaches_a()) << "it may still be there";
     auto gone = info(data, "", 3, a);
     gone.status = rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
-    audience.discover(gone);
+    recipients.discover(gone);
     EXPECT_FALSE(reaches_a()) << "an agent again";
   }
 }

@@ -59,7 +59,7 @@ struct NextRun : testing::Test {
       SCOPED_TRACE(name + " " + robot.name());
       const auto& track = tracks.at(robot.name());
       ASSERT_GE(robot.path_size(), 2);
-      const test::Place start{robot.path(0).x(), robot.path(0).y()};
+      const test::Vertex start{robot.path(0).x(), robot.path(0).y()};
       EXPECT_LT(test::distance(track.front().place, start), 0.01);
       EXPECT_LT(track.front().time, 5);
       EXPECT_GT(robot.run_time(), 5);

@@ -102,22 +102,22 @@ TEST(RosFleet, OneThatKnowsRosAloneReadsWhereARobotIsAndSendsItElsewhere) {
   EXPECT_NEAR(report.robots(0).path().rbegin()->y(), 8, 1e-9);
 }
 
-struct Place {
+struct Vertex {
   double time, x, y, speed;
   bool silent;
 };
 
-std::vector<Place> way_of(const std::filesystem::path& log) {
-  std::vector<Place> way;
+std::vector<Vertex> way_of(const std::filesystem::path& log) {
+  std::vector<Vertex> way;
   std::istringstream in(test::contents(log));
-  for (Place p{}; in >> p.time >> p.x >> p.y >> p.speed >> p.silent;) way.push_back(p);
+  for (Vertex p{}; in >> p.time >> p.x >> p.y >> p.speed >> p.silent;) way.push_back(p);
   return way;
 }
 
-double least_distance(const std::vector<Place>& a, const std::vector<Place>& b) {
+double least_distance(const std::vector<Vertex>& a, const std::vector<Vertex>& b) {
   double least = 1e9;
-  for (const Place& p : a) {
-    const auto q = std::ranges::lower_bound(b, p.time, {}, &Place::time);
+  for (const Vertex& p : a) {
+    const auto q = std::ranges::lower_bound(b, p.time, {}, &Vertex::time);
     if (q != b.end() && q->time - p.time < 0.1) least = std::min(least, std::hypot(p.x - q->x, p.y - q->y));
   }
   return least;
@@ -141,11 +141,11 @@ TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
   EXPECT_EQ(report.outcome(), "arrived");
 
   // By the robots' own word, which has no noise.
-  std::vector<std::vector<Place>> ways;
+  std::vector<std::vector<Vertex>> ways;
   for (const Robot& r : robots) ways.push_back(way_of(fleet.file(r.name)));
   for (std::size_t k = 0; k < ways.size(); ++k) {
     ASSERT_GT(ways[k].size(), 100u);
-    const Place& last = ways[k].back();
+    const Vertex& last = ways[k].back();
     EXPECT_LT(std::hypot(last.x - robots[k].goal_x, last.y + robots[k].goal_y), 1) << robots[k].name;
     for (std::size_t other = 0; other < k; ++other) {
       const double least = least_distance(ways[k], ways[other]);
@@ -153,11 +153,11 @@ TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
       EXPECT_LT(least, 100);  // they were compared
     }
   }
-  const auto fell_silent = std::ranges::find(ways[0], true, &Place::silent);
+  const auto fell_silent = std::ranges::find(ways[0], true, &Vertex::silent);
   ASSERT_NE(fell_silent, ways[0].end());
   EXPECT_GT(fell_silent->speed, 0.5);
   int stood = 0;
-  for (const Place& p : ways[0]) {
+  for (const Vertex& p : ways[0]) {
     if (!p.silent || p.time < fell_silent->time + 2) continue;
     EXPECT_LT(p.speed, 0.02) << p.time - fell_silent->time;
     ++stood;

@@ -167,14 +167,14 @@ TEST(Driver, GetsAwayFromOneThatStandsTooCloseAndNeverCloser) {
       OccupancyMap{.width = 100, .height = 100, .blocked = std::vector<std::uint8_t>(10000, 0)});
   const Limits limits{20, 40};
   const Point2 there(50, 50);
-  const Neighbour dead{
+  const Neighbour failed{
       .commitment = {.position = there, .expiry = 1e9}, .radius = 5, .limits = limits, .clock_error = 0};
   for (const double gap : {-0.01, 0.0, 0.0005}) {
     Driver away({60 + gap, 50}, 0, 5, limits, period);
-    EXPECT_TRUE(away.follow({10, 0}, {&dead, 1}, field));
+    EXPECT_TRUE(away.follow({10, 0}, {&failed, 1}, field));
     EXPECT_GT(away.commitment().next_velocity.x(), 0) << gap;
     Driver closer({60 + gap, 50}, 0, 5, limits, period);
-    EXPECT_FALSE(closer.follow({-10, 0}, {&dead, 1}, field));
+    EXPECT_FALSE(closer.follow({-10, 0}, {&failed, 1}, field));
     EXPECT_TRUE(closer.commitment().next_velocity.isZero(0)) << gap;
   }
 }

@@ -78,7 +78,7 @@ TEST(JointPlans, CrowdsInCorridorsAreSortedOut) {
     const OccupancyMap map = corridors_and_halls(random);
     const std::vector<JointTask> tasks = strewn(map, between(2, 11, random), random);
     const ClearanceField field(map);
-    PlacesOfMap places(field);
+    MapRoadmaps places(field);
     JointPlanner planner(places, tasks, Random(1));
     while (!planner.step()) {
     }

@@ -65,7 +65,7 @@ struct Any {
     for (int k = *rc::gen::inRange(0, 4); k > 0; --k) all.push_back(point());
     return all;
   }
-  KnotId knot() const { return {u32(), name(), point(), number()}; }
+  RoundId round() const { return {u32(), name(), point(), number()}; }
 };
 
 template <class M>
@@ -113,7 +113,7 @@ RobotState any(const Any& a) {
           a.number(),
           a.one<Phase>(),
           {a.number(), a.point(), a.number()},
-          a.knot(),
+          a.round(),
           a.one<Stage>(),
           a.number(),
           a.name(),
@@ -130,7 +130,7 @@ RobotState any(const Any& a) {
 }
 template <>
 JointPlanMessage any(const Any& a) {
-  return {a.knot(), a.some([&] {
+  return {a.round(), a.some([&] {
             return JointPlanMessage::Member{a.name(), a.number(), a.flag()};
           }),
           a.some([&] {

@@ -20,7 +20,7 @@ bool is_solved(const test::Arrangement& a, int scale, const std::vector<double>&
   for (std::size_t k = 0; k < a.starts.size(); ++k)
     tasks.push_back({a.centre(a.starts[k], scale), a.centre(a.goals[k], scale), radii[k] * scale});
   const ClearanceField field(map);
-  PlacesOfMap places(field);
+  MapRoadmaps places(field);
   JointPlanner planner(places, tasks, Random(1));
   while (!planner.step()) {
   }

@@ -1,4 +1,4 @@
-// Every kind of scenario over many seeds, with and without faults: all arrive whose way no dead robot closes,
+// Every kind of scenario over many seeds, with and without faults: all arrive whose way no failed robot closes,
 // and nothing touches. Judged from the recorded tracks by plain geometry alone (run_check.h).
 #include <cmath>
 #include <cstdint>
@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint32_t seeds = 20;
 constexpr double tolerance = 1e-3;  // metres
 constexpr double goal_tolerance = 1;
-/// Metres around a dead robot for where others believe it, who heard its last words late or not at all.
+/// Metres around a failed robot for where others believe it, who heard its last words late or not at all.
 constexpr double belief = 1;
 
 struct Row {
@@ -34,7 +34,7 @@ void PrintTo(const Row& row, std::ostream* out) {
   *out << row.robots << ' ' << row.name;
 }
 
-test::Place place(const Point2& p) {
+test::Vertex place(const Point2& p) {
   return {p.x(), p.y()};
 }
 
@@ -51,18 +51,18 @@ test::PlainMap plain(const OccupancyMap& map) {
 }
 
 struct Body {
-  test::Place end;
+  test::Vertex end;
   double radius = 0;
 };
 
-/// Whether a robot could go from where it stands to its goal past the dead, on a lattice of half a metre.
-bool has_way(const test::PlainMap& map, const Scenario& scenario, const Body& robot, test::Place goal,
-             const std::vector<Body>& dead) {
+/// Whether a robot could go from where it stands to its goal past the failed, on a lattice of half a metre.
+bool has_way(const test::PlainMap& map, const Scenario& scenario, const Body& robot, test::Vertex goal,
+             const std::vector<Body>& failed) {
   constexpr double step = 0.5;
   const int width = static_cast<int>(scenario.map.width / step);
   const int height = static_cast<int>(scenario.map.height / step);
-  const auto is_free = [&](test::Place p) {
-    for (const Body& body : dead) {
+  const auto is_free = [&](test::Vertex p) {
+    for (const Body& body : failed) {
       if (test::distance(p, body.end) < robot.radius + body.radius + belief) return false;
     }
     return map.clearance(p, p, robot.radius + 1) >= robot.radius;
@@ -72,7 +72,7 @@ bool has_way(const test::PlainMap& map, const Scenario& scenario, const Body& ro
   while (!open.empty()) {
     const int cell = open.back();
     open.pop_back();
-    const test::Place p{cell % width * step, cell / width * step};
+    const test::Vertex p{cell % width * step, cell / width * step};
     if (test::distance(p, goal) <= goal_tolerance && is_free(p)) return true;
     for (const auto& [i, j] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const int x = cell % width + i;
@@ -107,10 +107,10 @@ void expect_all_arrive_who_can(const test::PlainMap& map, const FleetSimulation&
                                const Scenario& scenario,
                                const std::vector<std::vector<test::Sample>>& samples) {
   const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));
-  std::vector<Body> dead;
+  std::vector<Body> failed;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     if (simulation.killed(scenario.robots[i].name))
-      dead.push_back({samples[i].back().place, scenario.robots[i].radius});
+      failed.push_back({samples[i].back().place, scenario.robots[i].radius});
   }
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const RobotTask& task = simulation.service().task(scenario.robots[i].name);
@@ -120,7 +120,7 @@ void expect_all_arrive_who_can(const test::PlainMap& map, const FleetSimulation&
     EXPECT_TRUE(!said.arrived() || is_there) << task.name << " is told to have arrived";
     EXPECT_EQ(said.arrived(), said.reason().empty()) << task.name;
     if (said.arrived() || simulation.killed(task.name)) continue;
-    EXPECT_FALSE(has_way(map, scenario, body, place(task.goal), dead)) << task.name << ": " << said.reason();
+    EXPECT_FALSE(has_way(map, scenario, body, place(task.goal), failed)) << task.name << ": " << said.reason();
   }
 }
 

@@ -1,4 +1,4 @@
-// Whatever is late, lost or dead: nothing touches, and who can arrive does.
+// Whatever is late, lost or failed: nothing touches, and who can arrive does.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -62,18 +62,18 @@ TEST(Faults, NothingTouchesARobotWhoseAgentIsKilled) {
   }
 }
 
-// Two have to be sorted out in a corridor. A dead one covers the goal of one itself, but not all from which
+// Two have to be sorted out in a corridor. A failed one covers the goal of one itself, but not all from which
 // it has arrived.
 TEST(Faults, AGoalThatADeadRobotCoversInPartIsReachedBesideIt) {
   Scenario scenario = make_scenario("pocket-14", 2, 1);
   const double y = scenario.robots[0].start.y();
   scenario.robots[0].start.x() = 60;
   scenario.robots[1].goal.x() = 40;
-  RobotTask dead = scenario.robots[0];
-  dead.name = "dead";
-  dead.start = {30.2, y};
-  dead.goal = {16, y};
-  scenario.robots.push_back(dead);
+  RobotTask failed = scenario.robots[0];
+  failed.name = "dead";
+  failed.start = {30.2, y};
+  failed.goal = {16, y};
+  scenario.robots.push_back(failed);
   const Outcome outcome = simulate(scenario, {.kills = {{"dead", 0.1}}});
   EXPECT_TRUE(outcome.broken.empty()) << outcome.broken.front();
   EXPECT_TRUE(outcome.report.robots(0).arrived()) << outcome.report.robots(0).reason();
@@ -81,7 +81,7 @@ TEST(Faults, AGoalThatADeadRobotCoversInPartIsReachedBesideIt) {
   EXPECT_FALSE(outcome.report.robots(2).arrived());
 }
 
-// One dies on its way while the process of another has yet to start: that one must not take the dead one to
+// One dies on its way while the process of another has yet to start: that one must not take the failed one to
 // be where its mission began.
 TEST(Faults, WhoComesWhenTheOthersAreUnderWayLearnsWhereSomebodyDied) {
   const OccupancyMap open{.width = 512, .height = 256, .blocked = std::vector<std::uint8_t>(512 * 256, 0)};
@@ -121,7 +121,7 @@ TEST(Faults, AFleetInTwoPiecesStandsUntilItHeals) {
   }
 }
 
-// Of few, one may be cut off all alone; of two, each takes the other for dead.
+// Of few, one may be cut off all alone; of two, each takes the other for failed.
 TEST(Faults, PiecesOfAnySizeStandUntilTheyHeal) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     expect_all_arrive(simulate("loop-14", 2, seed, {.bus = {.partitions = {{3, 20}}}}), "loop-14");
@@ -246,7 +246,7 @@ TEST(Faults, AnAgentThatIsStartedAnewStandsUntilItKnowsWhereTheOthersAre) {
   }
 }
 
-// Nobody passes on the last words of the dead robot any more when the other comes back.
+// Nobody passes on the last words of the failed robot any more when the other comes back.
 TEST(Faults, AnAgentThatIsStartedAnewKeepsClearOfWhoDiedBefore) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     const Faults faults{.bus = {.loss = seed % 2 == 0 ? 0.2 : 0.0},

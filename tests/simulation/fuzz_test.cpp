@@ -38,7 +38,7 @@ TEST(Fuzz, WhoDoesNotArriveThoughItCouldIsAFailure) {
 }
 
 TEST(Fuzz, WhoseWayADeadRobotClosesIsNone) {
-  // A corridor 14 wide: who comes behind the dead cannot pass it.
+  // A corridor 14 wide: who comes behind the failed cannot pass it.
   FuzzCase fuzz_case{.scenario = {.map_name = "corridor",
                                   .map = {.width = 200, .height = 14, .blocked = {}},
                                   .robots = {{"a", {30, 7}, {180, 7}, 5, 20, 40, 1},

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "robot_agent/memory.h"
+#include "robot_agent/saved_state.h"
 #include "robot_agent/robot_agent.h"
 #include "tests/unit/roles.h"
 #include "tests/unit/states.h"
@@ -19,7 +19,7 @@ struct AgentRun {
   AgentRun(const AgentRun&) = delete;
   void recall(const std::vector<Message>& kept) {
     agent.recall(memory_of(kept));
-    Remembrance remembrance("a");
+    StateKeeper remembrance("a");
     remembrance.recall(kept);
     store.messages = kept;
     keeper = Keeper(std::move(remembrance), &store);
@@ -46,7 +46,7 @@ struct AgentRun {
   }
   RobotAgent agent{"a"};
   KeptInMemory store{};
-  Keeper<Remembrance, KeptInMemory> keeper{Remembrance("a"), &store};
+  Keeper<StateKeeper, KeptInMemory> keeper{StateKeeper("a"), &store};
   std::vector<Message> said{};
 };
 
@@ -158,17 +158,17 @@ TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
 
 TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
   RobotState state = state_of("a", 1, {20, 60});
-  state.knot = {7, "b", {20, 60}, 30};
-  state.stage = Stage::ordered;
+  state.round = {7, "b", {20, 60}, 30};
+  state.stage = Stage::executing;
   std::vector<Message> kept{mission_of_a(0), state};
   state = state_of("a", 5, {20, 60});
   state.is_new = true;
   kept.emplace_back(state);
-  state.is_new = false;  // but it waits for its robot, which follows it, before it calls a knot
+  state.is_new = false;  // but it waits for its robot, which follows it, before it calls a round
   kept.emplace_back(state);
-  EXPECT_EQ(memory_of(kept)->stage, Stage::ordered);
-  EXPECT_EQ(memory_of(kept)->knot_epoch, 7u);
-  state.knot = {8, "a", {20, 60}, 30};
+  EXPECT_EQ(memory_of(kept)->stage, Stage::executing);
+  EXPECT_EQ(memory_of(kept)->round_epoch, 7u);
+  state.round = {8, "a", {20, 60}, 30};
   kept.emplace_back(state);
   EXPECT_EQ(memory_of(kept)->stage, Stage::free);
 }
@@ -315,7 +315,7 @@ TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
   after.run(106, 109);
   const RobotState last = of<RobotState>(after.said).back();
   EXPECT_GT(last.position.x(), 25);
-  const std::optional<Memory> memory = memory_of(after.store.messages);
+  const std::optional<SavedState> memory = memory_of(after.store.messages);
   ASSERT_TRUE(memory.has_value());
   EXPECT_EQ(memory->mission.clock.epoch, 106);
   EXPECT_EQ(memory->track.front().position, Point2(20, 60));
@@ -323,7 +323,7 @@ TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
 }
 
 TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
-  Remembrance remembrance("a");
+  StateKeeper remembrance("a");
   Mission of_another = mission_of_a(100);
   of_another.robot = "b";
   EXPECT_EQ(remembrance.heard(of_another), Keep::nothing);
@@ -356,7 +356,7 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesAnEarlierRunOnceItsOwnIsOver) {
   agent.run(1023, 1050);
   EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 900);
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
-  const std::optional<Memory> memory = memory_of(agent.store.messages);
+  const std::optional<SavedState> memory = memory_of(agent.store.messages);
   ASSERT_TRUE(memory.has_value());
   EXPECT_EQ(memory->mission.clock.epoch, 900);
 }
@@ -385,7 +385,7 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
   EXPECT_EQ(of<RobotState>(agent.said).front().position, Point2(20, 60));
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
   EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
-  const std::optional<Memory> memory = memory_of(agent.store.messages);
+  const std::optional<SavedState> memory = memory_of(agent.store.messages);
   ASSERT_TRUE(memory.has_value());
   EXPECT_EQ(memory->track.front().position, Point2(20, 60));
   EXPECT_EQ(memory->mission.clock.epoch, 100);

@@ -12,11 +12,11 @@ namespace coppice {
 namespace {
 
 /// Points strewn at random, each linked to those around it by ways up to twice as long as straight ones.
-PlaceGraph strewn(int count, Random& random) {
-  PlaceGraph graph;
+AnnotatedRoadmap strewn(int count, Random& random) {
+  AnnotatedRoadmap graph;
   for (int k = 0; k < count; ++k) graph.add(100 * Point2(random.uniform(), random.uniform()));
-  for (Place a = 0; a < graph.size(); ++a) {
-    for (Place b = 0; b < a; ++b) {
+  for (Vertex a = 0; a < graph.size(); ++a) {
+    for (Vertex b = 0; b < a; ++b) {
       const double straight = (graph.at(a) - graph.at(b)).norm();
       if (straight > 14) continue;
       const double length = straight * (1 + random.uniform());
@@ -27,12 +27,12 @@ PlaceGraph strewn(int count, Random& random) {
   return graph;
 }
 
-std::vector<double> costs(const PlaceGraph& graph, Place goal) {
+std::vector<double> costs(const AnnotatedRoadmap& graph, Vertex goal) {
   std::vector<double> cost(graph.size(), std::numeric_limits<double>::infinity());
   cost[goal] = 0;
   for (std::size_t round = 0; round < graph.size(); ++round) {
-    for (Place k = 0; k < graph.size(); ++k) {
-      for (const PlaceGraph::Edge& edge : graph.edges(k))
+    for (Vertex k = 0; k < graph.size(); ++k) {
+      for (const AnnotatedRoadmap::Edge& edge : graph.edges(k))
         cost[k] = std::min(cost[k], cost[edge.to] + edge.length);
     }
   }
@@ -42,14 +42,14 @@ std::vector<double> costs(const PlaceGraph& graph, Place goal) {
 TEST(CostToGo, IsTheLengthOfTheShortestWayInWhateverOrderItIsAsked) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
-    const PlaceGraph graph = strewn(200, random);
-    const auto goal = static_cast<Place>(random.index(graph.size()));
-    const auto start = static_cast<Place>(random.index(graph.size()));
+    const AnnotatedRoadmap graph = strewn(200, random);
+    const auto goal = static_cast<Vertex>(random.index(graph.size()));
+    const auto start = static_cast<Vertex>(random.index(graph.size()));
     const std::vector<double> right = costs(graph, goal);
-    const std::vector<Place> numbers = numbers_by_neighbourhood(graph);
+    const std::vector<Vertex> numbers = numbers_by_neighbourhood(graph);
     CostToGo cost(graph, numbers, goal, start);
     for (int question = 0; question < 400; ++question) {
-      const Place place = question == 0 ? start : static_cast<Place>(random.index(graph.size()));
+      const Vertex place = question == 0 ? start : static_cast<Vertex>(random.index(graph.size()));
       if (right[place] == std::numeric_limits<double>::infinity()) {
         EXPECT_EQ(cost.from(place), std::numeric_limits<float>::infinity());
       } else {

@@ -24,7 +24,7 @@ long peak_memory() {  // KiB
 // Each zero might be the beginning of a member: room for all of them is a hundred times as many bytes.
 TEST(Serialized, ASequenceOfMoreThanItsTypeHoldsIsGivenNoRoom) {
   std::vector<std::uint8_t> bytes =
-      serialized(JointPlanMessage{.knot = {1, "a"}, .members = {}, .moves = {}});
+      serialized(JointPlanMessage{.round = {1, "a"}, .members = {}, .moves = {}});
   // Behind the kind and the encapsulation: the leader, the epoch, place and reach.
   constexpr std::size_t length_of_members = 1 + 4 + 40;
   ASSERT_TRUE(deserialized(bytes).has_value());

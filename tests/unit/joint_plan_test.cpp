@@ -27,7 +27,7 @@ OccupancyMap corridor(int width, int length = 160) {
 
 JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
-  PlacesOfMap places(field);
+  MapRoadmaps places(field);
   JointPlanner planner(places, tasks, Random(1));
   while (!planner.step()) {
   }
@@ -59,7 +59,7 @@ int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   for (const StartAndGoal& task : random_tasks(field, 60, 5, 0, random)) {
     if (far(task.start) && far(task.goal)) tasks.push_back({task.start, task.goal, 5});
   }
-  PlacesOfMap places(field);
+  MapRoadmaps places(field);
   JointPlanner planner(places, tasks, Random(1));
   int steps = 1;
   while (!planner.step()) ++steps;
@@ -174,7 +174,7 @@ TEST(JointPlan, ALargeCrowdIsSortedOutAsFarAsItGoes) {
   ASSERT_EQ(plan.stranded.size(), 1u);  // one makes room for the other
   EXPECT_LE(plan.stranded.front(), 1u);
   const ClearanceField field(map);
-  PlacesOfMap places(field);
+  MapRoadmaps places(field);
   JointPlanner planner(places, tasks, Random(1));
   int steps = 1;
   while (!planner.step()) ++steps;

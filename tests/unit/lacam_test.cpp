@@ -7,13 +7,13 @@ namespace coppice {
 namespace {
 
 /// Places in a grid, linked to their neighbours; nobody touches anybody at another place.
-PlaceGraph grid(int columns, int rows) {
-  PlaceGraph graph;
+AnnotatedRoadmap grid(int columns, int rows) {
+  AnnotatedRoadmap graph;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) graph.add(Point2(i, j));
   }
-  for (Place a = 0; a < graph.size(); ++a) {
-    for (Place b = 0; b < graph.size(); ++b) {
+  for (Vertex a = 0; a < graph.size(); ++a) {
+    for (Vertex b = 0; b < graph.size(); ++b) {
       if ((graph.at(a) - graph.at(b)).norm() == 1)
         graph.own_edges(a).push_back({b, 1, {graph.at(a), graph.at(b)}, {b}});
     }
@@ -22,13 +22,13 @@ PlaceGraph grid(int columns, int rows) {
 }
 
 /// Makes the moves and checks that each finds its edge clear; returns who stands where in the end.
-std::vector<Place> made(const PlaceGraph& graph, const std::vector<PlaceTask>& tasks,
-                        const std::vector<PlaceMove>& moves) {
-  std::vector<Place> at;
-  for (const PlaceTask& task : tasks) at.push_back(task.start);
-  for (const PlaceMove& move : moves) {
+std::vector<Vertex> made(const AnnotatedRoadmap& graph, const std::vector<VertexTask>& tasks,
+                        const std::vector<VertexMove>& moves) {
+  std::vector<Vertex> at;
+  for (const VertexTask& task : tasks) at.push_back(task.start);
+  for (const VertexMove& move : moves) {
     EXPECT_EQ(at[move.robot], move.from);
-    const PlaceGraph::Edge& edge = graph.edges(move.from)[move.edge];
+    const AnnotatedRoadmap::Edge& edge = graph.edges(move.from)[move.edge];
     for (std::uint32_t i = 0; i < at.size(); ++i) {
       const bool in_the_way = std::ranges::find(edge.near, at[i]) != edge.near.end();
       EXPECT_FALSE(i != move.robot && in_the_way);
@@ -38,10 +38,10 @@ std::vector<Place> made(const PlaceGraph& graph, const std::vector<PlaceTask>& t
   return at;
 }
 
-void expect_solved(const PlaceGraph& graph, const std::vector<PlaceTask>& tasks) {
+void expect_solved(const AnnotatedRoadmap& graph, const std::vector<VertexTask>& tasks) {
   Lacam lacam(graph, tasks, Random(1));
   ASSERT_EQ(lacam.search(100'000), Lacam::Outcome::solved);
-  const std::vector<Place> at = made(graph, tasks, lacam.moves());
+  const std::vector<Vertex> at = made(graph, tasks, lacam.moves());
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     EXPECT_EQ(at[i], tasks[i].goal.value_or(at[i]));
   }
@@ -61,24 +61,24 @@ TEST(Lacam, WhoWantsNothingGivesWay) {
 }
 
 TEST(Lacam, NoSolutionIsFoundOut) {
-  const PlaceGraph graph = grid(6, 1);
+  const AnnotatedRoadmap graph = grid(6, 1);
   Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
   EXPECT_EQ(lacam.search(100'000), Lacam::Outcome::no_solution);
 }
 
 TEST(Lacam, WhoIsShutInGivesWay) {
-  PlaceGraph graph = grid(5, 2);
-  const Place cell = graph.add(Point2(9, 9));
+  AnnotatedRoadmap graph = grid(5, 2);
+  const Vertex cell = graph.add(Point2(9, 9));
   Lacam lacam(graph, {{0, 4}, {2, cell}, {7, 6}}, Random(1));
   EXPECT_EQ(lacam.shut_in(), std::vector<std::uint32_t>{1});
   ASSERT_EQ(lacam.search(100'000), Lacam::Outcome::solved);
-  const std::vector<Place> at = made(graph, {{0, 4}, {2, cell}, {7, 6}}, lacam.moves());
+  const std::vector<Vertex> at = made(graph, {{0, 4}, {2, cell}, {7, 6}}, lacam.moves());
   EXPECT_EQ(at[0], 4u);
   EXPECT_EQ(at[2], 6u);
 }
 
 TEST(Lacam, EffortIsBounded) {
-  const PlaceGraph graph = grid(6, 1);
+  const AnnotatedRoadmap graph = grid(6, 1);
   Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
   EXPECT_EQ(lacam.search(3), Lacam::Outcome::searching);
   EXPECT_EQ(lacam.under_way(), (std::vector<std::uint32_t>{0, 1}));
@@ -86,11 +86,11 @@ TEST(Lacam, EffortIsBounded) {
 
 // Each place touches those beside it: two robots never stand next to each other, nor pass a third.
 TEST(Lacam, PlacesThatTouchAreNotTakenTogether) {
-  PlaceGraph graph = grid(9, 3);
-  for (Place a = 0; a < graph.size(); ++a) {
-    for (PlaceGraph::Edge& edge : graph.own_edges(a)) {
+  AnnotatedRoadmap graph = grid(9, 3);
+  for (Vertex a = 0; a < graph.size(); ++a) {
+    for (AnnotatedRoadmap::Edge& edge : graph.own_edges(a)) {
       edge.near.clear();
-      for (Place k = 0; k < graph.size(); ++k) {
+      for (Vertex k = 0; k < graph.size(); ++k) {
         if (k != a && (graph.at(k) - graph.at(edge.to)).norm() < 1.1) edge.near.push_back(k);
       }
     }
@@ -99,9 +99,9 @@ TEST(Lacam, PlacesThatTouchAreNotTakenTogether) {
 }
 
 TEST(Lacam, TheSameSeedMakesTheSameMoves) {
-  const PlaceGraph graph = grid(8, 8);
-  std::vector<PlaceTask> tasks;
-  for (Place k = 0; k < 20; ++k) tasks.push_back({k, 63 - k});
+  const AnnotatedRoadmap graph = grid(8, 8);
+  std::vector<VertexTask> tasks;
+  for (Vertex k = 0; k < 20; ++k) tasks.push_back({k, 63 - k});
   Lacam a(graph, tasks, Random(3));
   Lacam b(graph, tasks, Random(3));
   ASSERT_EQ(a.search(10'000), Lacam::Outcome::solved);

@@ -56,9 +56,9 @@ class Listener {
       judge(now_);
     }
   }
-  void judge(double now) { fleet_.judge_silence(now, {80, 80}, {}, field_); }
-  bool dead(const RobotName& robot) const { return fleet_.find(robot)->dead; }
-  bool doubts(const Point2& p) const { return fleet_.doubts(p, 0); }
+  void judge(double now) { fleet_.detect_failures(now, {80, 80}, {}, field_); }
+  bool failed(const RobotName& robot) const { return fleet_.find(robot)->failed; }
+  bool is_suspected_near(const Point2& p) const { return fleet_.is_suspected_near(p, 0); }
   /// Metres around `robot` that are kept clear; none: 0.
   double kept_clear_around(const RobotName& robot, double now) {
     AgeCount ages;
@@ -70,10 +70,10 @@ class Listener {
     }
     return radius;
   }
-  std::vector<RobotName> who_missed_the_news(double now) const { return fleet_.who_missed_the_news(now); }
+  std::vector<RobotName> peers_to_inform(double now) const { return fleet_.peers_to_inform(now); }
   bool cut_off() const { return fleet_.cut_off(); }
-  std::vector<Disc> dead_seen_from(const Point2& position, double now) const {
-    return fleet_.places_of_the_dead(position, now);
+  std::vector<Disc> failed_seen_from(const Point2& position, double now) const {
+    return fleet_.zones_of_failed(position, now);
   }
 
  private:

@@ -12,7 +12,7 @@ namespace {
 LossCount counted(const std::vector<std::uint32_t>& numbers) {
   LossCount loss;
   Received received;
-  for (const std::uint32_t number : numbers) loss.add(received.hear(number * standing_stride));
+  for (const std::uint32_t number : numbers) loss.add(received.hear(number * heartbeat_interval));
   return loss;
 }
 

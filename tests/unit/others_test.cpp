@@ -16,7 +16,7 @@ bool hear(Fleet& fleet, const RobotName& robot, WallTime run, double stamp) {
                          .position = {100, 100},
                          .radius = 5,
                          .promise = {stamp, Point2::Zero(), stamp},
-                         .knot = {},
+                         .round = {},
                          .run = run};
   return fleet.hear(std::make_shared<const RobotState>(state), run + stamp);
 }
@@ -36,16 +36,16 @@ TEST(Others, WhoStandsInAnothersWayMayGoElsewhere) {
 TEST(Others, NobodyWaitsThatOneThatWasStoppedHolds) {
   Fleet fleet("a");
   fleet.hear(Mission{.robot = "a", .clock = {}}, 0);
-  const KnotId knot{1, "a", {100, 100}, 50};
+  const RoundId round{1, "a", {100, 100}, 50};
   const auto says = [&](const char* robot, Phase phase, double stamp) {
-    RobotState state{.robot = robot, .stamp = stamp, .position = {100, 100}, .radius = 5, .knot = {}};
+    RobotState state{.robot = robot, .stamp = stamp, .position = {100, 100}, .radius = 5, .round = {}};
     state.phase = phase;
     fleet.hear(std::make_shared<const RobotState>(state), stamp);
   };
   says("b", Phase::driving, 1);
-  EXPECT_FALSE(fleet.all_hold(knot));
+  EXPECT_FALSE(fleet.all_wait(round));
   says("b", Phase::stopped, 2);
-  EXPECT_TRUE(fleet.all_hold(knot));
+  EXPECT_TRUE(fleet.all_wait(round));
 }
 
 // Agents outlive runs: one may still speak of the last one when another has begun the next.
@@ -112,7 +112,7 @@ TEST(Others, AnEchoFromTheFutureOfAnotherTellsNothing) {
   go_on_until(1.3, std::nullopt);  // b is missing
   go_on_until(1.5, 1e8);           // a lie
   go_on_until(10, -0.1);
-  EXPECT_FALSE(a.dead("b"));  // others hear it still
+  EXPECT_FALSE(a.failed("b"));  // others hear it still
   EXPECT_TRUE(a.cut_off());
 }
 

@@ -11,13 +11,13 @@ TEST(Pieces, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   a.go_on_until(1, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
   a.go_on_until(60, {"b"});
-  EXPECT_FALSE(a.dead("c"));
+  EXPECT_FALSE(a.failed("c"));
   EXPECT_TRUE(a.cut_off());
   a.go_on_until(65, {"b"});
-  EXPECT_TRUE(a.dead("c"));
+  EXPECT_TRUE(a.failed("c"));
   EXPECT_TRUE(a.cut_off());
   a.go_on_until(70, {});  // one of its own piece dies: that changes nothing
-  EXPECT_TRUE(a.dead("b"));
+  EXPECT_TRUE(a.failed("b"));
   EXPECT_TRUE(a.cut_off());
   a.go_on_until(71, {"b"});
   EXPECT_TRUE(a.cut_off());
@@ -30,10 +30,10 @@ TEST(Pieces, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
   Listener b({"a", "c", "d", "e"}, "b");
   b.go_on_until(1, {"a", "c", "d", "e"});
   b.go_on_until(65, {"a"});
-  EXPECT_TRUE(b.dead("c"));
+  EXPECT_TRUE(b.failed("c"));
   EXPECT_TRUE(b.cut_off());
   b.go_on_until(140, {});
-  EXPECT_TRUE(b.dead("a"));
+  EXPECT_TRUE(b.failed("a"));
   EXPECT_TRUE(b.cut_off());
   b.go_on_until(141, {"c", "d", "e"});
   EXPECT_FALSE(b.cut_off());
@@ -43,11 +43,11 @@ TEST(Pieces, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
 TEST(Pieces, TwoThatDieAtOnceStopNobodyHoweverManyNeverCame) {
   Listener a({"b", "c", "d", "e", "f", "g", "h", "i", "j"});
   a.go_on_until(12, {"b", "c", "d", "e"});
-  EXPECT_TRUE(a.dead("j"));
+  EXPECT_TRUE(a.failed("j"));
   a.go_on_until(200, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
   a.go_on_until(265, {"b", "c"});
-  EXPECT_TRUE(a.dead("d"));
+  EXPECT_TRUE(a.failed("d"));
   EXPECT_FALSE(a.cut_off());
 }
 
@@ -61,11 +61,11 @@ TEST(Pieces, NobodyIsSilentAloneBeforeAllOthersHaveSaidSomething) {
     a.judge(now);
   }
   for (double now = 1; now < 4; now += period) a.judge(now);
-  EXPECT_FALSE(a.dead("b"));
+  EXPECT_FALSE(a.failed("b"));
   a.hear("c", 4, {}, Point2::Zero(), far);
   for (double now = 4; now < 5; now += period) a.judge(now);
-  EXPECT_TRUE(a.dead("b"));
-  EXPECT_FALSE(a.dead("c"));
+  EXPECT_TRUE(a.failed("b"));
+  EXPECT_FALSE(a.failed("c"));
 }
 
 // A cut would have silenced both: how far one drove on is asked of the later one alone.
@@ -78,10 +78,10 @@ TEST(Pieces, WhoFellSilentBeforeAnotherIsNotInAPieceWithIt) {
     a.judge(now);
   }
   for (; now < 130; now += period) a.judge(now);
-  ASSERT_TRUE(a.dead("b") && a.dead("c"));
+  ASSERT_TRUE(a.failed("b") && a.failed("c"));
   double furthest_b = 0;
   double furthest_c = 0;
-  for (const Disc& disc : a.dead_seen_from({80, 80}, now)) {
+  for (const Disc& disc : a.failed_seen_from({80, 80}, now)) {
     double& furthest = disc.centre.y() > 80 ? furthest_b : furthest_c;
     furthest = std::max(furthest, disc.centre.x());
   }
@@ -110,15 +110,15 @@ TEST(Pieces, AfterSomebodyCameBackNobodyIsTakenForDeadUntilItHasHeardTheNews) {
   Listener a;
   a.go_on_until(1, {"b", "c"});
   a.go_on_until(9, {"c"});
-  EXPECT_TRUE(a.dead("b"));
-  EXPECT_TRUE(a.who_missed_the_news(a.now()).empty());
+  EXPECT_TRUE(a.failed("b"));
+  EXPECT_TRUE(a.peers_to_inform(a.now()).empty());
   a.go_on_until(10.5, {});
-  a.go_on_until(13, {"b"});  // c would be dead by now
-  EXPECT_FALSE(a.dead("c"));
-  EXPECT_EQ(a.who_missed_the_news(a.now()), std::vector<RobotName>{"b"});
+  a.go_on_until(13, {"b"});  // c would be failed by now
+  EXPECT_FALSE(a.failed("c"));
+  EXPECT_EQ(a.peers_to_inform(a.now()), std::vector<RobotName>{"b"});
   a.go_on_until(14, {"b"});
-  EXPECT_TRUE(a.dead("c"));
-  EXPECT_TRUE(a.who_missed_the_news(a.now()).empty());
+  EXPECT_TRUE(a.failed("c"));
+  EXPECT_TRUE(a.peers_to_inform(a.now()).empty());
 }
 
 TEST(Pieces, WhoIsFirstHeardOfWhenTheOthersAreUnderWayIsToldOfTheDead) {
@@ -127,9 +127,9 @@ TEST(Pieces, WhoIsFirstHeardOfWhenTheOthersAreUnderWayIsToldOfTheDead) {
     a.hear("c", now);
     a.judge(now);
   }
-  EXPECT_TRUE(a.who_missed_the_news(12).empty());
+  EXPECT_TRUE(a.peers_to_inform(12).empty());
   a.hear("b", 12);
-  EXPECT_EQ(a.who_missed_the_news(12.1), std::vector<RobotName>{"b"});
+  EXPECT_EQ(a.peers_to_inform(12.1), std::vector<RobotName>{"b"});
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
-#include "planner_service/muster.h"
+#include "planner_service/startup_barrier.h"
 #include "tests/tracks.h"
 #include "tests/unit/roles.h"
 
@@ -438,22 +438,22 @@ TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {
   EXPECT_NE(reason_of(service, 0), "the agent has fallen silent");
 }
 
-TEST(Muster, KeepsTheLastStatusOfEachAgentAndAllElse) {
-  Muster muster;
+TEST(StartupBarrier, KeepsTheLastStatusOfEachAgentAndAllElse) {
+  StartupBarrier startup_barrier;
   for (std::uint32_t others = 0; others < 3; ++others) {
     for (const char* robot : {"a", "b"}) {
       AgentStatus status{.robot = robot};
       status.load.agents_matched = robot[0] == 'a' ? others : 0;
-      muster.add(arrival_of(status, others));
+      startup_barrier.add(arrival_of(status, others));
     }
-    muster.add(arrival_of(BrokerStatus{.broker = others}, others));
+    startup_barrier.add(arrival_of(BrokerStatus{.broker = others}, others));
   }
-  EXPECT_EQ(muster.acquainted(0), 2u);
-  EXPECT_EQ(muster.acquainted(2), 1u);
-  EXPECT_EQ(muster.acquainted(3), 0u);
+  EXPECT_EQ(startup_barrier.is_synchronised(0), 2u);
+  EXPECT_EQ(startup_barrier.is_synchronised(2), 1u);
+  EXPECT_EQ(startup_barrier.is_synchronised(3), 0u);
   int statuses = 0;
   int brokers = 0;
-  muster.for_each([&](const Arrival& arrival) {
+  startup_barrier.for_each([&](const Arrival& arrival) {
     statuses += std::holds_alternative<AgentStatus>(*arrival.message) && arrival.at == 2;
     brokers += std::holds_alternative<BrokerStatus>(*arrival.message);
   });

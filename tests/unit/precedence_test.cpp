@@ -133,7 +133,7 @@ TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
     std::vector<JointTask> tasks;
     for (const StartAndGoal& task : random_tasks(field, 8, 5, 0.2, random))
       tasks.push_back({task.start, task.goal, 5});
-    PlacesOfMap places(field);
+    MapRoadmaps places(field);
     JointPlanner planner(places, tasks, Random(seed));
     while (!planner.step()) {
     }

@@ -29,7 +29,7 @@ RobotState state(const char* robot, double t) {
           .max_speed = 4,
           .max_acceleration = 8,
           .promise = {t, Point2::Zero(), t},
-          .knot = {}};
+          .round = {}};
 }
 Mission mission(const char* robot, std::uint32_t number) {
   return {.robot = robot,

@@ -61,7 +61,7 @@ TEST(RobotProgress, AWaitIsCountedFromItsBeginningAndAllWaitsTogether) {
   EXPECT_DOUBLE_EQ(progress.waiting(15), 0);
   EXPECT_DOUBLE_EQ(progress.waited(15), 4);
   RobotState holds = at(20, {0, 0});
-  holds.stage = Stage::holding;
+  holds.stage = Stage::waiting;
   progress.on(holds);
   EXPECT_DOUBLE_EQ(progress.waiting(21), 1) << "for a joint plan";
   EXPECT_DOUBLE_EQ(progress.waited(21), 5);

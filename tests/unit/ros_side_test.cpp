@@ -222,7 +222,7 @@ TEST(RosSide, ARestartedAgentHasTheTrackOfTheRobot) {
   Follower robot;
   before.run(0, 2, [&](double now) { robot.follow(before, now); });
   std::vector<Message> kept;
-  Remembrance remembrance("a", true);
+  StateKeeper remembrance("a", true);
   const Mission mission = mission_to({20, 20});
   EXPECT_EQ(remembrance.heard(mission), Keep::begin_anew);
   kept.emplace_back(mission);

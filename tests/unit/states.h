@@ -19,7 +19,7 @@ inline RobotState state_of(const RobotName& robot, double stamp, const Point2& p
           .max_speed = 20,
           .max_acceleration = 40,
           .promise = {stamp + period, velocity, stamp + 2 * period},
-          .knot = {}};
+          .round = {}};
 }
 
 }  // namespace coppice

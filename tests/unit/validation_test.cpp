@@ -33,13 +33,13 @@ RobotState state() {
           .max_acceleration = 4,
           .phase = Phase::driving,
           .promise = {1.05, {1, 0}, 1.1},
-          .knot = {}};
+          .round = {}};
 }
 InactiveTreeMessage tree() {
   return {.tree = {1, 2}, .map_id = "m", .radius = 1, .nodes = {{{0, 0}, -1, 2}, {{1, 0}, 0, 1}}};
 }
 JointPlanMessage plan() {
-  return {.knot = {1, "r1"}, .members = {{"r1", 1, false}}, .moves = {{0, {{0, 0}, {1, 1}}}}};
+  return {.round = {1, "r1"}, .members = {{"r1", 1, false}}, .moves = {{0, {{0, 0}, {1, 1}}}}};
 }
 
 template <class M>
@@ -83,7 +83,7 @@ TEST(Validation, States) {
                                                       [](M& m) { m.promise.turn = nan; },
                                                       [](M& m) { m.phase = static_cast<Phase>(9); },
                                                       [](M& m) { m.stage = static_cast<Stage>(3); },
-                                                      [](M& m) { m.knot.epoch = 1; },
+                                                      [](M& m) { m.round.epoch = 1; },
                                                       [](M& m) { m.progress = -1; },
                                                       [](M& m) { m.radius = 2e9; },
                                                       [](M& m) { m.radius = 1e-300; },
@@ -118,7 +118,7 @@ TEST(Validation, Trees) {
 TEST(Validation, JointPlans) {
   using M = JointPlanMessage;
   const std::vector<std::function<void(M&)>> spoilers{
-      [](M& m) { m.knot.epoch = 0; }, [](M& m) { m.knot.leader.clear(); },
+      [](M& m) { m.round.epoch = 0; }, [](M& m) { m.round.leader.clear(); },
       [](M& m) { m.members[0].radius = 0; }, [](M& m) { m.moves[0].robot = 1; },
       [](M& m) { m.moves[0].path.clear(); }, [](M& m) { m.moves[0].path[1].y() = infinity; },
       [](M& m) { m.members.clear(); }, [](M& m) { m.members.resize(4097, m.members[0]); },
@@ -186,7 +186,7 @@ TEST(Validation, AgentsSpeakForTheirOwnRobotUnlessTheyPassOn) {
   RobotState passed_on = state();
   passed_on.passed_on = true;
   EXPECT_EQ(sender(passed_on), "");
-  EXPECT_EQ(sender(JointPlanMessage{.knot = {1, "r7"}, .members = {{"r1", 1, false}}, .moves = {}}), "r7");
+  EXPECT_EQ(sender(JointPlanMessage{.round = {1, "r7"}, .members = {{"r1", 1, false}}, .moves = {}}), "r7");
   EXPECT_EQ(sender(PathMessage{.robot = "r2", .waypoints = {}}), "r2");
   EXPECT_EQ(sender(TrackMessage{.robot = "r3", .points = {}}), "r3");
   EXPECT_EQ(sender(RootNodes{.robot = "r4", .nodes = {}}), "r4");

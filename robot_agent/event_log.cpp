@@ -1,4 +1,4 @@
-#include "robot_agent/diary.h"
+#include "robot_agent/event_log.h"
 
 #include <cmath>
 #include <utility>
@@ -19,12 +19,12 @@ constexpr WallTime between_warnings = 60;      // seconds, of missed periods
 
 }  // namespace
 
-void Diary::heard(const Message& message) {
+void EventLog::heard(const Message& message) {
   const auto* const mission = std::get_if<Mission>(&message);
   if (mission != nullptr && mission->robot == robot_) mission_ = *mission;
 }
 
-std::vector<Diary::Line> Diary::said(const Message& message, WallTime now) {
+std::vector<EventLog::Line> EventLog::said(const Message& message, WallTime now) {
   std::vector<Line> lines;
   if (const auto* path = std::get_if<PathMessage>(&message)) say_path(*path, lines);
   if (const auto* status = std::get_if<AgentStatus>(&message)) say_status(*status, now, lines);
@@ -32,14 +32,14 @@ std::vector<Diary::Line> Diary::said(const Message& message, WallTime now) {
 }
 
 /// The first of a mission, and others that are as long as to matter.
-void Diary::say_path(const PathMessage& path, std::vector<Line>& lines) {
+void EventLog::say_path(const PathMessage& path, std::vector<Line>& lines) {
   const double length = length_of(path.waypoints);
   if (path_length_ > 0 && std::abs(length - path_length_) < shorter * path_length_) return;
   lines.push_back({false, fmt::format("{} of {:.1f} m", path_length_ > 0 ? "another path" : "path", length)});
   path_length_ = length;
 }
 
-void Diary::say_status(const AgentStatus& status, WallTime now, std::vector<Line>& lines) {
+void EventLog::say_status(const AgentStatus& status, WallTime now, std::vector<Line>& lines) {
   const bool is_new = !last_ || last_->run != status.run || last_->mission != status.mission;
   if (is_new && status.mission > 0) {
     say_mission(status, lines);
@@ -54,7 +54,7 @@ void Diary::say_status(const AgentStatus& status, WallTime now, std::vector<Line
   last_ = status;
 }
 
-void Diary::say_mission(const AgentStatus& status, std::vector<Line>& lines) const {
+void EventLog::say_mission(const AgentStatus& status, std::vector<Line>& lines) const {
   if (!mission_ || mission_->number != status.mission || mission_->clock.epoch != status.run) return;
   const Mission& m = *mission_;
   lines.push_back(
@@ -63,7 +63,7 @@ void Diary::say_mission(const AgentStatus& status, std::vector<Line>& lines) con
                    m.start.x(), m.start.y(), m.goal.x(), m.goal.y(), m.radius, m.max_speed)});
 }
 
-void Diary::say_phase(const AgentStatus& status, std::vector<Line>& lines) const {
+void EventLog::say_phase(const AgentStatus& status, std::vector<Line>& lines) const {
   const bool had_arrived = last_ && last_->phase == Phase::arrived;
   if (status.phase == Phase::arrived)
     lines.push_back({false, fmt::format("arrived at {:.1f} s, after {:.1f} m", status.arrival_time,
@@ -76,7 +76,7 @@ void Diary::say_phase(const AgentStatus& status, std::vector<Line>& lines) const
 }
 
 /// Each wait once, and again when its cause has changed.
-void Diary::say_wait(const AgentStatus& status, double fleet_now, std::vector<Line>& lines) {
+void EventLog::say_wait(const AgentStatus& status, double fleet_now, std::vector<Line>& lines) {
   const bool waits = !status.wait_cause.empty();
   if (wait_ && (!waits || wait_->since != status.came_on_at)) {
     const bool goes_on = status.phase == Phase::driving || status.phase == Phase::arrived;
@@ -95,7 +95,7 @@ void Diary::say_wait(const AgentStatus& status, double fleet_now, std::vector<Li
 }
 
 /// In the last ten seconds: what was missed long ago is told once.
-void Diary::say_missed_periods(const AgentLoad& load, WallTime now, std::vector<Line>& lines) {
+void EventLog::say_missed_periods(const AgentLoad& load, WallTime now, std::vector<Line>& lines) {
   if (!count_ || now < count_->since) count_ = {now, load};
   if (now - count_->since < periods_counted) return;
   const Count before = *std::exchange(count_, Count{now, load});

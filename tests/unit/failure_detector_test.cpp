@@ -50,10 +50,10 @@ TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
   go_on_until(1, true);
   EXPECT_FALSE(a.cut_off());
   go_on_until(20, true);  // from b itself there is nothing any more
-  EXPECT_FALSE(a.dead("b"));
+  EXPECT_FALSE(a.failed("b"));
   EXPECT_TRUE(a.cut_off());
   go_on_until(25, false);
-  EXPECT_TRUE(a.dead("b"));
+  EXPECT_TRUE(a.failed("b"));
   EXPECT_FALSE(a.cut_off());
 }
 
@@ -76,11 +76,11 @@ TEST(Silence, OfOneThatIsSilentAloneAllItMayReachIsKeptClearForAMinute) {
     a.hear("c", now, {}, Point2::Zero(), {20, 20});
     a.judge(now);
     if (now > 3.2 && now < 61) {
-      ASSERT_TRUE(a.dead("b")) << now;
-      ASSERT_TRUE(a.doubts({150, 100})) << now;
+      ASSERT_TRUE(a.failed("b")) << now;
+      ASSERT_TRUE(a.is_suspected_near({150, 100})) << now;
       ASSERT_GT(a.kept_clear_around("b", now), 5 + 2 * 20 + braking) << now;
     } else if (now > 61.1) {
-      ASSERT_FALSE(a.doubts({100, 100})) << now;
+      ASSERT_FALSE(a.is_suspected_near({100, 100})) << now;
       ASSERT_EQ(a.kept_clear_around("b", now), 5) << now;
     }
   }
@@ -92,12 +92,12 @@ TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
     a.hear("c", now);
     a.judge(now);
   }
-  EXPECT_FALSE(a.dead("b"));
+  EXPECT_FALSE(a.failed("b"));
   for (double now = 9.5; now < 11; now += period) {
     a.hear("c", now);
     a.judge(now);
   }
-  EXPECT_TRUE(a.dead("b"));
+  EXPECT_TRUE(a.failed("b"));
 }
 
 // Who does not know another yet speaks to it often, however far away it is.
@@ -108,7 +108,7 @@ TEST(Silence, WhoIsFarAwayAndNeverCameHoldsNobodyUpForLonger) {
     a.hear("c", now);
     a.judge(now);
   }
-  EXPECT_TRUE(a.dead("b"));
+  EXPECT_TRUE(a.failed("b"));
 }
 
 TEST(Silence, WhereALivingRobotStandsNoDeadOneDoesAndAPlanMayLeadOutFromCloseToIt) {
@@ -118,19 +118,19 @@ TEST(Silence, WhereALivingRobotStandsNoDeadOneDoesAndAPlanMayLeadOutFromCloseToI
     a.hear("c", now, {}, Point2::Zero(), {20, 100});
     a.judge(now);
   }
-  ASSERT_TRUE(a.dead("b"));
-  const std::vector<Disc> all = a.dead_seen_from({20, 20}, 5);
+  ASSERT_TRUE(a.failed("b"));
+  const std::vector<Disc> all = a.failed_seen_from({20, 20}, 5);
   ASSERT_GT(all.size(), 3u);
   for (const Disc& disc : all) EXPECT_NEAR(disc.radius, 5.002, 0.002);
 
   const Point2 last = all.back().centre;
-  const std::vector<Disc> close = a.dead_seen_from(last + Point2(0, 10.0005), 5);
+  const std::vector<Disc> close = a.failed_seen_from(last + Point2(0, 10.0005), 5);
   ASSERT_EQ(close.size(), all.size());
   EXPECT_LT(close.back().radius, 5 - 0.0005);
   EXPECT_GT(close.back().radius, 4.999);
   a.hear("c", 5, {}, Point2::Zero(), last + Point2(0, 9.99));
   for (double now = 5; now < 6; now += period) a.judge(now);
-  const std::vector<Disc> left = a.dead_seen_from({20, 20}, 6);
+  const std::vector<Disc> left = a.failed_seen_from({20, 20}, 6);
   EXPECT_NEAR((left.back().centre - (last + Point2(0, 9.99))).norm(), 10, 0.01) << "as near as it can stand";
 }
 
@@ -142,7 +142,7 @@ std::vector<Disc> places_of_b(const Point2& c) {
     a.hear("c", now, {}, Point2::Zero(), c);
     a.judge(now);
   }
-  return a.dead_seen_from({20, 20}, 5);
+  return a.failed_seen_from({20, 20}, 5);
 }
 
 // It could be touched off the places that were kept clear: by half a metre where somebody stood before it, by
@@ -173,7 +173,7 @@ TEST(Silence, WhoStandsBesideADeadRobotMakesItNoMorePlaces) {
       a.hear("c", now, {}, Point2::Zero(), now < 5 ? Point2(20, 100) : beside);
       a.judge(now);
     }
-    EXPECT_LE(a.dead_seen_from({20, 20}, 65).size(), all.size() + 2) << along;
+    EXPECT_LE(a.failed_seen_from({20, 20}, 65).size(), all.size() + 2) << along;
   }
 }
 
@@ -187,7 +187,7 @@ TEST(Silence, WhereADeadRobotOfImpossibleSpeedMayStandIsSoonSaid) {
                     .max_speed = 1e9,
                     .max_acceleration = 1e7,
                     .promise = {period, {1e9, 0}, 2 * period},
-                    .knot = {},
+                    .round = {},
                     .echoes = {}};
   ASSERT_FALSE(problem_with(absurd));
   a.hear(absurd);
@@ -196,8 +196,8 @@ TEST(Silence, WhereADeadRobotOfImpossibleSpeedMayStandIsSoonSaid) {
     a.hear("c", now);
     a.judge(now);
   }
-  EXPECT_TRUE(a.dead("b"));
-  EXPECT_FALSE(a.dead_seen_from({80, 80}, now).empty());
+  EXPECT_TRUE(a.failed("b"));
+  EXPECT_FALSE(a.failed_seen_from({80, 80}, now).empty());
 }
 
 }  // namespace

@@ -21,11 +21,11 @@
 
 namespace coppice {
 
-class Dismantling {
+class EvacuateAndReassemble {
  public:
   /// `field` outlives it. A robot that could not even reach its goal alone is stranded, and may stand
   /// anywhere.
-  Dismantling(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
+  EvacuateAndReassemble(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
   /// A bounded amount of work: about one robot's way. True once it has ended.
   bool step();

@@ -7,31 +7,31 @@
 #include <string>
 
 #include "messages/messages.h"
-#include "motion/places.h"
+#include "motion/packed_roadmap.h"
 #include "planning/clearance_field.h"
 
 namespace coppice {
 
-struct Ground {
-  explicit Ground(const MapMessage& map) : map_id(map.map_id), field(map.map), places(field) {}
+struct MapContext {
+  explicit MapContext(const MapMessage& map) : map_id(map.map_id), field(map.map), places(field) {}
 
   std::string map_id;
   ClearanceField field;
-  PlacesOfMap places;
+  MapRoadmaps places;
 };
 
 /// The grounds of the robots of one process and thread, as long as one of them is on it.
-class Grounds {
+class MapContexts {
  public:
-  std::shared_ptr<Ground> of(const MapMessage& map) {
-    std::weak_ptr<Ground>& known = known_[map.map_id];
-    std::shared_ptr<Ground> ground = known.lock();
-    if (!ground) known = ground = std::make_shared<Ground>(map);
+  std::shared_ptr<MapContext> of(const MapMessage& map) {
+    std::weak_ptr<MapContext>& known = known_[map.map_id];
+    std::shared_ptr<MapContext> ground = known.lock();
+    if (!ground) known = ground = std::make_shared<MapContext>(map);
     return ground;
   }
 
  private:
-  std::map<std::string, std::weak_ptr<Ground>> known_;
+  std::map<std::string, std::weak_ptr<MapContext>> known_;
 };
 
 }  // namespace coppice

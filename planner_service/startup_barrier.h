@@ -14,7 +14,7 @@
 
 namespace coppice {
 
-class Muster {
+class StartupBarrier {
  public:
   void add(Arrival arrival) {
     if (const auto* status = std::get_if<AgentStatus>(arrival.message.get())) {
@@ -24,7 +24,7 @@ class Muster {
     }
   }
   /// Agents that say to have found so many others.
-  std::size_t acquainted(std::size_t others) const {
+  std::size_t is_synchronised(std::size_t others) const {
     return static_cast<std::size_t>(std::ranges::count_if(statuses_, [&](const auto& entry) {
       return std::get<AgentStatus>(*entry.second.message).load.agents_matched >= others;
     }));

@@ -20,10 +20,10 @@
 
 namespace coppice {
 
-class ClaimDesk {
+class RobotAssignment {
  public:
   /// `robots`: in the order in which they are given away; each once.
-  ClaimDesk(const std::vector<RobotName>& robots, WallTime now);
+  RobotAssignment(const std::vector<RobotName>& robots, WallTime now);
 
   /// What a service before this one kept: whoever spoke as a robot then may still do so.
   void recall(std::span<const Message> kept, WallTime now);
@@ -33,7 +33,7 @@ class ClaimDesk {
   WallTime next_wake() const { return next_wake_; }
 
  private:
-  struct Seat {
+  struct Lease {
     RobotName robot;
     std::uint64_t claimant = 0;  ///< to whom it was given last; 0: to nobody
     std::uint32_t number = 0;    ///< of that one's last claim
@@ -53,11 +53,11 @@ class ClaimDesk {
   void follow_clock(WallTime now);
   void take_up(const Claim& claim, WallTime now);
   void wait(const Claim& claim, WallTime now);
-  Seat* seat_given_to(std::uint64_t claimant);
-  Seat* free_seat(WallTime now);
+  Lease* lease_given_to(std::uint64_t claimant);
+  Lease* free_lease(WallTime now);
 
-  std::vector<Seat> seats_;
-  std::map<RobotName, std::size_t> seat_of_;
+  std::vector<Lease> leases_;
+  std::map<RobotName, std::size_t> lease_of_;
   std::vector<Waiting> waiting_;  ///< in the order in which they came
   WallTime last_step_;
   WallTime next_wake_;

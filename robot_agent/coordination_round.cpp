@@ -1,4 +1,4 @@
-#include "robot_agent/knot.h"
+#include "robot_agent/coordination_round.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ namespace coppice {
 namespace {
 
 constexpr double crowd_radii = 8;  // between two robots of one crowd
-constexpr double soon = 60;        // seconds after a knot in which the next one reaches further
+constexpr double soon = 60;        // seconds after a round in which the next one reaches further
 constexpr double long_delay = 5;   // seconds in which a joint plan comes to all
 // Seconds without a joint plan, by fleet time and by the wall's clock: the leader has lost sight of somebody.
 constexpr double longest_hold = 60;
@@ -24,24 +24,24 @@ constexpr double same_place = 0.01;   // metres between where a plan begins and 
 
 }  // namespace
 
-void Knot::join(const KnotId& id) {
+void CoordinationRound::join(const RoundId& id) {
   leave();
   follower_.reset();
   id_ = id;
   note_epoch(id.epoch);
-  stage_ = Stage::holding;
-  holding_since_.reset();
+  stage_ = Stage::waiting;
+  waiting_since_.reset();
   planned_since_.reset();
   plan_.reset();
   stranded_ = false;
 }
 
-void Knot::note_epoch(std::uint32_t epoch) {
+void CoordinationRound::note_epoch(std::uint32_t epoch) {
   if (is_later_epoch(epoch, latest_epoch_)) latest_epoch_ = epoch;
 }
 
 /// One that has made all its moves goes on saying so by its progress.
-void Knot::leave() {
+void CoordinationRound::leave() {
   const bool has_moves_left = stage_ != Stage::free;
   stage_ = Stage::free;
   planner_.reset();
@@ -49,52 +49,52 @@ void Knot::leave() {
   waits_for_.clear();
 }
 
-void Knot::hear(const RobotState& state, const std::optional<Point2>& position) {
-  note_epoch(state.knot.epoch);
-  const bool same = state.knot == id_;
-  const bool called_on = !same && calls_this(state.knot);
-  const bool out = same && stage_ == Stage::ordered && state.stage == Stage::free;
+void CoordinationRound::hear(const RobotState& state, const std::optional<Point2>& position) {
+  note_epoch(state.round.epoch);
+  const bool same = state.round == id_;
+  const bool called_on = !same && calls_this(state.round);
+  const bool out = same && stage_ == Stage::executing && state.stage == Stage::free;
   if (!called_on && !out) return;  // nearly all
-  const auto member = stage_ == Stage::ordered ? std::ranges::find(members_, state.robot) : members_.end();
+  const auto member = stage_ == Stage::executing ? std::ranges::find(members_, state.robot) : members_.end();
   if (member != members_.end()) {
     const auto index = static_cast<std::size_t>(member - members_.begin());
     if (out && parts_[index] != Part::done)
       parts_[index] = has_made_all_moves(index, state.progress) ? Part::done : Part::left;
     if (called_on && parts_[index] != Part::done) leave();
   }
-  if (called_on && state.stage == Stage::holding && position && state.knot.includes(*position))
-    join(state.knot);
+  if (called_on && state.stage == Stage::waiting && position && state.round.includes(*position))
+    join(state.round);
 }
 
-void Knot::hear(std::shared_ptr<const JointPlanMessage> plan) {
+void CoordinationRound::hear(std::shared_ptr<const JointPlanMessage> plan) {
   const bool member =
       std::ranges::find(plan->members, robot_, &JointPlanMessage::Member::robot) != plan->members.end();
-  if (calls_this(plan->knot) && member) join(plan->knot);
-  if (plan->knot == id_) plan_ = std::move(plan);
+  if (calls_this(plan->round) && member) join(plan->round);
+  if (plan->round == id_) plan_ = std::move(plan);
 }
 
 /// A crowd that was not sorted out, or that came together again, is wider than it seemed.
-void Knot::call(const FleetMember& self, const Fleet& fleet, double now) {
+void CoordinationRound::call(const FleetMember& self, const Fleet& fleet, double now) {
   const bool again = called_at_ && now - *called_at_ < soon;
-  const double crowd = fleet.crowd(self.position, crowd_radii * self.radius);
+  const double crowd = fleet.cluster_reach(self.position, crowd_radii * self.radius);
   begin(self, std::min(everywhere, std::max(crowd, again ? 2 * id_.reach : 0)), now);
 }
 
-void Knot::call_everybody(const FleetMember& self, double now) {
+void CoordinationRound::call_everybody(const FleetMember& self, double now) {
   begin(self, everywhere, now);
 }
 
-void Knot::begin(const FleetMember& self, double reach, double now) {
+void CoordinationRound::begin(const FleetMember& self, double reach, double now) {
   const bool moved = (self.position - called_from_).norm() > self.radius / 2;
   calls_in_vain_ = moved ? 0 : calls_in_vain_ + 1;
   if (moved) called_from_ = self.position;
   join({epoch_after(latest_epoch_), robot_, self.position, reach});
-  holding_since_ = now;
+  waiting_since_ = now;
   called_at_ = now;
 }
 
-void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now) {
-  if (!holding_since_) holding_since_ = now;
+void CoordinationRound::hold(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now) {
+  if (!waiting_since_) waiting_since_ = now;
   if (plan_) {
     if (!self.stands) return;
     take_up(*std::exchange(plan_, nullptr), self);
@@ -108,59 +108,59 @@ void Knot::hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places
     return;
   }
   const auto leader = fleet.find(id_.leader);
-  const bool leaderless = !leader || leader->dead || leader->knot != id_;
-  const bool planned = !leaderless && leader->stage != Stage::holding;
+  const bool leaderless = !leader || leader->failed || leader->round != id_;
+  const bool planned = !leaderless && leader->stage != Stage::waiting;
   if (planned && !planned_since_) planned_since_ = now;
-  if ((leaderless && now - *holding_since_ > fleet.second()) ||
-      now - *holding_since_ > std::max(longest_hold, least_hold * fleet.second())) {
+  if ((leaderless && now - *waiting_since_ > fleet.second()) ||
+      now - *waiting_since_ > std::max(longest_hold, least_hold * fleet.second())) {
     call(self, fleet, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     leave();  // it came too late for the plan
   }
 }
 
-/// Plans as soon as everybody alive within reach holds in this knot and stands. Who stands elsewhere and
+/// Plans as soon as everybody alive within reach holds in this round and stands. Who stands elsewhere and
 /// wants to go nowhere is an obstacle. Who says to be off the map is neither.
-void Knot::lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now) {
+void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now) {
   if (planner_) {
     if (planner_->step()) publish(self, now);
     return;
   }
-  if (!self.stands || !fleet.all_hold(id_)) return;
+  if (!self.stands || !fleet.all_wait(id_)) return;
   led_ = {self};
   std::vector<JointTask> obstacles;
   for (const FleetMember& m : fleet.others()) {
-    if (m.dead || !is_on_map(places.field(), m.position)) continue;
-    if (m.knot == id_ && m.stage == Stage::holding) {
+    if (m.failed || !is_on_map(places.field(), m.position)) continue;
+    if (m.round == id_ && m.stage == Stage::waiting) {
       led_.push_back(m);
     } else if (m.wants_to_stay) {
       obstacles.push_back({m.position, std::nullopt, m.radius, false});
     }
   }
-  for (const Disc& dead : fleet.places_of_the_dead(self.position, now)) {
-    if (is_on_map(places.field(), dead.centre, dead.radius))
-      obstacles.push_back({dead.centre, std::nullopt, dead.radius, false});
+  for (const Disc& failed : fleet.zones_of_failed(self.position, now)) {
+    if (is_on_map(places.field(), failed.centre, failed.radius))
+      obstacles.push_back({failed.centre, std::nullopt, failed.radius, false});
   }
   planner_ =
       std::make_unique<JointPlanner>(places, joint_tasks(led_, obstacles, places.field()), Random(id_.epoch));
 }
 
-void Knot::publish(const FleetMember& self, double now) {
+void CoordinationRound::publish(const FleetMember& self, double now) {
   if (!planner_->plan().stranded.empty() && id_.reach < everywhere) return call_everybody(self, now);
   JointPlan plan = planner_->take_plan();
   planner_.reset();
-  JointPlanMessage message{.knot = id_, .members = {}, .moves = std::move(plan.moves)};
+  JointPlanMessage message{.round = id_, .members = {}, .moves = std::move(plan.moves)};
   for (const FleetMember& m : led_) message.members.push_back({m.robot, m.radius, false});
   for (const std::size_t i : plan.stranded) message.members[i].stranded = true;
   plan_ = std::make_shared<const JointPlanMessage>(message);
   own_plan_ = std::move(message);
 }
 
-std::optional<JointPlanMessage> Knot::take_own_plan() {
+std::optional<JointPlanMessage> CoordinationRound::take_own_plan() {
   return std::exchange(own_plan_, std::nullopt);
 }
 
-void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
+void CoordinationRound::take_up(const JointPlanMessage& plan, const FleetMember& self) {
   leave();
   members_.clear();
   std::vector<double> radii;
@@ -182,15 +182,15 @@ void Knot::take_up(const JointPlanMessage& plan, const FleetMember& self) {
   const std::vector<Path> legs = legs_of(index, plan.moves);
   if (legs.empty() || (legs.front().front() - self.position).norm() > same_place) return;
   follower_.emplace(legs, gates_of(index, plan.moves, radii), self.radius);
-  stage_ = Stage::ordered;
+  stage_ = Stage::executing;
 }
 
-Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
+Point2 CoordinationRound::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                                 const Limits& limits, double now) {
   const auto passed = [&](std::size_t index) {
     if (parts_[index] == Part::done) return std::numeric_limits<double>::infinity();
     const auto other = fleet.find(members_[index]);
-    return other && other->knot == id_ && other->stage == Stage::ordered ? other->progress : 0.0;
+    return other && other->round == id_ && other->stage == Stage::executing ? other->progress : 0.0;
   };
   Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
   const auto& waits = follower_->waits_for();
@@ -205,8 +205,8 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
     awaited_ = {waits_for_, waited_for->progress};
     awaited_since_ = now;
   }
-  const bool worth_waiting = (waited_for && !waited_for->dead && now - awaited_since_ < longest_wait) ||
-                             fleet.doubts(self.position, crowd_radii * self.radius);
+  const bool worth_waiting = (waited_for && !waited_for->failed && now - awaited_since_ < longest_wait) ||
+                             fleet.is_suspected_near(self.position, crowd_radii * self.radius);
   if (follower_->progress() > last_progress_ || worth_waiting) {
     last_progress_ = follower_->progress();
     last_progress_time_ = now;
@@ -220,26 +220,26 @@ Point2 Knot::preferred_velocity(const FleetMember& self, const Fleet& fleet, con
   return wanted;
 }
 
-/// One that says so is out of the knot; else it has left it, and where it goes no plan says.
-bool Knot::has_made_all_moves(std::size_t member, double progress) const {
+/// One that says so is out of the round; else it has left it, and where it goes no plan says.
+bool CoordinationRound::has_made_all_moves(std::size_t member, double progress) const {
   const auto& ends = schedules_[member].ends;
   return ends.empty() || progress > ends.back() - same_place;
 }
 
 /// The place in the plan of the move that a member has come to; beyond the plan's end if it has
 /// made all.
-std::size_t Knot::next_move(std::size_t member, double progress) const {
+std::size_t CoordinationRound::next_move(std::size_t member, double progress) const {
   const auto& [ends, at] = schedules_[member];
   const auto next = std::ranges::upper_bound(ends, progress + same_place);
   return next == ends.end() ? std::numeric_limits<std::size_t>::max()
                             : at[static_cast<std::size_t>(next - ends.begin())];
 }
 
-bool Knot::gives_way(const FleetMember& self, const Fleet& fleet, double now) {
+bool CoordinationRound::gives_way(const FleetMember& self, const Fleet& fleet, double now) {
   const auto own = std::ranges::find(members_, robot_) - members_.begin();
   const std::size_t own_next = next_move(static_cast<std::size_t>(own), progress());
   for (const FleetMember& other : fleet.beside(self.position, self.radius, close_radii)) {
-    if (other.dead || other.knot != id_ || other.stage != Stage::ordered) continue;
+    if (other.failed || other.round != id_ || other.stage != Stage::executing) continue;
     const auto member = std::ranges::find(members_, other.robot);
     if (member == members_.end()) continue;
     const auto k = static_cast<std::size_t>(member - members_.begin());

@@ -1,4 +1,4 @@
-// Of Fleet: who has fallen silent, who counts as dead, and where.
+// Of Fleet: who has fallen silent, who counts as failed, and where.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,18 +12,18 @@ namespace coppice {
 namespace {
 
 // Seconds without a state (of the wall's clock, or of fleet time where that is slower: states come by fleet
-// time) after which a robot counts as dead: far longer than a pause of a process or a run of lost samples
-// lasts, for one that drives on unheard may touch those who think it dead.
+// time) after which a robot counts as failed: far longer than a pause of a process or a run of lost samples
+// lasts, for one that drives on unheard may touch those who think it failed.
 constexpr double death = 2;
-// Who is silent for longer is not cut off, but dead: networks heal within that time.
+// Who is silent for longer is not cut off, but failed: networks heal within that time.
 constexpr double longest_cut = 60;
 constexpr double driven_cut_off = 3;  // seconds that one may drive on until it notices
 // What was said last may have been lost, and what was heard last may have come late.
 constexpr double unheard_before = 1;
 constexpr double said_since = 0.5;
 constexpr double longest_delay = 5;
-// Who was out of touch may know more of the silent, and says so at every beat.
-constexpr double hears_the_news = 3;
+// Who was out of touch may know more of the silent, and says so at every heartbeat.
+constexpr double informs_for = 3;
 constexpr double lost_before_it_is_away = 4;
 // Without a state for so long a robot is missing: longer than samples are under way or a process pauses.
 constexpr double absence = 1;
@@ -33,21 +33,21 @@ constexpr double loneliness = 0.6;
 // Nobody says to have heard of this one, though it asks for that (Fleet::echoed), and is answered at once.
 constexpr double longest_unheard = 1.8;
 // The same for one that was never heard of: its process may still have to start.
-constexpr double longest_muster = 10;
+constexpr double longest_startup = 10;
 constexpr double from_the_beginning = 30;  // beyond that and the longest cut, no more
 // Who is far away sends less often: so many states in a row may be lost before that is silence.
 constexpr double lost_in_a_row = 10;
-constexpr double slow_beat = standing_stride * control_period;  // of one that stands close by
+constexpr double heartbeat_seconds = heartbeat_interval * control_period;  // of one that stands close by
 constexpr double looks_at_silence = 0.5;                        // seconds between two
 constexpr double relay_until = 4;    // seconds in which the last states of the silent are passed on
 constexpr double rests_clear = 0.9;  // of its radius: it may have turned a little
-constexpr double rests_radii = 0.1;  // between the places where a dead robot may stand
+constexpr double rests_radii = 0.1;  // between the places where a failed robot may stand
 constexpr int halvings = 6;          // of that, where somebody else stands in between
 constexpr double most_rests = 1e6;   // of one robot, whatever it says of its size and speed
 
 /// Seconds; who sends at every so many turns may not be heard for so long.
-double lost_over(int stride) {
-  return lost_in_a_row * std::max(0.0, control_period * stride - slow_beat);
+double lost_over(int interval) {
+  return lost_in_a_row * std::max(0.0, control_period * interval - heartbeat_seconds);
 }
 
 /// Until a robot stands that decides nothing more after this state.
@@ -88,9 +88,9 @@ void Fleet::hear_of_the_missing(const RobotState& state, const Peer& teller, dou
     if (echo.stamp <= newest || is_from_the_future(echo.stamp, p, now)) continue;
     p.echoed = echo.stamp;
     const double between = (p.place - state.position).norm() - p.radius - state.radius;
-    const int stride =
-        std::max({stride_from(p), stride_from(teller), stride_over(between, p.max_speed + state.max_speed)});
-    p.echo_holds_until = std::max(p.echo_holds_until, now + death * second() + lost_over(stride));
+    const int interval =
+        std::max({interval_from(p), interval_from(teller), send_interval(between, p.max_speed + state.max_speed)});
+    p.echo_holds_until = std::max(p.echo_holds_until, now + death * second() + lost_over(interval));
   }
 }
 
@@ -106,12 +106,12 @@ std::optional<RobotName> Fleet::heard_by_others_only() const {
 
 /// For so long nothing needs to come from it, because of how far away it is.
 double Fleet::explained_silence(const Peer& p) const {
-  return lost_over(p.state ? stride_from(p) : std::min(stride_from(p), stride_to_strangers()));
+  return lost_over(p.state ? interval_from(p) : std::min(interval_from(p), handshake_interval()));
 }
 
 /// Robots without which all have waited for long enough may have come, driven and died.
 bool Fleet::is_under_way(double now) const {
-  return now > longest_muster * second();
+  return now > longest_startup * second();
 }
 
 /// More is missing than some lost samples, though it may not be enough to count as silent; or it comes when
@@ -119,7 +119,7 @@ bool Fleet::is_under_way(double now) const {
 bool Fleet::was_away(const Peer& p, double now) const {
   if (!p.state) return is_under_way(now);
   const double unheard_for = since(p.heard_at, now) - long_absence * second();
-  return unheard_for > 0 && unheard_for > lost_before_it_is_away * control_period * stride_from(p);
+  return unheard_for > 0 && unheard_for > lost_before_it_is_away * control_period * interval_from(p);
 }
 
 /// For so long nothing came that should have.
@@ -135,7 +135,7 @@ double Fleet::silence(const Peer& p, double now) const {
 }
 
 bool Fleet::missing(const Peer& p, double seconds, double now) const {
-  return p.state && !p.dead && silence(p, now) > seconds * second();
+  return p.state && !p.failed && silence(p, now) > seconds * second();
 }
 
 /// Nothing has changed while everybody was heard of a moment ago.
@@ -148,13 +148,13 @@ void Fleet::count_absences(double now) {
   absences_ = {};
   counted_at_ = now;
   missing_.clear();
-  missing_dead_.clear();
+  silent_failed_.clear();
   clock_error_ = 0;
   all_settled_until_ = now + looks_at_silence * second();
   for (Peer& p : peers_) {
     count_absence(p, now);
-    if (p.clock.known() && !p.dead) clock_error_ = std::max(clock_error_, p.clock.error(now));
-    absences_.alive += p.state && !p.dead;
+    if (p.clock.known() && !p.failed) clock_error_ = std::max(clock_error_, p.clock.error(now));
+    absences_.alive += p.state && !p.failed;
     all_settled_until_ = std::min(all_settled_until_, p.settled_until);
   }
 }
@@ -164,9 +164,9 @@ void Fleet::count_absence(Peer& p, double now) {
   const double silent = silence(p, now) / second();
   const auto number = static_cast<std::size_t>(&p - peers_.data());
   if (silent > long_absence && heard_elsewhere(p, now)) count.elsewhere = number;
-  if (silent > absence) (p.dead ? missing_dead_ : missing_).push_back(number);
-  count.dead += p.dead;
-  if (p.dead) return;
+  if (silent > absence) (p.failed ? silent_failed_ : missing_).push_back(number);
+  count.failed += p.failed;
+  if (p.failed) return;
   if (!p.state) {
     count.never_came += p.mission && silent > absence;
     return;
@@ -178,19 +178,19 @@ void Fleet::count_absence(Peer& p, double now) {
   count.long_absent += silent > long_absence;
 }
 
-void Fleet::judge_silence(double now, const Point2& position, const KnotId& holds_in,
+void Fleet::detect_failures(double now, const Point2& position, const RoundId& waits_in,
                           const ClearanceField& field) {
   position_ = position;
-  holds_in_ = holds_in;
-  leads_ = holds_in.leader == self_;
-  leader_ = holds_in.epoch > 0 ? index_.find(holds_in.leader) : std::nullopt;
+  waits_in_ = waits_in;
+  leads_ = waits_in.leader == self_;
+  leader_ = waits_in.epoch > 0 ? index_.find(waits_in.leader) : std::nullopt;
   const Absences count = absences(now);
-  if (std::exchange(somebody_said_dead_, false)) bury_who_is_said_to_be_dead(count, now, field);
-  if (count.dead > 0 && now >= next_look_at_the_dead_) look_at_the_dead(now);
-  if (doubts_) end_doubts(now);
-  if (count.never_came + count.absent > 0) give_up_the_lost(count, now, field);
+  if (std::exchange(failure_reported_, false)) adopt_reported_failures(count, now, field);
+  if (count.failed > 0 && now >= next_zone_check_) shrink_zones(now);
+  if (some_suspected_) end_suspicions(now);
+  if (count.never_came + count.absent > 0) declare_silent_failed(count, now, field);
   copies_ = count.alive > 0 ? loss_.copies_for(std::min(count.alive, sure_witnesses)) : 1;
-  somebody_missing_ = count.absent + count.never_came + count.dead > 0;
+  somebody_missing_ = count.absent + count.never_came + count.failed > 0;
   cut_off_ = now < minority_until_ || is_alone(count) || unheard_by_all(count, now) ||
              count.long_absent > 1 || count.elsewhere;
   out_of_touch_ = is_alone(count) || unheard_by_all(count, now) ||
@@ -201,7 +201,7 @@ void Fleet::judge_silence(double now, const Point2& position, const KnotId& hold
 bool Fleet::is_alone(const Absences& count) const {
   if (count.alive == 0 || count.unheard < count.alive) return false;
   return count.alive > 1 ||
-         std::ranges::any_of(peers_, [&](const Peer& p) { return p.state && !p.dead && p.robot < self_; });
+         std::ranges::any_of(peers_, [&](const Peer& p) { return p.state && !p.failed && p.robot < self_; });
 }
 
 bool Fleet::unheard_by_all(const Absences& count, double now) const {
@@ -213,7 +213,7 @@ bool Fleet::unheard_by_all(const Absences& count, double now) const {
 bool Fleet::silent_alone(const Peer& lost, double now) const {
   const double since_then = silence(lost, now) - said_since * second();
   return std::ranges::all_of(peers_, [&](const Peer& p) {
-    return &p == &lost || !p.state || p.dead || age_of_last_sign(p, now) < since_then;
+    return &p == &lost || !p.state || p.failed || age_of_last_sign(p, now) < since_then;
   });
 }
 
@@ -223,9 +223,9 @@ double Fleet::age_of_last_sign(const Peer& p, double now) const {
   return now - std::max(p.state->stamp, p.echoed) - p.clock.estimate() + p.clock.error(now);
 }
 
-/// One that decides nothing more is dead once it must stand, too. If several are missing, all are dead when
+/// One that decides nothing more is failed once it must stand, too. If several are missing, all are failed when
 /// the first is.
-void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceField& field) {
+void Fleet::declare_silent_failed(const Absences& count, double now, const ClearanceField& field) {
   const bool several = count.absent > 1;
   const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
     return missing(p, several ? longest_cut : death, now) && silence(p, now) > time_to_rest(*p.state) &&
@@ -234,11 +234,11 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   std::vector<Peer*> lost;
   for (Peer& p : peers_) {
     const bool never_came =
-        !p.state && p.mission && !begun_anew_ && silence(p, now) > longest_muster * second();
-    const bool given_up = (never_came && !p.dead) || (over && missing(p, absence, now));
+        !p.state && p.mission && !begun_anew_ && silence(p, now) > longest_startup * second();
+    const bool given_up = (never_came && !p.failed) || (over && missing(p, absence, now));
     if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
   }
-  if (lost.empty() || now - somebody_back_at_ < hears_the_news * second()) return;
+  if (lost.empty() || now - somebody_back_at_ < informs_for * second()) return;
   const std::size_t left = 1 + count.alive - count.absent;
   const std::vector<Peer*> missed = with_those_who_never_came(lost, now);
   const bool minority = is_minority(missed, left);
@@ -250,17 +250,17 @@ void Fleet::give_up_the_lost(const Absences& count, double now, const ClearanceF
   });
   const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
   for (auto p = lost.begin(); p != lost.end(); ++p) {
-    bury(**p, p < first_of_piece ? unheard_states_of(**p, count) : until_noticed, field, now);
-    if ((*p)->state) doubt(**p, now);
+    declare_failed(**p, p < first_of_piece ? unheard_states_of(**p, count) : until_noticed, field, now);
+    if ((*p)->state) suspect(**p, now);
   }
 }
 
 /// A network may be in pieces from the beginning: then they are given up one by one, by when their missions
 /// came. Later they are none of a piece: networks heal.
 std::vector<Fleet::Peer*> Fleet::with_those_who_never_came(std::vector<Peer*> lost, double now) {
-  if (now > (longest_muster + longest_cut + from_the_beginning) * second()) return lost;
+  if (now > (longest_startup + longest_cut + from_the_beginning) * second()) return lost;
   for (Peer& p : peers_) {
-    if (p.dead && !p.state) lost.push_back(&p);
+    if (p.failed && !p.state) lost.push_back(&p);
   }
   return lost;
 }
@@ -279,9 +279,9 @@ int Fleet::unheard_states_of(const Peer& p, const Absences& count) const {
 }
 
 /// They have waited for it as long as it takes.
-void Fleet::bury_who_is_said_to_be_dead(const Absences& count, double now, const ClearanceField& field) {
+void Fleet::adopt_reported_failures(const Absences& count, double now, const ClearanceField& field) {
   for (Peer& p : peers_) {
-    if (std::exchange(p.said_dead, false)) bury(p, unheard_states_of(p, count), field, now);
+    if (std::exchange(p.reported_failed, false)) declare_failed(p, unheard_states_of(p, count), field, now);
   }
 }
 
@@ -290,7 +290,7 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
   if (lost.size() != left) return lost.size() > left;
   return std::ranges::any_of(lost, [&](const Peer* other) {
     return other->robot < self_ && std::ranges::none_of(peers_, [&](const Peer& p) {
-             return !p.dead && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
+             return !p.failed && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
            });
   });
 }
@@ -299,21 +299,21 @@ bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
 double Fleet::room_at(const Point2& q, const Point2& position, double now) const {
   double room = (q - position).norm() - own_mission_->radius;
   for (const Peer& p : peers_) {
-    const bool known = p.state && !p.dead && !missing(p, absence, now);
+    const bool known = p.state && !p.failed && !missing(p, absence, now);
     if (known) room = std::min(room, (q - p.place).norm() - p.radius);
   }
   return room;
 }
 
-/// Of the places where a dead robot may stand: so much around each, and nothing between two is left out.
+/// Of the places where a failed robot may stand: so much around each, and nothing between two is left out.
 double Fleet::covers_rests(const Peer& p) const {
   const double reach = own_mission_->radius + p.radius;
   return p.rests.size() < 2 ? p.radius : p.radius + std::hypot(reach, rests_radii * p.radius / 2) - reach;
 }
 
-/// Where one that is alive has come to stand meanwhile, no dead one does.
-void Fleet::look_at_the_dead(double now) {
-  next_look_at_the_dead_ = now + looks_at_silence;
+/// Where one that is alive has come to stand meanwhile, no failed one does.
+void Fleet::shrink_zones(double now) {
+  next_zone_check_ = now + looks_at_silence;
   for (Peer& p : peers_) {
     if (p.rests.size() < 2 || !p.state) continue;
     const auto possible = [&](const Point2& rest) {
@@ -337,9 +337,9 @@ void Fleet::look_at_the_dead(double now) {
 
 /// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
 /// in one of us.
-void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) {
+void Fleet::declare_failed(Peer& p, int unheard, const ClearanceField& field, double now) {
   p.settled_until = all_settled_until_ = 0;
-  p.dead = true;
+  p.failed = true;
   if (!p.state) {
     p.rests = {p.place};
     return;
@@ -359,52 +359,52 @@ void Fleet::bury(Peer& p, int unheard, const ClearanceField& field, double now) 
   p.place = p.rests.front();
 }
 
-/// If it is not dead, but cut off, it drives on until it notices that nobody hears it.
-void Fleet::doubt(Peer& p, double now) {
+/// If it is not failed, but cut off, it drives on until it notices that nobody hears it.
+void Fleet::suspect(Peer& p, double now) {
   const Limits limits = limits_of(*p.state);
   const double seconds =
       (longest_unheard + unheard_before) * second() + std::min(p.clock.error(now), longest_delay);
   p.strays = limits.max_speed * seconds + braking_distance(limits.max_speed, limits, control_period);
-  p.doubted_until = clock_.fleet_time(p.heard_at) + longest_cut * second();
-  doubts_ = true;
+  p.suspected_until = clock_.fleet_time(p.heard_at) + longest_cut * second();
+  some_suspected_ = true;
 }
 
-bool Fleet::doubts(const Point2& p, double reach) const {
-  return doubts_ && std::ranges::any_of(peers_, [&](const Peer& q) {
-           return q.doubted_until > 0 && (q.place - p).norm() < q.strays + q.radius + reach;
+bool Fleet::is_suspected_near(const Point2& p, double reach) const {
+  return some_suspected_ && std::ranges::any_of(peers_, [&](const Peer& q) {
+           return q.suspected_until > 0 && (q.place - p).norm() < q.strays + q.radius + reach;
          });
 }
 
-void Fleet::end_doubts(double now) {
-  doubts_ = false;
+void Fleet::end_suspicions(double now) {
+  some_suspected_ = false;
   for (Peer& p : peers_) {
-    if (p.doubted_until == 0) continue;
-    if (now < p.doubted_until) {
-      doubts_ = true;
+    if (p.suspected_until == 0) continue;
+    if (now < p.suspected_until) {
+      some_suspected_ = true;
       continue;
     }
-    p.doubted_until = 0;
-    ++turns_for_the_better_;
+    p.suspected_until = 0;
+    ++recoveries_;
   }
 }
 
-std::vector<RobotName> Fleet::who_missed_the_news(double now) const {
+std::vector<RobotName> Fleet::peers_to_inform(double now) const {
   std::vector<RobotName> names;
-  static_assert(absence <= hears_the_news);
-  if (now - std::max(somebody_new_at_, somebody_back_at_) > hears_the_news * second()) return names;
+  static_assert(absence <= informs_for);
+  if (now - std::max(somebody_new_at_, somebody_back_at_) > informs_for * second()) return names;
   for (const Peer& p : peers_) {
-    const bool is_new = p.state && p.state->is_new && !p.dead && since(p.heard_at, now) < absence * second();
-    const bool is_back = p.back_at > 0 && now - p.back_at < hears_the_news * second();
+    const bool is_new = p.state && p.state->is_new && !p.failed && since(p.heard_at, now) < absence * second();
+    const bool is_back = p.back_at > 0 && now - p.back_at < informs_for * second();
     if (is_new || is_back) names.push_back(p.robot);
   }
   return names;
 }
 
 /// Who never came stands where its mission begins.
-std::vector<RobotState> Fleet::states_of_the_silent(double now) const {
+std::vector<RobotState> Fleet::states_of_silent_peers(double now) const {
   std::vector<RobotState> states;
   for (const Peer& p : peers_) {
-    if (!p.dead && !(p.state && unheard(p, now) > relay_from * second())) continue;
+    if (!p.failed && !(p.state && unheard(p, now) > relay_from * second())) continue;
     if (p.state) {
       states.push_back(*p.state);
     } else {
@@ -417,7 +417,7 @@ std::vector<RobotState> Fleet::states_of_the_silent(double now) const {
                         .run = clock_.epoch});
     }
     states.back().passed_on = true;
-    states.back().counts_as_dead = p.dead && p.doubted_until == 0;
+    states.back().counts_as_failed = p.failed && p.suspected_until == 0;
   }
   return states;
 }

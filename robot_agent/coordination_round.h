@@ -1,12 +1,12 @@
 // A robot's part in sorting out a crowd that stands in its own way.
 //
-// Whoever makes no progress calls a knot: a new epoch, of which it is the leader, for everybody in the crowd
+// Whoever makes no progress calls a round: a new epoch, of which it is the leader, for everybody in the crowd
 // around it. Who hears of it, in anybody's state, and is within its reach joins: brakes and holds. Once all
 // of these that are alive stand, the leader makes a joint plan (motion/joint_planner.h) and publishes it;
 // each then drives its own moves in the plan's order (motion/precedence.h), and is free again after its last.
-// A later knot overrides an earlier one at any time; who is called away from a plan leaves the others free.
+// A later round overrides an earlier one at any time; who is called away from a plan leaves the others free.
 // A robot that leaves a plan with moves to make, for it was stopped or came too late, opens no gate: the
-// first one that waits for it calls a new knot. A knot that does not sort out its crowd is followed by one of
+// first one that waits for it calls a new round. A round that does not sort out its crowd is followed by one of
 // the whole fleet.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
@@ -20,20 +20,20 @@
 
 #include "messages/messages.h"
 #include "motion/joint_planner.h"
-#include "motion/places.h"
+#include "motion/packed_roadmap.h"
 #include "motion/way_follower.h"
 #include "robot_agent/fleet.h"
 
 namespace coppice {
 
-/// The reach of a knot of the whole fleet, metres.
+/// The reach of a round of the whole fleet, metres.
 inline constexpr double everywhere = 1e6;
 
-class Knot {
+class CoordinationRound {
  public:
-  explicit Knot(RobotName robot) : robot_(std::move(robot)) {}
+  explicit CoordinationRound(RobotName robot) : robot_(std::move(robot)) {}
 
-  const KnotId& id() const { return id_; }
+  const RoundId& id() const { return id_; }
   Stage stage() const { return stage_; }
   double progress() const { return follower_ ? follower_->progress() : 0; }
   /// Whose progress it waits for; empty for nobody.
@@ -53,7 +53,7 @@ class Knot {
   void forget(std::uint32_t epoch) { latest_epoch_ = forgotten_ = epoch; }
 
   /// What did not help before may do so now.
-  void hope_anew() { calls_in_vain_ = 0; }
+  void retry_after_change() { calls_in_vain_ = 0; }
   /// It is to go elsewhere: that no plan could help it until now says nothing.
   void forget_failures() {
     calls_in_vain_ = 0;
@@ -67,21 +67,21 @@ class Knot {
   /// It takes no more part.
   void leave();
 
-  /// Begins a new knot of the crowd around, or of the whole fleet, with this robot as its leader.
+  /// Begins a new round of the crowd around, or of the whole fleet, with this robot as its leader.
   void call(const FleetMember& self, const Fleet& fleet, double now);
   void call_everybody(const FleetMember& self, double now);
 
-  /// Once a control period while holding. `own_plan`, once, what to publish.
-  void hold(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);
+  /// Once a control period while waiting. `own_plan`, once, what to publish.
+  void hold(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now);
   std::optional<JointPlanMessage> take_own_plan();
 
-  /// Once a control period while ordered: where to drive. Ends the stage when the last move is done.
+  /// Once a control period while executing: where to drive. Ends the stage when the last move is done.
   /// `position`: at the turn, from where the velocity will be driven.
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                             const Limits& limits, double now);
   /// Whether that leads past what stands.
   void led_past(bool everything) { follower_->led_past(everything); }
-  /// While ordered: whether somebody close by, whose next move is earlier in the plan, is under way: a
+  /// While executing: whether somebody close by, whose next move is earlier in the plan, is under way: a
   /// robot that is held up lets it go first.
   bool gives_way(const FleetMember& self, const Fleet& fleet, double now);
 
@@ -95,28 +95,28 @@ class Knot {
   enum class Part : std::uint8_t {
     under_way,
     done,  ///< it has made all its moves
-    left,  ///< it made some, and makes no more: what waits for these calls a new knot
+    left,  ///< it made some, and makes no more: what waits for these calls a new round
   };
 
-  bool calls_this(const KnotId& knot) const {
-    return is_later_epoch(knot.epoch, forgotten_) && knot.overrides(id_);
+  bool calls_this(const RoundId& round) const {
+    return is_later_epoch(round.epoch, forgotten_) && round.overrides(id_);
   }
-  void join(const KnotId& id);
+  void join(const RoundId& id);
   void note_epoch(std::uint32_t epoch);
   void begin(const FleetMember& self, double reach, double now);
-  void lead(const FleetMember& self, const Fleet& fleet, PlacesOfMap& places, double now);
+  void lead(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now);
   void publish(const FleetMember& self, double now);
   void take_up(const JointPlanMessage& plan, const FleetMember& self);
   bool has_made_all_moves(std::size_t member, double progress) const;
   std::size_t next_move(std::size_t member, double progress) const;
 
   RobotName robot_;
-  KnotId id_;
+  RoundId id_;
   std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
   std::uint32_t forgotten_ = 0;     ///< epoch
   Stage stage_ = Stage::free;
-  std::shared_ptr<const JointPlanMessage> plan_;  ///< of this knot, until it is taken up
-  std::optional<double> holding_since_;
+  std::shared_ptr<const JointPlanMessage> plan_;  ///< of this round, until it is taken up
+  std::optional<double> waiting_since_;
   std::optional<double> planned_since_;  ///< its leader holds no more
   std::optional<double> called_at_;
   Point2 called_from_ = Point2::Zero();

@@ -1,5 +1,5 @@
 // Where a crowd can stand, checked with nothing but the clearance field and distances.
-#include "motion/places.h"
+#include "motion/packed_roadmap.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,12 +30,12 @@ OccupancyMap rooms() {
 
 TEST(Places, RobotsOnAllOfThemTouchNothing) {
   const ClearanceField field(rooms());
-  PackedPlaces packed(field, radius, 1);
-  const PlaceGraph graph = packed.with({}, {});
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap graph = packed.with({}, {});
   ASSERT_GT(graph.size(), 100u);
-  for (Place a = 0; a < graph.size(); ++a) {
+  for (Vertex a = 0; a < graph.size(); ++a) {
     EXPECT_TRUE(field.is_free(graph.at(a), radius));
-    for (Place b = 0; b < a; ++b) EXPECT_GE((graph.at(a) - graph.at(b)).norm(), touching - 1e-9);
+    for (Vertex b = 0; b < a; ++b) EXPECT_GE((graph.at(a) - graph.at(b)).norm(), touching - 1e-9);
   }
 }
 
@@ -43,15 +43,15 @@ TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
   const ClearanceField field(rooms());
   const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
   for (const Point2& p : more) ASSERT_TRUE(field.is_free(p, radius));
-  PackedPlaces packed(field, radius, 1);
-  const PlaceGraph graph = packed.with(more, {});
-  for (Place from = 0; from < graph.size(); ++from) {
-    for (const PlaceGraph::Edge& edge : graph.edges(from)) {
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap graph = packed.with(more, {});
+  for (Vertex from = 0; from < graph.size(); ++from) {
+    for (const AnnotatedRoadmap::Edge& edge : graph.edges(from)) {
       EXPECT_EQ(edge.path.front(), graph.at(from));
       EXPECT_EQ(edge.path.back(), graph.at(edge.to));
       for (std::size_t k = 1; k < edge.path.size(); ++k)
         EXPECT_TRUE(field.segment_free(edge.path[k - 1], edge.path[k], radius));
-      for (Place k = 0; k < graph.size(); ++k) {
+      for (Vertex k = 0; k < graph.size(); ++k) {
         const bool touches = point_path_distance(graph.at(k), edge.path) < touching - 1e-6;
         // Who stands at the edge's beginning has nobody that near already.
         const bool alone = (graph.at(k) - graph.at(from)).norm() < touching - 1e-6;
@@ -65,16 +65,16 @@ TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
 // What a crowd changes in its graph is its own: the next one finds the packed places as they were.
 TEST(Places, AGraphLeavesThePackedPlacesAlone) {
   const ClearanceField field(rooms());
-  PackedPlaces packed(field, radius, 1);
-  const PlaceGraph before = packed.with({}, {});
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap before = packed.with({}, {});
   const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
-  const std::vector<Disc> dead{{before.at(7), radius}, {before.at(40), 4 * radius}};
-  const PlaceGraph changed = packed.with(more, dead);
+  const std::vector<Disc> failed{{before.at(7), radius}, {before.at(40), 4 * radius}};
+  const AnnotatedRoadmap changed = packed.with(more, failed);
   ASSERT_EQ(changed.size(), before.size() + more.size());
   EXPECT_TRUE(changed.edges(7).empty());
-  const PlaceGraph after = packed.with({}, {});
+  const AnnotatedRoadmap after = packed.with({}, {});
   ASSERT_EQ(after.size(), before.size());
-  for (Place k = 0; k < before.size(); ++k) {
+  for (Vertex k = 0; k < before.size(); ++k) {
     ASSERT_EQ(after.edges(k).size(), before.edges(k).size());
     for (std::size_t e = 0; e < before.edges(k).size(); ++e)
       EXPECT_EQ(after.edges(k)[e].near, before.edges(k)[e].near);
@@ -83,14 +83,14 @@ TEST(Places, AGraphLeavesThePackedPlacesAlone) {
 
 TEST(Places, NoEdgeComesNearWhatStandsForEverWhateverItsSize) {
   const ClearanceField field(rooms());
-  PackedPlaces packed(field, radius, 1);
+  PackedRoadmap packed(field, radius, 1);
   const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
   for (const double size : {2.0, 5.0, 40.0}) {
-    const std::vector<Disc> dead{{{60, 52}, size}, {{200, 150}, size}};
-    const PlaceGraph graph = packed.with(more, dead);
-    for (Place from = 0; from < graph.size(); ++from) {
-      for (const PlaceGraph::Edge& edge : graph.edges(from)) {
-        for (const Disc& disc : dead)
+    const std::vector<Disc> failed{{{60, 52}, size}, {{200, 150}, size}};
+    const AnnotatedRoadmap graph = packed.with(more, failed);
+    for (Vertex from = 0; from < graph.size(); ++from) {
+      for (const AnnotatedRoadmap::Edge& edge : graph.edges(from)) {
+        for (const Disc& disc : failed)
           EXPECT_GE(point_path_distance(disc.centre, edge.path), radius + size + standing_gap);
       }
     }
@@ -100,31 +100,31 @@ TEST(Places, NoEdgeComesNearWhatStandsForEverWhateverItsSize) {
 TEST(Places, OneConnectedFreeSpaceIsOnePart) {
   for (const int width : {10, 14, 24, 40}) {
     const ClearanceField field(corridor(width));
-    PackedPlaces packed(field, radius, 1);
-    const PlaceGraph graph = packed.with({}, {});
-    const std::vector<Place> numbers = numbers_by_neighbourhood(graph);
+    PackedRoadmap packed(field, radius, 1);
+    const AnnotatedRoadmap graph = packed.with({}, {});
+    const std::vector<Vertex> numbers = numbers_by_neighbourhood(graph);
     CostToGo cost(graph, numbers, 0, 0);
-    for (Place k = 0; k < graph.size(); ++k) EXPECT_TRUE(std::isfinite(cost.from(k))) << width;
+    for (Vertex k = 0; k < graph.size(); ++k) EXPECT_TRUE(std::isfinite(cost.from(k))) << width;
   }
 }
 
 TEST(Places, AWideCorridorGetsTwoLanes) {
   const ClearanceField narrow(corridor(14));
   const ClearanceField wide(corridor(24));
-  const std::size_t one_lane = PackedPlaces(narrow, radius, 1).size();
-  const std::size_t two_lanes = PackedPlaces(wide, radius, 1).size();
+  const std::size_t one_lane = PackedRoadmap(narrow, radius, 1).size();
+  const std::size_t two_lanes = PackedRoadmap(wide, radius, 1).size();
   EXPECT_NEAR(static_cast<double>(one_lane), 190 / 10.5, 2);
   EXPECT_NEAR(static_cast<double>(two_lanes), 2 * 190 / 10.5, 4);
 }
 
 TEST(Places, NoEdgeLeadsThroughWhatStandsForEver) {
   const ClearanceField field(corridor(14));
-  const std::vector<Disc> dead{{{100, 50}, radius}};
+  const std::vector<Disc> failed{{{100, 50}, radius}};
   const std::vector<Point2> more{{20, 50}, {180, 50}};
-  PackedPlaces packed(field, radius, 1);
-  const PlaceGraph graph = packed.with(more, dead);
-  const auto first = static_cast<Place>(packed.size());
-  const std::vector<Place> numbers = numbers_by_neighbourhood(graph);
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap graph = packed.with(more, failed);
+  const auto first = static_cast<Vertex>(packed.size());
+  const std::vector<Vertex> numbers = numbers_by_neighbourhood(graph);
   EXPECT_FALSE(std::isfinite(CostToGo(graph, numbers, first, first + 1).from(first + 1)));
 }
 
@@ -133,11 +133,11 @@ TEST(Places, AThinWallHasPlacesOnBothSides) {
   OccupancyMap map = corridor(21);
   for (std::size_t i = 0; i < 200; ++i) map.blocked[50 * 200 + i] = 1;
   const ClearanceField field(map);
-  PackedPlaces packed(field, radius, 1);
-  const PlaceGraph graph = packed.with({}, {});
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap graph = packed.with({}, {});
   int below = 0;
   int above = 0;
-  for (Place k = 0; k < graph.size(); ++k) {
+  for (Vertex k = 0; k < graph.size(); ++k) {
     below += graph.at(k).y() < 50;
     above += graph.at(k).y() > 51;
   }

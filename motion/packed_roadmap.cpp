@@ -1,4 +1,4 @@
-#include "motion/places.h"
+#include "motion/packed_roadmap.h"
 
 #include <algorithm>
 #include <bitset>
@@ -30,7 +30,7 @@ constexpr double stack_reach = 12;          // radii from the end of a passage, 
 constexpr double same_place = 0.02;         // radii
 constexpr std::size_t most_stacked = 100;   // points a robot
 
-using Edge = PlaceGraph::Edge;
+using Edge = AnnotatedRoadmap::Edge;
 
 /// Calls fn(point) for points of a path so that all of it lies within half of `spacing` of one.
 template <class Fn>
@@ -59,7 +59,7 @@ struct Nearness {
 
 /// Adds to `edge.near` those of a grid's places, numbered from `first` on, that are; `distance` is at most
 /// two thirds of the grid's reach.
-void add_near(const NeighbourGrid<2>& grid, double reach, Place first, const Nearness& is_near, Edge& edge) {
+void add_near(const NeighbourGrid<2>& grid, double reach, Vertex first, const Nearness& is_near, Edge& edge) {
   for_each_sample(edge.path, reach / 3, [&](const Point2& p) {
     grid.for_each_near(p, [&](NodeId k, const Point2& q) {
       if (is_near(q, edge)) edge.near.push_back(first + k);
@@ -69,7 +69,7 @@ void add_near(const NeighbourGrid<2>& grid, double reach, Place first, const Nea
 
 /// An edge along the path, and who is near it by add(edge).
 template <class Add>
-Edge edge_along(Place to, Path path, Add&& add) {
+Edge edge_along(Vertex to, Path path, Add&& add) {
   const double length = length_of(path);
   Edge edge{.to = to, .length = length, .path = std::move(path), .near = {to}};
   add(edge);
@@ -153,7 +153,7 @@ class NarrowPassages {
 
 /// An edge there and one back.
 template <class Add>
-void add_edges(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
+void add_edges(AnnotatedRoadmap& graph, Vertex a, Vertex b, Path path, Add&& add) {
   graph.own_edges(a).push_back(edge_along(b, path, add));
   std::ranges::reverse(path);
   graph.own_edges(b).push_back(edge_along(a, std::move(path), add));
@@ -161,7 +161,7 @@ void add_edges(PlaceGraph& graph, Place a, Place b, Path path, Add&& add) {
 
 }  // namespace
 
-PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double spacing,
+PackedRoadmap::PackedRoadmap(const ClearanceField& field, double radius, double spacing,
                            const std::optional<Point2>& anchor)
     : field_(field),
       radius_(radius),
@@ -180,7 +180,7 @@ PackedPlaces::PackedPlaces(const ClearanceField& field, double radius, double sp
 
 /// The free vertices, those nearest to obstacles first; in layers, so that along a wall one follows the
 /// other. On a large map they are a million: so they are counted, and not sorted.
-std::vector<Lattice::Vertex> PackedPlaces::in_layers() {
+std::vector<Lattice::Vertex> PackedRoadmap::in_layers() {
   const auto for_each_free = [&](auto&& fn) {
     for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
       if (lattice_.vertex_free(v))
@@ -199,7 +199,7 @@ std::vector<Lattice::Vertex> PackedPlaces::in_layers() {
 }
 
 /// The free vertices by the length of the way from the anchor to them, as far as there is one.
-std::vector<Lattice::Vertex> PackedPlaces::from(const Point2& anchor) {
+std::vector<Lattice::Vertex> PackedRoadmap::from(const Point2& anchor) {
   using Entry = std::pair<double, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   std::vector<double> distance(lattice_.size(), std::numeric_limits<double>::infinity());
@@ -226,7 +226,7 @@ std::vector<Lattice::Vertex> PackedPlaces::from(const Point2& anchor) {
   return order;
 }
 
-void PackedPlaces::pack(std::span<const Lattice::Vertex> order) {
+void PackedRoadmap::pack(std::span<const Lattice::Vertex> order) {
   NeighbourGrid<2> grid(field_.bounds(), apart_);
   for (const Lattice::Vertex v : order) {
     const Point2 p = lattice_.at(v);
@@ -239,18 +239,18 @@ void PackedPlaces::pack(std::span<const Lattice::Vertex> order) {
     if (taken) continue;
     grid.insert(p);
     grid_.insert(packed_.at(packed_.add(p)));
-    place_at_.emplace(v, static_cast<Place>(size() - 1));
+    place_at_.emplace(v, static_cast<Vertex>(size() - 1));
   }
 }
 
 /// Of a step of so many metres from a vertex.
-double PackedPlaces::cost(Lattice::Vertex v, double metres) const {
+double PackedRoadmap::cost(Lattice::Vertex v, double metres) const {
   const bool tight = field_.lower_bound(lattice_.at(v)) < (1 + comfort) * radius_;
   return metres * (tight ? detour_for_comfort : 1);
 }
 
 /// Dijkstra's search from all places at once.
-void PackedPlaces::grow_cells() {
+void PackedRoadmap::grow_cells() {
   using Entry = std::pair<float, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   std::vector<float> cost_of(lattice_.size(), std::numeric_limits<float>::infinity());
@@ -277,14 +277,14 @@ void PackedPlaces::grow_cells() {
 }
 
 /// In whose Voronoi cell a vertex lies that is in one.
-Place PackedPlaces::cell(Lattice::Vertex v) const {
+Vertex PackedRoadmap::cell(Lattice::Vertex v) const {
   while (towards_[v] != here) v = lattice_.beside(v, towards_[v]);
   return place_at_.at(v);
 }
 
 /// The same of all vertices, or nowhere.
-std::vector<Place> PackedPlaces::cells() const {
-  std::vector<Place> cells(lattice_.size(), nowhere);
+std::vector<Vertex> PackedRoadmap::cells() const {
+  std::vector<Vertex> cells(lattice_.size(), nowhere);
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
     if (towards_[v] != nowhere_to) cells[v] = cell(v);
   }
@@ -292,15 +292,15 @@ std::vector<Place> PackedPlaces::cells() const {
 }
 
 /// As the search for its cell has added it up.
-float PackedPlaces::cost_to_its_place(Lattice::Vertex v) const {
+float PackedRoadmap::cost_to_its_place(Lattice::Vertex v) const {
   if (towards_[v] == here) return 0;
   const Lattice::Vertex next = lattice_.beside(v, towards_[v]);
   return cost_to_its_place(next) + static_cast<float>(cost(v, lattice_.length(towards_[v])));
 }
 
 /// Where cells touch nearest to both places.
-PackedPlaces::Crossings PackedPlaces::crossings() {
-  const std::vector<Place> cell_of = cells();
+PackedRoadmap::Crossings PackedRoadmap::crossings() {
+  const std::vector<Vertex> cell_of = cells();
   Crossings crossings;
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
     if (cell_of[v] == nowhere) continue;
@@ -316,7 +316,7 @@ PackedPlaces::Crossings PackedPlaces::crossings() {
 }
 
 /// The places whose cells touch.
-void PackedPlaces::link(const Crossings& crossings) {
+void PackedRoadmap::link(const Crossings& crossings) {
   const auto add = [&](Edge& edge) { add_near(grid_, reach_, 0, {touching_, apart_}, edge); };
   for (const auto& [pair, crossing] : crossings) {
     Path path = way_to_its_place(crossing.a);
@@ -328,8 +328,8 @@ void PackedPlaces::link(const Crossings& crossings) {
   packed_.shrink_to_fit();
 }
 
-void PackedPlaces::index_ways() {
-  for (Place from = 0; from < size(); ++from) {
+void PackedRoadmap::index_ways() {
+  for (Vertex from = 0; from < size(); ++from) {
     for (const Edge& edge : packed_.edges(from)) {
       if (edge.to < from) continue;
       for_each_sample(edge.path, reach_ / 3, [&](const Point2& p) {
@@ -345,7 +345,7 @@ void PackedPlaces::index_ways() {
 /// Calls fn(place, place) for the ends of all packed edges nearer to p than `distance`, some more than once,
 /// and for some beyond.
 template <class Fn>
-void PackedPlaces::for_each_way_near(const Point2& p, double distance, Fn&& fn) const {
+void PackedRoadmap::for_each_way_near(const Point2& p, double distance, Fn&& fn) const {
   if (distance + reach_ / 6 > reach_) {
     for (const auto& [a, b] : ways_) fn(a, b);
   } else {
@@ -354,7 +354,7 @@ void PackedPlaces::for_each_way_near(const Point2& p, double distance, Fn&& fn) 
 }
 
 /// The way within a Voronoi cell from one of its vertices to its place.
-Path PackedPlaces::way_to_its_place(Lattice::Vertex v) const {
+Path PackedRoadmap::way_to_its_place(Lattice::Vertex v) const {
   Path path{lattice_.at(v)};
   while (towards_[v] != here) {
     v = lattice_.beside(v, towards_[v]);
@@ -364,7 +364,7 @@ Path PackedPlaces::way_to_its_place(Lattice::Vertex v) const {
 }
 
 /// The shortest way from anywhere to the place of one of the cells around; empty if there is none.
-Path PackedPlaces::way_to_a_place(const Point2& p, Place& place) {
+Path PackedRoadmap::way_to_a_place(const Point2& p, Vertex& place) {
   double least = std::numeric_limits<double>::infinity();
   std::optional<Lattice::Vertex> first;
   lattice_.for_each_around(p, Lattice::usual_reach, [&](Lattice::Vertex v) {
@@ -386,18 +386,18 @@ Path PackedPlaces::way_to_a_place(const Point2& p, Place& place) {
   return optimise_line_of_sight(field_, path, radius_);
 }
 
-bool PackedPlaces::passes(std::span<const Disc> obstacles, const Path& path) const {
+bool PackedRoadmap::passes(std::span<const Disc> obstacles, const Path& path) const {
   return std::ranges::none_of(obstacles, [&](const Disc& disc) {
     return point_path_distance(disc.centre, path) < radius_ + disc.radius + standing_gap;
   });
 }
 
 /// The packed edges that do not pass the obstacles.
-void PackedPlaces::leave_out(std::span<const Disc> obstacles, PlaceGraph& graph) const {
+void PackedRoadmap::leave_out(std::span<const Disc> obstacles, AnnotatedRoadmap& graph) const {
   for (const Disc& disc : obstacles) {
     const auto leads_into = [&](const Edge& edge) { return !passes({&disc, 1}, edge.path); };
-    for_each_way_near(disc.centre, radius_ + disc.radius + standing_gap, [&](Place a, Place b) {
-      for (const Place from : {a, b}) {
+    for_each_way_near(disc.centre, radius_ + disc.radius + standing_gap, [&](Vertex a, Vertex b) {
+      for (const Vertex from : {a, b}) {
         if (std::ranges::any_of(graph.edges(from), leads_into))
           std::erase_if(graph.own_edges(from), leads_into);
       }
@@ -405,15 +405,15 @@ void PackedPlaces::leave_out(std::span<const Disc> obstacles, PlaceGraph& graph)
   }
 }
 
-PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc> obstacles) {
-  PlaceGraph graph = PlaceGraph::over(packed_);
-  const auto first = static_cast<Place>(graph.size());
+AnnotatedRoadmap PackedRoadmap::with(std::span<const Point2> more, std::span<const Disc> obstacles) {
+  AnnotatedRoadmap graph = AnnotatedRoadmap::over(packed_);
+  const auto first = static_cast<Vertex>(graph.size());
   const Nearness is_near{touching_, apart_};
   NeighbourGrid<2> grid_of_more(field_.bounds(), reach_);
   for (const Point2& p : more) {
-    const Place place = graph.add(p);
+    const Vertex place = graph.add(p);
     grid_of_more.insert(p);
-    for_each_way_near(p, apart_, [&](Place a, Place b) {
+    for_each_way_near(p, apart_, [&](Vertex a, Vertex b) {
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
         const auto edge = std::ranges::find(graph.edges(from), to, &Edge::to);
         if (edge->near.back() == place || !is_near(p, *edge)) continue;
@@ -424,27 +424,27 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
   }
   leave_out(obstacles, graph);
 
-  const auto link_over = [&](Place a, Place b, Path path) {
+  const auto link_over = [&](Vertex a, Vertex b, Path path) {
     if (!passes(obstacles, path)) return;
     add_edges(graph, a, b, std::move(path), [&](Edge& edge) {
       add_near(grid_, reach_, 0, is_near, edge);
       add_near(grid_of_more, reach_, first, is_near, edge);
     });
   };
-  for (Place from = first; from < graph.size(); ++from) {
+  for (Vertex from = first; from < graph.size(); ++from) {
     const Point2 p = graph.at(from);
-    const auto link_straight = [&](Place to, const Point2& q) {
+    const auto link_straight = [&](Vertex to, const Point2& q) {
       if ((p - q).norm() < reach_ && p != q && way_free(field_, p, q, radius_)) link_over(from, to, {p, q});
     };
     grid_.for_each_near(p, [&](NodeId k, const Point2& q) { link_straight(k, q); });
     grid_of_more.for_each_near(p, [&](NodeId k, const Point2& q) {
       if (first + k > from) link_straight(first + k, q);
     });
-    const auto link_unless_known = [&](Place to, Path path) {
+    const auto link_unless_known = [&](Vertex to, Path path) {
       const bool known = std::ranges::find(graph.edges(from), to, &Edge::to) != graph.edges(from).end();
       if (!known) link_over(from, to, std::move(path));
     };
-    Place nearest = 0;
+    Vertex nearest = 0;
     const Path way = way_to_a_place(p, nearest);
     if (way.size() < 2) continue;
     link_unless_known(nearest, way);
@@ -458,7 +458,7 @@ PlaceGraph PackedPlaces::with(std::span<const Point2> more, std::span<const Disc
   return graph;
 }
 
-std::vector<Point2> PackedPlaces::ends(std::span<const Point2> centres) const {
+std::vector<Point2> PackedRoadmap::ends(std::span<const Point2> centres) const {
   NarrowPassages passages(field_, radius_, lattice_.spacing());
   std::vector<Point2> result;
   for (const Point2& centre : centres) {
@@ -474,10 +474,10 @@ std::vector<Point2> PackedPlaces::ends(std::span<const Point2> centres) const {
   return result;
 }
 
-std::vector<Point2> PackedPlaces::stacked(std::span<const Point2> centres) const {
+std::vector<Point2> PackedRoadmap::stacked(std::span<const Point2> centres) const {
   NarrowPassages passages(field_, radius_, lattice_.spacing());
   NeighbourGrid<2> known(field_.bounds(), touching_);
-  for (Place place = 0; place < size(); ++place) known.insert(packed_.at(place));
+  for (Vertex place = 0; place < size(); ++place) known.insert(packed_.at(place));
   const auto is_new = [&](const Point2& p) {
     bool fresh = true;
     known.for_each_near(p, [&](NodeId, const Point2& q) { fresh &= (p - q).norm() > same_place * radius_; });
@@ -496,7 +496,7 @@ std::vector<Point2> PackedPlaces::stacked(std::span<const Point2> centres) const
   return result;
 }
 
-PackedPlaces& PlacesOfMap::packed(double radius, double spacing) {
+PackedRoadmap& MapRoadmaps::packed(double radius, double spacing) {
   return packed_.try_emplace({radius, spacing}, field_, radius, spacing).first->second;
 }
 

@@ -4,19 +4,19 @@
 #include <cstdint>
 #include <optional>
 
-#include "motion/place_graph.h"
+#include "motion/annotated_roadmap.h"
 
 namespace coppice {
 
-struct PlaceTask {
-  Place start = 0;
-  std::optional<Place> goal{};  ///< none: anywhere
+struct VertexTask {
+  Vertex start = 0;
+  std::optional<Vertex> goal{};  ///< none: anywhere
 };
 
 /// A robot takes one of the edges that lead from a place.
-struct PlaceMove {
+struct VertexMove {
   std::uint32_t robot;
-  Place from;
+  Vertex from;
   std::uint32_t edge;
 };
 

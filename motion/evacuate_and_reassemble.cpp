@@ -1,4 +1,4 @@
-#include "motion/dismantling.h"
+#include "motion/evacuate_and_reassemble.h"
 
 #include <algorithm>
 
@@ -16,7 +16,7 @@ constexpr int first_shuffled = 2;        // in other orders
 
 }  // namespace
 
-Dismantling::Dismantling(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
+EvacuateAndReassemble::EvacuateAndReassemble(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
     : tasks_(std::move(tasks)), lattices_{field}, random_(random) {
   const std::vector<Path> alone = ways_alone(field, tasks_, lattices_.finders);
   lattices_.scouts.refine(lattices_.finders.share());
@@ -30,7 +30,7 @@ Dismantling::Dismantling(const ClearanceField& field, std::vector<JointTask> tas
 }
 
 /// A goal is so close to another, or to one that stays, that no two can stand there.
-bool Dismantling::somebody_has_no_room() const {
+bool EvacuateAndReassemble::somebody_has_no_room() const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (!wants_to_move(tasks_[i])) continue;
     for (std::size_t k = 0; k < tasks_.size(); ++k) {
@@ -42,14 +42,14 @@ bool Dismantling::somebody_has_no_room() const {
   return false;
 }
 
-void Dismantling::begin_attempt() {
+void EvacuateAndReassemble::begin_attempt() {
   moves_.clear();
   back_.clear();
   detours_ = 0;
   enter(Stage::from_the_beginning);
 }
 
-void Dismantling::enter(Stage stage) {
+void EvacuateAndReassemble::enter(Stage stage) {
   std::vector<Point2> parked;
   for (std::size_t i = 0; parking_ && i < tasks_.size(); ++i) parked.push_back(parking_->at(i));
   if (stage == Stage::from_the_end) first_ = parked;
@@ -71,7 +71,7 @@ void Dismantling::enter(Stage stage) {
   next_ = in_vain_ = 0;
 }
 
-bool Dismantling::step() {
+bool EvacuateAndReassemble::step() {
   if (done_) return true;
   const bool too_long = lattices_.effort() > most_effort;
   if (pending_.empty()) {
@@ -88,7 +88,7 @@ bool Dismantling::step() {
 }
 
 /// One of those that are left. False if it has no way now.
-bool Dismantling::go_on() {
+bool EvacuateAndReassemble::go_on() {
   next_ %= pending_.size();
   const std::size_t robot = pending_[next_];
   const Path way = stage_ == Stage::between ? parking_->way_to_aim(robot) : parking_->way(robot);
@@ -104,7 +104,7 @@ bool Dismantling::go_on() {
 }
 
 /// Robots that stand on each other's second places to park: one of them stands aside.
-bool Dismantling::make_room() {
+bool EvacuateAndReassemble::make_room() {
   if (stage_ != Stage::between || ++detours_ > tasks_.size()) return false;
   for (const std::size_t robot : pending_) {
     const Path way = parking_->way_aside(robot);
@@ -116,7 +116,7 @@ bool Dismantling::make_room() {
   return false;
 }
 
-void Dismantling::drive(std::size_t robot, const Path& way) {
+void EvacuateAndReassemble::drive(std::size_t robot, const Path& way) {
   const bool stays = way.front() == way.back();
   parking_->park(robot, way);
   if (stays) return;
@@ -127,7 +127,7 @@ void Dismantling::drive(std::size_t robot, const Path& way) {
   }
 }
 
-void Dismantling::finish() {
+void EvacuateAndReassemble::finish() {
   moves_.insert(moves_.end(), back_.rbegin(), back_.rend());
   plan_ = JointPlan{std::move(moves_), stranded_};
   done_ = true;

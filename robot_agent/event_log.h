@@ -10,7 +10,7 @@
 
 namespace coppice {
 
-class Diary {
+class EventLog {
  public:
   struct Line {
     bool is_warning = false;
@@ -18,7 +18,7 @@ class Diary {
     bool operator==(const Line&) const = default;
   };
 
-  explicit Diary(RobotName robot) : robot_(std::move(robot)) {}
+  explicit EventLog(RobotName robot) : robot_(std::move(robot)) {}
 
   void heard(const Message& message);
   std::vector<Line> said(const Message& message, WallTime now);

@@ -1,4 +1,4 @@
-#include "motion/dismantling.h"
+#include "motion/evacuate_and_reassemble.h"
 
 #include <gtest/gtest.h>
 
@@ -21,10 +21,10 @@ OccupancyMap hall_and_aisle() {
 
 std::optional<JointPlan> solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
-  Dismantling dismantling(field, tasks, Random(1));
-  while (!dismantling.step()) {
+  EvacuateAndReassemble evacuation(field, tasks, Random(1));
+  while (!evacuation.step()) {
   }
-  return dismantling.take_plan();
+  return evacuation.take_plan();
 }
 
 void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
@@ -36,7 +36,7 @@ void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks)
 }
 
 // Whoever stands next to the way out is to go in deepest.
-TEST(Dismantling, ADeadEndThatWasFilledInTheWrongOrderIsFilledAnew) {
+TEST(EvacuateAndReassemble, ADeadEndThatWasFilledInTheWrongOrderIsFilledAnew) {
   for (const int robots : {2, 6, 12}) {
     std::vector<JointTask> tasks;
     for (int k = 0; k < robots; ++k) tasks.push_back({{120.0 + 11 * k, 50}, Point2(280 - 11 * k, 50), 5});
@@ -44,20 +44,20 @@ TEST(Dismantling, ADeadEndThatWasFilledInTheWrongOrderIsFilledAnew) {
   }
 }
 
-TEST(Dismantling, WhoStandsAtItsGoalComesOutAndReturns) {
+TEST(EvacuateAndReassemble, WhoStandsAtItsGoalComesOutAndReturns) {
   const std::vector<JointTask> tasks{
       {{50, 50}, Point2(280, 50), 5}, {{200, 50}, Point2(200, 50), 5}, {{230, 50}, std::nullopt, 5}};
   expect_solved(hall_and_aisle(), tasks);
 }
 
-TEST(Dismantling, RobotsOfSeveralSizes) {
+TEST(EvacuateAndReassemble, RobotsOfSeveralSizes) {
   std::vector<JointTask> tasks;
   for (int k = 0; k < 6; ++k) tasks.push_back({{120.0 + 13 * k, 50}, Point2(280 - 13 * k, 50), 3 + 0.5 * k});
   expect_solved(hall_and_aisle(), tasks);
 }
 
 // No place is so wide that others can drive around it: the ends of branches will do.
-TEST(Dismantling, BranchesOfCorridorsAreWhereToPark) {
+TEST(EvacuateAndReassemble, BranchesOfCorridorsAreWhereToPark) {
   OccupancyMap map = open_map(200, 200);
   block(map, 0, 0, 200, 200);
   block(map, 10, 93, 190, 107, false);
@@ -65,14 +65,14 @@ TEST(Dismantling, BranchesOfCorridorsAreWhereToPark) {
   expect_solved(map, {{{30, 100}, Point2(170, 100), 5}, {{170, 100}, Point2(30, 100), 5}});
 }
 
-TEST(Dismantling, WhereNobodyCanParkThereIsNoPlan) {
+TEST(EvacuateAndReassemble, WhereNobodyCanParkThereIsNoPlan) {
   OccupancyMap map = open_map(200, 40);
   block(map, 0, 0, 200, 40);
   block(map, 10, 13, 190, 27, false);
   EXPECT_FALSE(solve(map, {{{30, 20}, Point2(170, 20), 5}, {{170, 20}, Point2(30, 20), 5}}));
 }
 
-TEST(Dismantling, WhoHasNoWayIsStrandedAndTheOthersAreNot) {
+TEST(EvacuateAndReassemble, WhoHasNoWayIsStrandedAndTheOthersAreNot) {
   const std::vector<JointTask> tasks{
       {{60, 20}, Point2(280, 50), 5}, {{150, 50}, Point2(20, 80), 5}, {{230, 50}, std::nullopt, 5, false}};
   const auto plan = solve(hall_and_aisle(), tasks);

@@ -1,5 +1,5 @@
 // What an agent logs of itself.
-#include "robot_agent/diary.h"
+#include "robot_agent/event_log.h"
 
 #include <gtest/gtest.h>
 
@@ -17,9 +17,9 @@ const Mission mission{.robot = "a",
                       .max_speed = 2,
                       .clock = {100, 1}};
 
-std::vector<std::string> texts(const std::vector<Diary::Line>& lines) {
+std::vector<std::string> texts(const std::vector<EventLog::Line>& lines) {
   std::vector<std::string> all;
-  for (const Diary::Line& line : lines) all.push_back((line.is_warning ? "! " : "") + line.text);
+  for (const EventLog::Line& line : lines) all.push_back((line.is_warning ? "! " : "") + line.text);
   return all;
 }
 
@@ -29,12 +29,12 @@ AgentStatus status(Phase phase) {
 
 class OfOneRobot : public testing::Test {
  protected:
-  OfOneRobot() { diary.heard(mission); }
+  OfOneRobot() { event_log.heard(mission); }
   std::vector<std::string> said(const Message& message, double fleet_time) {
-    return texts(diary.said(message, 100 + fleet_time));
+    return texts(event_log.said(message, 100 + fleet_time));
   }
   using Lines = std::vector<std::string>;
-  Diary diary{"a"};
+  EventLog event_log{"a"};
 };
 
 TEST_F(OfOneRobot, MissionPathAndArrivalAreALineEach) {
@@ -74,13 +74,13 @@ TEST_F(OfOneRobot, OneThatIsStuckIsWarnedOf) {
   EXPECT_EQ(said(stuck, 1).back(), "! the goal cannot be reached");
 }
 
-TEST(Diary, AnAgentWithoutAMissionSaysSo) {
-  Diary diary("r9");
+TEST(EventLog, AnAgentWithoutAMissionSaysSo) {
+  EventLog event_log("r9");
   AgentStatus waits{.robot = "r9"};
-  EXPECT_TRUE(diary.said(waits, 1).empty());
+  EXPECT_TRUE(event_log.said(waits, 1).empty());
   waits.reason = "no mission for r9: the run has 2 robots, a to b";
-  EXPECT_EQ(texts(diary.said(waits, 2)), std::vector<std::string>{"! " + waits.reason});
-  EXPECT_TRUE(diary.said(waits, 3).empty());
+  EXPECT_EQ(texts(event_log.said(waits, 2)), std::vector<std::string>{"! " + waits.reason});
+  EXPECT_TRUE(event_log.said(waits, 3).empty());
 }
 
 TEST_F(OfOneRobot, MissedControlPeriodsAreToldOnceAMinute) {

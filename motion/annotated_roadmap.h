@@ -16,47 +16,47 @@
 
 namespace coppice {
 
-using Place = std::uint32_t;
+using Vertex = std::uint32_t;
 
-class PlaceGraph {
+class AnnotatedRoadmap {
  public:
   struct Edge {
-    Place to = 0;
+    Vertex to = 0;
     double length = 0;
     Path path{};
-    std::vector<Place>
+    std::vector<Vertex>
         near{};  ///< where somebody who stands is touched by a robot on the way; `to` among them; ascending
   };
 
-  PlaceGraph() = default;
-  PlaceGraph(PlaceGraph&&) = default;
-  PlaceGraph& operator=(PlaceGraph&&) = default;
-  PlaceGraph(const PlaceGraph&) = delete;  // it points to edges of its own
-  PlaceGraph& operator=(const PlaceGraph&) = delete;
-  ~PlaceGraph() = default;
+  AnnotatedRoadmap() = default;
+  AnnotatedRoadmap(AnnotatedRoadmap&&) = default;
+  AnnotatedRoadmap& operator=(AnnotatedRoadmap&&) = default;
+  AnnotatedRoadmap(const AnnotatedRoadmap&) = delete;  // it points to edges of its own
+  AnnotatedRoadmap& operator=(const AnnotatedRoadmap&) = delete;
+  ~AnnotatedRoadmap() = default;
 
   /// The same as `ground`, which outlives it and stays as it is.
-  static PlaceGraph over(const PlaceGraph& ground) {
-    PlaceGraph graph;
+  static AnnotatedRoadmap over(const AnnotatedRoadmap& ground) {
+    AnnotatedRoadmap graph;
     graph.places_ = ground.places_;
     graph.edges_ = ground.edges_;
     return graph;
   }
 
   /// Places are numbered 0, 1, 2, ... as they are added.
-  Place add(const Point2& p) {
-    const auto place = static_cast<Place>(places_.size());
+  Vertex add(const Point2& p) {
+    const auto place = static_cast<Vertex>(places_.size());
     places_.push_back(p);
     edges_.push_back(&own_[place]);
     return place;
   }
 
   std::size_t size() const { return places_.size(); }
-  const Point2& at(Place place) const { return places_[place]; }
-  const std::vector<Edge>& edges(Place from) const { return *edges_[from]; }
+  const Point2& at(Vertex place) const { return places_[place]; }
+  const std::vector<Edge>& edges(Vertex from) const { return *edges_[from]; }
 
   /// To be changed.
-  std::vector<Edge>& own_edges(Place from) {
+  std::vector<Edge>& own_edges(Vertex from) {
     const auto [own, fresh] = own_.try_emplace(from);
     if (fresh) own->second = *edges_[from];
     edges_[from] = &own->second;
@@ -76,7 +76,7 @@ class PlaceGraph {
  private:
   std::vector<Point2> places_;
   std::vector<const std::vector<Edge>*> edges_;       ///< by the place that they lead from
-  std::unordered_map<Place, std::vector<Edge>> own_;  ///< likewise: those that are not the ground's
+  std::unordered_map<Vertex, std::vector<Edge>> own_;  ///< likewise: those that are not the ground's
 };
 
 }  // namespace coppice

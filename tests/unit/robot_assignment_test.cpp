@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/simulated_bus.h"
-#include "planner_service/claim_desk.h"
+#include "planner_service/robot_assignment.h"
 #include "robot_agent/claimant.h"
 #include "robot_agent/nameless_agent.h"
 
@@ -40,11 +40,11 @@ struct Desk {
     while (hears_after_nap(Claim{claimant, ++number}, from).empty() && from < now + 100) from += 0.5;
     return now;
   }
-  ClaimDesk desk;
+  RobotAssignment desk;
   double now = -5;
 };
 
-TEST(ClaimDesk, GivesEachClaimantTheFirstRobotThatNobodyIs) {
+TEST(RobotAssignment, GivesEachClaimantTheFirstRobotThatNobodyIs) {
   Desk desk({"a", "b", "c"});
   EXPECT_TRUE(desk.hears(AgentStatus{.robot = "b"}, 0).empty());
   EXPECT_EQ(desk.hears(Claim{7, 1}, 0), (std::vector<Assignment>{{"a", 7, 1}}));
@@ -52,15 +52,15 @@ TEST(ClaimDesk, GivesEachClaimantTheFirstRobotThatNobodyIs) {
   EXPECT_TRUE(desk.hears(Claim{9, 1}, 0).empty());
 }
 
-TEST(ClaimDesk, GivesNothingAwayBeforeItHasListened) {
-  ClaimDesk desk({"a"}, 0);
+TEST(RobotAssignment, GivesNothingAwayBeforeItHasListened) {
+  RobotAssignment desk({"a"}, 0);
   desk.on(arrival_of(Claim{7, 1}, 0));
   for (const double now : {0.0, 1.0, 1.9}) EXPECT_TRUE(desk.step(now).empty());
   EXPECT_LE(desk.next_wake(), 2.1);
   EXPECT_EQ(assignments(desk.step(2.1)), (std::vector<Assignment>{{"a", 7, 1}}));
 }
 
-TEST(ClaimDesk, AnswersEachNewClaimOfItsOwnerAndNoRepetition) {
+TEST(RobotAssignment, AnswersEachNewClaimOfItsOwnerAndNoRepetition) {
   Desk desk({"a", "b"});
   desk.hears(Claim{7, 1}, 0);
   EXPECT_TRUE(desk.hears(Claim{7, 1}, 0.1).empty());
@@ -70,7 +70,7 @@ TEST(ClaimDesk, AnswersEachNewClaimOfItsOwnerAndNoRepetition) {
   EXPECT_TRUE(desk.hears(Claim{7, 2}, 0.8).empty());
 }
 
-TEST(ClaimDesk, TakesARobotBackWhenNothingIsHeardOfIt) {
+TEST(RobotAssignment, TakesARobotBackWhenNothingIsHeardOfIt) {
   Desk desk({"a"});
   desk.hears(Claim{7, 1}, 0);
   desk.hears(Claim{7, 2, "a"}, 0.1);
@@ -81,20 +81,20 @@ TEST(ClaimDesk, TakesARobotBackWhenNothingIsHeardOfIt) {
   EXPECT_EQ(desk.hears(Claim{8, 21}, 16), (std::vector<Assignment>{{"a", 8, 21}}));
 }
 
-TEST(ClaimDesk, WhoHasStoppedAskingIsGivenNothing) {
+TEST(RobotAssignment, WhoHasStoppedAskingIsGivenNothing) {
   Desk desk({"a"});
   desk.hears(AgentStatus{.robot = "a"}, 0);
   desk.hears(Claim{7, 1}, 0);
   EXPECT_EQ(desk.hears(Claim{8, 1}, claim_lease + 1), (std::vector<Assignment>{{"a", 8, 1}}));
 }
 
-TEST(ClaimDesk, HoldsWhatALivingAgentIsWhileItSleepsItself) {
+TEST(RobotAssignment, HoldsWhatALivingAgentIsWhileItSleepsItself) {
   Desk desk({"a"});
   desk.hears(AgentStatus{.robot = "a"}, 0);
   EXPECT_NEAR(desk.gives_one_to(8, 60), 60 + claim_lease, 0.6);
 }
 
-TEST(ClaimDesk, WhenTheClockIsSetBackHoldsARobotForNoMoreThanItsLeaseAndNoLess) {
+TEST(RobotAssignment, WhenTheClockIsSetBackHoldsARobotForNoMoreThanItsLeaseAndNoLess) {
   Desk silent({"a"});
   silent.hears(AgentStatus{.robot = "a"}, 0);
   silent.hears(Claim{7, 1}, 4);  // and is heard of no more
@@ -105,21 +105,21 @@ TEST(ClaimDesk, WhenTheClockIsSetBackHoldsARobotForNoMoreThanItsLeaseAndNoLess) 
   EXPECT_NEAR(alive.gives_one_to(8, -999.5), -1000 + claim_lease, 0.6);
 }
 
-TEST(ClaimDesk, HoldsWhomItsPredecessorHeardOf) {
+TEST(RobotAssignment, HoldsWhomItsPredecessorHeardOf) {
   Desk desk({"a", "b"});
   desk.hears(Claim{7, 9, "b"}, 0);
   desk.desk.recall(std::vector<Message>{AgentStatus{.robot = "a"}}, 0);
   EXPECT_NEAR(desk.gives_one_to(8, 0.5), claim_lease, 0.6);
 }
 
-TEST(ClaimDesk, LearnsWhoIsWhoFromThoseWhoKnow) {
+TEST(RobotAssignment, LearnsWhoIsWhoFromThoseWhoKnow) {
   Desk desk({"a", "b"});
   EXPECT_TRUE(desk.hears(Claim{7, 9, "a"}, 0).empty());
   EXPECT_EQ(desk.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"b", 8, 1}}));
   EXPECT_TRUE(desk.hears(Claim{9, 1, "elsewhere"}, 0).empty());
 }
 
-TEST(ClaimDesk, WhoAsksOnWhileAnotherSpeaksAsThatRobotIsGivenAnother) {
+TEST(RobotAssignment, WhoAsksOnWhileAnotherSpeaksAsThatRobotIsGivenAnother) {
   Desk desk({"a", "b"});
   desk.hears(Claim{7, 1}, 0);
   desk.hears(AgentStatus{.robot = "a"}, 0.2);
@@ -290,13 +290,13 @@ class ManyClaims {
     double stopped_until = -1;
   };
   struct Service {
-    ClaimDesk desk;
+    RobotAssignment desk;
     SimulatedBus::Port& port;
   };
 
   void start_service() {
     if (service_) service_->port.close();
-    service_.emplace(Service{ClaimDesk({"a", "b", "c", "d"}, now_), bus_.attach(Role::service)});
+    service_.emplace(Service{RobotAssignment({"a", "b", "c", "d"}, now_), bus_.attach(Role::service)});
   }
   void start_agent() {
     const std::size_t id = agents_.size() + 1;
@@ -319,9 +319,9 @@ class ManyClaims {
     }
   }
   static bool has_no_robot(const NamelessAgent& agent) { return !agent.robot(); }
-  static bool has_no_robot(const ClaimDesk&) { return true; }
+  static bool has_no_robot(const RobotAssignment&) { return true; }
   static void begin(NamelessAgent& agent) { agent.begin({}); }
-  static void begin(ClaimDesk&) {}
+  static void begin(RobotAssignment&) {}
   template <class R>
   void turn(SimulatedBus::Port& port, R& role, const Agent* agent) {
     // What came while it was stopped has to be read in first.

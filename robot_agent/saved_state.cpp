@@ -1,4 +1,4 @@
-#include "robot_agent/memory.h"
+#include "robot_agent/saved_state.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace {
 
 /// Until then, as the body drives by itself; with the points that its agent has put into its track
 /// (RobotAgent::control).
-void drive_on(Driver& body, double until, Memory& memory) {
+void drive_on(Driver& body, double until, SavedState& memory) {
   while (body.time() + body.period() / 2 < until) {
     if (body.stands() && until - body.time() > longest_sleep) return;
     memory.track.push_back({body.time(), body.position(), body.velocity()});
@@ -25,7 +25,7 @@ void drive_on(Driver& body, double until, Memory& memory) {
 
 }  // namespace
 
-void Recollection::add(const Message& message) {
+void SavedStateBuilder::add(const Message& message) {
   std::visit(
       [&](const auto& m) {
         if constexpr (requires { receive(m); }) receive(m);
@@ -33,7 +33,7 @@ void Recollection::add(const Message& message) {
       message);
 }
 
-void Recollection::receive(const RobotState& state) {
+void SavedStateBuilder::receive(const RobotState& state) {
   if (!mission_) return;
   if (state.passed_on) {
     if (memory_) silent_[state.robot] = {state, memory_->body.time()};
@@ -41,29 +41,29 @@ void Recollection::receive(const RobotState& state) {
     silent_.erase(state.robot);
   } else {
     const Driver body(commitment_of(state, 0), state.radius, limits_of(state), control_period);
-    if (!memory_) memory_ = Memory{.mission = *mission_, .body = body};
+    if (!memory_) memory_ = SavedState{.mission = *mission_, .body = body};
     drive_on(memory_->body, state.stamp, *memory_);
     memory_->body = body;
     memory_->sequence = state.sequence;
-    // One that was started anew has left its predecessor's part in a knot, and has not told the others yet.
-    if (state.knot.epoch == 0) return;
-    memory_->knot_epoch = state.knot.epoch;
+    // One that was started anew has left its predecessor's part in a round, and has not told the others yet.
+    if (state.round.epoch == 0) return;
+    memory_->round_epoch = state.round.epoch;
     memory_->stage = state.stage;
   }
 }
 
-void Recollection::receive(const AgentStatus& status) {
+void SavedStateBuilder::receive(const AgentStatus& status) {
   if (memory_) memory_->status = status;
 }
 
 /// One that was started anew has said all of it again.
-void Recollection::receive(const TrackMessage& track) {
+void SavedStateBuilder::receive(const TrackMessage& track) {
   const std::size_t known = std::min<std::size_t>(
       track.points.size(), seen_.size() - std::min<std::size_t>(seen_.size(), track.first_index));
   seen_.insert(seen_.end(), track.points.begin() + static_cast<std::ptrdiff_t>(known), track.points.end());
 }
 
-std::optional<Memory> Recollection::memory() && {
+std::optional<SavedState> SavedStateBuilder::memory() && {
   if (memory_) {
     memory_->mission = *std::move(mission_);
     memory_->seen = std::move(seen_);
@@ -72,8 +72,8 @@ std::optional<Memory> Recollection::memory() && {
   return std::move(memory_);
 }
 
-std::optional<Memory> memory_of(std::span<const Message> kept) {
-  Recollection recollection;
+std::optional<SavedState> memory_of(std::span<const Message> kept) {
+  SavedStateBuilder recollection;
   for (const Message& message : kept) recollection.add(message);
   return std::move(recollection).memory();
 }
@@ -83,7 +83,7 @@ bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mis
   return mission.clock.epoch < epoch && (mission.cancelled || !is_over);
 }
 
-void Remembrance::recall(std::span<const Message> kept) {
+void StateKeeper::recall(std::span<const Message> kept) {
   for (const Message& message : kept) {
     heard(message);
     said(message);
@@ -92,14 +92,14 @@ void Remembrance::recall(std::span<const Message> kept) {
 }
 
 /// Who is heard of again is not where it fell silent. False if it was not silent.
-bool Remembrance::end_silence(const RobotState& state) {
+bool StateKeeper::end_silence(const RobotState& state) {
   const auto silent = passed_on_.find(state.robot);
   if (silent == passed_on_.end() || state.passed_on || state.stamp <= silent->second) return false;
   passed_on_.erase(silent);
   return true;
 }
 
-Keep Remembrance::heard(const Message& message) {
+Keep StateKeeper::heard(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message))
     return end_silence(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
@@ -115,7 +115,7 @@ Keep Remembrance::heard(const Message& message) {
   return same_run ? Keep::append : Keep::begin_anew;
 }
 
-Keep Remembrance::said(const Message& message) {
+Keep StateKeeper::said(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && state->passed_on) {
     const auto [known, first] = passed_on_.try_emplace(state->robot, state->stamp);
     if (!first && known->second >= state->stamp) return Keep::nothing;

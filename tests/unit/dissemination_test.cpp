@@ -1,5 +1,5 @@
 // Who hears of whom how often, and what silence means over a distance.
-#include "robot_agent/interest.h"
+#include "robot_agent/send_interval.h"
 
 #include <cmath>
 #include <map>
@@ -15,36 +15,36 @@ namespace coppice {
 namespace {
 
 TEST(Interest, TheFurtherTheRarer) {
-  EXPECT_EQ(stride_over(-1, 40), 1);
-  EXPECT_EQ(stride_over(16, 40), 1);
-  EXPECT_EQ(stride_over(1e6, 40), longest_stride);
+  EXPECT_EQ(send_interval(-1, 40), 1);
+  EXPECT_EQ(send_interval(16, 40), 1);
+  EXPECT_EQ(send_interval(1e6, 40), longest_interval);
   int last = 1;
   for (double gap = 0; gap < 300; gap += 0.5) {
-    const int stride = stride_over(gap, 40);
-    EXPECT_GE(stride, last);
-    EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(stride)));
-    last = stride;
+    const int interval = send_interval(gap, 40);
+    EXPECT_GE(interval, last);
+    EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(interval)));
+    last = interval;
   }
 }
 
 TEST(Interest, InATurnOfItsStrideEverybodyIsSpokenToOnce) {
   for (const char* robot : {"a", "r17", "a robot with a long name"}) {
-    for (int stride = 1; stride <= longest_stride; stride *= 2) {
-      int turns = 0;
-      for (std::uint32_t turn = 1000; turn < 1000u + longest_stride; ++turn)
-        turns += is_turn_of(phase_of(robot), turn, stride);
-      EXPECT_EQ(turns, longest_stride / stride);
+    for (int interval = 1; interval <= longest_interval; interval *= 2) {
+      int ticks = 0;
+      for (std::uint32_t tick = 1000; tick < 1000u + longest_interval; ++tick)
+        ticks += is_tick_of(phase_of(robot), tick, interval);
+      EXPECT_EQ(ticks, longest_interval / interval);
     }
   }
 }
 
 TEST(Interest, TheNextTurnIsTheFirstOneAfterThisThatIsARobots) {
   const std::uint32_t phase = phase_of("r17");
-  for (int stride = 1; stride <= longest_stride; stride *= 2) {
-    for (std::uint32_t turn = 1000; turn < 1000u + longest_stride; ++turn) {
-      std::uint32_t next = turn + 1;
-      while (!is_turn_of(phase, next, stride)) ++next;
-      EXPECT_EQ(next_turn_of(phase, turn, stride), next);
+  for (int interval = 1; interval <= longest_interval; interval *= 2) {
+    for (std::uint32_t tick = 1000; tick < 1000u + longest_interval; ++tick) {
+      std::uint32_t next = tick + 1;
+      while (!is_tick_of(phase, next, interval)) ++next;
+      EXPECT_EQ(next_tick_of(phase, tick, interval), next);
     }
   }
 }
@@ -75,9 +75,9 @@ class Row {
     state.echoes = std::move(echoes);
     fleet_.hear(std::make_shared<const RobotState>(state), arrived);
   }
-  void judge(double now) { fleet_.judge_silence(now, place(0), {}, field_); }
+  void judge(double now) { fleet_.detect_failures(now, place(0), {}, field_); }
   Fleet& fleet() { return fleet_; }
-  bool dead(int k) const { return fleet_.find(name(k))->dead; }
+  bool failed(int k) const { return fleet_.find(name(k))->failed; }
 
  private:
   static Mission mission(const RobotName& robot, int k) {
@@ -97,34 +97,34 @@ class Row {
 TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
   Row row(40);
   std::map<RobotName, int> heard;
-  const int turns = 10 * longest_stride;
-  for (int turn = 0; turn < turns; ++turn) {
-    const double now = turn * period;
+  const int ticks = 10 * longest_interval;
+  for (int tick = 0; tick < ticks; ++tick) {
+    const double now = tick * period;
     for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
     row.judge(now);
-    const auto to = row.fleet().address(static_cast<std::uint32_t>(turn), nullptr, {}, now);
+    const auto to = row.fleet().address(static_cast<std::uint32_t>(tick), nullptr, {}, now);
     for (const RobotName& robot : to.agents) ++heard[robot];
   }
-  for (int k = 1; k <= 6; ++k) EXPECT_EQ(heard[Row::name(k)], turns) << k;
+  for (int k = 1; k <= 6; ++k) EXPECT_EQ(heard[Row::name(k)], ticks) << k;
   int all = 0;
   for (int k = 1; k <= 40; ++k) {
-    EXPECT_GE(heard[Row::name(k)], turns / longest_stride) << k;
+    EXPECT_GE(heard[Row::name(k)], ticks / longest_interval) << k;
     all += heard[Row::name(k)];
   }
-  EXPECT_LT(all, 9 * turns);
+  EXPECT_LT(all, 9 * ticks);
 }
 
 TEST(Interest, CopiesAreForWitnessesAndForWhomItKnows) {
   Row row(40);
   std::vector<RobotName> all;
   for (int k = 1; k <= 40; ++k) all.push_back(Row::name(k));
-  for (int turn = 0; turn < 10 * longest_stride; ++turn) {
-    const double now = turn * period;
+  for (int tick = 0; tick < 10 * longest_interval; ++tick) {
+    const double now = tick * period;
     for (int k = 1; k <= 40; ++k)
       row.hear(k, now, now + 0.001,
                k <= 20 ? std::vector<Echo>{{"a", now - period, now - period + 0.001}} : std::vector<Echo>{});
     row.judge(now);
-    row.fleet().address(static_cast<std::uint32_t>(turn), nullptr, {}, now);
+    row.fleet().address(static_cast<std::uint32_t>(tick), nullptr, {}, now);
     const auto again = row.fleet().who_hears_copies(all);
     for (int k = 1; k <= 6; ++k) EXPECT_EQ(std::ranges::count(again, Row::name(k)), 1) << k;
     for (int k = 21; k <= 40; ++k) EXPECT_EQ(std::ranges::count(again, Row::name(k)), 0) << k;
@@ -135,17 +135,17 @@ TEST(Interest, CopiesAreForWitnessesAndForWhomItKnows) {
 TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
   Row row(60);
   double now = 0;
-  std::uint32_t turn = 0;
+  std::uint32_t tick = 0;
   const auto echoed_in_turn = [&](bool asks) {
-    now = ++turn * period;
+    now = ++tick * period;
     for (int k = 1; k <= 60; ++k)
       row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
                {.wants_echo = asks && k == 2});
     row.judge(now);
-    const auto echoes = row.fleet().address(turn, nullptr, {}, now).echoes;
+    const auto echoes = row.fleet().address(tick, nullptr, {}, now).echoes;
     return std::ranges::count(echoes, Row::name(2), &Echo::robot) == 1;
   };
-  for (int k = 0; k < 400; ++k) echoed_in_turn(false);  // acquainted
+  for (int k = 0; k < 400; ++k) echoed_in_turn(false);  // is_synchronised
   int unasked = 0;
   for (int k = 0; k < 40; ++k) unasked += echoed_in_turn(false);
   EXPECT_LT(unasked, 10);
@@ -155,14 +155,14 @@ TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
 TEST(Interest, WhoMissesOneThatIsHeardHereIsToldSoSoonAndNotTooOften) {
   Row row(60);
   double now = 0;
-  std::uint32_t turn = 0;
+  std::uint32_t tick = 0;
   const auto tells = [&](const std::vector<RobotName>& missed) {
-    now = ++turn * period;
+    now = ++tick * period;
     for (int k = 1; k <= 50; ++k)
       row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
                {.misses = k == 30 ? missed : std::vector<RobotName>()});
     row.judge(now);
-    const auto to = row.fleet().address(turn, nullptr, {}, now);
+    const auto to = row.fleet().address(tick, nullptr, {}, now);
     const auto is_told = [&](const RobotName& robot) {
       return std::ranges::find(to.echoes, robot, &Echo::robot) != to.echoes.end();
     };
@@ -178,22 +178,22 @@ TEST(Interest, WhoMissesOneThatIsHeardHereIsToldSoSoonAndNotTooOften) {
   for (int k = 0; k < 128; ++k) EXPECT_FALSE(tells({"r55", "r99"}));
 }
 
-// Who stands speaks at every fourth turn, and hears that one more often.
+// Who stands speaks at every fourth tick, and hears that one more often.
 TEST(Interest, AnAnswerWaitsForTheNextState) {
   Row row(60);
   int told = 0;
-  for (std::uint32_t turn = 1; turn < 2000; ++turn) {
-    const double now = turn * period;
-    const bool asks = turn % 4 == 1;
+  for (std::uint32_t tick = 1; tick < 2000; ++tick) {
+    const double now = tick * period;
+    const bool asks = tick % 4 == 1;
     for (int k = 1; k <= 50; ++k)
       row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
                {.misses = k != 30 ? std::vector<RobotName>() : std::vector<RobotName>{asks ? "r40" : "r55"}});
     row.judge(now);
-    if (turn % 4 != 0) continue;
-    const auto to = row.fleet().address(turn, nullptr, {}, now);
+    if (tick % 4 != 0) continue;
+    const auto to = row.fleet().address(tick, nullptr, {}, now);
     const bool answers = std::ranges::count(to.agents, Row::name(30)) == 1 &&
                          std::ranges::find(to.echoes, "r40", &Echo::robot) != to.echoes.end();
-    told += turn > 1000 && answers;
+    told += tick > 1000 && answers;
   }
   EXPECT_GT(told, 1000 / 12 - 5);
 }
@@ -210,11 +210,11 @@ TEST(Interest, NobodyIsAskedBeforeThisRobotHasAMission) {
 
 TEST(Interest, AsksForAllWhoAreMissing) {
   Row row(5);
-  for (std::uint32_t turn = 0; turn < 200; ++turn) {
-    const double now = turn * period;
+  for (std::uint32_t tick = 0; tick < 200; ++tick) {
+    const double now = tick * period;
     for (int k = 1; k <= 3; ++k) row.hear(k, now, now + 0.001);
     row.judge(now);
-    std::vector<RobotName> missed = row.fleet().address(turn, nullptr, {}, now).misses;
+    std::vector<RobotName> missed = row.fleet().address(tick, nullptr, {}, now).misses;
     std::ranges::sort(missed);
     if (now < 0.9) {
       EXPECT_TRUE(missed.empty()) << now;
@@ -230,14 +230,14 @@ TEST(Interest, AsksForManyInTurn) {
   for (const int robots : {21, 25, 35}) {
     Row row(robots);
     std::map<RobotName, int> asked_for;
-    for (std::uint32_t turn = 0; turn < 200 * longest_stride; ++turn) {
-      const double now = turn * period;
+    for (std::uint32_t tick = 0; tick < 200 * longest_interval; ++tick) {
+      const double now = tick * period;
       for (int k = 1; k <= 3; ++k) row.hear(k, now, now + 0.001);
       row.judge(now);
-      const auto missed = row.fleet().address(turn, nullptr, {}, now).misses;
+      const auto missed = row.fleet().address(tick, nullptr, {}, now).misses;
       EXPECT_LE(missed.size(), most_missed);
-      if (now > 30 && is_turn_of(0, turn, longest_stride)) {
-        EXPECT_TRUE(row.dead(10));
+      if (now > 30 && is_tick_of(0, tick, longest_interval)) {
+        EXPECT_TRUE(row.failed(10));
         for (const RobotName& robot : missed) ++asked_for[robot];
       }
     }
@@ -247,18 +247,18 @@ TEST(Interest, AsksForManyInTurn) {
 
 // What is heard of it comes over longer ways than from it.
 TEST(Interest, WhomOthersHearRarelyIsNotDeadMeanwhile) {
-  const double beat = longest_stride * period;
+  const double heartbeat = longest_interval * period;
   for (const int silent : {8, 1}) {
     Row row(8);
     for (double now = 0; now < 300; now += period) {
       for (int k = 1; k <= 8; ++k) {
         if (k == silent) continue;
-        const bool tells = k == (silent == 8 ? 1 : 8) && std::fmod(now, beat) < period;
+        const bool tells = k == (silent == 8 ? 1 : 8) && std::fmod(now, heartbeat) < period;
         row.hear(k, now, now + 0.001,
                  tells ? std::vector<Echo>{{Row::name(silent), now - 0.1, now}} : std::vector<Echo>{});
       }
       row.judge(now);
-      EXPECT_FALSE(row.dead(silent)) << now;
+      EXPECT_FALSE(row.failed(silent)) << now;
       if (now > 10) {
         EXPECT_TRUE(row.fleet().cut_off()) << now;
       }
@@ -269,20 +269,20 @@ TEST(Interest, WhomOthersHearRarelyIsNotDeadMeanwhile) {
 
 TEST(Interest, WhoIsFarAwayMayBeSilentForLong) {
   Row row(3);
-  const double beat = longest_stride * period;
+  const double heartbeat = longest_interval * period;
   for (double now = 0; now < 100; now += period) {
     row.hear(1, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
-    if (std::fmod(now, beat) < period && now < 60) {
+    if (std::fmod(now, heartbeat) < period && now < 60) {
       row.hear(2, now, now + 0.001);
       row.hear(3, now, now + 0.001);
     }
     row.judge(now);
     if (now < 60) {
       EXPECT_FALSE(row.fleet().cut_off()) << now;
-      EXPECT_FALSE(row.dead(2)) << now;
+      EXPECT_FALSE(row.failed(2)) << now;
     }
   }
-  EXPECT_FALSE(row.dead(3));
+  EXPECT_FALSE(row.failed(3));
 }
 
 TEST(Interest, OneThatThoseCloseByNoLongerHearIsDeadFarAwayToo) {
@@ -298,13 +298,13 @@ TEST(Interest, OneThatThoseCloseByNoLongerHearIsDeadFarAwayToo) {
   go_on_until(10, false);
   row.hear(3, 10, 10.001);
   go_on_until(14, false);
-  EXPECT_FALSE(row.dead(3));
+  EXPECT_FALSE(row.failed(3));
   go_on_until(15, true);  // a pause of its process, or a few lost samples
-  EXPECT_FALSE(row.dead(3));
+  EXPECT_FALSE(row.failed(3));
   go_on_until(20, false);
-  EXPECT_FALSE(row.dead(3));
+  EXPECT_FALSE(row.failed(3));
   go_on_until(23, true);
-  EXPECT_TRUE(row.dead(3));
+  EXPECT_TRUE(row.failed(3));
 }
 
 }  // namespace

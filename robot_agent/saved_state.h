@@ -19,14 +19,14 @@
 
 namespace coppice {
 
-struct Memory {
+struct SavedState {
   Mission mission;                         ///< the last one
   Driver body;                             ///< as it was when the last state was said
   std::vector<TrackMessage::Point> track;  ///< from the first mission of the run until then
   std::vector<TrackMessage::Point> seen;   ///< of a robot that follows the body (tracking.h): as it was said
   double driven_length = 0;                ///< metres, along the track
   std::uint32_t sequence = 0;              ///< of the last state
-  std::uint32_t knot_epoch = 0;            ///< likewise
+  std::uint32_t round_epoch = 0;            ///< likewise
   Stage stage = Stage::free;               ///< likewise
   AgentStatus status;                      ///< the last one
   /// The last states of others that fell silent, as they were passed on, and were not heard of since.
@@ -35,11 +35,11 @@ struct Memory {
 
 /// Makes a memory of what was kept, a message at a time and in order: those of a long run do not fit into
 /// this process all at once.
-class Recollection {
+class SavedStateBuilder {
  public:
   void add(const Message& message);
   /// Of all that was added; none if the robot had no body yet.
-  std::optional<Memory> memory() &&;
+  std::optional<SavedState> memory() &&;
 
  private:
   void receive(const Mission& mission) { mission_ = mission; }
@@ -48,12 +48,12 @@ class Recollection {
   void receive(const TrackMessage& track);
 
   std::optional<Mission> mission_;
-  std::optional<Memory> memory_;
+  std::optional<SavedState> memory_;
   std::vector<TrackMessage::Point> seen_;
   std::map<RobotName, Heard> silent_;
 };
 
-std::optional<Memory> memory_of(std::span<const Message> kept);
+std::optional<SavedState> memory_of(std::span<const Message> kept);
 
 /// An agent serves the newest run that it has heard of, with `epoch`. One that began earlier, for its
 /// service's clock is behind, comes next if the agent's own part in that is over. `own`: its mission, of
@@ -61,10 +61,10 @@ std::optional<Memory> memory_of(std::span<const Message> kept);
 bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own);
 
 /// Chooses what to keep.
-class Remembrance {
+class StateKeeper {
  public:
   /// `leads`: another robot follows the body (tracking.h): where that was does not follow from the states.
-  explicit Remembrance(RobotName robot, bool leads = false) : robot_(std::move(robot)), leads_(leads) {}
+  explicit StateKeeper(RobotName robot, bool leads = false) : robot_(std::move(robot)), leads_(leads) {}
 
   /// Goes on after what was kept before; all at once, or in pieces.
   void recall(std::span<const Message> kept);

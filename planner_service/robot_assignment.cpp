@@ -1,4 +1,4 @@
-#include "planner_service/claim_desk.h"
+#include "planner_service/robot_assignment.h"
 
 #include <algorithm>
 #include <limits>
@@ -18,14 +18,14 @@ constexpr std::size_t most_waiting = 10'000;    // more are told nothing until t
 
 }  // namespace
 
-ClaimDesk::ClaimDesk(const std::vector<RobotName>& robots, WallTime now) : last_step_(now), next_wake_(now) {
+RobotAssignment::RobotAssignment(const std::vector<RobotName>& robots, WallTime now) : last_step_(now), next_wake_(now) {
   for (const RobotName& robot : robots) {
-    seat_of_.emplace(robot, seats_.size());
-    seats_.push_back({.robot = robot, .heard = now - claim_lease + settle});
+    lease_of_.emplace(robot, leases_.size());
+    leases_.push_back({.robot = robot, .heard = now - claim_lease + settle});
   }
 }
 
-void ClaimDesk::on(const Arrival& arrival) {
+void RobotAssignment::on(const Arrival& arrival) {
   std::visit(
       [&](const auto& m) {
         if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
@@ -33,24 +33,24 @@ void ClaimDesk::on(const Arrival& arrival) {
       *arrival.message);
 }
 
-void ClaimDesk::recall(std::span<const Message> kept, WallTime now) {
+void RobotAssignment::recall(std::span<const Message> kept, WallTime now) {
   for (const Message& message : kept) {
     if (const auto* status = std::get_if<AgentStatus>(&message)) receive(*status, now);
   }
 }
 
-void ClaimDesk::receive(const AgentStatus& status, WallTime now) {
-  const auto known = seat_of_.find(status.robot);
-  if (known == seat_of_.end()) return;
-  Seat& seat = seats_[known->second];
-  seat.heard = now;
-  seat.spoken_for = true;
+void RobotAssignment::receive(const AgentStatus& status, WallTime now) {
+  const auto known = lease_of_.find(status.robot);
+  if (known == lease_of_.end()) return;
+  Lease& lease = leases_[known->second];
+  lease.heard = now;
+  lease.spoken_for = true;
 }
 
-void ClaimDesk::receive(const Claim& claim, WallTime now) {
+void RobotAssignment::receive(const Claim& claim, WallTime now) {
   next_wake_ = std::min(next_wake_, now);
   if (!claim.robot.empty()) return take_up(claim, now);
-  Seat* const given = seat_given_to(claim.claimant);
+  Lease* const given = lease_given_to(claim.claimant);
   if (given == nullptr) return wait(claim, now);
   if (claim.number <= given->number) return;  // a repetition
   given->number = claim.number;
@@ -64,27 +64,27 @@ void ClaimDesk::receive(const Claim& claim, WallTime now) {
 }
 
 /// It knows which robot it is: from this desk, or from one before.
-void ClaimDesk::take_up(const Claim& claim, WallTime now) {
+void RobotAssignment::take_up(const Claim& claim, WallTime now) {
   std::erase_if(waiting_, [&](const Waiting& w) { return w.claimant == claim.claimant; });
-  for (Seat& seat : seats_) {
-    if (seat.claimant == claim.claimant && seat.robot != claim.robot) seat.claimant = 0;
+  for (Lease& lease : leases_) {
+    if (lease.claimant == claim.claimant && lease.robot != claim.robot) lease.claimant = 0;
   }
-  const auto known = seat_of_.find(claim.robot);
-  if (known == seat_of_.end()) return;
-  Seat& seat = seats_[known->second];
-  if (seat.claimant != 0 && seat.claimant != claim.claimant) {
+  const auto known = lease_of_.find(claim.robot);
+  if (known == lease_of_.end()) return;
+  Lease& lease = leases_[known->second];
+  if (lease.claimant != 0 && lease.claimant != claim.claimant) {
     // It has lost it, and may not have heard of that: a desk before this one gave it away.
-    seat.answer_due = true;
+    lease.answer_due = true;
     return;
   }
-  seat.claimant = claim.claimant;
-  seat.number = claim.number;
-  seat.taken_up = true;
-  seat.answer_due = false;
-  seat.heard = now;
+  lease.claimant = claim.claimant;
+  lease.number = claim.number;
+  lease.taken_up = true;
+  lease.answer_due = false;
+  lease.heard = now;
 }
 
-void ClaimDesk::wait(const Claim& claim, WallTime now) {
+void RobotAssignment::wait(const Claim& claim, WallTime now) {
   const auto known = std::ranges::find(waiting_, claim.claimant, &Waiting::claimant);
   if (known == waiting_.end()) {
     if (waiting_.size() < most_waiting) waiting_.push_back({claim.claimant, claim.number, now});
@@ -94,31 +94,31 @@ void ClaimDesk::wait(const Claim& claim, WallTime now) {
   }
 }
 
-ClaimDesk::Seat* ClaimDesk::seat_given_to(std::uint64_t claimant) {
-  const auto seat = std::ranges::find(seats_, claimant, &Seat::claimant);
-  return seat == seats_.end() ? nullptr : &*seat;
+RobotAssignment::Lease* RobotAssignment::lease_given_to(std::uint64_t claimant) {
+  const auto lease = std::ranges::find(leases_, claimant, &Lease::claimant);
+  return lease == leases_.end() ? nullptr : &*lease;
 }
 
-ClaimDesk::Seat* ClaimDesk::free_seat(WallTime now) {
-  const auto seat = std::ranges::find_if(seats_, [&](const Seat& s) { return now - s.heard > claim_lease; });
-  return seat == seats_.end() ? nullptr : &*seat;
+RobotAssignment::Lease* RobotAssignment::free_lease(WallTime now) {
+  const auto lease = std::ranges::find_if(leases_, [&](const Lease& s) { return now - s.heard > claim_lease; });
+  return lease == leases_.end() ? nullptr : &*lease;
 }
 
 /// After a nap each robot was heard of so long ago as before; and where the clock was set back, none later
 /// than now.
-void ClaimDesk::follow_clock(WallTime now) {
+void RobotAssignment::follow_clock(WallTime now) {
   const WallTime slept = now - std::exchange(last_step_, now);
-  for (Seat& seat : seats_) seat.heard = std::min(now, seat.heard + (slept > longest_nap ? slept : 0));
+  for (Lease& lease : leases_) lease.heard = std::min(now, lease.heard + (slept > longest_nap ? slept : 0));
   for (Waiting& claimant : waiting_) claimant.heard = std::min(now, claimant.heard);
 }
 
-std::vector<Message> ClaimDesk::step(WallTime now) {
+std::vector<Message> RobotAssignment::step(WallTime now) {
   follow_clock(now);
   std::erase_if(waiting_, [&](const Waiting& w) { return now - w.heard > patience; });
   while (!waiting_.empty()) {
-    Seat* const seat = free_seat(now);
-    if (seat == nullptr) break;
-    *seat = {.robot = seat->robot,
+    Lease* const lease = free_lease(now);
+    if (lease == nullptr) break;
+    *lease = {.robot = lease->robot,
              .claimant = waiting_.front().claimant,
              .number = waiting_.front().number,
              .answer_due = true,
@@ -126,9 +126,9 @@ std::vector<Message> ClaimDesk::step(WallTime now) {
     waiting_.erase(waiting_.begin());
   }
   std::vector<Message> out;
-  for (Seat& seat : seats_) {
-    if (seat.answer_due) out.emplace_back(Assignment{seat.robot, seat.claimant, seat.number});
-    seat.answer_due = false;
+  for (Lease& lease : leases_) {
+    if (lease.answer_due) out.emplace_back(Assignment{lease.robot, lease.claimant, lease.number});
+    lease.answer_due = false;
   }
   next_wake_ = waiting_.empty() ? std::numeric_limits<WallTime>::infinity() : now + beat;
   return out;
