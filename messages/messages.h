@@ -109,9 +109,15 @@ enum class Phase : std::uint8_t {
   planning,  ///< has a mission, looks for a path
   driving,   ///< follows its path
   arrived,   ///< stands within the tolerance of its goal
-  no_path,   ///< proved that no path exists, or gave up at a limit; stands at its start
+  no_path,   ///< it is proved that no path exists; stands at its start
   stopped,   ///< the run has ended: stands
+  gave_up,   ///< stands, and tries again when something has changed
 };
+
+/// The robot stands where it is and wants to go nowhere, though it has not arrived.
+constexpr bool has_no_way(Phase phase) {
+  return phase == Phase::no_path || phase == Phase::gave_up;
+}
 
 /// What a robot binds itself to (motion/promise.h): it keeps the state's velocity until `turn`, then moves
 /// with the velocity given here until `expiry`; from then on only its limits bound it.
@@ -256,7 +262,7 @@ struct AgentStatus {
   RobotName robot;
   std::uint32_t mission = 0;
   Phase phase = Phase::waiting;
-  std::string reason;          ///< why not, for no_path
+  std::string reason;          ///< why the robot does not arrive
   double mission_time = 0;     ///< when the mission and its map were there
   double path_time = 0;        ///< when the path was found (or given up); 0: not yet
   double arrival_time = 0;     ///< 0: not yet

@@ -60,7 +60,7 @@ bool named(const std::string& name) {
   return !name.empty() && named_or_empty(name);
 }
 bool known(Phase phase) {
-  return phase <= Phase::stopped;
+  return phase <= Phase::gave_up;
 }
 
 Problem first_of(std::initializer_list<std::pair<bool, const char*>> checks) {

@@ -11,8 +11,8 @@ namespace coppice {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> phases{"waiting", "planning", "driving",
-                                                 "arrived", "no path",  "stopped"};
+constexpr std::array<std::string_view, 7> phases{"waiting", "planning", "driving", "arrived",
+                                                 "no path", "stopped",  "gave up"};
 constexpr std::size_t longest_shown_name = 16;
 
 /// Letters, and the number behind them: r2 comes before r10.
@@ -30,6 +30,7 @@ std::tuple<std::string_view, std::size_t, std::string_view> natural(std::string_
 int rank(Phase phase) {
   switch (phase) {
     case Phase::no_path:
+    case Phase::gave_up:
       return 0;
     case Phase::waiting:
       return 1;

@@ -42,6 +42,7 @@ Rgb colour_of(Phase phase) {
     case Phase::arrived:
       return {0.20, 0.65, 0.32};
     case Phase::no_path:
+    case Phase::gave_up:
       return {0.80, 0.20, 0.18};
     case Phase::stopped:
       return {0.40, 0.35, 0.55};
@@ -50,7 +51,7 @@ Rgb colour_of(Phase phase) {
 }
 
 const char* text_of(const AgentStatus& status) {
-  constexpr std::array texts{"waits", "plans", "drives", "has arrived", "has no path", "has stopped"};
+  constexpr std::array texts{"waits", "plans", "drives", "has arrived", "has no path", "has stopped", "has given up"};
   // Where a run ends with an arrival, that may be all that is heard of it: of a robot's statuses the last one
   // counts.
   if (status.phase == Phase::stopped && status.arrival_time > 0) return "has stopped at its goal";
@@ -334,7 +335,7 @@ fox::Log log_of(const SeenRobot& robot, WallTime now) {
   const AgentStatus& status = *robot.status;
   fox::Log log;
   *log.mutable_timestamp() = stamp(now);
-  log.set_level(status.phase == Phase::no_path ? fox::Log::WARNING : fox::Log::INFO);
+  log.set_level(has_no_way(status.phase) ? fox::Log::WARNING : fox::Log::INFO);
   log.set_name(robot.name);
   log.set_message(status.reason.empty() ? text_of(status)
                                         : fmt::format("{}: {}", text_of(status), status.reason));

@@ -18,7 +18,7 @@ namespace {
 using Families = std::vector<prometheus::MetricFamily>;
 using Labels = std::vector<prometheus::ClientMetric::Label>;
 
-constexpr std::array phase_names{"waiting", "planning", "driving", "arrived", "no_path", "stopped"};
+constexpr std::array phase_names{"waiting", "planning", "driving", "arrived", "no_path", "stopped", "gave_up"};
 
 prometheus::MetricFamily& add_family(Families& all, std::string name, prometheus::MetricType type,
                                      std::string help) {

@@ -41,7 +41,7 @@ bool waits(const RobotState& state) {
 }
 
 bool has_somewhere_to_go(Phase phase) {
-  return phase == Phase::planning || phase == Phase::driving || phase == Phase::no_path;
+  return phase == Phase::planning || phase == Phase::driving || has_no_way(phase);
 }
 
 }  // namespace

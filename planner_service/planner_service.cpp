@@ -64,7 +64,7 @@ bool PlannerService::stands(const TrackPoint& point) const {
 
 bool PlannerService::Robot::done(WallTime now) const {
   const bool gone = lost && (!status || was_told_to_stop() || now - last_heard > longest_cut);
-  return gone || began_anew || arrived() || (status && status->phase == Phase::no_path);
+  return gone || began_anew || arrived() || (status && has_no_way(status->phase));
 }
 
 PlannerService::PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now,
@@ -426,7 +426,7 @@ std::optional<Point2> PlannerService::draw_goal(const Robot& robot) {
 
 /// False: where it is it stays, unless another needs the room.
 bool PlannerService::goes_on(const Robot& robot) {
-  return !robot.lost && !robot.began_anew && !(robot.status && robot.status->phase == Phase::no_path);
+  return !robot.lost && !robot.began_anew && !(robot.status && has_no_way(robot.status->phase));
 }
 
 bool PlannerService::goals_go_on(WallTime now) const {

@@ -93,7 +93,7 @@ void CoordinationRound::begin(const FleetMember& self, double reach, double now)
   called_at_ = now;
 }
 
-void CoordinationRound::hold(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now) {
+void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now) {
   if (!waiting_since_) waiting_since_ = now;
   if (plan_) {
     if (!self.stands) return;
@@ -185,8 +185,8 @@ void CoordinationRound::take_up(const JointPlanMessage& plan, const FleetMember&
   stage_ = Stage::executing;
 }
 
-Point2 CoordinationRound::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
-                                const Limits& limits, double now) {
+Point2 CoordinationRound::preferred_velocity(const FleetMember& self, const Fleet& fleet,
+                                             const Point2& position, const Limits& limits, double now) {
   const auto passed = [&](std::size_t index) {
     if (parts_[index] == Part::done) return std::numeric_limits<double>::infinity();
     const auto other = fleet.find(members_[index]);

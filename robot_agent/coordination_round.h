@@ -6,8 +6,8 @@
 // each then drives its own moves in the plan's order (motion/precedence.h), and is free again after its last.
 // A later round overrides an earlier one at any time; who is called away from a plan leaves the others free.
 // A robot that leaves a plan with moves to make, for it was stopped or came too late, opens no gate: the
-// first one that waits for it calls a new round. A round that does not sort out its crowd is followed by one of
-// the whole fleet.
+// first one that waits for it calls a new round. A round that does not sort out its crowd is followed by one
+// of the whole fleet.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
@@ -16,6 +16,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "messages/messages.h"
@@ -48,9 +49,16 @@ class CoordinationRound {
   /// Knots that it called one after the other from the same place.
   int calls_in_vain() const { return calls_in_vain_; }
 
-  /// It took part in one with this epoch before its process was started anew: what it was to do in that, and
-  /// in earlier ones, it knows no more.
-  void forget(std::uint32_t epoch) { latest_epoch_ = forgotten_ = epoch; }
+  /// The process before this one took part in a round with this epoch. `in_progress`: others count on moves
+  /// that this process does not know.
+  void forget(std::uint32_t epoch, bool in_progress) {
+    latest_epoch_ = forgotten_ = epoch;
+    has_lost_plan_ = in_progress;
+  }
+  /// Calls a round, once, if others count on a lost plan.
+  void call_for_lost_plan(const FleetMember& self, const Fleet& fleet, double now) {
+    if (std::exchange(has_lost_plan_, false) && stage_ == Stage::free) call(self, fleet, now);
+  }
 
   /// What did not help before may do so now.
   void retry_after_change() { calls_in_vain_ = 0; }
@@ -72,7 +80,7 @@ class CoordinationRound {
   void call_everybody(const FleetMember& self, double now);
 
   /// Once a control period while waiting. `own_plan`, once, what to publish.
-  void hold(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now);
+  void wait(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now);
   std::optional<JointPlanMessage> take_own_plan();
 
   /// Once a control period while executing: where to drive. Ends the stage when the last move is done.
@@ -114,6 +122,7 @@ class CoordinationRound {
   RoundId id_;
   std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
   std::uint32_t forgotten_ = 0;     ///< epoch
+  bool has_lost_plan_ = false;
   Stage stage_ = Stage::free;
   std::shared_ptr<const JointPlanMessage> plan_;  ///< of this round, until it is taken up
   std::optional<double> waiting_since_;

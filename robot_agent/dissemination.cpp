@@ -11,7 +11,7 @@ namespace coppice {
 namespace {
 
 constexpr int checks_per_interval = 2;  // whether it is still right
-constexpr int ticks_per_choice = 8;  // of the witnesses
+constexpr int ticks_per_choice = 8;     // of the witnesses
 constexpr std::size_t echoes_a_state = 8;
 constexpr std::size_t most_answers = most_echoes / 2;  // likewise, to those who miss somebody
 constexpr double between_answers = 0.5;                // seconds, to each of these
@@ -144,8 +144,8 @@ bool Fleet::answers(const RobotState& state, std::size_t asker, double now) {
   return true;
 }
 
-/// Who is not failed at every tick, where they are not too many. The places to go on from are odd in number: so
-/// those who hear every second, fourth, ... state hear of all.
+/// Who is not failed at every tick, where they are not too many. The places to go on from are odd in number:
+/// so those who hear every second, fourth, ... state hear of all.
 std::vector<RobotName> Fleet::next_missing() {
   std::vector<RobotName> names;
   for (const auto* some : {&missing_, &silent_failed_}) {

@@ -71,7 +71,7 @@ void EventLog::say_phase(const AgentStatus& status, std::vector<Line>& lines) co
   if (status.phase == Phase::stopped && !had_arrived)
     lines.push_back(
         {false, status.reason.empty() ? "was stopped" : fmt::format("was stopped: {}", status.reason)});
-  const bool is_stuck = status.phase == Phase::no_path || status.phase == Phase::waiting;
+  const bool is_stuck = has_no_way(status.phase) || status.phase == Phase::waiting;
   if (is_stuck && !status.reason.empty()) lines.push_back({true, status.reason});
 }
 

@@ -38,7 +38,7 @@ constexpr double from_the_beginning = 30;  // beyond that and the longest cut, n
 // Who is far away sends less often: so many states in a row may be lost before that is silence.
 constexpr double lost_in_a_row = 10;
 constexpr double heartbeat_seconds = heartbeat_interval * control_period;  // of one that stands close by
-constexpr double looks_at_silence = 0.5;                        // seconds between two
+constexpr double looks_at_silence = 0.5;                                   // seconds between two
 constexpr double relay_until = 4;    // seconds in which the last states of the silent are passed on
 constexpr double rests_clear = 0.9;  // of its radius: it may have turned a little
 constexpr double rests_radii = 0.1;  // between the places where a failed robot may stand
@@ -88,8 +88,8 @@ void Fleet::hear_of_the_missing(const RobotState& state, const Peer& teller, dou
     if (echo.stamp <= newest || is_from_the_future(echo.stamp, p, now)) continue;
     p.echoed = echo.stamp;
     const double between = (p.place - state.position).norm() - p.radius - state.radius;
-    const int interval =
-        std::max({interval_from(p), interval_from(teller), send_interval(between, p.max_speed + state.max_speed)});
+    const int interval = std::max(
+        {interval_from(p), interval_from(teller), send_interval(between, p.max_speed + state.max_speed)});
     p.echo_holds_until = std::max(p.echo_holds_until, now + death * second() + lost_over(interval));
   }
 }
@@ -179,7 +179,7 @@ void Fleet::count_absence(Peer& p, double now) {
 }
 
 void Fleet::detect_failures(double now, const Point2& position, const RoundId& waits_in,
-                          const ClearanceField& field) {
+                            const ClearanceField& field) {
   position_ = position;
   waits_in_ = waits_in;
   leads_ = waits_in.leader == self_;
@@ -223,8 +223,8 @@ double Fleet::age_of_last_sign(const Peer& p, double now) const {
   return now - std::max(p.state->stamp, p.echoed) - p.clock.estimate() + p.clock.error(now);
 }
 
-/// One that decides nothing more is failed once it must stand, too. If several are missing, all are failed when
-/// the first is.
+/// One that decides nothing more is failed once it must stand, too. If several are missing, all are failed
+/// when the first is.
 void Fleet::declare_silent_failed(const Absences& count, double now, const ClearanceField& field) {
   const bool several = count.absent > 1;
   const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
@@ -393,7 +393,8 @@ std::vector<RobotName> Fleet::peers_to_inform(double now) const {
   static_assert(absence <= informs_for);
   if (now - std::max(somebody_new_at_, somebody_back_at_) > informs_for * second()) return names;
   for (const Peer& p : peers_) {
-    const bool is_new = p.state && p.state->is_new && !p.failed && since(p.heard_at, now) < absence * second();
+    const bool is_new =
+        p.state && p.state->is_new && !p.failed && since(p.heard_at, now) < absence * second();
     const bool is_back = p.back_at > 0 && now - p.back_at < informs_for * second();
     if (is_new || is_back) names.push_back(p.robot);
   }

@@ -245,7 +245,7 @@ FleetMember Fleet::member(const Peer& p) const {
   const RobotState& s = *p.state;
   const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
   const Mission* const mission = p.failed ? nullptr : p.mission.get();
-  const bool has_given_up = s.phase == Phase::no_path;
+  const bool has_given_up = has_no_way(s.phase);
   return {.robot = p.robot,
           .position = p.place,
           .velocity = p.failed ? Point2::Zero() : s.velocity,

@@ -19,8 +19,8 @@
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
 #include "robot_agent/age_count.h"
-#include "robot_agent/send_interval.h"
 #include "robot_agent/loss.h"
+#include "robot_agent/send_interval.h"
 
 namespace coppice {
 
@@ -47,7 +47,7 @@ struct FleetMember {
   double max_speed = 0;
   double rests_until = 0;      ///< fleet time; if it stands it has bound itself to that, else when it said so
   bool stands = false;         ///< and will until something new is heard of it
-  bool failed = false;           ///< counts as failed
+  bool failed = false;         ///< counts as failed
   bool takes_no_part = false;  ///< in rounds: it was stopped, or cannot know where all are
   RoundId round;
   Stage stage = Stage::free;
@@ -83,7 +83,8 @@ class Fleet {
 
   /// Once in each control step, with where this robot is and what round it holds in (none: no epoch): who has
   /// been silent for too long counts as failed from now on.
-  void detect_failures(double now, const Point2& position, const RoundId& waits_in, const ClearanceField& field);
+  void detect_failures(double now, const Point2& position, const RoundId& waits_in,
+                       const ClearanceField& field);
   /// What counts as a second of silence, in fleet time: one of the wall's clock, and never less than states
   /// take that come by fleet time.
   double second() const { return std::max(1.0, clock_.scale); }
@@ -119,8 +120,8 @@ class Fleet {
   std::vector<FleetMember> beside(const Point2& p, double radius, double sums) const;
   /// Where the failed may stand; this robot is at `position`.
   std::vector<Disc> zones_of_failed(const Point2& position, double now) const;
-  /// Everybody alive within the round's reach is known to hold in it, and to stand; but for those whom a later
-  /// round has called away.
+  /// Everybody alive within the round's reach is known to hold in it, and to stand; but for those whom a
+  /// later round has called away.
   bool all_wait(const RoundId& round) const;
   /// Nobody alive within `reach` of p holds, or has moves of a joint plan left to make.
   bool all_free(const Point2& p, double reach) const;
@@ -146,8 +147,8 @@ class Fleet {
   bool complete(std::size_t robots);
 
   /// Whom a state is for (interest.h), and some of the stamps that were heard, all in tick: so that these can
-  /// compare clocks, and know whom others hear. `tick`: the number of the state. `news`: of its round, for all
-  /// within it. `waits_for`: the robot that this one waits for, if any.
+  /// compare clocks, and know whom others hear. `tick`: the number of the state. `news`: of its round, for
+  /// all within it. `waits_for`: the robot that this one waits for, if any.
   struct Address {
     std::vector<RobotName> agents;
     std::vector<Echo> echoes;
@@ -179,25 +180,25 @@ class Fleet {
     // What it says to this robot, and is told by it.
     ClockOffset clock{};  ///< of fleet times
     Received received{};
-    double echo_sent = 0;            ///< the newest stamp that was echoed
-    int handshakes = 0;           ///< echoes that it was sent since its clock is known
-    std::uint32_t phase = 0;         ///< of the ticks at which it is told something
+    double echo_sent = 0;              ///< the newest stamp that was echoed
+    int handshakes = 0;                ///< echoes that it was sent since its clock is known
+    std::uint32_t phase = 0;           ///< of the ticks at which it is told something
     int interval = 1;                  ///< between these
     std::uint32_t interval_until = 0;  ///< tick at which to look at that again
-    bool is_witness = false;         ///< of this robot
-    bool waits_for_this = false;     ///< robot
-    bool is_ignorant = false;        ///< it misses this robot, or one that is heard here
-    bool asks = false;               ///< for an echo, its own or one's that it misses: it stands meanwhile
+    bool is_witness = false;           ///< of this robot
+    bool waits_for_this = false;       ///< robot
+    bool is_ignorant = false;          ///< it misses this robot, or one that is heard here
+    bool asks = false;                 ///< for an echo, its own or one's that it misses: it stands meanwhile
     bool failed = false;               ///< counts as failed
-    bool reported_failed = false;          ///< by the first who told of it
-    bool said_again = false;         ///< what it said last, by somebody who hears no more of it
-    bool across = false;             ///< the larger piece of a network in pieces
+    bool reported_failed = false;      ///< by the first who told of it
+    bool said_again = false;           ///< what it said last, by somebody who hears no more of it
+    bool across = false;               ///< the larger piece of a network in pieces
 
     RobotName robot{};
     std::unique_ptr<const Mission> mission{};
     std::vector<Point2> rests{};  ///< where it may stand, if it counts as failed; else empty
 
-    double suspected_until = 0;      ///< fleet time until which it may be alive, and only cut off
+    double suspected_until = 0;    ///< fleet time until which it may be alive, and only cut off
     double strays = 0;             ///< metres that it may be from `place` until then
     double back_at = 0;            ///< fleet time: it was out of touch, and was heard of again
     WallTime said_again_from = 0;  ///< its last state was said again and again: first and last
@@ -296,7 +297,7 @@ class Fleet {
   double own_echo_ = 0;  ///< the newest stamp of this robot that somebody says to have heard
   std::vector<std::size_t> missed_by_others_;  ///< and heard here
   std::vector<std::size_t> missing_;           ///< at the last count, and not failed
-  std::vector<std::size_t> silent_failed_;      ///< likewise, those that count as failed
+  std::vector<std::size_t> silent_failed_;     ///< likewise, those that count as failed
   std::size_t asked_for_ = 0;                  ///< of these, by all states so far
   Absences absences_;
   double counted_at_ = 0;         ///< fleet time of the last count of absences

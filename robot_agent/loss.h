@@ -11,10 +11,10 @@
 
 namespace coppice {
 
-/// Which of one robot's last states came, of those at every heartbeat (heartbeat_interval): these are for all who are
-/// not far away. They may overtake each other: what is missing counts as lost only when it is some heartbeats old.
-/// And a robot may pause, or come from far away: so it counts only if two in a row came both shortly before
-/// and shortly after it.
+/// Which of one robot's last states came, of those at every heartbeat (heartbeat_interval): these are for all
+/// who are not far away. They may overtake each other: what is missing counts as lost only when it is some
+/// heartbeats old. And a robot may pause, or come from far away: so it counts only if two in a row came both
+/// shortly before and shortly after it.
 class Received {
  public:
   struct Count {

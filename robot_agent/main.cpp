@@ -12,17 +12,17 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "runtime/command_line.h"
 #include "dds/dds_bus.h"
-#include "runtime/journal.h"
 #include "messages/keep.h"
-#include "runtime/process.h"
 #include "robot_agent/event_log.h"
-#include "robot_agent/saved_state.h"
 #include "robot_agent/nameless_agent.h"
 #include "robot_agent/options.h"
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_link.h"
+#include "robot_agent/saved_state.h"
+#include "runtime/command_line.h"
+#include "runtime/journal.h"
+#include "runtime/process.h"
 
 namespace {
 
@@ -40,10 +40,10 @@ std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
 /// What is known of the robot from before, and where that goes on.
 struct Past {
   std::optional<Journal> journal;
-  StateKeeper remembrance;
-  std::optional<SavedState> memory{};
+  StateKeeper chooser;
+  std::optional<SavedState> saved_state{};
 
-  Keeper<StateKeeper, Journal> keeper() { return {std::move(remembrance), journal ? &*journal : nullptr}; }
+  Keeper<StateKeeper, Journal> keeper() { return {std::move(chooser), journal ? &*journal : nullptr}; }
 };
 
 /// Its journal's name is no other process's, whatever the robot is called. `meanwhile`: called again and
@@ -59,16 +59,16 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
                     "the robot stands at the start of its mission",
                     past.journal->file().string()));
   }
-  SavedStateBuilder recollection;
+  SavedStateBuilder builder;
   past.journal->for_each([&](const Message& message) {
-    past.remembrance.recall({&message, 1});
-    recollection.add(message);
+    past.chooser.restore({&message, 1});
+    builder.add(message);
     meanwhile();
   });
-  past.memory = std::move(recollection).memory();
-  if (past.memory && past.memory->mission.robot != robot)
+  past.saved_state = std::move(builder).saved_state();
+  if (past.saved_state && past.saved_state->mission.robot != robot)
     throw std::runtime_error(fmt::format("{}: is of robot {}: remove it, or name another folder",
-                                         past.journal->file().string(), past.memory->mission.robot));
+                                         past.journal->file().string(), past.saved_state->mission.robot));
   return past;
 }
 
@@ -131,7 +131,7 @@ int run_as(const RobotName& name, const AgentOptions& options, Heartbeat& heart)
   Listeners listeners{past.keeper(), ros_link(options.ros, bus, name), EventLog(name)};
   RobotAgent agent(name);
   if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
-  agent.recall(std::move(past.memory));
+  agent.restore(std::move(past.saved_state));
   spdlog::info("on domain {}", network.domain);
   while (!stop_requested()) {
     turn(bus, agent, listeners);
@@ -200,7 +200,7 @@ int run_as_whom_the_service_says(const AgentOptions& all_options, Heartbeat& hea
     if (asking && std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
   };
   if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, keep_the_claim)) {
-    agent.begin(std::move(past->memory), tracking_of(all_options.ros));
+    agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
     // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
     // service, the other one keeps the claim.
     DdsSettings network = options.network;

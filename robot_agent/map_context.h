@@ -1,5 +1,5 @@
-// What is worked out once about a map, and serves every mission on it. It follows from the map alone: robots
-// of one process share it.
+// What agents work out once about a map. It follows from the map alone and serves every mission on it: the
+// robots of one process share it.
 #pragma once
 
 #include <map>
@@ -13,21 +13,21 @@
 namespace coppice {
 
 struct MapContext {
-  explicit MapContext(const MapMessage& map) : map_id(map.map_id), field(map.map), places(field) {}
+  explicit MapContext(const MapMessage& map) : map_id(map.map_id), field(map.map), roadmaps(field) {}
 
   std::string map_id;
   ClearanceField field;
-  MapRoadmaps places;
+  MapRoadmaps roadmaps;
 };
 
-/// The grounds of the robots of one process and thread, as long as one of them is on it.
+/// The map contexts of the robots of one process and thread. A context lives as long as one robot uses it.
 class MapContexts {
  public:
   std::shared_ptr<MapContext> of(const MapMessage& map) {
     std::weak_ptr<MapContext>& known = known_[map.map_id];
-    std::shared_ptr<MapContext> ground = known.lock();
-    if (!ground) known = ground = std::make_shared<MapContext>(map);
-    return ground;
+    std::shared_ptr<MapContext> context = known.lock();
+    if (!context) known = context = std::make_shared<MapContext>(map);
+    return context;
   }
 
  private:

@@ -21,10 +21,10 @@ void NamelessAgent::note(const BusCounts& counts, WallTime now) {
   if (agent_) agent_->note(counts, now);
 }
 
-void NamelessAgent::begin(std::optional<SavedState> memory, const std::optional<TrackingSettings>& tracking) {
+void NamelessAgent::begin(std::optional<SavedState> saved, const std::optional<TrackingSettings>& tracking) {
   agent_.emplace(*robot());
   if (tracking) agent_->lead(*tracking);
-  agent_->recall(std::move(memory));
+  agent_->restore(std::move(saved));
 }
 
 void NamelessAgent::retire() {

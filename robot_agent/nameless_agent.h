@@ -27,7 +27,7 @@ class NamelessAgent {
 
   /// Once it knows which robot it is: begins to be that one, and goes on from what was kept of it before
   /// (memory.h), if anything. `tracking`: of a robot that is elsewhere.
-  void begin(std::optional<SavedState> memory, const std::optional<TrackingSettings>& tracking = {});
+  void begin(std::optional<SavedState> saved, const std::optional<TrackingSettings>& tracking = {});
 
   /// From then on.
   RobotAgent& agent() { return *agent_; }

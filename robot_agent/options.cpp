@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "runtime/command_line.h"
 #include "planning/robot_name.h"
+#include "runtime/command_line.h"
 
 namespace coppice {
 

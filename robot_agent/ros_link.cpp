@@ -20,7 +20,7 @@ void RosLink::turn(RobotAgent& agent, WallTime now) {
     }
   }
   for (const RosMessage& message : side_.step(agent, now)) topics_.publish(message);
-  if (agent.body() && agent.tracking()) tell(*agent.tracking(), now);
+  if (agent.run() != nullptr && agent.run()->tracking()) tell(*agent.run()->tracking(), now);
 }
 
 void RosLink::refuse(const std::string& problem) {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "ros2/dds_ros.h"
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_side.h"
+#include "ros2/dds_ros.h"
 
 namespace coppice {
 

@@ -27,9 +27,9 @@ OdometrySample RosSide::sighting(const RosOdometry& seen) {
 }
 
 /// It turns on the spot when it sets off elsewhere, as a disc can: that is not a speed of turning.
-RosOdometry RosSide::odometry(const RobotAgent& agent, WallTime now) {
-  const Driver& body = *agent.body();
-  const FleetClock& clock = agent.mission()->clock;
+RosOdometry RosSide::odometry(const Run& run, WallTime now) {
+  const Driver& body = run.body();
+  const FleetClock& clock = run.mission().clock;
   const double since = std::clamp(clock.fleet_time(now) - body.time(), 0.0, body.period());
   const Point2 velocity = turned(body.velocity() * clock.scale, y_axis_);
   const double yaw = heading_.facing(velocity);
@@ -40,7 +40,8 @@ RosOdometry RosSide::odometry(const RobotAgent& agent, WallTime now) {
 
 std::vector<RosMessage> RosSide::step(const RobotAgent& agent, WallTime now) {
   std::vector<RosMessage> out;
-  if (!agent.body()) return out;
+  const Run* const run = agent.run();
+  if (run == nullptr) return out;
   if (path_) {
     RosPlan plan{now, {}};
     for (const Point2& p : *path_) plan.way.push_back(turned(p, y_axis_));
@@ -49,11 +50,11 @@ std::vector<RosMessage> RosSide::step(const RobotAgent& agent, WallTime now) {
   }
   if (now < next_ && next_ < now + 2 * beat) return out;  // later than that: the clock was set back
   next_ = std::max(next_, now - beat / 2) + beat;
-  if (agent.tracking()) {
-    const Point2 wanted = turned(agent.command(now), y_axis_);
+  if (run->tracking()) {
+    const Point2 wanted = turned(run->command(now), y_axis_);
     out.emplace_back(RosCommand{{into_robot(wanted, yaw_), 0}});
   } else {
-    const RosOdometry seen = odometry(agent, now);
+    const RosOdometry seen = odometry(*run, now);
     out.emplace_back(seen);
     out.emplace_back(RosCommand{seen.twist});
   }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "messages/messages.h"
-#include "ros2/conversion.h"
 #include "robot_agent/robot_agent.h"
+#include "ros2/conversion.h"
 
 namespace coppice {
 
@@ -28,7 +28,7 @@ class RosSide {
   std::vector<RosMessage> step(const RobotAgent& agent, WallTime now);
 
  private:
-  RosOdometry odometry(const RobotAgent& agent, WallTime now);
+  RosOdometry odometry(const Run& run, WallTime now);
 
   RobotName robot_;
   YAxis y_axis_ = YAxis::down;

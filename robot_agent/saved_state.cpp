@@ -14,11 +14,11 @@ namespace {
 
 /// Until then, as the body drives by itself; with the points that its agent has put into its track
 /// (RobotAgent::control).
-void drive_on(Driver& body, double until, SavedState& memory) {
+void drive_on(Driver& body, double until, SavedState& saved) {
   while (body.time() + body.period() / 2 < until) {
     if (body.stands() && until - body.time() > longest_sleep) return;
-    memory.track.push_back({body.time(), body.position(), body.velocity()});
-    memory.driven_length += body.period() * body.velocity().norm();
+    saved.track.push_back({body.time(), body.position(), body.velocity()});
+    saved.driven_length += body.period() * body.velocity().norm();
     body.advance();
   }
 }
@@ -36,24 +36,24 @@ void SavedStateBuilder::add(const Message& message) {
 void SavedStateBuilder::receive(const RobotState& state) {
   if (!mission_) return;
   if (state.passed_on) {
-    if (memory_) silent_[state.robot] = {state, memory_->body.time()};
+    if (saved_) silent_[state.robot] = {state, saved_->body.time()};
   } else if (state.robot != mission_->robot) {
     silent_.erase(state.robot);
   } else {
     const Driver body(commitment_of(state, 0), state.radius, limits_of(state), control_period);
-    if (!memory_) memory_ = SavedState{.mission = *mission_, .body = body};
-    drive_on(memory_->body, state.stamp, *memory_);
-    memory_->body = body;
-    memory_->sequence = state.sequence;
+    if (!saved_) saved_ = SavedState{.mission = *mission_, .body = body};
+    drive_on(saved_->body, state.stamp, *saved_);
+    saved_->body = body;
+    saved_->sequence = state.sequence;
     // One that was started anew has left its predecessor's part in a round, and has not told the others yet.
     if (state.round.epoch == 0) return;
-    memory_->round_epoch = state.round.epoch;
-    memory_->stage = state.stage;
+    saved_->round_epoch = state.round.epoch;
+    saved_->stage = state.stage;
   }
 }
 
 void SavedStateBuilder::receive(const AgentStatus& status) {
-  if (memory_) memory_->status = status;
+  if (saved_) saved_->status = status;
 }
 
 /// One that was started anew has said all of it again.
@@ -63,19 +63,23 @@ void SavedStateBuilder::receive(const TrackMessage& track) {
   seen_.insert(seen_.end(), track.points.begin() + static_cast<std::ptrdiff_t>(known), track.points.end());
 }
 
-std::optional<SavedState> SavedStateBuilder::memory() && {
-  if (memory_) {
-    memory_->mission = *std::move(mission_);
-    memory_->seen = std::move(seen_);
-    for (auto& [robot, last] : silent_) memory_->silent.push_back(std::move(last));
+std::optional<SavedState> SavedStateBuilder::saved_state() && {
+  if (saved_) {
+    saved_->mission = *std::move(mission_);
+    saved_->seen = std::move(seen_);
+    for (auto& [robot, last] : silent_) saved_->silent.push_back(std::move(last));
   }
-  return std::move(memory_);
+  return std::move(saved_);
 }
 
-std::optional<SavedState> memory_of(std::span<const Message> kept) {
+std::optional<SavedState> saved_state_of(std::span<const Message> kept) {
   SavedStateBuilder recollection;
   for (const Message& message : kept) recollection.add(message);
-  return std::move(recollection).memory();
+  return std::move(recollection).saved_state();
+}
+
+bool is_of_run(const std::optional<SavedState>& saved, const Mission& mission) {
+  return saved && saved->mission.clock == mission.clock && saved->mission.map_id == mission.map_id;
 }
 
 bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own) {
@@ -83,7 +87,7 @@ bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mis
   return mission.clock.epoch < epoch && (mission.cancelled || !is_over);
 }
 
-void StateKeeper::recall(std::span<const Message> kept) {
+void StateKeeper::restore(std::span<const Message> kept) {
   for (const Message& message : kept) {
     heard(message);
     said(message);

@@ -26,7 +26,7 @@ struct SavedState {
   std::vector<TrackMessage::Point> seen;   ///< of a robot that follows the body (tracking.h): as it was said
   double driven_length = 0;                ///< metres, along the track
   std::uint32_t sequence = 0;              ///< of the last state
-  std::uint32_t round_epoch = 0;            ///< likewise
+  std::uint32_t round_epoch = 0;           ///< likewise
   Stage stage = Stage::free;               ///< likewise
   AgentStatus status;                      ///< the last one
   /// The last states of others that fell silent, as they were passed on, and were not heard of since.
@@ -39,7 +39,7 @@ class SavedStateBuilder {
  public:
   void add(const Message& message);
   /// Of all that was added; none if the robot had no body yet.
-  std::optional<SavedState> memory() &&;
+  std::optional<SavedState> saved_state() &&;
 
  private:
   void receive(const Mission& mission) { mission_ = mission; }
@@ -48,12 +48,15 @@ class SavedStateBuilder {
   void receive(const TrackMessage& track);
 
   std::optional<Mission> mission_;
-  std::optional<SavedState> memory_;
+  std::optional<SavedState> saved_;
   std::vector<TrackMessage::Point> seen_;
   std::map<RobotName, Heard> silent_;
 };
 
-std::optional<SavedState> memory_of(std::span<const Message> kept);
+std::optional<SavedState> saved_state_of(std::span<const Message> kept);
+
+/// Whether a saved state is of the run and the map of a mission.
+bool is_of_run(const std::optional<SavedState>& saved, const Mission& mission);
 
 /// An agent serves the newest run that it has heard of, with `epoch`. One that began earlier, for its
 /// service's clock is behind, comes next if the agent's own part in that is over. `own`: its mission, of
@@ -67,7 +70,7 @@ class StateKeeper {
   explicit StateKeeper(RobotName robot, bool leads = false) : robot_(std::move(robot)), leads_(leads) {}
 
   /// Goes on after what was kept before; all at once, or in pieces.
-  void recall(std::span<const Message> kept);
+  void restore(std::span<const Message> kept);
   Keep heard(const Message& message);
   Keep said(const Message& message);
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "simulation/simulated_bus.h"
 #include "planning/random.h"
+#include "simulation/simulated_bus.h"
 
 namespace coppice {
 

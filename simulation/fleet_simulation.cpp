@@ -57,11 +57,11 @@ void FleetSimulation::start(Agent& agent) {
   const bool may_return = agent.faults.restart_after < infinity;
   auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
   agent.process = std::make_unique<Participant<RobotAgent>>(
-      Participant<RobotAgent>{.role = RobotAgent(agent.name, grounds_), .port = port});
-  agent.process->role.recall(memory_of(agent.kept->messages));
-  StateKeeper remembrance(agent.name);
-  remembrance.recall(agent.kept->messages);
-  agent.keeper.emplace(std::move(remembrance), may_return ? agent.kept.get() : nullptr);
+      Participant<RobotAgent>{.role = RobotAgent(agent.name, map_contexts_), .port = port});
+  agent.process->role.restore(saved_state_of(agent.kept->messages));
+  StateKeeper keeper(agent.name);
+  keeper.restore(agent.kept->messages);
+  agent.keeper.emplace(std::move(keeper), may_return ? agent.kept.get() : nullptr);
 }
 
 void FleetSimulation::kill(Agent& agent) {
@@ -113,10 +113,10 @@ void FleetSimulation::turn(Agent& agent) {
   }
   if (agent.next_event() > now_) return;
   turn(*agent.process, *agent.keeper, agent.faults.clock_offset);
-  const auto& body = agent.process->role.body();
-  if (!body) return;
-  record(agent, body->time());
-  agent.body = *body;
+  const Run* const run = agent.process->role.run();
+  if (run == nullptr) return;
+  record(agent, run->body().time());
+  agent.body = run->body();
 }
 
 /// Every period that has passed since the last turn, as the body drives by itself.

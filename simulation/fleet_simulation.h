@@ -16,12 +16,12 @@
 #include <utility>
 #include <vector>
 
-#include "messages/keep.h"
-#include "simulation/simulated_bus.h"
 #include "files/scenario.h"
+#include "messages/keep.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
 #include "simulation/faults.h"
+#include "simulation/simulated_bus.h"
 #include "tree_broker/tree_broker.h"
 
 namespace coppice {
@@ -97,7 +97,7 @@ class FleetSimulation {
   double next_event() const;
 
   SimulatedBus bus_;
-  std::shared_ptr<MapContexts> grounds_ = std::make_shared<MapContexts>();
+  std::shared_ptr<MapContexts> map_contexts_ = std::make_shared<MapContexts>();
   std::function<void(const Message&, double)> listener_;  ///< empty: nobody
   double now_ = 0;
   Participant<PlannerService> service_;

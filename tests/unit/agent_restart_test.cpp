@@ -17,12 +17,12 @@ namespace {
 struct AgentRun {
   AgentRun() = default;
   AgentRun(const AgentRun&) = delete;
-  void recall(const std::vector<Message>& kept) {
-    agent.recall(memory_of(kept));
-    StateKeeper remembrance("a");
-    remembrance.recall(kept);
+  void restore(const std::vector<Message>& kept) {
+    agent.restore(saved_state_of(kept));
+    StateKeeper keeper("a");
+    keeper.restore(kept);
     store.messages = kept;
-    keeper = Keeper(std::move(remembrance), &store);
+    keeper = Keeper(std::move(keeper), &store);
   }
   void hear(const Message& message, double now) {
     keeper.heard(message);
@@ -87,7 +87,7 @@ TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
   ASSERT_GT(last.velocity.norm(), 5);  // it drives
 
   AgentRun after;
-  after.recall(before.store.messages);
+  after.restore(before.store.messages);
   after.hear(map_message(), 6);
   after.hear(mission_of_a(0), 6);
   after.run(6, 20);
@@ -123,7 +123,7 @@ TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
   double now = 2;
   for (int k = 0; k < 6; ++k) {
     auto next = std::make_unique<AgentRun>();
-    next->recall(life->store.messages);
+    next->restore(life->store.messages);
     next->hear(map_message(), now);
     next->hear(mission_of_a(0), now);
     next->run(now, now + 2.5);
@@ -142,7 +142,7 @@ TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
   ASSERT_FALSE(track_in(before.said).back().velocity.isZero(0));
 
   AgentRun after;
-  after.recall(before.store.messages);
+  after.restore(before.store.messages);
   after.hear(map_message(), 20);
   Mission over = mission_of_a(0);
   over.cancelled = true;
@@ -166,11 +166,11 @@ TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
   kept.emplace_back(state);
   state.is_new = false;  // but it waits for its robot, which follows it, before it calls a round
   kept.emplace_back(state);
-  EXPECT_EQ(memory_of(kept)->stage, Stage::executing);
-  EXPECT_EQ(memory_of(kept)->round_epoch, 7u);
+  EXPECT_EQ(saved_state_of(kept)->stage, Stage::executing);
+  EXPECT_EQ(saved_state_of(kept)->round_epoch, 7u);
   state.round = {8, "a", {20, 60}, 30};
   kept.emplace_back(state);
-  EXPECT_EQ(memory_of(kept)->stage, Stage::free);
+  EXPECT_EQ(saved_state_of(kept)->stage, Stage::free);
 }
 
 TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
@@ -181,7 +181,7 @@ TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
   std::vector<TrackMessage::Point> before = track_in(first.said);
   for (const double woken : {700.0, 703.0}) {
     AgentRun next;
-    next.recall(kept);
+    next.restore(kept);
     next.hear(map_message(), woken);
     next.hear(mission_of_a(0), woken);
     next.run(woken, woken + 2);
@@ -201,7 +201,7 @@ TEST(RobotAgentAnew, ItsTrackBeginsWithItsFirstState) {
   before.hear(mission_of_a(0), 7.03);
   before.run(7.13, 9);  // late
   AgentRun after;
-  after.recall(before.store.messages);
+  after.restore(before.store.messages);
   after.hear(map_message(), 10);
   after.hear(mission_of_a(0), 10);
   after.run(10, 11);
@@ -227,7 +227,7 @@ AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on, bool b_is_can
       return state != nullptr && state->passed_on;
     });
   AgentRun after;
-  after.recall(kept);
+  after.restore(kept);
   b.cancelled = b_is_cancelled;
   for (const Mission& mission : {a, b}) after.hear(mission, 5);
   after.hear(map_message(), 5);
@@ -245,15 +245,15 @@ TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
   RobotState b = run.standing_b(0.6);
   b.passed_on = true;
   run.keeper.said(b);
-  ASSERT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  ASSERT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
   run.hear(run.standing_b(0.55), 0.7);  // overtaken on its way
-  EXPECT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
+  EXPECT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
   run.hear(run.standing_b(0.8), 0.8);
-  EXPECT_TRUE(memory_of(run.store.messages)->silent.empty());
+  EXPECT_TRUE(saved_state_of(run.store.messages)->silent.empty());
   b.stamp = 0.8;
   run.keeper.said(b);
-  ASSERT_EQ(memory_of(run.store.messages)->silent.size(), 1u);
-  EXPECT_EQ(memory_of(run.store.messages)->silent[0].state.stamp, 0.8);
+  ASSERT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
+  EXPECT_EQ(saved_state_of(run.store.messages)->silent[0].state.stamp, 0.8);
 }
 
 TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
@@ -280,7 +280,7 @@ TEST(RobotAgentAnew, IsNewForAWhileAfterItHasMetTheLast) {
     before.hear(message, 0);
   before.run(0, 3, 3);
   AgentRun after;
-  after.recall(before.store.messages);
+  after.restore(before.store.messages);
   for (const Message& message : {Message(map_message()), Message(mine), Message(of_b)})
     after.hear(message, 20);
   after.run(20, 25);
@@ -295,7 +295,7 @@ TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
   AgentRun before;
   run_until_killed_at(3, before);
   AgentRun after;
-  after.recall(before.store.messages);
+  after.restore(before.store.messages);
   after.hear(map_message(), 106);
   after.hear(mission_of_a(106), 106);
   after.run(106, 107);
@@ -309,13 +309,13 @@ TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
   before.hear(mission_of_a(1000), 1000);
   before.run(1000, 1003);
   AgentRun after;
-  after.recall(before.store.messages);
+  after.restore(before.store.messages);
   after.hear(map_message(), 106);
   after.hear(mission_of_a(106), 106);
   after.run(106, 109);
   const RobotState last = of<RobotState>(after.said).back();
   EXPECT_GT(last.position.x(), 25);
-  const std::optional<SavedState> memory = memory_of(after.store.messages);
+  const std::optional<SavedState> saved = saved_state_of(after.store.messages);
   ASSERT_TRUE(memory.has_value());
   EXPECT_EQ(memory->mission.clock.epoch, 106);
   EXPECT_EQ(memory->track.front().position, Point2(20, 60));
@@ -323,14 +323,14 @@ TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
 }
 
 TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
-  StateKeeper remembrance("a");
+  StateKeeper keeper("a");
   Mission of_another = mission_of_a(100);
   of_another.robot = "b";
-  EXPECT_EQ(remembrance.heard(of_another), Keep::nothing);
-  EXPECT_EQ(remembrance.heard(mission_of_a(50)), Keep::nothing);
-  EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::begin_anew);
-  EXPECT_EQ(remembrance.heard(mission_of_a(50)), Keep::nothing);
-  EXPECT_EQ(remembrance.heard(mission_of_a(100)), Keep::nothing);
+  EXPECT_EQ(keeper.heard(of_another), Keep::nothing);
+  EXPECT_EQ(keeper.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(keeper.heard(mission_of_a(100)), Keep::begin_anew);
+  EXPECT_EQ(keeper.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(keeper.heard(mission_of_a(100)), Keep::nothing);
 }
 
 // The next service's clock is behind that of the last one.
@@ -356,7 +356,7 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesAnEarlierRunOnceItsOwnIsOver) {
   agent.run(1023, 1050);
   EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 900);
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
-  const std::optional<SavedState> memory = memory_of(agent.store.messages);
+  const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
   ASSERT_TRUE(memory.has_value());
   EXPECT_EQ(memory->mission.clock.epoch, 900);
 }
@@ -385,7 +385,7 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
   EXPECT_EQ(of<RobotState>(agent.said).front().position, Point2(20, 60));
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
   EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
-  const std::optional<SavedState> memory = memory_of(agent.store.messages);
+  const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
   ASSERT_TRUE(memory.has_value());
   EXPECT_EQ(memory->track.front().position, Point2(20, 60));
   EXPECT_EQ(memory->mission.clock.epoch, 100);

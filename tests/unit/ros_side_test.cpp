@@ -222,15 +222,15 @@ TEST(RosSide, ARestartedAgentHasTheTrackOfTheRobot) {
   Follower robot;
   before.run(0, 2, [&](double now) { robot.follow(before, now); });
   std::vector<Message> kept;
-  StateKeeper remembrance("a", true);
+  StateKeeper keeper("a", true);
   const Mission mission = mission_to({20, 20});
-  EXPECT_EQ(remembrance.heard(mission), Keep::begin_anew);
+  EXPECT_EQ(keeper.heard(mission), Keep::begin_anew);
   kept.emplace_back(mission);
   for (const Message& message : before.said) {
-    if (remembrance.said(message) == Keep::append) kept.push_back(message);
+    if (keeper.said(message) == Keep::append) kept.push_back(message);
   }
   Fleet after(mission_to({20, 20}), loose);
-  after.agent.recall(memory_of(kept));
+  after.agent.restore(saved_state_of(kept));
   after.run(4, 16, [&](double now) { robot.follow(after, now); });
   const auto track = after.track();
   const auto earlier = before.track();

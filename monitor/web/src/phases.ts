@@ -8,11 +8,13 @@ export const phaseNames: Readonly<Record<Phase, string>> = {
   [Phase.ARRIVED]: 'arrived',
   [Phase.NO_PATH]: 'no path',
   [Phase.STOPPED]: 'stopped',
+  [Phase.GAVE_UP]: 'gave up',
 };
 
 /// In which order a table sorts them: who needs a look comes first.
 export const phaseOrder: Readonly<Record<Phase, number>> = {
   [Phase.NO_PATH]: 0,
+  [Phase.GAVE_UP]: 0,
   [Phase.WAITING]: 1,
   [Phase.PLANNING]: 2,
   [Phase.DRIVING]: 3,
@@ -20,20 +22,25 @@ export const phaseOrder: Readonly<Record<Phase, number>> = {
   [Phase.STOPPED]: 5,
 };
 
-export const phaseCount = 6;
+export const phaseCount = 7;
 
 export enum Stage {
   FREE = 0,
-  HOLDING = 1,
-  ORDERED = 2,
+  WAITING = 1,
+  EXECUTING = 2,
 }
 
 export const stageNames: Readonly<Record<Stage, string>> = {
   [Stage.FREE]: 'drives by itself',
-  [Stage.HOLDING]: 'stands until there is a joint plan',
-  [Stage.ORDERED]: 'drives as the joint plan says',
+  [Stage.WAITING]: 'stands until there is a joint plan',
+  [Stage.EXECUTING]: 'drives as the joint plan says',
 };
 
 export function asPhase(byte: number): Phase {
   return (byte < phaseCount ? byte : Phase.WAITING) as Phase;
+}
+
+/// The robot stands and wants to go nowhere, though it has not arrived.
+export function hasNoWay(phase: Phase): boolean {
+  return phase === Phase.NO_PATH || phase === Phase.GAVE_UP;
 }

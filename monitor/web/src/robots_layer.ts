@@ -3,7 +3,7 @@ import type {Robot} from './fleet.ts';
 import type {Layers} from './layers.ts';
 import {type Frame, Phase} from './live.js';
 import type {Palette} from './palette.ts';
-import {phaseCount, Stage} from './phases.ts';
+import {hasNoWay, phaseCount, Stage} from './phases.ts';
 import type {Shown} from './playhead.ts';
 import {nearPairs, stoppingDistance} from './relations.ts';
 import {type View, toPageX, toPageY} from './view.ts';
@@ -114,7 +114,7 @@ export class RobotsLayer {
     const robots = this.groups[phase];
     if (robots.length === 0) return;
     const colour = palette.phases[phase];
-    const hollow = phase === Phase.WAITING || phase === Phase.PLANNING || phase === Phase.NO_PATH;
+    const hollow = phase === Phase.WAITING || phase === Phase.PLANNING || hasNoWay(phase);
     this.discs(context, robots, hollow ? 0.86 : 1);
     context.fillStyle = hollow ? palette.floor : colour;
     context.fill();
@@ -140,7 +140,7 @@ export class RobotsLayer {
         context.moveTo(x - s, y + 0.1 * s);
         context.lineTo(x - 0.25 * s, y + 0.8 * s);
         context.lineTo(x + s, y - 0.7 * s);
-      } else if (phase === Phase.NO_PATH) {  // a cross
+      } else if (hasNoWay(phase)) {  // a cross
         context.moveTo(x - s, y - s);
         context.lineTo(x + s, y + s);
         context.moveTo(x - s, y + s);
@@ -179,11 +179,11 @@ export class RobotsLayer {
 
   /// A ring around those that are in a joint plan: dashed while they stand for it, whole while they drive by it.
   private drawStages(context: Context, frame: Frame, palette: Palette): void {
-    for (const stage of [Stage.HOLDING, Stage.ORDERED]) {
+    for (const stage of [Stage.WAITING, Stage.EXECUTING]) {
       const robots = this.seen.filter((k) => frame.stage![k] === stage);
       if (robots.length === 0) continue;
       this.discs(context, robots, stageRing);
-      context.setLineDash(stage === Stage.HOLDING ? [3, 4] : []);
+      context.setLineDash(stage === Stage.WAITING ? [3, 4] : []);
       context.strokeStyle = palette.waits;
       context.lineWidth = 1.25;
       context.stroke();

@@ -1,0 +1,31 @@
+// What an agent keeps for as long as its process lives, whatever runs and missions come.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "messages/messages.h"
+#include "robot_agent/age_count.h"
+#include "robot_agent/map_context.h"
+#include "robot_agent/saved_state.h"
+#include "robot_agent/tracking.h"
+#include "robot_agent/tree_store.h"
+
+namespace coppice {
+
+struct AgentProcess {
+  RobotName name;
+  std::shared_ptr<MapContexts> map_contexts;
+  std::shared_ptr<MapContext> newest_map{};  ///< null: no map has come yet
+  TreeStore trees{};
+  std::optional<SavedState> saved_state{};     ///< of the process before this one; until its mission comes
+  std::optional<TrackingSettings> tracking{};  ///< of a robot that is elsewhere and follows this body
+  std::uint32_t impossible = 0;                ///< messages that the map, or the time, contradicts
+  std::uint32_t rejected_by_bus = 0;
+  AgentLoad load{};
+  AgeCount state_ages{};
+  bool retired = false;  ///< the process is to end
+};
+
+}  // namespace coppice

@@ -1,0 +1,315 @@
+// Of Run: missions, and the paths to their goals.
+#include "robot_agent/run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "messages/validation.h"
+#include "motion/free_way.h"
+#include "planning/quantities.h"
+#include "planning/suggestions.h"
+#include "robot_agent/limits.h"
+#include "robot_agent/words.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double period = control_period;
+constexpr WallTime pause_between_improvements = 0.001;
+constexpr std::size_t most_vertices = 4'000;  // of the improver's roadmap: some megabytes
+constexpr int improvements_a_step = 4;        // bounded pieces of work, some hundred microseconds together
+constexpr double worth_swapping = 0.005;      // of what is left to drive
+
+/// A body that stands where the mission begins.
+Driver body_at_start(const Mission& mission, double now) {
+  const double begin = std::max(0.0, std::ceil(now / period) * period);
+  return {mission.start, begin, mission.radius, limits_of(mission), period};
+}
+
+}  // namespace
+
+/// The state that a process before this one saved serves one mission. It is of use in its own run alone.
+std::optional<SavedState> Run::take_saved_state(AgentProcess& process, const Mission& mission) {
+  std::optional<SavedState> saved = std::exchange(process.saved_state, std::nullopt);
+  if (!is_of_run(saved, mission)) saved.reset();
+  return saved;
+}
+
+Run::Run(AgentProcess& process, Fleet& fleet, const Mission& mission, const std::optional<SavedState>& saved,
+         WallTime now)
+    : process_(process),
+      fleet_(fleet),
+      mission_(mission),
+      tracking_(process.tracking ? std::optional<Tracking>(*process.tracking) : std::nullopt),
+      body_(saved ? saved->body : body_at_start(mission, mission.clock.fleet_time(now))),
+      round_(process.name) {
+  const double fleet_now = mission_.clock.fleet_time(now);
+  begin(mission, fleet_now);
+  begun_at_ = now;
+  if (saved) {
+    go_on_from(*saved, fleet_now);
+  } else if (fleet_.is_under_way(fleet_now)) {
+    join_in_mid_run({}, fleet_now);
+  }
+  set_out(fleet_now);
+}
+
+void Run::go_on_from(const SavedState& saved, double now) {
+  track_ = TrackLog(tracking_ ? saved.seen : saved.track);
+  if (tracking_ && !track_.empty()) last_seen_ = track_.last().time;
+  counter_ = StateCounter(saved.sequence);
+  timing_.first = false;
+  round_.forget(saved.round_epoch, saved.stage != Stage::free);
+  join_in_mid_run(saved.silent, now);
+  const AgentStatus& before = saved.status;
+  if (before.mission != mission_.number) return;
+  status_.mission_time = before.mission_time;
+  status_.path_time = before.path_time;
+  status_.plan_seconds = before.plan_seconds;
+  status_.improve_seconds = before.improve_seconds;
+  if (before.phase == Phase::arrived || before.phase == Phase::stopped)
+    status_.arrival_time = before.arrival_time;
+  status_.driven_length = saved.driven_length;
+}
+
+/// The robot stands until it has heard of the others: they may be anywhere by now.
+void Run::join_in_mid_run(std::span<const Heard> silent, double now) {
+  fleet_.begin_anew(silent, now);
+  connectivity_.join(now + listening_time());
+}
+
+void Run::take_up(const Mission& mission, WallTime now) {
+  const double fleet_now = mission.clock.fleet_time(now);
+  begin(mission, fleet_now);
+  begun_at_ = now;
+  set_out(fleet_now);
+}
+
+/// All that belongs to a mission begins anew.
+void Run::begin(const Mission& mission, double now) {
+  const bool is_newest = process_.newest_map && process_.newest_map->map_id == mission.map_id;
+  if (const auto map = is_newest ? process_.newest_map : map_; map != map_) {
+    task_ = Impossible{};  // its finder, the joint planner and the improver look at the old map
+    round_ = CoordinationRound(process_.name);
+    improver_.reset();
+    map_ = map;
+  }
+  status_ = AgentStatus{.robot = process_.name,
+                        .mission = mission.number,
+                        .reason = {},
+                        .mission_time = now,
+                        .run = mission.clock.epoch,
+                        .came_on_at = now};
+  mission_ = mission;
+  startup_since_ = now;
+  came_to_ = body_.position();
+  times_stranded_ = 0;
+  round_.forget_failures();
+  lets_others_finish_ = true;
+}
+
+void Run::set_out(double now) {
+  if (mission_.cancelled) {
+    // No other process has the end of the track, however long ago that was driven.
+    round_.leave();
+    return enter(Stopped{std::max(body_.time(), now)});
+  }
+  if (const char* const problem = problem_with_task()) {
+    status_.path_time = now;
+    status_.reason = problem;
+    return enter(Impossible{});
+  }
+  look_for_a_path();
+}
+
+/// Null if the map leaves room for start and goal.
+const char* Run::problem_with_task() const {
+  if (!map_->field.is_free(body_.position(), body_.radius() - driving_rounding))
+    return "no path: the start is inside of an obstacle, or not on the map";
+  if (!map_->field.is_free(mission_.goal, mission_.radius))
+    return "no path: the goal is inside of an obstacle, or not on the map";
+  return nullptr;
+}
+
+/// The robot's last wait cause tells why it is not at its goal. The others may have been stopped before it.
+void Run::stop() {
+  if (stopped()) return;
+  if (is_under_way() && status_.reason.empty() && !status_.wait_cause.empty())
+    status_.reason = bounded(fmt::format("since {:.1f} s: {}", status_.came_on_at, status_.wait_cause));
+  round_.leave();
+  enter(Stopped{body_.time()});
+}
+
+void Run::stop(const std::string& reason) {
+  if (status_.reason.empty()) status_.reason = reason;
+  stop();
+}
+
+void Run::hear(std::shared_ptr<const JointPlanMessage> plan) {
+  // A plan of an earlier run is of robots elsewhere: its leader's writer still sends it to late readers.
+  if (takes_part() && plan->run == mission_.clock.epoch) round_.hear(std::move(plan));
+}
+
+void Run::hear(const InactiveTreeMessage& tree) {
+  auto* const planning = std::get_if<Planning>(&task_);
+  if (planning != nullptr && map_->map_id == tree.map_id) planning->finder->take(tree);
+}
+
+/// The track of a robot that follows the body is where it was seen, once a control period.
+void Run::see(const OdometrySample& robot) {
+  if (!tracking_) return;
+  const FleetClock& clock = mission_.clock;
+  const double time = clock.fleet_time(robot.at);
+  tracking_->see(robot, body_.position() + (time - body_.time()) * body_.velocity());
+  if (time < last_seen_ + period) return;
+  last_seen_ = time;
+  if (records(time)) track_.add({time, robot.position, robot.velocity / clock.scale});
+}
+
+Point2 Run::command(WallTime now) const {
+  if (!tracking_) return Point2::Zero();
+  const double scale = mission_.clock.scale;
+  const double max_speed = scale * mission_.max_speed / Tracking::share_of_speed;
+  return tracking_->command(scale * body_.velocity(), max_speed, now);
+}
+
+void Run::step(WallTime now, std::vector<Outgoing>& out) {
+  control(mission_.clock.fleet_time(now), out);
+  if (std::holds_alternative<Planning>(task_)) {
+    plan(now, out);
+  } else if (Route* const route = route_of(task_); route != nullptr && route->improvement) {
+    improve(*route, now, out);
+  }
+}
+
+WallTime Run::next_wake(WallTime now) const {
+  const WallTime next_control = mission_.clock.wall_time(body_.time() + periods_to_next_control() * period);
+  if (const auto* planning = std::get_if<Planning>(&task_))
+    return std::min(next_control, now + (planning->found ? 0 : planning->finder->pause()));
+  const Route* const route = route_of(task_);
+  return route != nullptr && route->improvement ? std::min(next_control, now + pause_between_improvements)
+                                                : next_control;
+}
+
+PathImprover<ClearanceField>& Run::improver() {
+  if (!improver_ || improver_radius_ != mission_.radius) {
+    improver_radius_ = mission_.radius;
+    improver_ = std::make_unique<PathImprover<ClearanceField>>(
+        map_->field, suggested_epsilon(map_->field, improver_radius_), Random(mission_.seed + 1),
+        most_vertices);
+  }
+  return *improver_;
+}
+
+/// Back along the trail to where the robot last saw its path, and on along the path; empty if there is no
+/// room for that.
+Path Run::way_back_to_the_path(const Route& route) const {
+  Path way = trail_.back();
+  const Path rest = route.follower.rest();
+  way.insert(way.end(), rest.begin(), rest.end());
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    if (!way_free(map_->field, way[k - 1], way[k], body_.radius())) return {};
+  }
+  return way;
+}
+
+/// From where the robot is to the mission's goal. `known`: a path that is there already, perhaps a long one.
+void Run::look_for_a_path(Path known) {
+  trail_.begin(body_.position());
+  task_ = Impossible{};  // the finder before this one looks at an improver that may be replaced
+  auto finder =
+      std::make_unique<PathFinder>(map_->field, improver(), mission_, body_.position(), std::move(known));
+  for (const InactiveTreeMessage& tree : process_.trees.trees()) {
+    if (tree.map_id == map_->map_id) finder->take(tree);
+  }
+  enter(Planning{std::move(finder)});
+}
+
+/// The next step takes what a step has found: so its time counts what the search took.
+void Run::plan(WallTime now, std::vector<Outgoing>& out) {
+  auto& planning = std::get<Planning>(task_);
+  if (planning.found) return take_result(*std::move(planning.found), std::move(planning.finder), now, out);
+  planning.found = planning.finder->step();
+  if (const auto batch = planning.finder->take_root_nodes()) out.emplace_back(*batch);
+}
+
+void Run::take_result(PathFinder::Result result, std::unique_ptr<PathFinder> finder, WallTime now,
+                      std::vector<Outgoing>& out) {
+  status_.nodes_valid = finder->counts().valid;
+  status_.nodes_invalid = finder->counts().invalid;
+  status_.trees_grafted = finder->grafted_trees();
+  if (status_.path_time == 0) {
+    status_.path_time = mission_.clock.fleet_time(now);
+    status_.plan_seconds = now - begun_at_;
+  }
+  if (const auto* failure = std::get_if<NoPath>(&result)) {
+    status_.reason = failure->reason;
+    return enter(Impossible{});
+  }
+  progress_.excuse(mission_.clock.fleet_time(now));
+  Route route{PathFollower(std::get<Path>(result), mission_.radius), std::move(finder), now};
+  follow(route, std::get<Path>(result), out);
+  enter(Driving{std::move(route)});
+}
+
+void Run::follow(Route& route, const Path& path, std::vector<Outgoing>& out) {
+  out.emplace_back(PathMessage{process_.name, mission_.number, path, status_.run});
+  route.follower = PathFollower(path, mission_.radius);
+  progress_.begin_path();
+}
+
+/// Pulls the first path taut, before the robot has come far along it. Then looks for a shorter path while the
+/// budget lasts and no robot needs the processor for its first path. Swaps to a path that the robot sees its
+/// way onto, and that leaves less to drive.
+void Run::improve(Route& route, WallTime now, std::vector<Outgoing>& out) {
+  PathFinder& finder = *route.improvement;
+  if (!finder.is_taut()) return follow(route, finder.pull_taut(), out);
+  const bool over =
+      now > route.found_at + mission_.plan_budget || !driving() || round_.stage() != Stage::free;
+  bool going = !over;
+  if (going && !fleet_.somebody_plans()) {
+    for (int k = 0; k < improvements_a_step && going; ++k) going = finder.improve();
+    const Path& path = finder.path();
+    if (length_of(path) < (1 - worth_swapping) * length_of(route.follower.path())) {
+      PathFollower candidate(path, mission_.radius);
+      candidate.preferred_velocity(body_.position(), map_->field, body_.limits(), period);
+      if (!candidate.lost() && candidate.remaining(body_.position()) <
+                                   (1 - worth_swapping) * route.follower.remaining(body_.position())) {
+        follow(route, path, out);
+        status_.improve_seconds = now - route.found_at;
+        status_changed_ = true;
+      }
+    }
+  }
+  if (!going) route.improvement.reset();
+}
+
+void Run::send_track(bool all, std::vector<Outgoing>& out) {
+  if (!track_.empty() && (all || track_.fills_a_batch()))
+    track_.send(process_.name, status_.mission, status_.run, out);
+}
+
+void Run::end_track() {
+  if (!tracking_) track_.add({body_.time(), body_.position(), body_.velocity()});
+}
+
+bool Run::take_status_change() {
+  auto* const stopped = std::get_if<Stopped>(&task_);
+  const bool has_come_to_stand = stopped != nullptr && !track_.empty() && track_.last().velocity.isZero(0);
+  if (has_come_to_stand && !std::exchange(stopped->has_said_that_it_stands, true)) status_changed_ = true;
+  return std::exchange(status_changed_, false);
+}
+
+AgentStatus Run::status(WallTime now) {
+  status_.phase = phase();
+  status_.wait_cause = bounded(wait_cause(mission_.clock.fleet_time(now)));
+  status_.way_left = way_left();
+  status_.track_points = track_.sent();
+  return status_;
+}
+
+}  // namespace coppice

@@ -1,0 +1,94 @@
+// Of Run: the states that a robot sends to its peers.
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "robot_agent/run.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr std::uint32_t heartbeats_between_relays = 2;  // of what is known of silent peers
+constexpr double share_of_overload = 0.25;              // of the last decisions that came late
+constexpr double recorded_after_the_end = 60;           // seconds
+
+}  // namespace
+
+/// Tells the peers. A robot that goes on standing as it has said does so at heartbeats only.
+void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
+  counter_.note({body_.stands(), phase(), round_.id(), round_.stage(), round_.waits_for()});
+  if (counter_.rests() && !heartbeat) return;
+  const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
+  auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, round_.waits_for(), now);
+  RobotState said = state(now, std::move(echoes));
+  said.misses = std::move(misses);
+  const int copies = counter_.copies(said.copies);
+  const std::vector<RobotName> again =
+      copies > 1 ? fleet_.who_hears_copies(agents) : std::vector<RobotName>();
+  for (; said.copy + 1 < copies; ++said.copy) out.emplace_back(said, again);
+  if (said.is_new) return out.push_back(Outgoing(std::move(said)));  // to all
+  out.emplace_back(std::move(said), std::move(agents));
+}
+
+void Run::relay_states(double now, std::vector<Outgoing>& out) {
+  for (RobotState& last : fleet_.last_words(now)) out.emplace_back(std::move(last));
+  if (counter_.heartbeats() % heartbeats_between_relays != 0) return;
+  const std::vector<RobotName> to = fleet_.peers_to_inform(now);
+  if (to.empty()) return;
+  // No peer confirms that it has heard these. So they are sent as often as makes one of them arrive.
+  for (const RobotState& last : fleet_.states_of_silent_peers(now))
+    for (int copy = 0; copy < fleet_.copies(); ++copy) out.emplace_back(Message(last), to);
+}
+
+RobotState Run::state(double now, std::vector<Echo> echoes) const {
+  const Commitment c = body_.commitment();
+  const bool asks_for_news = now < asks_for_news_until_ && !fleet_.out_of_touch();
+  return {.robot = process_.name,
+          .sequence = counter_.tick(),
+          .stamp = c.stamp,
+          .position = c.position,
+          .velocity = c.velocity,
+          .radius = body_.radius(),
+          .max_speed = body_.limits().max_speed,
+          .max_acceleration = body_.limits().max_acceleration,
+          .phase = phase(),
+          .promise = {c.turn, c.next_velocity, c.expiry},
+          .round = round_.id(),
+          .stage = round_.stage(),
+          .progress = round_.progress(),
+          .waits_for = round_.waits_for(),
+          .copies = copies(),
+          .is_new = connectivity_.joining() || asks_for_news,
+          .wants_echo = !fleet_.echoed(now),
+          .echoes = std::move(echoes),
+          .run = mission_.clock.epoch};
+}
+
+/// How often to send each state. A robot that has stood since its mission began has decided nothing that its
+/// failure could hide. A robot whose processor is too busy for its decisions sends everything once: more
+/// would not reach peers that are too busy to listen.
+std::uint8_t Run::copies() const {
+  const bool has_set_off = status_.driven_length > 0 || !body_.stands();
+  const bool overloaded = timing_.late > share_of_overload;
+  return static_cast<std::uint8_t>(has_set_off && !connectivity_.joining() && !overloaded ? fleet_.copies()
+                                                                                          : 1);
+}
+
+/// A robot that is bound to stand need not decide again before it has something to say.
+int Run::periods_to_next_control() const {
+  if (timing_.first) return 0;
+  const bool rests = counter_.rests() && !round_.plans() && body_.bound_to_stand(heartbeat_interval);
+  return rests ? counter_.periods_to_heartbeat() : 1;
+}
+
+/// Ends some time after the run, when those who report on it have heard the last of it: agents may live for
+/// months.
+bool Run::records(double now) const {
+  if (!fleet_.run_is_over()) return true;
+  const auto* const stopped = std::get_if<Stopped>(&task_);
+  return stopped == nullptr || now < stopped->at + recorded_after_the_end * fleet_.second();
+}
+
+}  // namespace coppice

@@ -1,0 +1,49 @@
+// The track of a robot in one run, as far as it has not been sent.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "messages/bus.h"
+#include "messages/messages.h"
+
+namespace coppice {
+
+class TrackLog {
+ public:
+  TrackLog() = default;
+  /// What a process before this one recorded.
+  explicit TrackLog(std::vector<TrackMessage::Point> points) : points_(std::move(points)) {}
+
+  void add(const TrackMessage::Point& point) { points_.push_back(point); }
+  bool empty() const { return points_.empty(); }
+  bool fills_a_batch() const { return points_.size() >= batch; }
+  const TrackMessage::Point& last() const { return points_.back(); }
+  /// Points that were sent.
+  std::uint32_t sent() const { return sent_; }
+
+  /// Sends all points, in messages of bounded size.
+  void send(const RobotName& robot, std::uint32_t mission, WallTime run, std::vector<Outgoing>& out) {
+    for (std::size_t from = 0; from < points_.size(); from += longest_message) {
+      const std::size_t to = std::min(points_.size(), from + longest_message);
+      TrackMessage message{robot, mission, sent_, {}, run};
+      message.points.assign(points_.begin() + static_cast<std::ptrdiff_t>(from),
+                            points_.begin() + static_cast<std::ptrdiff_t>(to));
+      sent_ += static_cast<std::uint32_t>(message.points.size());
+      out.emplace_back(std::move(message));
+    }
+    points_.clear();
+  }
+
+ private:
+  static constexpr std::size_t batch = 10;  // half a second of fleet time, which a killed process loses
+  static constexpr std::size_t longest_message = 10'000;  // points
+
+  std::vector<TrackMessage::Point> points_{};
+  std::uint32_t sent_ = 0;
+};
+
+}  // namespace coppice

@@ -1,0 +1,74 @@
+// Of Run: why it does not come on, in words.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "robot_agent/run.h"
+#include "robot_agent/words.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double in_the_way = 2;  // sums of radii between two of which one stops the other
+
+}  // namespace
+
+/// In the order in which a control step looks at what keeps it. Empty: it comes on, or has nowhere to go.
+std::string Run::wait_cause(double now) {
+  if (!stands_still(now)) return {};
+  if (is(Phase::planning)) return "no path yet: it looks for one";
+  if (connectivity_.joining())
+    return "its agent was started in mid-run, and has not heard where all others are";
+  const WallTime wall_now = mission_.clock.wall_time(now);
+  if (tracking_ && !tracking_->is_recent(wall_now)) return "no odometry came";
+  if (tracking_ && !tracking_->keeps_up(wall_now))
+    return fmt::format("its robot is {:.2f} m off the place where it should be", tracking_->error());
+  if (fleet_.cut_off()) return why_it_is_cut_off();
+  if (connectivity_.listens(now)) return "it was cut off or paused, and listens for what it missed";
+  if (round_.stage() == Stage::waiting && round_.id().leader == process_.name)
+    return round_.plans() ? "it makes a joint plan for the robots around it"
+                          : "it is to make a joint plan, and waits until the robots around it stand";
+  if (round_.stage() == Stage::waiting)
+    return fmt::format("it stands until {} has made a joint plan", round_.id().leader);
+  if (round_.stage() == Stage::executing && !round_.waits_for().empty())
+    return fmt::format("it waits for {}, which goes first by the joint plan", round_.waits_for());
+  if (round_.stage() == Stage::free && !may_set_off(now)) {
+    const RobotName unknown = fleet_.unknown();
+    return unknown.empty() ? fmt::format("{} of {} robots have missions by now",
+                                         fleet_.robots_of_the_run().size(), mission_.fleet_size)
+                           : fmt::format("it has not heard where {} is", unknown);
+  }
+  if (round_.stage() == Stage::free && round_.stranded())
+    return "no joint plan brings it to its goal: it stands until the others are done";
+  if (round_.stage() == Stage::free && lets_others_finish_) return "it lets others finish their joint plan";
+  return what_is_in_the_way();
+}
+
+std::string Run::why_it_is_cut_off() const {
+  std::vector<RobotName> unheard = fleet_.missing();
+  if (unheard.empty() && fleet_.heard_by_others_only()) unheard.push_back(*fleet_.heard_by_others_only());
+  return unheard.empty() ? "cut off: nobody hears it"
+                         : fmt::format("cut off: it hears nothing of {}", listed(std::move(unheard)));
+}
+
+/// The nearest one: what that may do next leaves no room.
+std::string Run::what_is_in_the_way() const {
+  const auto close = fleet_.beside(body_.position(), body_.radius(), in_the_way);
+  if (close.empty()) return "other robots may come where it wants to go";
+  const auto nearest = std::ranges::min_element(
+      close, {}, [&](const FleetMember& m) { return (m.position - body_.position()).norm() - m.radius; });
+  return nearest->failed ? fmt::format("{} is in the way, and counts as dead", nearest->robot)
+                         : fmt::format("{} is in the way", nearest->robot);
+}
+
+/// Metres; below 0: the robot has no path. Of a stopped robot: what was left when it was stopped.
+double Run::way_left() const {
+  if (stopped()) return status_.way_left;
+  if (is(Phase::arrived)) return 0;
+  const auto* const driving = std::get_if<Driving>(&task_);
+  return driving != nullptr ? driving->route.follower.remaining(body_.position()) : -1;
+}
+
+}  // namespace coppice
