@@ -25,7 +25,7 @@ constexpr double horizon = 2;
 constexpr double obstacle_horizon = 0.25;
 
 struct Run {
-  bool succeeded = false;  ///< all arrived and nothing touched
+  bool succeeded = false;  ///< all robots arrived and nothing collided
   double mean_run_time = 0;
 };
 
@@ -38,7 +38,7 @@ Run judged(std::vector<double> run_times, std::size_t robots, std::span<const Tr
   return {run_times.size() == robots && !touched, mean(run_times)};
 }
 
-/// Robots that know everything about each other at once, follow their paths, and avoid by ORCA alone.
+/// Robots with perfect knowledge of each other, which follow their paths and avoid each other by ORCA alone.
 class RvoAlone {
  public:
   RvoAlone(const ClearanceField& field, const std::vector<Path>& paths, double radius) : field_(field) {
@@ -107,7 +107,7 @@ struct Both {
   Run rvo;
 };
 
-/// The fleet in the simulation, and RVO alone on the paths that it found.
+/// Drives the fleet in the simulation, and with RVO alone on the same paths.
 Both compared(const TrialCase& trial, double radius) {
   Scenario scenario{.map_name = trial.map,
                     .map = trial.occupancy,

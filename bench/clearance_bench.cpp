@@ -1,5 +1,5 @@
-// What the clearance field costs: building it, a look-up, a disc and a segment, in open space and between
-// walls.
+// Costs of the clearance field: building it, a look-up, a disc and a segment, in open space and between
+// obstacles.
 #include <cstddef>
 #include <vector>
 
@@ -22,7 +22,7 @@ OccupancyMap blank() {
   return map;
 }
 
-/// `count` blocks of up to 32 by 32 cells.
+/// A map with `count` blocks of up to 32 by 32 cells.
 OccupancyMap cluttered(int count) {
   OccupancyMap map = blank();
   Random random(1);
@@ -77,7 +77,7 @@ void exact_clearance(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(field.clearance(points[n++ % samples]));
 }
 
-/// Segments of 10 m that begin at a place where the disc is free.
+/// Segments of 10 m that begin where the disc is free.
 void segment(benchmark::State& state) {
   const ClearanceField field(map_for(state));
   Random random(5);
@@ -97,7 +97,7 @@ void segment(benchmark::State& state) {
   }
 }
 
-/// The worst place: along the middle of a corridor that the disc just fits.
+/// The worst case: along the middle of a corridor that just fits the disc.
 void tight_corridor(benchmark::State& state) {
   OccupancyMap map = blank();
   for (std::size_t i = 0; i < side; ++i) map.blocked[100 * side + i] = map.blocked[111 * side + i] = 1;

@@ -1,5 +1,5 @@
-// What a control step of one robot costs among 50 others: avoidance and the check of promises together,
-// freely and under orders; and what a robot needs to know of all the others before it.
+// Cost of a control step of one robot among 50 others, avoidance and the check of promises together: when the
+// robot chooses its velocity, and when it follows a joint plan.
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -30,8 +30,8 @@ Point2 anywhere(double most, Random& random) {
   return {random.uniform(-most, most), random.uniform(-most, most)};
 }
 
-/// 50 others, no two of them closer than touching, as densely as they stand in a circle swap's middle;
-/// `share` of them on their way, states up to 0.15 s old.
+/// 50 other robots that do not overlap, as dense as in the middle of a circle swap. `share` of them move.
+/// Their states are up to 0.15 s old.
 std::vector<Scene> crowds(double share) {
   Random random(1);
   std::vector<Scene> crowds;
@@ -79,7 +79,7 @@ void follow(benchmark::State& state) {
   run(state, [](Scene& s, const ClearanceField& field) { s.body.follow(s.preferred, s.others, field); });
 }
 
-// The argument: how many of a hundred are under way.
+// The argument: the percentage of moving robots.
 BENCHMARK(choose)->Arg(0)->Arg(50)->Arg(100);
 BENCHMARK(follow)->Arg(0)->Arg(50)->Arg(100);
 

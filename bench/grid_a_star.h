@@ -1,7 +1,7 @@
-// Grid A* with string pulling: the peer that gives nearly the shortest paths.
+// Grid A* with string pulling: the reference for nearly shortest paths.
 //
-// 8-connected on the cells whose centre is free (Hart, Nilsson, Raphael, 1968), then points between two that
-// see each other are left out, and corners are cut. Metres.
+// The search is 8-connected on the cells whose centre is free (Hart, Nilsson, Raphael, 1968). Then points
+// between two points with a free line of sight are removed, and corners are cut. Metres.
 #pragma once
 
 #include <vector>
@@ -12,12 +12,12 @@ namespace coppice {
 
 class GridAStar {
  public:
-  /// `field` outlives it. Cells are asked for their clearance when they are first seen.
+  /// `field` must outlive it. The clearance of a cell is looked up when the search first reaches it.
   explicit GridAStar(const ClearanceField& field);
 
-  /// Over cell centres, start and goal added; empty if there is none.
+  /// The path over cell centres, with start and goal; empty if there is none.
   Path path(const Point2& start, const Point2& goal, double radius);
-  std::size_t expanded() const { return expanded_; }  ///< cells in all searches
+  std::size_t expanded() const { return expanded_; }  ///< cells expanded in all searches
 
  private:
   const ClearanceField& field_;

@@ -1,5 +1,5 @@
-// What a joint plan of all robots of a scenario takes: joint_plan_memory SCENARIO prints the most memory that
-// its process had (VmHWM of proc(5), kB) before the plan and in the end.
+// Memory for a joint plan of all robots of a scenario: joint_plan_memory SCENARIO prints the peak memory of
+// its process (VmHWM of proc(5), kB) before and after planning.
 #include <cstdlib>
 #include <fstream>
 #include <iostream>

@@ -1,4 +1,4 @@
-// OMPL's planners on our clearance field: the best collision checker that they can have.
+// OMPL's planners on our clearance field, the best collision checker that they can have.
 
 #include "bench/trial.h"
 
@@ -88,7 +88,7 @@ TrialResult run_ompl(const std::string& planner, const TrialCase& trial, std::ui
       goal[d] = p.goal[d];
     }
     setup.setStartAndGoalStates(start, goal);
-    // The first solution will do: any length meets the threshold.
+    // Stop at the first solution: any length meets the threshold.
     auto objective = std::make_shared<ob::PathLengthOptimizationObjective>(information);
     objective->setCostThreshold(ob::Cost(1e12));
     setup.setOptimizationObjective(objective);

@@ -1,4 +1,5 @@
-// What one robot's control step costs: the half planes of its neighbours and of obstacles, and the programme.
+// Cost of one robot's control step: the half planes of its neighbours and of obstacles, and the linear
+// programme.
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -30,7 +31,7 @@ struct Scene {
   Point2 preferred;
 };
 
-/// Neighbours between 11 and 40 m away, all on their way somewhere: as in the middle of a circle swap.
+/// Neighbours at 11 to 40 m, all moving, as in the middle of a circle swap.
 std::vector<Scene> crowds(std::size_t neighbours) {
   Random random(1);
   const auto velocity = [&] { return Point2(random.uniform(5, max_speed) * at_angle(random.uniform(0, 7))); };
@@ -59,7 +60,7 @@ void agent_step(benchmark::State& state) {
   }
 }
 
-/// Blocks of up to 24 by 24 cells with room for the disc between many of them.
+/// Blocks of up to 24 by 24 cells. The disc fits between many of them.
 ClearanceField blocks() {
   constexpr std::size_t side = 512;
   OccupancyMap map;
@@ -78,7 +79,7 @@ ClearanceField blocks() {
   return ClearanceField(map);
 }
 
-/// At places where an obstacle is near enough to matter.
+/// At positions where an obstacle is near enough to matter.
 void obstacles(benchmark::State& state) {
   const ClearanceField field = blocks();
   Random random(3);

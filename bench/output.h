@@ -1,4 +1,4 @@
-// The three files of an experiment.
+// Writes the three files of an experiment.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace coppice {
 
-/// Writes NAME.csv (`trials`), NAME.md (`summary`) and NAME.svg: after each map, so that what is measured is
-/// kept whatever becomes of the next one.
+/// Writes NAME.csv (`trials`), NAME.md (`summary`) and NAME.svg. Called after each map, so that results are
+/// kept if the next map fails.
 inline void write_experiment(const ExperimentOptions& options, const std::string& name, const Table& trials,
                              const Table& summary, const std::vector<Plot>& plots, int plots_a_row) {
   const std::string file = options.output + "/" + name;

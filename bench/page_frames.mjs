@@ -1,6 +1,6 @@
-// How many frames a second the page draws of a recording, in Debian's chromium without a graphics card, and what the monitor
-// takes meanwhile: its share of a core, and its largest resident memory. With a DOMAIN the recording is replayed on that, and
-// the monitor shows what it hears there.
+// Measures the frames per second that the page draws of a recording, in Debian's chromium without a graphics card, and
+// the monitor's share of a core and peak resident memory. With a DOMAIN the recording is replayed there, and the
+// monitor shows what it receives.
 //
 // node bench/page_frames.mjs COPPICE RECORDING [SECONDS [DOMAIN]]
 //

@@ -12,23 +12,22 @@ namespace coppice {
 
 namespace {
 
-constexpr std::uint64_t most_samples = 2'000'000;  // a robot's RRT* that needs more is given up
-constexpr double speed = 20;                       // metres a second
+constexpr std::uint64_t most_samples = 2'000'000;  // a robot's RRT* gives up after this many
+constexpr double speed = 20;                       // metres per second
 constexpr double longest_run = 1200;               // fleet seconds
 
-/// What the paper measures of one run.
+/// The paper's measures of one run.
 struct Measures {
   double plan_seconds = 0;
-  std::optional<double>
-      run_seconds{};       ///< fleet time until the last robot stands at its goal; none: not all did
-  double path_length = 0;  ///< mean over the robots that have a path
-  double nodes = 0;        ///< valid and invalid
+  std::optional<double> run_seconds{};  ///< fleet time until the last robot arrived; none: not all did
+  double path_length = 0;               ///< mean over the robots with a path
+  double nodes = 0;                     ///< valid and invalid
   double invalid = 0;
   int solved = 0;
 };
 
-/// Drives the fleet in the simulation, with that planner.
-/// RRT* drives its first path, straightened, as in the paper; MA-RRdT* goes on improving.
+/// Drives the fleet in the simulation, with paths of `planner`. RRT* drives its first path, straightened, as
+/// in the paper. MA-RRdT* continues to improve its paths.
 std::optional<double> run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed) {
   Scenario scenario{
       .map_name = trial.map, .map = trial.occupancy, .seed = static_cast<std::uint32_t>(seed), .robots = {}};
@@ -67,7 +66,7 @@ std::optional<double> invalid_nodes(const Measures& m) {
   return m.invalid;
 }
 
-/// Of the runs that have it.
+/// The values of the runs that have one.
 std::vector<double> values_of(const std::vector<Measures>& runs,
                               std::optional<double> (*value)(const Measures&)) {
   std::vector<double> values;

@@ -16,11 +16,11 @@ namespace {
 constexpr double close_to_shortest = 1.03;
 const std::vector<std::string> ompl_planners{"RRTConnect", "BiEST", "RRTstar", "BITstar"};
 
-/// What is told of one planner on one map with one number of robots.
+/// The results of one planner on one map with one number of robots.
 struct Row {
   std::vector<double> first_ms;
   std::vector<double> simplified_ms;
-  std::vector<double> close_ms;  ///< until within 1.03 of the shortest known length; trials that get there
+  std::vector<double> close_ms;  ///< until within 1.03 of the shortest known length, for trials that reach it
   std::vector<double> first_ratio;
   std::vector<double> ratio;
   std::vector<double> nodes;
@@ -42,7 +42,7 @@ double seconds_to_close(const TrialResult& result, double shortest) {
              : -1;
 }
 
-/// Who goes first changes from seed to seed: the first finds the caches cold.
+/// The order of the planners changes with the seed, because the first one finds cold caches.
 std::vector<TrialResult> run_all(const TrialCase& trial, std::uint64_t seed, double cap) {
   const std::size_t count = 2 + ompl_planners.size();
   std::vector<TrialResult> results(count);
@@ -56,7 +56,7 @@ std::vector<TrialResult> run_all(const TrialCase& trial, std::uint64_t seed, dou
 }
 
 void add(Row& row, const TrialResult& result, const std::vector<TrialResult>& all) {
-  // A planner is compared on the robots that it solved.
+  // Compares a planner only on the robots that it solved.
   double shortest = 0;
   double first = 0;
   double last = 0;
@@ -88,7 +88,7 @@ std::string number(double v) {
   return v >= 100 ? fmt::format("{:.0f}", v) : fmt::format("{:.3g}", v);
 }
 
-/// Median, with the quartiles.
+/// The median, with the quartiles.
 std::string spread(const std::vector<double>& values) {
   if (values.empty()) return "-";
   return fmt::format("{} ({} to {})", number(median(values)), number(quantile(values, 0.25)),

@@ -34,11 +34,11 @@ struct Range {
   }
 };
 
-/// From values to pixels of one axis.
+/// Converts values to pixels on one axis.
 class Scale {
  public:
   Scale(Range range, double from, double to, bool logarithmic) : from_(from), to_(to), log_(logarithmic) {
-    if (!(range.low <= range.high)) range = {1, 1};  // there is nothing to show; 0 has no logarithm
+    if (!(range.low <= range.high)) range = {1, 1};  // nothing to show; 0 has no logarithm
     if (log_) {
       low_ = std::floor(std::log10(range.low));
       high_ = std::max(low_ + 1, std::ceil(std::log10(range.high)));

@@ -1,4 +1,4 @@
-// Line plots in a grid, as SVG: the form of the paper's figures.
+// Line plots in a grid, as SVG, in the form of the paper's figures.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ struct Plot {
   std::vector<Series> series;
 };
 
-/// Row by row, `columns` plots a row; a series has the same colour in all of them, by its place.
+/// `columns` plots per row. A series has the same colour in all plots, by its index.
 std::string plots_svg(const std::vector<Plot>& plots, int columns);
 
 }  // namespace coppice

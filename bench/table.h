@@ -1,4 +1,4 @@
-// A table of results, as CSV for programs and as Markdown for people.
+// A table of results, as CSV and JSON for programs and as Markdown for people.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@ namespace coppice {
 
 struct Table {
   std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;  ///< as long as the header
+  std::vector<std::vector<std::string>> rows;  ///< each as long as the header
 };
 
 std::string as_csv(const Table& table);
 std::string as_markdown(const Table& table);
-/// An array with an object for each row; what is a number stays one.
+/// An array with one object per row. Numbers stay numbers.
 std::string as_json(const Table& table);
 
 }  // namespace coppice

@@ -13,7 +13,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double least_way = 0.4;  // of the map's diagonal, from each start to its goal
+constexpr double least_way = 0.4;  // of the map's diagonal: least distance from each start to its goal
 
 std::vector<double> lengths_of(const FleetPlanner& planner, std::size_t robots) {
   std::vector<double> lengths;
@@ -58,7 +58,7 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed) {
   planner.take_first_paths();
   result.first_seconds = watch.seconds();
   result.first_lengths = lengths_of(planner, robots);
-  double own = 0;  // what measuring costs is not the planner's time
+  double own = 0;  // time for measuring, which is not the planner's
   bool improving = true;
   while (improving) {
     improving = planner.improve();

@@ -1,7 +1,7 @@
-// What every experiment shares: maps and tasks by seed, planners that are timed alike, and what is measured.
+// Common to all experiments: maps and tasks by seed, planners with the same timing, and their results.
 //
-// Seconds of the machine's clock, metres. The clearance field is made before the clock starts: all planners
-// have the same one.
+// Seconds of the machine's clock, metres. The clearance field is built before the clock starts, because all
+// planners share it.
 #pragma once
 
 #include <chrono>
@@ -34,22 +34,22 @@ struct TrialCase {
   std::vector<PlanningProblem> problems;
 };
 
-/// What a table calls a map: its kind, or its file's name.
+/// The name of a map in tables: its kind, or its file's name.
 std::string map_title(const std::string& map);
 
-/// A map of a kind that the seed makes, or that of a file, and tasks for so many robots on it. Throws
-/// InputError for a bad name or file, std::invalid_argument where there is no room for so many robots.
+/// Makes a map of a kind from the seed, or reads it from a file, and draws tasks for `robots` robots. Throws
+/// InputError for a bad name or file, and std::invalid_argument if there is no room for so many robots.
 TrialCase make_case(const std::string& map, int side, int robots, double radius, std::uint64_t seed);
 
 struct TrialResult {
   std::string planner;
   double first_seconds = 0;           ///< until the last first path
-  double simplified_seconds = 0;      ///< first_seconds and the planner's own simplification
+  double simplified_seconds = 0;      ///< with the planner's own simplification
   std::vector<double> first_lengths;  ///< of each robot; 0: no path
   std::vector<double> lengths;        ///< after simplification
   std::uint64_t valid_nodes = 0;
   std::uint64_t invalid_nodes = 0;
-  /// Sum of the lengths over time, for planners that go on improving.
+  /// Sum of the lengths over time, for planners that improve their paths.
   struct Progress {
     double seconds;
     double length;
@@ -59,17 +59,17 @@ struct TrialResult {
   int solved() const;
 };
 
-/// Goes on after the first paths until nothing shorter turns up.
+/// Improves the first paths until no shorter ones are found.
 TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed);
-/// MA-RRT*: each robot its own RRT*, given up after so many samples.
+/// MA-RRT*: a separate RRT* for each robot, which gives up after `most_samples` samples.
 TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples);
 TrialResult run_grid_a_star(const TrialCase& trial);
 
-/// OMPL's planners by name: RRTConnect, BiEST, RRTstar, BITstar; each robot gets `cap` seconds.
+/// OMPL's planners by name: RRTConnect, BiEST, RRTstar, BITstar. Each robot gets `cap` seconds.
 bool built_with_ompl();
 TrialResult run_ompl(const std::string& planner, const TrialCase& trial, std::uint64_t seed, double cap);
 
-/// The sum over robots of the shortest length that any of the results has; robots without any do not count.
+/// The sum over robots of the shortest length in any result. Robots without a path do not count.
 double shortest_known(const std::vector<TrialResult>& results);
 
 }  // namespace coppice

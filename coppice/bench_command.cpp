@@ -1,12 +1,12 @@
 #include <iostream>
 
 #include "bench/experiments.h"
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/scale_bench.h"
 #include "coppice/sharing_bench.h"
 #include "files/map_file.h"
 #include "planning/map_generator.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
@@ -51,7 +51,7 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   }
   if (!options.maps.empty()) experiment.maps = options.maps;
   for (const std::string& map : experiment.maps) {
-    if (!map_kind(map)) read_map(map);  // a bad one is found before the others have run for an hour
+    if (!map_kind(map)) read_map(map);  // reports a bad map now and not after hours of measuring
   }
   experiment.radius = options.radius;
   if (!options.robots.empty()) experiment.robots = options.robots;

@@ -1,5 +1,5 @@
-// Every command of `coppice` with its options, and the options of all other programs: for parsing, and for
-// all that is made of them (help, manual pages, completion, tests).
+// Every command of `coppice` with its options, and the options of all other programs. Used for parsing, and
+// for everything made from the options (help, manual pages, completion, tests).
 #pragma once
 
 #include <functional>
@@ -12,26 +12,26 @@
 
 namespace coppice {
 
-/// What the command line says.
+/// The values of the command line.
 struct CommandOptions {
-  RunOptions run;  ///< of run, simulate and plan
+  RunOptions run;  ///< for run, simulate and plan
   FleetOptions fleet;
   WatchingOptions watching;
   DiscoveryOptions discovery;
   FleetPlan fleet_plan;
   Faults faults;
-  NewRecording record;  ///< of simulate
+  NewRecording record;  ///< for simulate
   FuzzOptions fuzz;
   MapOptions map;
   BenchOptions bench;
   std::string help_topic;  ///< empty: all commands
 };
 
-/// Adds all commands. Parsing fills in `options` and `chosen`, which outlive it; it runs nothing.
+/// Adds all commands. Parsing fills in `options` and `chosen`, which must outlive it, and runs no command.
 void add_commands(CLI::App& app, CommandOptions& options, ChosenCommand& chosen);
 
-/// Shows the command line of each program that is installed, one after the other. An app has its program's
-/// name, and its commands as subcommands.
+/// Calls `visit` with the command line of each installed program. An app has its program's name, and the
+/// program's commands as subcommands.
 void visit_programs(const std::function<void(const CLI::App&)>& visit);
 
 }  // namespace coppice

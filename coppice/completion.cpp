@@ -10,9 +10,9 @@
 namespace coppice {
 namespace {
 
-/// What may stand at a place of the command line.
+/// The completions at one position of the command line.
 struct Offer {
-  std::string words;  ///< with spaces between them
+  std::string words;  ///< separated by spaces
   std::string names;  ///< "file", "directory", or none
 };
 
@@ -28,7 +28,7 @@ std::vector<std::string> split(std::string_view text, char separator) {
   return parts;
 }
 
-/// The alternatives that are words themselves, and not the names of something, as HOST:PORT.
+/// The alternatives that are literal words, not placeholders as HOST:PORT.
 std::string words_of(std::string_view alternatives, char separator) {
   std::string words;
   for (const std::string& word : split(alternatives, separator)) {
@@ -86,7 +86,7 @@ std::string rows(const CLI::App& app, const std::string& command) {
                     command, arguments.words, arguments.names, options);
 }
 
-// In bash's words, --option=value are three.
+// Bash splits --option=value into three words.
 constexpr const char* script = R"(# Completion of {program} for bash, made from its options.
 _{program}() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD - 1]}} command= words= names=

@@ -7,20 +7,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "dds/discovery.h"
 #include "coppice/time_scale.h"
+#include "dds/discovery.h"
 
 namespace coppice {
 
 namespace {
 
-// Of one process; measured, with room (docs/performance.md).
+// Needs of one process, measured, with a margin (docs/performance.md).
 constexpr std::uint64_t memory_a_process = 32ull << 20;
 constexpr std::uint64_t files_a_process = 32;
 constexpr std::uint64_t threads_a_process = 10;
-constexpr int other_processes = 4;  // broker, service, discovery server, command
-// From so many robots on, what Linux grants by default is too little for all to be heard who speak at once.
-constexpr double worth_telling = 0.005;  // seconds by which a clock jumps
+constexpr int other_processes = 4;       // broker, service, discovery server, command
+constexpr double worth_telling = 0.005;  // seconds by which a clock must jump to be reported
 
 using Check = Finding (*)(const Machine&, const FleetPlan&);
 
@@ -80,7 +79,7 @@ Finding receive_buffer(const Machine& m, const FleetPlan& plan) {
 Finding open_files(const Machine& m, const FleetPlan& plan) {
   Finding finding{
       "open files", Verdict::ok,
-      fmt::format("{} a process, {} left in all", number(m.open_files), number(m.open_files_left))};
+      fmt::format("{} per process, {} left in all", number(m.open_files), number(m.open_files_left))};
   if (!allows(m.open_files, files_a_process)) {
     finding.verdict = Verdict::fail;
     finding.advice = "ulimit -n 1024";
@@ -113,9 +112,9 @@ Finding discovery(const Machine& m, const FleetPlan& plan) {
     return {"discovery", Verdict::ok, "through " + plan.discovery};
   if (m.servers.are_usable)
     return {"discovery", Verdict::warn,
-            fmt::format("of \"{}\" these have no address: {}", plan.discovery,
+            fmt::format("of \"{}\", these have no address: {}", plan.discovery,
                         fmt::join(m.servers.unknown, ", ")),
-            "start them, or name their hosts: processes that start now go on without them"};
+            "start them, or correct their names: processes that start now continue without them"};
   return {"discovery", Verdict::fail, fmt::format("\"{}\" names no discovery servers", plan.discovery),
           fmt::format("--discovery or ROS_DISCOVERY_SERVER: {}", discovery_rule)};
 }
@@ -149,16 +148,17 @@ Finding ports(const Machine& m, const FleetPlan& plan) {
                   fmt::format("{} free for participants, {} needed", m.free_ports, needed)};
   if (m.free_ports < needed) {
     finding.verdict = Verdict::fail;
-    finding.advice = "another --domain, below 100 if there are many robots, or end what is on this one";
+    finding.advice = "use another --domain, below 100 for many robots, or stop the processes on this one";
   } else if (m.domain_in_use) {
     finding.verdict = Verdict::warn;
-    finding.found += "; somebody is on the domain";
-    finding.advice = "another --domain, unless it is your fleet";
+    finding.found += "; the domain is in use";
+    finding.advice = "use another --domain, unless this is your fleet";
   } else if (participant_port(plan.domain, needed) >= m.first_ephemeral_port) {
     finding.verdict = Verdict::warn;
-    finding.found += fmt::format("; from {} on the system hands them out to anybody", m.first_ephemeral_port);
+    finding.found +=
+        fmt::format("; the system gives ports from {} on to any program", m.first_ephemeral_port);
     const int room = m.first_ephemeral_port - participant_port(0, needed);
-    finding.advice = room > 0 ? fmt::format("a --domain of at most {}", room / 250)
+    finding.advice = room > 0 ? fmt::format("use a --domain of at most {}", room / 250)
                               : "sysctl -w net.ipv4.ip_local_port_range=\"32768 60999\"";
   }
   return finding;
@@ -168,7 +168,7 @@ Finding clock(const Machine& m, const FleetPlan&) {
   Finding finding{"clock", Verdict::ok, m.clock_synchronised ? "synchronised" : "not synchronised"};
   if (std::abs(m.clock_jump) > worth_telling) {
     finding.verdict = Verdict::warn;
-    finding.found += fmt::format(", jumped by {:.3f} s while it was looked at", m.clock_jump);
+    finding.found += fmt::format(", jumped by {:.3f} s during the check", m.clock_jump);
     finding.advice = "let one program set the clock, and slew it instead of stepping";
   } else if (!m.clock_synchronised) {
     finding.verdict = Verdict::warn;

@@ -3,18 +3,18 @@
 
 #include <spdlog/spdlog.h>
 
+#include "coppice/commands.h"
 #include "dds/discovery_server.h"
 #include "runtime/process.h"
-#include "coppice/commands.h"
 
 namespace coppice {
 
 namespace {
 
 constexpr std::chrono::milliseconds poll_period{100};
-constexpr double late = 0.5;  // seconds by which a word may be
+constexpr double late = 0.5;  // seconds by which an announcement may be late
 
-/// If others still take a server that was killed to be alive, it must be forgotten first.
+/// Clients that still remember a killed server must forget it before this one starts.
 void wait_until_forgotten(const DiscoveryOptions& options) {
   PortWatch port(options.port);
   const auto begin = std::chrono::steady_clock::now();
@@ -26,7 +26,7 @@ void wait_until_forgotten(const DiscoveryOptions& options) {
     std::this_thread::sleep_for(poll_period);
     if (!remembered && port.heard_rtps()) {
       remembered = true;
-      spdlog::info("waits until all have forgotten the server that was here before");
+      spdlog::info("waiting until all clients have forgotten the previous server");
     }
   }
 }

@@ -1,8 +1,8 @@
 #include <iostream>
 
-#include "dds/discovery.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
+#include "dds/discovery.h"
 
 namespace coppice {
 

@@ -34,9 +34,9 @@ namespace coppice {
 
 namespace {
 
-constexpr int patience = 200;  // milliseconds for a datagram to this machine itself
+constexpr int patience = 200;  // milliseconds for a datagram from this machine to itself
 constexpr std::chrono::milliseconds clock_watch{300};
-constexpr const char* group = "239.255.0.1";  // where DDS participants meet
+constexpr const char* group = "239.255.0.1";  // the multicast group of DDS participants
 
 class UdpSocket {
  public:
@@ -47,7 +47,7 @@ class UdpSocket {
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
 
-  /// 0: any free one.
+  /// 0: any free port
   bool bind_to(int port) const {
     sockaddr_in address = to(INADDR_ANY, port);
     return bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
@@ -102,7 +102,7 @@ SystemLimit number_in(const std::string& text) {
   return in >> value ? SystemLimit(value) : std::nullopt;
 }
 
-/// The lower of both, where none is no limit.
+/// The lower of two limits. None is no limit.
 SystemLimit lower(const SystemLimit& a, const SystemLimit& b) {
   return a && b ? std::min(a, b) : a ? a : b;
 }
@@ -118,7 +118,7 @@ SystemLimit resource(__rlimit_resource which) {
   return limited ? SystemLimit(limit.rlim_cur) : std::nullopt;
 }
 
-/// The number after that word, in a text of one such pair a line.
+/// The number after `word`, in a text with one such pair per line.
 SystemLimit number_after(const std::string& word, const std::string& text) {
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {
@@ -127,8 +127,8 @@ SystemLimit number_after(const std::string& word, const std::string& text) {
   return std::nullopt;
 }
 
-/// Folders of the control groups that this process is in (version 2), the outermost first: in a container
-/// its own is the only one that it sees.
+/// Folders of the control groups (version 2) of this process, the outermost first. In a container only its
+/// own group is visible.
 std::vector<std::filesystem::path> control_groups() {
   std::istringstream in(text_of("/proc/self/cgroup"));
   std::vector<std::filesystem::path> groups{"/sys/fs/cgroup"};
@@ -143,7 +143,7 @@ SystemLimit memory_available() {
   SystemLimit available = number_after("MemAvailable:", text_of("/proc/meminfo"));
   if (available) *available *= 1024;
   for (const auto& folder : control_groups()) {
-    // What is only kept of files is given up when it is needed.
+    // The cache of files is freed when memory is needed, so it does not count as used.
     SystemLimit used = number_in(text_of(folder / "memory.current"));
     used = left_of(used, number_after("inactive_file ", text_of(folder / "memory.stat")));
     available = lower(available, left_of(number_in(text_of(folder / "memory.max")), used));
@@ -171,7 +171,7 @@ std::uint64_t threads_of_this_user() {
   return threads;
 }
 
-/// Of the whole system; of this user's, the limit counts only where he is not root.
+/// By the limits of the whole system and, unless the user is root, by the limit of this user.
 SystemLimit threads_left() {
   std::uint64_t running = 0;
   std::istringstream load(text_of("/proc/loadavg"));
@@ -193,7 +193,7 @@ std::uint64_t granted_receive_buffer() {
   int granted = 0;
   socklen_t size = sizeof granted;
   getsockopt(udp.descriptor(), SOL_SOCKET, SO_RCVBUF, &granted, &size);
-  return static_cast<std::uint64_t>(granted) / 2;  // Linux counts its own bookkeeping, too
+  return static_cast<std::uint64_t>(granted) / 2;  // Linux adds as much for its bookkeeping
 }
 
 bool loopback_works() {
@@ -216,8 +216,7 @@ bool multicast_works(in_addr interface) {
          sender.send(membership.imr_multiaddr.s_addr, receiver.port(), text) && receiver.receives(text);
 }
 
-/// Those that are up, say that they can multicast, and have an address; DDS uses these, and loopback if it
-/// must.
+/// Interfaces that are up, support multicast and have an address. DDS uses these; without any, the loopback.
 std::vector<NetworkInterface> interfaces() {
   std::vector<NetworkInterface> found;
   ifaddrs* all = nullptr;
@@ -237,7 +236,7 @@ bool is_free(int port) {
   return udp.bind_to(port);
 }
 
-/// Stops when there are enough.
+/// Stops at `enough`.
 int free_port_pairs(int domain, int enough) {
   int pairs = 0;
   for (int k = 0; k < most_participants && pairs < enough; ++k) {
@@ -248,7 +247,7 @@ int free_port_pairs(int domain, int enough) {
   return pairs;
 }
 
-/// By how much the clock that can be set moved more than the one that cannot, seconds.
+/// Seconds by which the settable clock moved more than the steady one.
 double clock_jump() {
   using std::chrono::steady_clock;
   using std::chrono::system_clock;

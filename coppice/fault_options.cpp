@@ -13,12 +13,12 @@ namespace coppice {
 
 namespace {
 
-// More than that is no fault but another world, and its schedule takes for ever to draw.
+// A higher rate is not realistic, and its schedule takes very long to draw.
 constexpr double most_an_hour = 3600;
 constexpr double shortest = 1e-3;  // seconds
-constexpr double longest = 1e5;    // likewise
+constexpr double longest = 1e5;    // seconds
 
-/// Two parts around the last `separator`; throws a usage error that names the option and what it expects.
+/// Splits the text at the last `separator`. Throws a usage error with the option and the expected form.
 std::pair<std::string, std::string> split(const std::string& text, char separator, const std::string& option,
                                           const std::string& expected) {
   const auto at = text.rfind(separator);
@@ -31,7 +31,7 @@ double seconds(const std::string& text, const std::string& option) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= longest))
     throw CLI::ValidationError(option,
-                               fmt::format("'{}' is not a number of seconds, up to {}", text, longest));
+                               fmt::format("'{}' is not a number of seconds from 0 to {}", text, longest));
   return value;
 }
 
@@ -56,31 +56,30 @@ void add_fault_options(CLI::App& command, Faults& faults) {
         ->default_str("none")
         ->allow_extra_args(false);
   };
-  number("--loss", faults.bus.loss, "share of the samples that are lost; reliable ones are sent again")
+  number("--loss", faults.bus.loss, "share of lost samples; reliable ones are sent again")
       ->check(number_between(0, 0.95));
-  number("--delay", faults.bus.delay, "of every sample, seconds")->check(number_between(0, 60));
-  number("--jitter", faults.bus.jitter, "by which a delay may differ either way, seconds")
+  number("--delay", faults.bus.delay, "delay of every sample, seconds")->check(number_between(0, 60));
+  number("--jitter", faults.bus.jitter, "greatest deviation of a delay, seconds")
       ->check(number_between(0, 60));
   number("--duplicate", faults.bus.duplicate, "share of the samples that arrive twice")
       ->check(number_between(0, 1));
-  command.add_flag("--reorder", faults.bus.reorder, "samples of one sender may overtake each other")
+  command.add_flag("--reorder", faults.bus.reorder, "lets samples of one sender overtake each other")
       ->group(group);
-  number("--kill-rate", faults.kill_rate, "agents killed, for each robot and hour")
+  number("--kill-rate", faults.kill_rate, "agents killed, per robot and hour")
       ->check(number_between(0, most_an_hour));
-  pairs("--kill", '@', "ROBOT@SECONDS", "an agent to kill and when",
+  pairs("--kill", '@', "ROBOT@SECONDS", "an agent to kill, and the time",
         [&faults](const std::string& robot, const std::string& time) {
           faults.kills.push_back({robot, seconds(time, "--kill")});
         });
-  number("--restart-after", faults.restart_after,
-         "seconds after which the process of a killed agent is started anew")
+  number("--restart-after", faults.restart_after, "seconds after which a killed agent is restarted")
       ->check(number_between(shortest, longest))
       ->default_str("never");
-  number("--pause-rate", faults.pause_rate, "agents that stop for a while, for each robot and hour")
+  number("--pause-rate", faults.pause_rate, "pauses of agents, per robot and hour")
       ->check(number_between(0, most_an_hour));
-  number("--pause", faults.pause, "how long, seconds")->check(number_between(shortest, longest));
-  number("--clock-skew", faults.clock_skew, "by which an agent's clock may be wrong, seconds")
+  number("--pause", faults.pause, "duration of a pause, seconds")->check(number_between(shortest, longest));
+  number("--clock-skew", faults.clock_skew, "greatest error of an agent's clock, seconds")
       ->check(number_between(0, longest));
-  pairs("--partition", ':', "FROM:UNTIL", "a time in which the fleet is cut in two, seconds",
+  pairs("--partition", ':', "FROM:UNTIL", "a time in which the network is split in two, seconds",
         [&faults](const std::string& from, const std::string& until) {
           const double begin = seconds(from, "--partition");
           const double end = seconds(until, "--partition");

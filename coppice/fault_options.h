@@ -1,4 +1,4 @@
-// The options of simulated faults.
+// The options for simulated faults.
 #pragma once
 
 #include "simulation/faults.h"
@@ -9,7 +9,7 @@ class App;
 
 namespace coppice {
 
-/// Adds the options to a command; values out of range are usage errors.
+/// Adds the options to a command. Values out of range are usage errors.
 void add_fault_options(CLI::App& command, Faults& faults);
 
 }  // namespace coppice

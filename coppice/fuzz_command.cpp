@@ -2,17 +2,17 @@
 
 #include <fmt/format.h>
 
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/simulation_recording.h"
 #include "files/report_file.h"
+#include "runtime/process.h"
 #include "simulation/fuzz.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr double progress_period = 10;  // seconds of the wall's clock
+constexpr double progress_period = 10;  // wall seconds
 
 bool go_on(const PlannerService&, double) {
   return !stop_requested();
@@ -23,10 +23,10 @@ void tell_failures(const FuzzCase& fuzz_case, const FuzzResult& result) {
   for (const std::string& failure : result.failures) std::cout << "  " << failure << '\n';
   for (const std::string& robot : result.shut_in)
     std::cout << "  " << robot
-              << " (and no joint plan is known that leads it past the dead and the others)\n";
+              << " (no joint plan is known that leads it past the failed robots and the others)\n";
 }
 
-/// What has been survived so far.
+/// Totals of all cases so far.
 struct Sum {
   std::size_t cases = 0;
   std::size_t failed = 0;
@@ -46,15 +46,14 @@ struct Sum {
   }
   std::string in_words() const {
     return fmt::format(
-        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} agents killed, {} of them started "
-        "anew, "
-        "{} pauses, {} robots shut in by the dead",
+        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} agents killed, {} of them restarted, "
+        "{} pauses, {} robots blocked by failed robots",
         cases, failed, robot_hours, suffered.lost, suffered.kills, suffered.restarts, suffered.pauses,
         shut_in);
   }
 };
 
-/// One case, with its files.
+/// Runs one case, and writes its files.
 int replay(const FuzzOptions& options) {
   const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts);
   check_results(options.files, fuzz_case.scenario, options.record.file);
@@ -87,7 +86,7 @@ int fuzz_command(const FuzzOptions& options) {
     sum.add(result);
     if (!result.failures.empty() || !result.shut_in.empty()) {
       tell_failures(fuzz_case, result);
-      std::cout << fmt::format("  again: coppice fuzz --replay {}{}\n", seed,
+      std::cout << fmt::format("  repeat with: coppice fuzz --replay {}{}\n", seed,
                                options.restarts ? " --restarts" : "")
                 << std::flush;
     }

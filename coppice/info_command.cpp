@@ -20,7 +20,7 @@ double megabytes(std::uint64_t bytes) {
   return 1e-6 * static_cast<double>(bytes);
 }
 
-/// By what the service and the agents say.
+/// The robots that the service and the agents name.
 std::set<RobotName> robots_of(const Recording& recording) {
   Topics topics;
   topics.set(topic_number<Mission>()).set(topic_number<AgentStatus>());
@@ -56,18 +56,18 @@ int info_command(const std::string& file) {
   const double duration = recording.end() - recording.begin();
   const std::set<RobotName> robots = robots_of(recording);
   std::cout << fmt::format("{}: by {:?}, {:.2f} MB, {}\n", file, mcap.library(), megabytes(mcap.size()),
-                           mcap.ending().empty() ? "whole" : "not whole");
+                           mcap.ending().empty() ? "complete" : "not complete");
   if (!mcap.ending().empty()) std::cout << mcap.ending() << '\n';
   std::cout << fmt::format("begins {:%F %T} UTC, lasts {:.1f} s\n",
                            fmt::gmtime(static_cast<std::time_t>(recording.begin())), duration);
   std::cout << chunks_of(mcap) << '\n';
   std::cout << fmt::format("{} robots: {}\n", robots.size(), fmt::join(robots, " "));
-  std::cout << fmt::format("{:<24} {:>9} {:>9}\n", "channel", "messages", "a second");
+  std::cout << fmt::format("{:<24} {:>9} {:>9}\n", "channel", "messages", "per s");
   for (const auto& [id, channel] : mcap.channels()) {
     const auto counted = mcap.statistics().channel_messages.find(id);
     if (counted == mcap.statistics().channel_messages.end()) continue;
     const auto messages = static_cast<double>(counted->second);
-    // A name that is not ours may command a terminal.
+    // A foreign name may contain control sequences for the terminal.
     const std::string name = recording.topic_of(id) ? channel.topic : fmt::format("{:?}", channel.topic);
     std::cout << fmt::format("{:<24} {:>9} {:>9.1f}\n", name, counted->second,
                              duration > 0 ? messages / duration : 0);

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr int last_domain = 232;
 constexpr int ports_of_domain = domain_port(1) - domain_port(0);
-/// The next one has the next domain's multicast port for its own.
+/// Later participants would use the next domain's multicast port.
 constexpr int participants_of_domain = (domain_port(1) - participant_port(0, 0)) / 2;
 
 /// UDP sockets by port.
@@ -62,7 +62,7 @@ bool is_agent(const LocalProcess& process) {
   return program_of(process) == "robot_agent";
 }
 
-/// Whether it says what a fleet does.
+/// Whether the process publishes a fleet's messages.
 bool is_of_fleet(const LocalProcess& process) {
   const std::string program = program_of(process);
   const bool replays =
@@ -80,7 +80,8 @@ std::optional<std::string> option_of(const LocalProcess& process, const std::str
   return std::nullopt;
 }
 
-/// That it has joined: the first whose multicast port it listens at, for those of later ones may be its own.
+/// The domain that the process has joined: the first one on whose multicast port it listens. Multicast ports
+/// of later domains may be its own unicast ports.
 std::optional<int> domain_of(const LocalProcess& process, const Sockets& sockets) {
   for (int domain = 0; domain <= last_domain; ++domain) {
     const auto at_port = sockets.find(domain_port(domain));
@@ -100,7 +101,7 @@ bool has_participant(const Sockets& sockets, int domain) {
   return false;
 }
 
-/// Whether the only socket at the domain's port may be one of the many participants of a domain before.
+/// Whether the only socket at the domain's port may belong to one of many participants of an earlier domain.
 bool is_overflow(const Sockets& sockets, int domain) {
   if (sockets.at(domain_port(domain)).size() > 1) return false;
   for (int before = domain - 1; before >= 0; --before) {
@@ -135,7 +136,7 @@ std::string command_for(const std::string& command, const LocalFleet& fleet) {
   return command + " " + shell_words(options) + (fleet.is_secured ? " --security KEYS/observer" : "");
 }
 
-/// What the links of /proc/PID/fd say: "socket:[12345]".
+/// Reads the links in /proc/PID/fd: "socket:[12345]".
 std::set<std::uint64_t> sockets_of(const fs::path& process) {
   std::set<std::uint64_t> sockets;
   std::error_code problem;
@@ -152,7 +153,7 @@ std::set<std::uint64_t> sockets_of(const fs::path& process) {
   return sockets;
 }
 
-/// Empty where it may not be read, or is gone.
+/// Empty if the file cannot be read, or is gone.
 std::string contents_of(const fs::path& file) {
   try {
     return read_file(file);
@@ -212,7 +213,7 @@ std::string in_words(const LocalFleet& fleet) {
 
 std::string choose_fleet(DdsSettings& network, std::span<const LocalFleet> fleets,
                          const std::string& command) {
-  // Of programs that cannot be looked into nobody knows whether they are a fleet.
+  // Programs that cannot be inspected need not be a fleet.
   const bool some_are_seen = std::ranges::any_of(fleets, &LocalFleet::is_seen);
   std::vector<LocalFleet> choice;
   std::ranges::copy_if(fleets, std::back_inserter(choice),

@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::array<std::string_view, 3> levels{"warning", "error", "critical"};
 constexpr WallTime window = 10;           // seconds
-constexpr int most_of_one = 3;            // lines of a process in these
-constexpr int most_of_all = 20;           // likewise, of all
-constexpr std::size_t most_read = 65536;  // bytes of a log at a time: who writes more is told of later
+constexpr int most_of_one = 3;            // lines of one process in a window
+constexpr int most_of_all = 20;           // lines of all processes in a window
+constexpr std::size_t most_read = 65536;  // bytes of a log per call; the rest is read later
 constexpr std::size_t longest_line = 4096;
 constexpr std::string_view agent_prefix = "robot-";
 
-/// A robot is known by its own name.
+/// A robot's process is shown by the robot's name.
 std::string_view shown(std::string_view process) {
   return process.starts_with(agent_prefix) ? process.substr(agent_prefix.size()) : process;
 }

@@ -1,4 +1,4 @@
-// Passes on what processes warn of in their logs, so that it is seen where the run was started.
+// Passes on the warnings in the logs of processes to the terminal from which the run was started.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,23 @@
 
 namespace coppice {
 
-/// A line of a log as set_up_logging (runtime/process.h) makes it, without its time and name, if it warns or
-/// reports an error: "warning: ..."; none: any other line.
+/// Returns a warning or an error in a line of a log that set_up_logging (runtime/process.h) has written,
+/// without time and name: "warning: ...". Returns nothing for any other line.
 std::optional<std::string> warning_in(std::string_view line);
 
 class LogWatch {
  public:
-  /// Watches the logs of the processes of these names: NAME.log in `folder`. `kept`: the folder outlives the
-  /// run.
+  /// Watches the logs of the named processes: NAME.log in `folder`. `kept`: the folder outlives the run.
   LogWatch(std::filesystem::path folder, const std::vector<std::string>& names, bool kept);
 
-  /// What was logged since the last call, each line with the process's name before it. Of many lines in a
-  /// short time the first, and how many more there are.
+  /// Returns the warnings since the last call, each with the process's name in front. Of many warnings in a
+  /// short time it returns only the first ones, and later their number.
   std::vector<std::string> news(WallTime now);
 
  private:
   struct Log {
     std::uintmax_t read = 0;  ///< bytes
-    std::string rest{};       ///< of a line that is not whole yet
+    std::string rest{};       ///< the beginning of an incomplete line
     int passed = 0;           ///< lines, in this window
   };
 
@@ -42,8 +41,8 @@ class LogWatch {
   bool kept_;
   std::map<std::string, Log> logs_;
   WallTime window_begins_ = 0;
-  int passed_ = 0;     ///< in this window, of all
-  int held_back_ = 0;  ///< likewise
+  int passed_ = 0;     ///< lines of all processes in this window
+  int held_back_ = 0;  ///< lines of all processes in this window
 };
 
 }  // namespace coppice

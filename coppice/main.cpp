@@ -1,4 +1,4 @@
-// coppice: the command line. Each command is a function of commands.h.
+// The command line `coppice`. Each command is a function of commands.h.
 
 #include <exception>
 #include <iostream>
@@ -8,15 +8,15 @@
 #include <mimalloc.h>
 #endif
 
+#include "coppice/command_table.h"
 #include "runtime/command_line.h"
 #include "runtime/process.h"
-#include "coppice/command_table.h"
 
 namespace {
 
 using namespace coppice;
 
-/// The agents of a simulated fleet know more than a translation lookaside buffer reaches in pages of 4 KiB.
+/// The memory of a simulated fleet exceeds the reach of a translation lookaside buffer with pages of 4 KiB.
 void use_huge_pages() {
 #ifdef COPPICE_MIMALLOC
   mi_option_enable(mi_option_large_os_pages);

@@ -1,5 +1,5 @@
-// make_manual MAN1 COMPLETIONS: writes the manual pages, compressed, and the completions for bash into the
-// two folders, from the options that the programs parse.
+// make_manual MAN1 COMPLETIONS: writes the compressed manual pages and the completions for bash into the two
+// folders, from the options that the programs parse.
 
 #include <exception>
 #include <filesystem>

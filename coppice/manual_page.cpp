@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-/// Text as groff prints it: hyphens that can be copied, and no line that is taken for a request.
+/// Escapes text for groff: hyphens stay copyable, and no line is taken for a request.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -70,7 +70,7 @@ std::string commands(const CLI::App& app) {
   return text;
 }
 
-/// Lines as they are.
+/// Prints the lines without filling them.
 std::string verbatim(const std::string& text) {
   return text.empty() ? text : fmt::format(".nf\n{}\n.fi\n", escaped(text));
 }
@@ -84,7 +84,7 @@ std::string usage(const CLI::App& app, const std::string& called) {
   return bold(called) + escaped(line) + "\n";
 }
 
-/// `called`: as it is typed. `parent`: of a command, the program's name.
+/// `called`: as it is typed. `parent`: the program's name, for a command.
 ManualPage page_of(const CLI::App& app, const std::string& called, const std::string& parent) {
   ManualPage page{parent.empty() ? app.get_name() : parent + "-" + app.get_name(), {}};
   page.text = fmt::format(".TH {} 1 \"\" \"coppice {}\" Coppice\n", escaped(page.name), COPPICE_VERSION);

@@ -13,7 +13,7 @@ struct ManualPage {
   std::string text;
 };
 
-/// One page of the program, and one for each of its commands. Section 1.
+/// One page for the program, and one for each of its commands. Section 1.
 std::vector<ManualPage> manual_pages(const CLI::App& program);
 
 }  // namespace coppice

@@ -19,12 +19,12 @@ namespace {
 
 constexpr int default_side = 512;  // cells
 constexpr int default_robots = 8;
-constexpr double least_way = 0.4;  // of the diagonal of what the robots reach, from start to goal
+constexpr double least_way = 0.4;  // of the diagonal of the reachable area: least distance from start to goal
 
 void refuse_size(const MapOptions& options) {
   if (options.width || options.height)
     throw InputError(
-        fmt::format("--{}: {} has a size of its own", options.width ? "width" : "height", options.kind));
+        fmt::format("--{}: {} has its own size", options.width ? "width" : "height", options.kind));
 }
 
 std::vector<StartAndGoal> draw_tasks(const OccupancyMap& map, const MapOptions& options, double radius,
@@ -37,7 +37,7 @@ std::vector<StartAndGoal> draw_tasks(const OccupancyMap& map, const MapOptions& 
   }
 }
 
-/// Random tasks on a generated map, or on that of a file.
+/// Random tasks on a generated map, or on the map of a file.
 Scenario random_scenario(const MapOptions& options) {
   Random random(options.seed);
   Scenario scenario{.map_name = {},
@@ -58,7 +58,7 @@ Scenario random_scenario(const MapOptions& options) {
   return scenario;
 }
 
-/// A name of a kind is that, whatever files there are.
+/// A name of a kind means the kind, even if there is a file of that name.
 bool is_kind(const std::string& name) {
   return map_kind(name) || scenario_kind(name);
 }
@@ -67,15 +67,15 @@ Scenario trial_of_kind(const MapOptions& options, const ScenarioKind& kind) {
   refuse_size(options);
   if (options.radius || options.max_speed)
     throw InputError(
-        fmt::format("--{}: {} has robots of its own", options.radius ? "radius" : "max-speed", options.kind));
+        fmt::format("--{}: {} has its own robots", options.radius ? "radius" : "max-speed", options.kind));
   return make_scenario(options.kind, options.robots.value_or(kind.robots), options.seed);
 }
 
-/// A name that is of a map and was of a scenario means the map.
+/// A name of a map and of a scenario means the map.
 Scenario scenario_of_kind(const MapOptions& options) {
   if (map_kind(options.kind)) return random_scenario(options);
   if (const auto kind = scenario_kind(options.kind)) return trial_of_kind(options, *kind);
-  std::error_code too_long;  // as a name
+  std::error_code too_long;  // the text is too long for a file name
   if (std::filesystem::exists(options.kind, too_long)) {
     refuse_size(options);
     return random_scenario(options);
@@ -99,7 +99,7 @@ int map_command(const MapOptions& options) {
   } else {
     const std::filesystem::path map_file = std::filesystem::path(file).replace_extension(".map");
     if (std::filesystem::exists(map_file) && !std::filesystem::exists(file))
-      throw InputError(fmt::format("{}: is there already, and may belong to something else than {}",
+      throw InputError(fmt::format("{}: already exists, and may belong to another file than {}",
                                    map_file.string(), file.string()));
     scenario.map_name = map_file.filename().string();
     write_map(map_file, scenario.map);

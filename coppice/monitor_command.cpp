@@ -15,20 +15,20 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "monitor/monitor.h"
 #include "monitor/player.h"
 #include "monitor/rhythm.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr double turn_seconds = 0.01;  // the bus is looked at, and pages are told, so often
+constexpr double turn_seconds = 0.01;  // seconds: the loop reads the bus and serves pages once in this time
 constexpr double count_period = 1;     // seconds
-constexpr double state_period = 0.25;  // of a recording that is played
-constexpr double last_words = 0.4;     // seconds in which pages that are open hear how a run has ended
+constexpr double state_period = 0.25;  // seconds, for a recording that is played
+constexpr double last_words = 0.4;     // seconds in which open pages receive the end of a run
 
 std::uint64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");  // in pages: proc(5)
@@ -38,7 +38,7 @@ std::uint64_t resident_bytes() {
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// Without a desktop, xdg-open would open a browser of text in the terminal that others write to.
+/// Without a desktop, xdg-open would open a text browser in the terminal, over other output.
 bool has_desktop() {
   const auto is_set = [](const char* name) {
     const char* const value = std::getenv(name);
@@ -47,7 +47,7 @@ bool has_desktop() {
   return is_set("DISPLAY") || is_set("WAYLAND_DISPLAY");
 }
 
-/// In whatever browser the desktop has, if it has one.
+/// Opens the desktop's browser, if there is a desktop.
 void open_browser(std::string url) {
   if (!has_desktop()) return;
   std::string program = "xdg-open";
@@ -59,11 +59,11 @@ void open_browser(std::string url) {
   pid_t child = 0;
   const int error = posix_spawnp(&child, arguments[0], &silently, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&silently);
-  // On some desktops it stays for as long as the browser does.
+  // On some desktops xdg-open runs as long as the browser.
   if (error == 0) std::thread([child] { waitpid(child, nullptr, 0); }).detach();
 }
 
-/// The address in a line by itself: where there is no browser, that has to do.
+/// Prints the address in a line by itself, for hosts without a browser.
 void tell(const Monitor& monitor, const MonitorOptions& options) {
   if (options.web.port != 0 && monitor.port() != options.web.port)
     std::cerr << fmt::format("port {} is taken: the page is at port {}\n", options.web.port, monitor.port());
@@ -75,7 +75,7 @@ double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// What drives now; nobody steers it from here.
+/// Shows the live fleet. Wishes of pages are ignored.
 void show_fleet(const MonitorOptions& options) {
   give_way();
   Monitor monitor(options.web, fmt::format("domain {}", options.network.domain));
@@ -111,7 +111,7 @@ void show_recording(const MonitorOptions& options) {
     const std::vector<live::FromPage> wishes = monitor.wishes();
     const auto seeks = [](const live::FromPage& wish) { return wish.has_seek(); };
     for (auto wish = wishes.begin(); wish != wishes.end(); ++wish) {
-      // Each reads the recording anew: of those of a page that is dragged the last counts.
+      // Each seek reads the recording anew. Of the seeks of a dragged page only the last one counts.
       if (seeks(*wish) && std::any_of(wish + 1, wishes.end(), seeks)) continue;
       if (player.heed(*wish, now)) monitor.forget();
       steered = true;

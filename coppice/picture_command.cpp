@@ -11,13 +11,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/process_fleet.h"
 #include "files/input_error.h"
 #include "files/temporary_folder.h"
 #include "files/text_file.h"
 #include "monitor/picture_book.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
@@ -28,10 +28,10 @@ namespace fs = std::filesystem;
 constexpr std::chrono::milliseconds poll_period{2};
 constexpr double most_frames = 100'000;
 
-/// A program that is not ours.
+/// A program that is not part of Coppice.
 struct Tool {
   std::string name;
-  std::string package;  ///< of Debian
+  std::string package;  ///< Debian's package
 };
 const Tool rsvg{"rsvg-convert", "librsvg2-bin"};
 const Tool ffmpeg{"ffmpeg", "ffmpeg"};
@@ -47,7 +47,7 @@ fs::path place_of(const Tool& tool) {
                                tool.name, tool.package));
 }
 
-/// Runs it to its end. Throws InputError if it is not there or fails.
+/// Runs the tool to its end. Throws InputError if it is missing or fails.
 void run(const Tool& tool, const std::vector<std::string>& arguments, const fs::path& folder) {
   std::vector<std::string> command{place_of(tool).string()};
   command.insert(command.end(), arguments.begin(), arguments.end());
@@ -67,9 +67,9 @@ void draw_png(const PictureContent& content, const fs::path& file, const fs::pat
 }
 
 double checked_time(const PictureBook& book, double time, const std::string& option) {
-  if (!(time >= book.begin() && time <= book.end()))  // nor NaN
-    throw InputError(fmt::format("{} {:g}: the recording is of fleet times from {:.2f} to {:.2f} s", option,
-                                 time, book.begin(), book.end()));
+  if (!(time >= book.begin() && time <= book.end()))  // false for NaN, too
+    throw InputError(fmt::format("{} {:g}: expected a fleet time of the recording, {:.2f} to {:.2f} s",
+                                 option, time, book.begin(), book.end()));
   return time;
 }
 
@@ -90,7 +90,7 @@ void make_movie(PictureBook& book, const PictureOptions& options) {
   if (until < from || frames > most_frames)
     throw InputError(fmt::format("from {:g} s until {:g} s are {:g} frames, expected 1 to {:g}", from, until,
                                  std::max(0.0, frames), most_frames));
-  (void)place_of(ffmpeg);  // rather now than after all frames
+  (void)place_of(ffmpeg);  // fails now rather than after all frames
   const TemporaryFolder folder;
   for (int frame = 0; frame < static_cast<int>(frames) && !stop_requested(); ++frame) {
     draw_png(book.at(from + frame * step), folder.path() / fmt::format("frame-{:06}.png", frame),
@@ -106,7 +106,7 @@ void make_movie(PictureBook& book, const PictureOptions& options) {
                                      fmt::format("{:g}", options.frame_rate),
                                      "-i",
                                      (folder.path() / "frame-%06d.png").string()};
-  // A palette of its own, or GIF's colours are those of 1987; sides of even length, as codecs want them.
+  // GIF gets a palette of its own, for better colours. Codecs need sides of even length.
   const std::string filter = ending_of(file) == ".gif" ? "split[a][b];[a]palettegen[p];[b][p]paletteuse"
                                                        : "scale=trunc(iw/2)*2:trunc(ih/2)*2,format=yuv420p";
   arguments.insert(arguments.end(), {"-vf", filter, file.string()});

@@ -5,7 +5,6 @@
 #include <limits>
 #include <span>
 
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "files/report_file.h"
 #include "planning/fleet_plan.h"
@@ -13,6 +12,7 @@
 #include "planning/rrt_star.h"
 #include "planning/suggestions.h"
 #include "planning/voronoi_roadmap.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
@@ -21,7 +21,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t samples_between_questions = 256;
-// A tree that has not come to the goal by then may never do so: worth a search of all passages.
+// A tree that has not reached the goal by then may never do so. Then all passages are searched.
 constexpr std::uint64_t least_iterations = 20'000;
 constexpr std::uint64_t cells_a_sample = 8;
 
@@ -29,7 +29,7 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// What came of planning, whichever planner it was.
+/// The results of planning, for any planner.
 struct Plans {
   struct Robot {
     Path path;
@@ -46,7 +46,7 @@ struct Plans {
   double improve_time = 0;
 };
 
-/// Algorithm 2 for all problems at once; with a single one it is Algorithm 1.
+/// Runs Algorithm 2 for all problems at once. With a single problem it is Algorithm 1.
 Plans plan_together(const ClearanceField& field, std::span<const PlanningProblem> problems, Random random,
                     double budget, const std::function<bool()>& out_of_time) {
   const auto begin = Clock::now();
@@ -79,13 +79,14 @@ Plans plan_together(const ClearanceField& field, std::span<const PlanningProblem
   return plans;
 }
 
-/// One robot's RRT*, its path straightened by line of sight.
+/// Runs RRT* for one robot, and straightens its path by line of sight.
 Plans plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Random random,
                        const std::function<bool()>& out_of_time) {
   const auto begin = Clock::now();
   RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, suggested_epsilon(field, p.radius),
                                   random);
-  const std::uint64_t doubt = std::max<std::uint64_t>(least_iterations, field.frame().cells() / cells_a_sample);
+  const std::uint64_t doubt =
+      std::max<std::uint64_t>(least_iterations, field.frame().cells() / cells_a_sample);
   std::uint64_t samples = 1;
   while (samples < doubt && planner.step() && (samples % samples_between_questions != 0 || !out_of_time()))
     ++samples;
@@ -104,7 +105,7 @@ Plans plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Ra
   return plans;
 }
 
-/// Each robot for itself, one after the other.
+/// Plans for each robot alone, one after the other.
 Plans plan_apart(const ClearanceField& field, std::span<const PlanningProblem> problems, PlannerKind kind,
                  std::uint64_t seed, double budget, const std::function<bool()>& out_of_time) {
   Plans all;

@@ -28,16 +28,17 @@ constexpr std::streamoff last_words_length = 300;  // characters
 
 using Clock = std::chrono::steady_clock;
 
-/// `log`: empty for none; `log_mode`: whether it begins anew (O_TRUNC) or goes on (O_APPEND).
+/// `log`: empty for none; `log_mode`: O_TRUNC or O_APPEND.
 [[noreturn]] void become(const std::vector<std::string>& command, const std::string& log, int log_mode,
                          int niceness, pid_t parent) {
-  // The child's own: dies with the parent, is not ended by the terminal's Ctrl-C before the parent decides.
+  // The child dies with the parent. It has its own process group, so that Ctrl-C in the terminal reaches only
+  // the parent.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);  // the parent was gone before the wish was known
+  if (getppid() != parent) _exit(127);  // the parent had gone before prctl took effect
   setpgid(0, 0);
-  // Programs of others may count on it.
+  // Other programs may rely on the default.
   std::signal(SIGPIPE, SIG_DFL);
-  nice(niceness);  // if it is refused, it is no worse than without
+  nice(niceness);  // if refused, the child runs with normal priority
   if (!log.empty()) {
     const int file = open(log.c_str(), O_WRONLY | O_CREAT | log_mode, 0644);
     if (file >= 0) {
@@ -56,7 +57,7 @@ using Clock = std::chrono::steady_clock;
 }  // namespace
 
 ProcessFleet::ProcessFleet(std::filesystem::path log_folder) : log_folder_(std::move(log_folder)) {
-  std::signal(SIGCHLD, SIG_DFL);  // where whoever started this one ignores it, no child's end would be told
+  std::signal(SIGCHLD, SIG_DFL);  // an inherited SIG_IGN would hide the ends of children
 }
 
 ProcessFleet::~ProcessFleet() {
@@ -72,7 +73,7 @@ pid_t ProcessFleet::start(const std::string& name, const std::vector<std::string
   const std::string log = output == Output::log ? (log_folder_ / (name + ".log")).string() : std::string();
   const int log_mode = starts_.contains(name) ? O_APPEND : O_TRUNC;
   const pid_t parent = getpid();
-  // What asks the child to stop waits until that can be heard (install_stop_signals).
+  // Stop signals to the child are blocked until it can handle them (install_stop_signals).
   const sigset_t stop = stop_signals();
   sigset_t before;
   sigprocmask(SIG_BLOCK, &stop, &before);

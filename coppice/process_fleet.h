@@ -1,4 +1,4 @@
-// Child processes that never outlive this one, however it ends.
+// Child processes that never outlive this process, however it ends.
 #pragma once
 
 #include <chrono>
@@ -14,35 +14,36 @@ namespace coppice {
 
 class ProcessFleet {
  public:
-  /// Standard output and error of quiet children go to `log_folder`/NAME.log; the folder exists.
+  /// Output and errors of children with Output::log go to `log_folder`/NAME.log. The folder must exist.
   explicit ProcessFleet(std::filesystem::path log_folder);
-  /// Ends and reaps whatever still runs.
+  /// Ends and reaps all children that still run.
   ~ProcessFleet();
   ProcessFleet(const ProcessFleet&) = delete;
   ProcessFleet& operator=(const ProcessFleet&) = delete;
 
   enum class Output { terminal, log };
 
-  /// Starts `command` (program and arguments); the kernel ends it when this process is gone. `niceness`:
-  /// added to this process's. Returns its process id. Throws std::runtime_error if it cannot be started.
+  /// Starts `command` (program and arguments). The kernel ends the child when this process ends. `niceness`
+  /// is added to this process's. Returns the process id. Throws std::runtime_error if the program cannot be
+  /// started.
   pid_t start(const std::string& name, const std::vector<std::string>& command, Output output,
               int niceness = 0);
 
-  /// The same again, of a child that has ended; its log goes on.
+  /// Starts a child again that has ended. Appends to its log.
   void start_again(const std::string& name);
 
   struct Ended {
     std::string name;
-    int exit_code = 0;       ///< 128 + signal if one ended it
+    int exit_code = 0;       ///< 128 + signal if a signal ended it
     std::string last_words;  ///< the end of its log
   };
-  /// A child that has ended since the last call, if there is one; does not wait.
+  /// Returns a child that has ended since the last call, if there is one. Does not wait.
   std::optional<Ended> reap();
 
   /// Sends SIGTERM to the child, if it still runs.
   void terminate(const std::string& name);
-  /// SIGTERM to all but the one of that name, SIGKILL to who is not gone after `grace`. Returns how these
-  /// have ended, and that one if it has meanwhile.
+  /// Sends SIGTERM to all children except `but`, and SIGKILL to those that still run after `grace`. Returns
+  /// all children that have ended meanwhile, also `but`.
   std::vector<Ended> terminate_all(std::chrono::milliseconds grace, const std::string& but = {});
 
  private:

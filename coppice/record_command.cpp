@@ -4,18 +4,18 @@
 
 #include <fmt/format.h>
 
-#include "dds/dds_bus.h"
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/recording_file.h"
+#include "dds/dds_bus.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
 namespace {
 
-// Seconds: states do not end a wait, and of each robot's DDS keeps the last 32 alone for who does not look.
+// Seconds. Short, because states do not end a wait, and DDS keeps only the last 32 of each robot.
 constexpr double look_period = 0.02;
-constexpr WallTime longest_farewell = 1;  // seconds: a fleet that goes on says more and more
+constexpr WallTime longest_farewell = 1;  // seconds: a running fleet goes on sending
 
 void tell(const Recorder& recorder, const std::string& file, std::uint64_t bytes, WallTime lasted) {
   std::uint64_t all = 0;
@@ -44,7 +44,7 @@ int record_command(const RecordOptions& options) {
     bus.wait(std::min(look_period, end - now));
     file.on(bus.take());
   }
-  // All that has come by now.
+  // Everything that has arrived by now.
   const WallTime latest = now + longest_farewell;
   for (auto arrivals = bus.take(); !arrivals.empty() && wall_now() < latest; arrivals = bus.take())
     file.on(std::move(arrivals));

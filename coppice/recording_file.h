@@ -1,4 +1,4 @@
-// A recording (monitor/recorder.h) as it grows on disk.
+// A recording (monitor/recorder.h) that is written to disk as it grows.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace coppice {
 
 class RecordingFile {
  public:
-  /// `force`: replaces what is there. Throws InputError if it may not, or the file cannot be made; so do step
-  /// and finish where there is no room.
+  /// `force`: replaces an existing file. Throws InputError if the file exists and `force` is false, or if it
+  /// cannot be created. step and finish throw InputError if the disk is full.
   RecordingFile(std::filesystem::path path, bool force)
       : file_(std::move(path), force ? BinaryOutput::Existing::replace : BinaryOutput::Existing::refuse) {}
 

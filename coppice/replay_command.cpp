@@ -4,48 +4,45 @@
 
 #include <fmt/format.h>
 
+#include "coppice/commands.h"
 #include "dds/dds_bus.h"
-#include "runtime/process.h"
+#include "files/input_error.h"
 #include "messages/topics.h"
 #include "messages/validation.h"
-#include "coppice/commands.h"
-#include "files/input_error.h"
 #include "monitor/recording.h"
 #include "monitor/replay_clock.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
 namespace {
 
-// Seconds: in that time a fleet that is there is heard, and those who look on are found.
+// Seconds in which a running fleet is heard and observers are discovered.
 constexpr WallTime time_to_meet = 3;
 
-/// At another speed the fleet's clock may become one that nobody takes for true.
+/// At another speed, the fleet's clock may become invalid for receivers.
 void check_clocks(const Recording& recording, const ReplayClock& clock) {
   Topics missions;
   missions.set(topic_number<Mission>());
   Playback playback(recording, recording.begin(), missions);
   while (const auto next = playback.next()) {
     if (const auto problem = problem_with(at_present(*next->message, clock)))
-      throw InputError(
-          fmt::format("--speed {}: makes a mission one that nobody takes: {}", clock.speed, *problem));
+      throw InputError(fmt::format("--speed {}: makes a mission invalid: {}", clock.speed, *problem));
   }
 }
 
-/// Takes what has arrived, which is to be nothing: what a fleet does, and what a recording says that it does,
-/// must not mix.
+/// Expects that nothing has arrived: messages of a live fleet and of a recording must not mix.
 void expect_alone(DdsBus& bus, int domain) {
   const auto heard = bus.take();
   if (heard.empty()) return;
   const std::string_view topic =
       std::visit([]<class M>(const M&) { return Topic<M>::info.name; }, *heard.front().message);
   throw std::runtime_error(fmt::format(
-      "domain {}: a fleet is there, or another replay ({} was heard); expected a domain that nobody "
-      "uses",
-      domain, topic));
+      "domain {}: a fleet or another replay is active ({} was received); expected an unused domain", domain,
+      topic));
 }
 
-/// False: it is to stop.
+/// False if the process must stop.
 bool wait_alone(DdsBus& bus, int domain, WallTime until) {
   for (WallTime now = wall_now(); now < until && !stop_requested(); now = wall_now()) {
     bus.wait(std::min(longest_wait, until - now));

@@ -18,23 +18,23 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "dds/dds_bus.h"
-#include "dds/security.h"
-#include "dds/discovery.h"
-#include "runtime/process.h"
-#include "ros2/names.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/local_fleets.h"
 #include "coppice/log_watch.h"
 #include "coppice/process_fleet.h"
 #include "coppice/time_scale.h"
+#include "dds/dds_bus.h"
+#include "dds/discovery.h"
+#include "dds/security.h"
 #include "files/input_error.h"
 #include "files/output_check.h"
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 #include "files/temporary_folder.h"
 #include "planner_service/sole_service.h"
+#include "ros2/names.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
@@ -42,20 +42,22 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// All agents need what the broker and the service do; these come first where all share few processors.
+// The broker and the service get higher priority than the agents, because all agents need them.
 constexpr int niceness_of_agents = 10;
 constexpr std::chrono::milliseconds grace{3000};
 constexpr std::chrono::milliseconds grace_of_recorder{10000};
 constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
-constexpr int most_refusals = 5;  // in a row, of the system, to a process that ran before
+constexpr int most_refusals = 5;  // refusals in a row by the system, for a process that ran before
 constexpr std::chrono::milliseconds pause_before_asking_again{2000};
 constexpr std::chrono::milliseconds look_at_logs{500};
 constexpr double look_around = 1;  // seconds
-constexpr double writing = 2e-4;   // seconds for a robot's fleet second: report, trajectory and picture
+// Seconds per robot and fleet second to write report, trajectory and picture.
+constexpr double writing = 2e-4;
 
-/// Whether no process of this machine has joined the DDS domain: each participant listens at the domain's
-/// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which they share among themselves, but not with us.
+/// Whether no process of this machine has joined the DDS domain. Each participant listens at the domain's
+/// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which participants share among themselves, but not
+/// with other sockets.
 bool is_unused(int domain) {
   const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket < 0) return false;
@@ -68,10 +70,10 @@ bool is_unused(int domain) {
   return unused;
 }
 
-/// A domain of our own, so that two runs on one machine do not meet: up to 100 the default ports stay below
-/// those that Linux hands out to others. Where to begin follows from a name that no other run has, as one may
-/// be looking just now, here or on another host of this network: of the latter one pair in a hundred meets
-/// (--domain).
+/// Chooses an unused domain, so that two runs on one machine do not meet. Up to domain 100 the default ports
+/// stay below those that Linux gives to any program. The search begins at a number that depends on a name
+/// unique to this run, because another run may be searching at the same time, here or on another host of the
+/// network. Runs on two hosts meet in one case of a hundred (--domain avoids it).
 int own_domain(const std::string& unique) {
   constexpr int domains = 100;
   const int first = static_cast<int>(std::hash<std::string>{}(unique) % domains);
@@ -112,7 +114,7 @@ Command service_command(const RunOptions& options, const std::string& program, b
   return command;
 }
 
-/// Of a fleet on one host, once: each process would say the same.
+/// Checked once, because all processes of a fleet on one host would report the same.
 void check_servers(const FleetOptions& options) {
   const std::string servers = options.discovery.empty() ? usual_discovery_servers() : options.discovery;
   if (!are_servers(servers)) return;
@@ -124,7 +126,7 @@ void check_servers(const FleetOptions& options) {
     throw InputError(fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
 }
 
-/// That folder, made if it is missing. Throws InputError if nothing can be written there.
+/// Creates the folder if it is missing. Throws InputError if it cannot be written to.
 std::filesystem::path made_folder(const std::string& name) {
   std::error_code problem;
   std::filesystem::create_directories(name, problem);
@@ -133,27 +135,27 @@ std::filesystem::path made_folder(const std::string& name) {
   return name;
 }
 
-/// Where processes keep what those need that are started in their place; empty: nobody will be.
+/// The folder for the state of processes; empty: processes keep no state.
 std::filesystem::path state_folder(const FleetOptions& options, const std::filesystem::path& run_folder) {
   if (!options.state.empty()) return made_folder(options.state);
   return options.restart ? run_folder / "state" : std::filesystem::path();
 }
 
-/// Where nothing else is asked for, large fleets find each other in the way that suits them.
+/// By default, large fleets use static discovery.
 std::string discovery_of(const FleetOptions& options, std::size_t robots) {
   const bool chosen = !options.discovery.empty() || !usual_discovery_servers().empty();
   return chosen || options.ros.on || std::cmp_less(robots, large_fleet) ? options.discovery
                                                                         : static_discovery;
 }
 
-/// The options by which the processes of a run find each other. All are on one host.
+/// The options by which the processes of a run, all on one host, find each other.
 Command network_of(const FleetOptions& options, std::size_t robots) {
   const Command network{"--domain", std::to_string(options.domain.value())};
   const std::string discovery = discovery_of(options, robots);
   return discovery.empty() ? network : joined(network, {"--discovery", discovery});
 }
 
-/// The same for this process, which looks on.
+/// The same for this process, which only observes.
 DdsSettings settings_of(const FleetOptions& options, std::size_t robots) {
   return {.domain = options.domain.value(),
           .discovery = discovery_of(options, robots),
@@ -161,21 +163,21 @@ DdsSettings settings_of(const FleetOptions& options, std::size_t robots) {
           .security = options.security.empty() ? "" : options.security + "/observer"};
 }
 
-/// The command that shows the fleet to another terminal.
+/// The command that shows the fleet in another terminal.
 std::string watching_command(const FleetOptions& options, std::size_t robots) {
   Command command = joined({"coppice", "monitor"}, network_of(options, robots));
   if (!options.security.empty()) command = joined(command, {"--security", options.security + "/observer"});
   return shell_words(command);
 }
 
-/// What all processes are told of their log.
+/// The options for the log of each process.
 Command log_of(const LogOptions& options) {
   Command log{"--log-level", options.level};
   if (options.json) log.emplace_back("--log-json");
   return log;
 }
 
-/// What all who speak ROS are told of it.
+/// The options for ROS of each process that uses it.
 Command ros_of(const RosOptions& options) {
   if (!options.on) return {};
   if (!options.drives) return {"--ros"};
@@ -185,7 +187,7 @@ Command ros_of(const RosOptions& options) {
 constexpr const char* service_name = "planner_service";
 constexpr const char* recorder_name = "recorder";
 
-/// No other process is called that, whatever the robot is.
+/// The name cannot equal that of another process, whatever the robot's name is.
 std::string name_of_agent(const RobotName& robot) {
   return "robot-" + robot;
 }
@@ -198,8 +200,8 @@ struct Process {
   int niceness = 0;
 };
 
-/// `programs`: where the roles' lie. `state`: what they keep goes there; empty: nothing. Throws if
-/// credentials are bad.
+/// `programs`: folder of the roles' programs. `state`: folder for their state; empty: none. Throws if
+/// credentials are invalid.
 std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& options,
                                   const FleetOptions& fleet, const std::filesystem::path& programs,
                                   const std::filesystem::path& state) {
@@ -248,8 +250,9 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   return all;
 }
 
-/// With the report after Ctrl-C: who shares few processors with many says last words late, and brakes slowly
-/// where time does; and what is written of a long run is long.
+/// The time that the service may take for its report after Ctrl-C. It grows with the robots, because many
+/// processes on few processors respond late; with the time scale, because robots brake in fleet time; and
+/// with the length of the run, because a long run writes much.
 std::chrono::duration<double> patience_with(const Scenario& scenario, double time_scale,
                                             std::chrono::duration<double> run) {
   double braking = 0;  // fleet seconds
@@ -265,7 +268,7 @@ void tell_of_end(const ProcessFleet::Ended& ended) {
                            ended.last_words.empty() ? "" : ": ", ended.last_words);
 }
 
-/// Told where it is not real time.
+/// Reports a time scale below 1.
 double time_scale_for(std::size_t robots) {
   const double cores = usable_cores();
   const double scale = usual_time_scale(robots, cores);
@@ -275,7 +278,7 @@ double time_scale_for(std::size_t robots) {
   return scale;
 }
 
-/// Ctrl-C, told to the service: again and again, as it may be starting anew just then and hear nothing.
+/// Passes Ctrl-C on to the service, repeatedly, because a service that is just starting misses it.
 class StopRequest {
  public:
   bool is_there() const { return since_.has_value(); }
@@ -294,7 +297,7 @@ class StopRequest {
   Clock::time_point next_;
 };
 
-/// The recorder last, for it is to hear of all that the others say. False: it has not written all of that.
+/// Ends the recorder last, so that it records all messages of the others. False: the recording is incomplete.
 bool end_all(ProcessFleet& fleet) {
   std::vector<ProcessFleet::Ended> gone = fleet.terminate_all(grace, recorder_name);
   std::ranges::move(fleet.terminate_all(grace_of_recorder), std::back_inserter(gone));
@@ -304,14 +307,15 @@ bool end_all(ProcessFleet& fleet) {
   return false;
 }
 
-/// The terminal may hold a line of progress that is redrawn.
+/// The terminal may show a line of progress, which must be cleared.
 void pass_on_warnings(LogWatch& logs) {
   const char* const clears = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
   for (const std::string& line : logs.news(wall_now())) std::cerr << clears << line << '\n';
 }
 
-/// Agents of another run would be robots of the fleet that is there: none is started beside it. What this
-/// process does not hear of in so short a time the service hears of, before it begins.
+/// Refuses to run beside another service, because the agents of this run would become robots of its fleet. If
+/// this process does not notice the other service in this short time, the planner service does before it
+/// begins.
 void check_that_nobody_serves(const DdsSettings& network) {
   DdsBus bus(network, Role::viewer, "coppice run");
   const WallTime until = wall_now() + look_around;
@@ -327,12 +331,13 @@ void check_that_nobody_serves(const DdsSettings& network) {
   }
 }
 
-/// Who ended early, and is to be started again.
+/// Processes that ended early, and must be started again.
 class Restarts {
  public:
-  /// Whether it is.
+  /// True if it will be started again.
   bool note(const ProcessFleet::Ended& ended) {
-    // Bad usage does not get better; but of one that ran before, only the system may have refused something.
+    // A wrong usage stays wrong. But the system may temporarily refuse something to a process that ran
+    // before.
     int& refusals = refusals_.try_emplace(ended.name, most_refusals).first->second;
     refusals = ended.exit_code == 2 ? refusals + 1 : 0;
     if (refusals > most_refusals) return false;
@@ -345,7 +350,7 @@ class Restarts {
     due_.erase(due_.begin());
     try {
       fleet.start_again(name);
-    } catch (const std::exception& problem) {  // too many processes, just now
+    } catch (const std::exception& problem) {  // there may be too many processes at the moment
       std::cerr << name << ": " << problem.what() << ": tried again\n";
       due_.emplace(Clock::now() + pause_before_restart, name);
     }
@@ -356,8 +361,8 @@ class Restarts {
   std::map<std::string, int> refusals_;
 };
 
-/// Until the service has ended, and with it the run. `patience`: with its report, after so long a run.
-/// Returns the exit code.
+/// Runs until the service, and with it the run, has ended. `patience`: the time to wait for the report, by
+/// the length of the run. Returns the exit code.
 int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
           const std::function<std::chrono::duration<double>(std::chrono::duration<double>)>& patience) {
   const Clock::time_point begin = Clock::now();
@@ -387,7 +392,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
     const bool says_why = is_service && ended->exit_code <= 2;
     if (!says_why) tell_of_end(*ended);
     if (ended->name == recorder_name) recorded = false;
-    // A recording that was cut off is not to be replaced.
+    // A recorder is not restarted: it would replace the incomplete recording.
     const bool may_go_on = restarts && !has_reported && !stop.is_there() && ended->name != recorder_name &&
                            to_start.note(*ended);
     if (may_go_on || !is_service) continue;
@@ -400,7 +405,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
 }  // namespace
 
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
-  // Bad input: before anything starts.
+  // Check the input before anything starts.
   ScenarioOptions overrides = options.overrides;
   overrides.warnings = MapWarnings::left_out;  // the service logs them
   const Scenario scenario = read_scenario(options.scenario, overrides);

@@ -18,7 +18,6 @@
 #include "bench/output.h"
 #include "bench/statistics.h"
 #include "bench/trial.h"
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
 #include "coppice/process_fleet.h"
@@ -27,18 +26,19 @@
 #include "files/report_file.h"
 #include "files/temporary_folder.h"
 #include "planning/map_generator.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr int square = 64;  // metres a side, for each robot: a room on the maps of rooms
+constexpr int square = 64;  // metres per side for each robot: a room on maps of the kind room
 constexpr int border = 4;   // of the maps of rooms
 constexpr double control_period = 0.05;
 constexpr std::chrono::milliseconds look_at_processes{500};
-constexpr std::chrono::milliseconds grace{60'000};  // of a run that is to end its own processes
+constexpr std::chrono::milliseconds grace{60'000};  // for a run to end its own processes
 
-/// What the kernel says of one process.
+/// Resource usage of one process, from the kernel.
 struct Usage {
   std::string role;
   double cpu_seconds = 0;
@@ -46,7 +46,7 @@ struct Usage {
 };
 using Usages = std::map<int, Usage>;
 
-/// proc(5): stat and status. One that is gone meanwhile is left as it was last seen.
+/// Reads stat and status, proc(5). A process that has gone keeps its last values.
 void look_at(int process, Usages& usages) {
   const std::string folder = fmt::format("/proc/{}/", process);
   std::ifstream stat(folder + "stat");
@@ -79,7 +79,7 @@ void look_at_children(int parent, Usages& usages) {
 
 struct Run {
   double began_at = 0;  ///< seconds since the Unix epoch
-  double seconds = 0;   ///< of the wall's clock
+  double seconds = 0;   ///< wall seconds
   proto::Report report;
   Usages usages;
 };
@@ -164,7 +164,7 @@ double most(const std::vector<double>& values) {
 
 constexpr const char* nobody_knows = "-";
 
-/// When the last agent was matched with the last other one, seconds after the command; "-" if some are not.
+/// When the last pair of agents was matched, seconds after the command; "-" if some pairs are not.
 std::string all_matched(const Run& run) {
   double last = 0;
   for (const auto& robot : run.report.robots()) {
@@ -248,7 +248,7 @@ bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
                  const std::string& program) {
   if (options.maps.size() != 1 || !map_kind(options.maps.front()))
     throw InputError(
-        "--maps: scale makes a map as large as its robots need, expected one of blank, dense, maze, room");
+        "--maps: scale generates a map for each number of robots, expected one of blank, dense, maze, room");
   const TemporaryFolder folder;
   const std::string executable = std::filesystem::canonical(program).string();
   Table table{columns, {}};
@@ -270,7 +270,7 @@ bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
     samples.x.push_back(robots);
     samples.y.push_back(number(6));
     all_well = all_well && table.rows.back()[2] != nobody_knows && run.report.collisions() == 0;
-    // Each time: the next one may fail.
+    // Written after each run, because the next one may fail.
     options.tell(as_markdown(table));
     write_experiment(options, "scale", table, table,
                      {{"received by an agent", "robots", "a fleet second", false, {states, samples}}}, 1);

@@ -1,4 +1,4 @@
-// How a fleet of processes grows: `coppice run` with more and more robots at the same density.
+// How a fleet of processes scales: `coppice run` with a growing number of robots at the same density.
 #pragma once
 
 #include <optional>
@@ -9,17 +9,16 @@
 namespace coppice {
 
 struct ScaleSettings {
-  std::optional<double>
-      time_scale{};           ///< fleet seconds a wall second; none: as many robots as there are allow
-  double fleet_seconds = 30;  ///< of each run, in which every robot that arrives gets a new goal
-  std::string discovery{};    ///< as for DdsSettings
-  std::string security{};     ///< the same
-  std::string report{};       ///< JSON; empty: none
+  std::optional<double> time_scale{};  ///< fleet seconds per wall second; none: by the number of robots
+  double fleet_seconds = 30;           ///< of each run; a robot that arrives gets a new goal
+  std::string discovery{};             ///< as in DdsSettings
+  std::string security{};              ///< as in DdsSettings
+  std::string report{};                ///< JSON; empty: none
 };
 
-/// Writes scale.csv, scale.md and scale.svg, anew after each fleet. `program` is the coppice executable.
-/// False: robots touched something, or not all agents found each other. Throws InputError for maps' files:
-/// these have sizes of their own.
+/// Writes scale.csv, scale.md and scale.svg again after each fleet. `program` is the coppice executable.
+/// Returns false if robots collided or not all agents found each other. Throws InputError for map files,
+/// because they have fixed sizes.
 bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings, const std::string& program);
 
 }  // namespace coppice

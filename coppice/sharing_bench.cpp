@@ -23,9 +23,9 @@ namespace coppice {
 
 namespace {
 
-constexpr double enough = 2;  // fleet seconds: planning is over long before
+constexpr double enough = 2;  // fleet seconds: planning ends long before
 
-/// Runs a command to its end, its output thrown away.
+/// Runs a command to its end, and discards its output.
 void run_quietly(std::vector<std::string> command) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -41,10 +41,10 @@ void run_quietly(std::vector<std::string> command) {
   waitpid(pid, nullptr, 0);
 }
 
-/// Milliseconds from the last mission to the last path of one fleet; below 0 if somebody has no path.
+/// Milliseconds from the last mission to the last path of one fleet; below 0 if a robot has no path.
 double plan_ms(const std::string& program, const std::string& scenario, std::string_view planner,
                const std::string& report_file) {
-  std::filesystem::remove(report_file);  // of the run before
+  std::filesystem::remove(report_file);  // from the previous run
   run_quietly({program, "run", scenario, "--planner", std::string(planner), "--plan-budget", "0", "--timeout",
                fmt::format("{}", enough), "--report", report_file});
   const proto::Report report = read_report(report_file);

@@ -1,4 +1,5 @@
-// What sharing over DDS brings: whole fleets of processes, with the broker's trees and each robot alone.
+// Measures the gain from sharing over DDS: fleets of processes with the broker's trees, and with each robot
+// alone.
 #pragma once
 
 #include <string>

@@ -3,12 +3,12 @@
 
 #include <unistd.h>
 
-#include "runtime/process.h"
 #include "coppice/commands.h"
 #include "coppice/simulation_recording.h"
 #include "files/input_error.h"
 #include "files/report_file.h"
 #include "planner_service/progress.h"
+#include "runtime/process.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 

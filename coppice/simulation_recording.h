@@ -1,5 +1,5 @@
-// A recording of what the roles of a simulation say, as if all of it had come over a bus without delay or
-// loss. Its times are virtual: it begins at 0.
+// Records the messages of a simulation's roles, as if all came over a bus without delay or loss. Times are
+// virtual and begin at 0.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace coppice {
 
 class SimulationRecording {
  public:
-  /// Outlives the simulation's run. Throws InputError as RecordingFile does.
+  /// Must outlive the simulation's run. Throws InputError as RecordingFile does.
   SimulationRecording(FleetSimulation& simulation, const NewRecording& recording) {
     if (recording.file.empty()) return;
     file_.emplace(recording.file, recording.force);
@@ -21,10 +21,10 @@ class SimulationRecording {
       file_->step(now);
     });
   }
-  SimulationRecording(const SimulationRecording&) = delete;  // the simulation knows where it is
+  SimulationRecording(const SimulationRecording&) = delete;  // the simulation refers to its address
   SimulationRecording& operator=(const SimulationRecording&) = delete;
 
-  /// After the run: with that the file is whole.
+  /// Call it after the run. With it the file is complete.
   void finish() {
     if (file_) file_->finish();
   }

@@ -5,21 +5,21 @@
 #include <ncurses.h>
 #include <unistd.h>
 
-#include "dds/dds_bus.h"
-#include "runtime/process.h"
 #include "coppice/commands.h"
+#include "dds/dds_bus.h"
 #include "monitor/fleet_table.h"
+#include "runtime/process.h"
 
 namespace coppice {
 
 namespace {
 
 constexpr double redraw_period = 0.25;  // seconds
-constexpr double time_to_find_all = 3;  // seconds: what --once waits
+constexpr double time_to_find_all = 3;  // seconds that --once waits
 constexpr const char* keys =
     "q quits   n p g a m: order by name, phase, way to goal, age, missed periods   arrows scroll";
 
-/// The terminal while it belongs to this program; as it was before, afterwards.
+/// Takes over the terminal, and restores it afterwards.
 class Screen {
  public:
   Screen() {
@@ -68,7 +68,7 @@ void hear(DdsBus& bus, FleetView& view, double seconds) {
   for (const Arrival& arrival : bus.take()) view.on(arrival.message, arrival.at);
 }
 
-/// What the terminal shows of the table, as the keys say.
+/// The visible part of the table, and its order.
 struct Look {
   RobotOrder order = RobotOrder::name;
   std::size_t first = 0;

@@ -6,13 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/process.h"
-#include "runtime/process_options.h"
 #include "coppice/local_fleets.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "monitor/fleet_table.h"
 #include "planning/quantities.h"
+#include "runtime/process.h"
+#include "runtime/process_options.h"
 
 namespace coppice {
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double highest_frame_rate = 120;
 
-/// `domain`: what holds without it.
+/// `domain`: the default, as text for the help.
 void add_network_options(CLI::App& command, DdsSettings& network, const std::string& role,
                          const std::string& domain) {
   command.option_defaults()->group("Network");
@@ -35,7 +35,7 @@ void add_network_options(CLI::App& command, DdsSettings& network, const std::str
 
 constexpr const char* domain_of_fleet = "that of the fleet that is alive on this machine, or 0";
 
-/// Where no domain was named, the fleet that is alive on this machine is looked at.
+/// If no domain was named, chooses the fleet that is alive on this machine.
 void find_fleet(const CLI::App& command, DdsSettings& network) {
   if (command.count("--domain") == 0)
     std::cerr << choose_fleet(network, local_fleets(), "coppice " + command.get_name()) << std::endl;

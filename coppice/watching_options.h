@@ -1,4 +1,4 @@
-// The subcommands that look at a fleet, or at a recording of one.
+// The subcommands that show a fleet or a recording.
 #pragma once
 
 #include <string>
@@ -16,15 +16,15 @@ struct WatchingOptions {
   MonitorOptions monitor;
   TopOptions top;
   RecordOptions record;
-  std::string recording;  ///< of info
+  std::string recording;  ///< for info
   ReplayOptions replay;
   PictureOptions picture;
 };
 
-/// --record, which it returns, and --force.
+/// Adds --record, which it returns, and --force.
 CLI::Option* add_recording_options(CLI::App& command, NewRecording& record, const char* of_what);
 
-/// `options` and `chosen` outlive the parsing, which fills them in.
+/// Parsing fills in `options` and `chosen`, which must outlive it.
 void add_watching_commands(CLI::App& app, WatchingOptions& options, ChosenCommand& chosen);
 
 }  // namespace coppice

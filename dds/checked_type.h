@@ -1,6 +1,6 @@
-// A generated type as DDS may use it: what fastddsgen makes lets some of the exceptions of Fast CDR pass (a
-// boolean that is neither 0 nor 1, an unknown encapsulation), also in DDS's own threads, where that ends the
-// process; and it works keys out in a buffer of its own, which the threads that write and receive share.
+// Makes a type that fastddsgen generated safe to use. A generated type lets some exceptions of Fast CDR pass
+// (for a boolean that is neither 0 nor 1, or an unknown encapsulation). In a thread of DDS that ends the
+// process. It also computes keys in a buffer that the writing and the receiving threads share.
 #pragma once
 
 #include <mutex>
@@ -11,28 +11,28 @@
 
 namespace coppice {
 
-/// Whether the bytes are a sample of the generated type, and no more than any takes; never throws.
+/// True if the bytes are a sample of the generated type and no longer than its longest sample. Never throws.
 template <class Support>
 bool deserialized(Support& type, eprosima::fastrtps::rtps::SerializedPayload_t* bytes, void* data) {
   try {
     return bytes->length <= type.m_typeSize && type.Support::deserialize(bytes, data);
-  } catch (const eprosima::fastcdr::exception::Exception&) {  // as if it were too short
+  } catch (const eprosima::fastcdr::exception::Exception&) {  // treated like a sample that is too short
     return false;
   }
 }
 
-/// `Support`: generated, of one topic.
+/// `Support`: the generated support of one topic's type.
 template <class Support>
 class CheckedType final : public Support {
  public:
-  /// A sample of bytes that are none, or more than any sample takes, is one without a name: validation.h
-  /// refuses it, so that it is counted as others are.
+  /// Bytes that are no sample, or that are longer than any sample, become a sample without a name. Validation
+  /// (messages/validation.h) refuses and counts it like any other invalid sample.
   bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* bytes, void* data) override {
     if (!deserialized<Support>(*this, bytes, data)) *static_cast<typename Support::type*>(data) = {};
     return true;
   }
 
-  /// One at a time: two at once would take each other's samples for their own.
+  /// Locked, because two threads that share the buffer would each read the other's key.
   bool getKey(void* data, eprosima::fastrtps::rtps::InstanceHandle_t* key, bool force_md5) override {
     const std::lock_guard lock(key_);
     return Support::getKey(data, key, force_md5);

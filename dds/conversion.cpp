@@ -30,7 +30,8 @@ std::string text(const auto& fixed) {
   return fixed.to_string();
 }
 
-/// As many cells as the size says and the bits hold: validation sees a difference.
+/// Returns the cells that the bits hold, at most as many as the size requires. Validation refuses a map with
+/// too few.
 std::vector<std::uint8_t> unpacked(const std::vector<std::uint8_t>& bits, std::int32_t width,
                                    std::int32_t height) {
   const auto said =
@@ -266,7 +267,7 @@ JointPlanMessage from_dds(const idl::JointPlan& d) {
                      .run = d.run()};
   for (const idl::JointPlanMember& member : d.members())
     m.members.push_back({text(member.robot()), member.radius(), member.stranded()});
-  // A move that claims more points than there are gets fewer: validation sees one without any.
+  // A move that claims more points than there are left gets fewer. Validation refuses a move without points.
   auto next = d.points().begin();
   for (const idl::JointPlanMove& move : d.moves()) {
     Move& to = m.moves.emplace_back();

@@ -1,13 +1,14 @@
-// Between the plain structs of messages.h and the types that fastddsgen makes of idl/fleet.idl.
+// Converts between the plain structs of messages.h and the types that fastddsgen generates from
+// idl/fleet.idl.
 #pragma once
 
-#include "messages/messages.h"
 #include "fleet.h"
 #include "fleetPubSubTypes.h"
+#include "messages/messages.h"
 
 namespace coppice {
 
-/// For each message its DDS type: `Type` and `Support` (serialisation).
+/// The DDS type of each message: `Type`, and `Support` for serialisation.
 template <class M>
 struct DdsType;
 

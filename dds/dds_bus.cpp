@@ -42,23 +42,23 @@ using eprosima::fastrtps::Duration_t;
 
 namespace {
 
-// How soon a lost sample of a reliable topic is asked for again: the default of 3 s is longer than a plan
-// takes; but what a busy process has not acknowledged yet must not add to what keeps it busy. Among agents
-// all are asked for all, whenever one has come.
+// How soon a reader asks again for a lost sample of a reliable topic. The default of 3 s is longer than a
+// plan takes. But a short period adds load to a process that is too busy to acknowledge. Among agents it is
+// longer, because every agent answers every other one.
 constexpr std::uint32_t heartbeat_nanoseconds = 100'000'000;
 constexpr std::uint32_t heartbeat_among_agents_nanoseconds = 500'000'000;
-// What came in disorder or was lost is asked for once for all that came in this time: over links with 100 ms
-// +- 50 ms delay, asking at every heartbeat doubled the traffic until all had their trees, and the
-// processors' load.
+// A reader asks once for all samples that were lost or came out of order in this time. Over links with a
+// delay of 100 ms +- 50 ms, asking at every heartbeat doubled the traffic and the processors' load until all
+// agents had their trees.
 constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
-// How often a reader that has heard nothing of a writer yet says that it is there: the writer says so, too.
+// How often a reader announces itself to a writer that it has not heard yet. The writer does so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
-constexpr int most_taken = 1000;    // samples of a topic at a time
-constexpr double longest_held = 1;  // seconds until its sender must be known
+constexpr int most_taken = 1000;    // samples of a topic in one call
+constexpr double longest_held = 1;  // seconds that a sample waits until its sender is known
 constexpr std::chrono::milliseconds longest_farewell{500};
-constexpr std::size_t rejections_logged = 10;  // then every thousandth
+constexpr std::size_t rejections_logged = 10;  // afterwards every thousandth rejection is logged
 
-/// Servers tell everybody of everybody, whatever the domain is: what they find keeps to its own by partition.
+/// Discovery servers connect the participants of all domains. A partition per domain keeps the domains apart.
 template <class Qos>
 Qos of_domain(const DdsSettings& settings) {
   Qos qos;
@@ -73,7 +73,7 @@ dds::DataWriterQos writer_qos() {
   constexpr bool among_agents = Topic<M>::written_by(Role::agent) && Topic<M>::read_by(Role::agent);
   dds::DataWriterQos qos;
   apply(info, qos);
-  // Fragments of a large sample leave in DDS's own thread; a small one need not wait for that.
+  // DDS's own thread sends the fragments of a large sample. A small sample is sent at once.
   qos.publish_mode().kind = info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE
                                                                       : dds::SYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod =
@@ -96,17 +96,17 @@ void number(std::uint16_t id, Qos& qos) {
   qos.endpoint().entity_id = static_cast<std::int16_t>(id);
 }
 
-/// The ends of one topic in this process; either may be missing.
+/// The writer and the reader of one topic in this process. Either may be missing.
 template <class M>
 struct Ends {
   dds::DataWriter* writer = nullptr;
   dds::DataReader* reader = nullptr;
-  WallTime run = 0;    ///< of the last sample that was written, where all of a run are kept
-  std::string map_id;  ///< likewise, of a map
+  WallTime run = 0;    ///< run of the last written sample, for topics that keep all samples of a run
+  std::string map_id;  ///< map of the last written sample, for topics that keep all trees of a map
 };
 
-/// Whether what a writer keeps for who comes late, all of a run or all trees of a map, is of use to nobody
-/// once this is said: processes may live for months.
+/// True if the message begins a new run (or a new map), so that the samples that the writer keeps for late
+/// readers are no longer of use. They are then dropped, because processes may live for months.
 template <class M>
 bool outdates(const M& message, Ends<M>& ends) {
   if constexpr (std::is_same_v<M, InactiveTreeMessage>)
@@ -119,13 +119,13 @@ bool outdates(const M& message, Ends<M>& ends) {
 
 }  // namespace
 
-/// Whether what arrives ends a wait. States come in swarms, and are looked at once in a control period.
+/// Whether an arriving sample ends a wait. Robot states arrive often, and are read once a control period.
 template <class M>
 constexpr bool wakes = Topic<M>::info.reliability == Reliability::reliable;
 
 struct DdsBus::Implementation {
   Role role;
-  Recipients recipients;  // of whoever is there; with security, of whoever has proved who it is
+  Recipients recipients;  // where each process can be reached; with security, each authenticated process
   Announcements announcements;
   Traffic traffic;
   Senders senders;
@@ -143,19 +143,22 @@ struct DdsBus::Implementation {
     eprosima::fastrtps::rtps::GuidPrefix_t from;
     std::string_view topic;
   };
-  std::vector<Received> held;  ///< of senders that are not known yet
+  std::vector<Received> held;  ///< from senders that are not known yet
   bool more = false;           ///< the last take left samples behind
   std::size_t rejected = 0;
   std::size_t lost = 0;
 
   Implementation(Role role_of_process, bool is_secure, const RobotName& robot)
-      : role(role_of_process), recipients(is_secure), discoveries(recipients, senders, announcements, robot) {}
+      : role(role_of_process),
+        recipients(is_secure),
+        discoveries(recipients, senders, announcements, robot) {}
 
-  /// Whatever it throws, the destructor runs: DDS's threads know the members above.
+  /// Delegates to the constructor above, so that the destructor runs even if this one throws: DDS's threads
+  /// use the members above.
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
       : Implementation(role_of_process, !settings.security.empty(), settings.robot) {
     if (!settings.security.empty()) check_credentials(settings.security, role);
-    // A megabyte of them, for tools that see the endpoints.
+    // The type objects cost about 1 MB. Only tools that discover the endpoints read them.
     if (discovery_of(settings) != static_discovery) register_type_objects();
     participant = disabled_participant(settings, sender);
     publisher =
@@ -180,7 +183,8 @@ struct DdsBus::Implementation {
     dds::DomainParticipantFactory::get_instance()->delete_participant(participant);
   }
 
-  /// To be enabled when it is complete, so that those whom it discovers need not be told of each endpoint.
+  /// Creates the participant disabled. It is enabled when it is complete, so that the processes that it
+  /// discovers need not be told of each endpoint separately.
   dds::DomainParticipant* disabled_participant(const DdsSettings& settings, const std::string& sender) {
     auto* const factory = dds::DomainParticipantFactory::get_instance();
     dds::DomainParticipantFactoryQos usual;
@@ -188,10 +192,10 @@ struct DdsBus::Implementation {
     dds::DomainParticipantFactoryQos later = usual;
     later.entity_factory().autoenable_created_entities = false;
     factory->set_qos(later);
-    auto* const created =
-        factory->create_participant(static_cast<std::uint32_t>(settings.domain),
-                                    participant_qos(settings, role, sender, recipients, announcements, traffic),
-                                    &discoveries, dds::StatusMask::none());
+    auto* const created = factory->create_participant(
+        static_cast<std::uint32_t>(settings.domain),
+        participant_qos(settings, role, sender, recipients, announcements, traffic), &discoveries,
+        dds::StatusMask::none());
     factory->set_qos(usual);
     return required(created, "a participant (is the domain between 0 and 232?)");
   }
@@ -201,9 +205,9 @@ struct DdsBus::Implementation {
     using T = Topic<M>;
     if (!T::written_by(role) && !T::read_by(role)) return;
     dds::TypeSupport type(new CheckedType<typename DdsType<M>::Support>());
-    // Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and it cannot parse Fast
-    // DDS's; and type objects alone keep Fast DDS 2.9's own endpoints from matching. Names and QoS decide who
-    // matches.
+    // No type information: Cyclone DDS 0.10 refuses an endpoint whose type information it cannot parse, and
+    // it cannot parse Fast DDS's. No type objects: type objects alone keep Fast DDS 2.9's own endpoints from
+    // matching. Endpoints match by topic name, type name and QoS.
     type->auto_fill_type_information(false);
     type->auto_fill_type_object(false);
     type.register_type(participant);
@@ -225,7 +229,7 @@ struct DdsBus::Implementation {
     }
   }
 
-  /// A participant counts as enabled also where one of its endpoints was refused.
+  /// DDS reports a participant as enabled even if it refused one of its endpoints.
   template <class M>
   void expect_enabled(const Ends<M>& ends) {
     if ((ends.writer != nullptr && !ends.writer->is_enabled()) ||
@@ -250,7 +254,7 @@ struct DdsBus::Implementation {
     if (ends.reader == nullptr) return;
     typename DdsType<M>::Type sample;
     dds::SampleInfo info;
-    // Samples may come in as fast as they are taken: the role must get its turn.
+    // Bounded, because samples may arrive as fast as they are taken, and the role must get to run.
     for (int taken = 0;
          ends.reader->take_next_sample(&sample, &info) == eprosima::fastrtps::types::ReturnCode_t::RETCODE_OK;
          ++taken) {
@@ -270,8 +274,8 @@ struct DdsBus::Implementation {
     }
   }
 
-  /// If it comes from whom it says. What comes from one who is not known yet is held back: where endpoints
-  /// are matched by a table, they are just before their participant is told of.
+  /// Hands over a sample that comes from the robot that it names. A sample whose sender is not known yet is
+  /// held back: with static discovery, endpoints are matched just before their participant is reported.
   void hand_over(Received received, std::vector<Arrival>& out) {
     const RobotName* const robot = sender_of(*received.arrival.message);
     const auto sender = robot != nullptr ? senders.robot_of(received.from) : std::nullopt;
@@ -283,27 +287,27 @@ struct DdsBus::Implementation {
     } else if (!sender || waits) {
       held.push_back(std::move(received));
     } else {
-      reject(received.topic, "it is not from the agent of the robot that it names");
+      reject(received.topic, "its sender is not the agent of the robot that it names");
     }
   }
 
-  /// What was recorded of others is for those who look on. A replayer is to hear of whoever else is there,
-  /// and what it says itself comes back to it.
+  /// Observers and viewers receive a recording. A replayer notices other replayers and ignores its own
+  /// samples. All other roles refuse a recording.
   void hand_over_replayed(Received received, std::vector<Arrival>& out) {
     const bool own = received.from == participant->guid().guidPrefix;
     const bool looks_on = role == Role::observer || role == Role::viewer;
     if (looks_on || (role == Role::replayer && !own)) {
       out.push_back(std::move(received.arrival));
     } else if (role != Role::replayer) {
-      reject(received.topic, "it is of a recording that is replayed on this domain");
+      reject(received.topic, "it belongs to a recording that is replayed on this domain");
     }
   }
 
-  /// What was held back, if its senders are known by now.
+  /// Hands over the samples that were held back, if their senders are known by now.
   void hand_over_held(WallTime now, std::vector<Arrival>& out) {
     for (Received& received : std::exchange(held, {})) {
       if (!senders.robot_of(received.from) && now - received.arrival.at > longest_held) {
-        reject(received.topic, "it is from nobody that is known");
+        reject(received.topic, "its sender is not known");
       } else {
         hand_over(std::move(received), out);
       }
@@ -391,11 +395,11 @@ template std::size_t DdsBus::matched_readers<RobotState>() const;
 template std::size_t DdsBus::matched_readers<Claim>() const;
 template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
 
-/// An agent is matched with itself, too.
 bool DdsBus::hears_replay() const {
   return implementation_->senders.somebody_replays();
 }
 
+/// An agent's writer is matched with its own reader, too, which does not count.
 BusCounts DdsBus::counts() const {
   return {.rejected = rejected(),
           .agents = std::max<std::size_t>(1, matched_readers<RobotState>()) - 1,

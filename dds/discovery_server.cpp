@@ -29,7 +29,8 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
-/// Clients are told of it, and would look for the server elsewhere.
+/// Clients are told the server's address. If it were an address of another host, they would look for the
+/// server there.
 bool is_of_this_host(const std::string& address) {
   if (address == "0.0.0.0") return true;
   std::vector<eprosima::fastrtps::rtps::IPFinder::info_IP> own;
@@ -44,8 +45,8 @@ PortWatch::PortWatch(std::uint16_t port)
   sockaddr_in own{};
   own.sin_family = AF_INET;
   own.sin_port = htons(port);
-  own.sin_addr.s_addr = htonl(INADDR_ANY);  // so listens the server, whatever address clients know
-  // Whatever is wrong with the port, the server itself says so.
+  own.sin_addr.s_addr = htonl(INADDR_ANY);  // the server listens on all addresses, too
+  // Errors of the port are reported by the server itself.
   (void)bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
 }
 
@@ -62,7 +63,7 @@ bool PortWatch::heard_rtps() {
 }
 
 struct DdsDiscoveryServer::Implementation {
-  Recipients recipients{false};  // sends to all
+  Recipients recipients{false};  // no limit: sends to all
   Traffic traffic;
   dds::DomainParticipant* participant = nullptr;
 };
@@ -85,9 +86,11 @@ DdsDiscoveryServer::DdsDiscoveryServer(const std::string& address, std::uint16_t
   rtps::Locator_t locator;
   if (!rtps::get_server_client_default_guidPrefix(place, qos.wire_protocol().prefix) ||
       !rtps::IPLocator::setIPv4(locator, address) || !rtps::IPLocator::setPhysicalPort(locator, port))
-    throw std::runtime_error(fmt::format("{}:{} is no address for a discovery server", address, port));
+    throw std::runtime_error(
+        fmt::format("{}:{} is not a valid address for a discovery server", address, port));
   if (!is_of_this_host(address))
-    throw std::runtime_error(fmt::format("{} is no address of this host, nor 0.0.0.0: all of them", address));
+    throw std::runtime_error(
+        fmt::format("{} is not an address of this host, expected one of them, or 0.0.0.0 for all", address));
   builtin.metatrafficUnicastLocatorList.push_back(locator);
   implementation_->participant = dds::DomainParticipantFactory::get_instance()->create_participant(0, qos);
   if (implementation_->participant == nullptr)

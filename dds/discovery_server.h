@@ -1,6 +1,6 @@
-// A Fast DDS discovery server: knows all participants and endpoints, and tells each only of those that it can
-// match. It takes part in nothing else, and any one that speaks the protocol will do in its place (fastdds
-// discovery, of Debian's fastdds-tools).
+// A Fast DDS discovery server: it knows all participants and endpoints, and tells each participant only of
+// those that it can match. It does nothing else. Any other server that speaks the protocol can replace it
+// (`fastdds discovery`, of Debian's package fastdds-tools).
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 
 namespace coppice {
 
-/// Who knew a server that was killed takes the next one at its address to be the same, and ignores what that
-/// says anew: agents that are started in the meantime would never be heard of. For so many
-/// seconds after its last word it is remembered.
+/// Seconds for which clients remember a server after its last message. A client that remembers a killed
+/// server takes the next server at the same address for the same one and ignores its first messages. The
+/// client would then never hear of agents that started in the meantime.
 inline constexpr double server_lease = 5;
-/// It, and who knows it, say at least so often that they are there, seconds.
+/// Seconds. The server and its clients announce themselves at least this often.
 inline constexpr double between_words = 1;
 
-/// A UDP port on which nobody listens yet, at all addresses of this host.
+/// Watches a UDP port that no other process uses yet, on all addresses of this host.
 class PortWatch {
  public:
   explicit PortWatch(std::uint16_t port);
   ~PortWatch();
   PortWatch(const PortWatch&) = delete;
   PortWatch& operator=(const PortWatch&) = delete;
-  /// Since it was asked last, or began. Never blocks.
+  /// True if an RTPS message arrived since the last call or the construction. Never blocks.
   bool heard_rtps();
 
  private:
@@ -32,8 +32,9 @@ class PortWatch {
 
 class DdsDiscoveryServer {
  public:
-  /// Listens for as long as it lives, at an IPv4 address of this host and a UDP port. `place`: in the list of
-  /// servers that the participants are given, 0 for the first. Throws std::runtime_error if DDS refuses.
+  /// Serves during its lifetime, at an IPv4 address of this host and a UDP port. `place`: the server's
+  /// position in the list of servers that the participants are given, from 0. Throws std::runtime_error if
+  /// DDS refuses.
   DdsDiscoveryServer(const std::string& address, std::uint16_t port, int place);
   ~DdsDiscoveryServer();
   DdsDiscoveryServer(const DdsDiscoveryServer&) = delete;

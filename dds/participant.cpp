@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "dds/discovery.h"
 #include "dds/discovery_server.h"
 #include "dds/qos.h"
 #include "dds/security.h"
 #include "dds/server_list.h"
 #include "dds/static_endpoints.h"
-#include "dds/discovery.h"
 
 namespace coppice {
 
@@ -21,16 +21,16 @@ using eprosima::fastrtps::Duration_t;
 
 namespace {
 
-constexpr std::uint32_t first_announcements = 100;  // a tenth of a second after each other
-// Seconds until a silent process counts as gone. Not how the fleet notices that: its roles have leases of
-// their own. A process that was only paused, or cut off, and is dropped by DDS may never find all others
-// again (with 20 s, tests/process/pause_test.cpp). Likely because only some drop it, and those who do not
-// take the acknowledgments of its new beginning, which count from one, for old ones.
+constexpr std::uint32_t first_announcements = 100;  // one every 0.1 s
+// Seconds until DDS drops a silent process. The fleet does not rely on this: its roles have leases of their
+// own. It is long because a process that was paused or cut off, and then dropped by DDS, may never find all
+// others again (seen with 20 s, tests/process/pause_test.cpp). The likely reason: only some processes drop
+// it, and the other ones take the acknowledgments that it numbers from one again for old ones.
 constexpr int lease = 120;
 constexpr int datagram_for_credentials = 8192;  // bytes
-constexpr int datagram_for_endpoints = 4096;    // likewise
+constexpr int datagram_for_endpoints = 4096;    // bytes
 
-/// Each process announces which endpoints it has, of those that all know.
+/// Static discovery: each process announces which endpoints of the table of topics it has.
 void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
@@ -39,7 +39,7 @@ void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   qos.name(static_participant);
 }
 
-/// Through these servers instead of by multicast.
+/// Discovery through these servers, without multicast.
 void find_others_through(const std::string& servers, dds::DomainParticipantQos& qos) {
   auto& discovery = qos.wire_protocol().builtin.discovery_config;
   discovery.discoveryProtocol = eprosima::fastrtps::rtps::DiscoveryProtocol_t::CLIENT;
@@ -49,12 +49,13 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
     throw std::runtime_error(
         fmt::format("\"{}\" names no discovery servers, expected {}", servers, discovery_rule));
   for (const std::string& host : list.unknown)
-    spdlog::warn("discovery server {} has no address: goes on without it", host);
+    spdlog::warn("discovery server {} has no address: continuing without it", host);
   discovery.m_DiscoveryServers = std::move(list.found);
 }
 
-/// DDS does not cut these, so they must fit: a step of an authentication, which holds certificates; and the
-/// announcement of those who read or write nearly all topics, which names each endpoint that all know.
+/// The size of a datagram that DDS may send. DDS does not cut two kinds of messages: a step of an
+/// authentication, which contains certificates; and the announcement of an observer or a replayer with static
+/// discovery, which lists nearly all endpoints. These must fit.
 int largest_datagram_of(const DdsSettings& settings, Role role) {
   int largest = settings.largest_datagram;
   if (!settings.security.empty()) largest = std::max(largest, datagram_for_credentials);
@@ -87,12 +88,13 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
                              .traffic = traffic,
                              .largest_datagram = largest_datagram_of(settings, role),
                              .is_secure = !settings.security.empty()}));
-  // Otherwise ten from the beginning, each as long as a datagram.
+  // The default reserves ten buffers, each as long as a datagram.
   qos.allocation().send_buffers = {.preallocated_number = 1, .dynamic = true};
   qos.allocation().locators.max_unicast_locators = most_addresses;
   auto& builtin = qos.wire_protocol().builtin;
   builtin.mutation_tries = most_participants;
-  // The transport leaves out most of these: it takes long to set up hundreds of participants at once.
+  // The transport drops most of these announcements. Many are needed because setting up hundreds of
+  // participants at once takes long.
   builtin.discovery_config.initial_announcements.count = first_announcements;
   builtin.discovery_config.leaseDuration = Duration_t(lease, 0);
   builtin.use_WriterLivelinessProtocol = false;  // no topic asks for it
@@ -109,8 +111,9 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
 
 void Discoveries::look_for_a_double(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const {
   if (!robot_.empty() && senders_.robot_of(participant) == robot_)
-    spdlog::warn("another process says to be robot {}, too: end one of them, unless it was killed just now",
-                 robot_);
+    spdlog::warn(
+        "another process is the agent of robot {}, too: stop one of them, unless one was killed just now",
+        robot_);
 }
 
 ServerExamination examine_servers(const std::string& servers) {

@@ -1,4 +1,4 @@
-// How a process takes part in DDS: by which ways it finds others and is found, and what it notes of those
+// How a process takes part in DDS: how it finds others and is found, and what it records of each participant
 // that it discovers.
 #pragma once
 
@@ -13,19 +13,21 @@
 
 namespace coppice {
 
-/// What is asked for, or what suits: a way of discovery.h, or servers.
+/// The way of discovery, or the servers, that the settings ask for; else the default
+/// (DdsSettings::discovery).
 std::string discovery_of(const DdsSettings& settings);
 
-/// The last three must outlive the participant. Throws std::runtime_error if the settings do not go together,
-/// or name no discovery servers.
+/// The last three arguments must outlive the participant. Throws std::runtime_error if the settings
+/// contradict each other, or name no discovery servers.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role,
-                                                             const std::string& sender, Recipients& recipients,
+                                                             const std::string& sender,
+                                                             Recipients& recipients,
                                                              Announcements& announcements, Traffic& traffic);
 
-/// Tells the recipients who is where, and the senders who is who.
+/// Passes on discovered participants to Recipients (addresses) and Senders (names of robots).
 class Discoveries final : public eprosima::fastdds::dds::DomainParticipantListener {
  public:
-  /// `robot`: whose agent this process is; empty: nobody's.
+  /// `robot`: the robot whose agent this process is; empty for other processes.
   Discoveries(Recipients& recipients, Senders& senders, Announcements& announcements, RobotName robot)
       : recipients_(recipients), senders_(senders), announcements_(announcements), robot_(std::move(robot)) {}
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,

@@ -1,4 +1,4 @@
-// What the endpoints of all topics have in common.
+// Settings that the endpoints of all topics share.
 #pragma once
 
 #include <stdexcept>
@@ -12,11 +12,12 @@
 
 namespace coppice {
 
-/// Of a host, in all its networks: Fast DDS makes room for so many with each endpoint, and drops the rest
-/// without a word; its own four are soon those of bridges to containers.
+/// The most addresses of one host, in all its networks. Fast DDS reserves room for this many with each
+/// endpoint and silently drops the rest. Its default of four is soon used up by bridges to containers.
 inline constexpr std::size_t most_addresses = 16;
 
-// Each remote writer and reader that is met has room for so many set aside: a service meets a thousand.
+// Fast DDS reserves room for this many samples with each remote writer and reader. A service meets a
+// thousand.
 inline constexpr int samples_at_first = 2;
 
 template <class T>
@@ -29,7 +30,7 @@ inline WallTime seconds(const eprosima::fastrtps::rtps::Time_t& time) {
   return time.seconds() + 1e-9 * time.nanosec();
 }
 
-/// What a topic's row in the table means for a writer and for a reader alike.
+/// Applies a topic's row of the table to the QoS of a writer or a reader.
 template <class Qos>
 void apply(const TopicInfo& info, Qos& qos) {
   namespace dds = eprosima::fastdds::dds;
@@ -39,12 +40,12 @@ void apply(const TopicInfo& info, Qos& qos) {
                                                                          : dds::VOLATILE_DURABILITY_QOS;
   qos.history().kind = info.depth > 0 ? dds::KEEP_LAST_HISTORY_QOS : dds::KEEP_ALL_HISTORY_QOS;
   qos.history().depth = info.depth > 0 ? info.depth : 1;
-  // 0 is no limit; the defaults (10 instances, 5000 samples) would silently lose trees and robots.
+  // 0 is no limit. The defaults (10 instances, 5000 samples) would silently lose trees and robots.
   qos.resource_limits().max_samples = 0;
   qos.resource_limits().max_instances = 0;
   qos.resource_limits().max_samples_per_instance = 0;
   qos.resource_limits().allocated_samples = samples_at_first;
-  // Samples differ in size by orders of magnitude: memory as needed, not for the largest.
+  // Samples differ in size by orders of magnitude, so memory is allocated as needed.
   qos.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
   qos.data_sharing().off();
 }

@@ -24,7 +24,7 @@ namespace coppice {
 
 namespace {
 
-// What OpenSSL makes, freed by its own functions.
+// Frees an object of OpenSSL with OpenSSL's own function.
 template <auto free>
 struct Free {
   template <class T>
@@ -60,7 +60,7 @@ bool exists(const std::string& file) {
   return Bio(BIO_new_file(file.c_str(), "r")) != nullptr || errno != ENOENT;
 }
 
-/// No password is asked for: who would answer?
+/// Refuses to ask for a password, because nobody is there to type it.
 int no_password(char*, int, int, void*) {
   return -1;
 }
@@ -75,7 +75,7 @@ Certificate read_certificate(const std::string& file) {
 Key read_key(const std::string& file) {
   const Bio bio = open(file);
   Key key(PEM_read_bio_PrivateKey(bio.get(), nullptr, no_password, nullptr));
-  if (key == nullptr) refuse(file, "holds no private key in PEM, or one with a password");
+  if (key == nullptr) refuse(file, "holds no private key in PEM, or a private key with a password");
   return key;
 }
 
@@ -91,7 +91,7 @@ std::string text_of(const ASN1_TIME* time) {
   return content_of(bio.get());
 }
 
-/// What is wrong with a certificate or document of that time now; empty: nothing.
+/// Describes what is wrong with these dates of validity now; empty if nothing is.
 std::string problem_with_dates(const ASN1_TIME* first, const ASN1_TIME* last) {
   if (X509_cmp_current_time(last) < 0) return "expired on " + text_of(last);
   if (X509_cmp_current_time(first) > 0) return "is not valid before " + text_of(first);
@@ -104,7 +104,7 @@ void check_dates(const std::string& file, const X509& certificate) {
   if (!problem.empty()) refuse(file, problem);
 }
 
-/// `revocations`: a file that may be missing.
+/// `revocations`: name of a file, which may be missing.
 void check_identity(const std::string& file, X509& identity, X509& authority,
                     const std::string& revocations) {
   check_dates(file, identity);
@@ -123,13 +123,13 @@ void check_identity(const std::string& file, X509& identity, X509& authority,
     refuse(file, X509_verify_cert_error_string(X509_STORE_CTX_get_error(context.get())));
 }
 
-/// What a document says that the authority has signed.
+/// Returns the content of a document that the authority has signed.
 std::string read_signed(const std::string& file, X509& authority) {
   const Bio bio = open(file);
   BIO* detached = nullptr;
   const SignedDocument document(SMIME_read_PKCS7(bio.get(), &detached));
   const Bio body(detached);
-  if (document == nullptr) refuse(file, "is no signed document (S/MIME)");
+  if (document == nullptr) refuse(file, "is not a signed document (S/MIME)");
   const Certificates signers(sk_X509_new_null());
   sk_X509_push(signers.get(), &authority);
   const Bio content(BIO_new(BIO_s_mem()));
@@ -139,14 +139,14 @@ std::string read_signed(const std::string& file, X509& authority) {
   return content_of(content.get());
 }
 
-/// From "2027-01-31T12:00:00", in UTC; null if it is none.
+/// Converts "2027-01-31T12:00:00", in UTC. Null if the text has another form.
 Time time_of(std::string text) {
   std::erase_if(text, [](char c) { return c == '-' || c == ':' || c == 'T' || c == 'Z'; });
   Time time(ASN1_TIME_new());
   return ASN1_TIME_set_string_X509(time.get(), (text + "Z").c_str()) == 1 ? std::move(time) : nullptr;
 }
 
-/// One grant at least must be valid now; which of them is this participant's, Fast DDS decides.
+/// At least one grant must be valid now. Fast DDS decides which grant belongs to this participant.
 void check_validity(const std::string& file, const std::string& content) {
   static const std::regex validity(
       R"(<not_before>\s*([^<\s]*)\s*</not_before>\s*<not_after>\s*([^<\s]*)\s*</not_after>)");
@@ -161,8 +161,8 @@ void check_validity(const std::string& file, const std::string& content) {
   refuse(file, problem);
 }
 
-/// What stands within all elements of that name. Not by std::regex, which takes a stack as deep as that is
-/// long.
+/// Returns the contents of all elements of that name. Does not use std::regex, whose recursion depth grows
+/// with the length of the text.
 std::vector<std::string_view> within(const std::string& element, std::string_view text) {
   const std::string opening = "<" + element + ">";
   const std::string closing = "</" + element + ">";
@@ -182,8 +182,7 @@ std::string trimmed(std::string_view text) {
   return std::string(text.substr(begin, text.find_last_not_of(space) + 1 - begin));
 }
 
-/// The parts of a name, "CN=agent" and the like, in whatever order and between whatever signs they are
-/// written.
+/// The parts of a distinguished name ("CN=agent" and the like), independent of their order and separators.
 std::set<std::string> parts_of_name(std::string_view name) {
   std::set<std::string> parts;
   while (!name.empty()) {
@@ -196,7 +195,7 @@ std::set<std::string> parts_of_name(std::string_view name) {
   return parts;
 }
 
-/// Somebody else's identity is none, though all is well signed.
+/// Refuses an identity of another subject than the permissions, even if both are signed correctly.
 void check_subject(const std::string& file, X509& identity, const std::string& permissions) {
   const Bio text(BIO_new(BIO_s_mem()));
   X509_NAME_print_ex(text.get(), X509_get_subject_name(&identity), 0, XN_FLAG_RFC2253);
@@ -205,12 +204,13 @@ void check_subject(const std::string& file, X509& identity, const std::string& p
     return parts_of_name(name) == parts_of_name(subject);
   });
   if (!granted)
-    refuse(file, fmt::format("is of {}, to whom permissions.p7s grants nothing: are these another role's "
-                             "credentials?",
-                             subject));
+    refuse(file,
+           fmt::format("belongs to {}, to which permissions.p7s grants nothing: are these another role's "
+                       "credentials?",
+                       subject));
 }
 
-/// The topics, or patterns of topics, within all elements of that name.
+/// Returns the topics, or patterns of topics, within all elements of that name.
 std::vector<std::string> topics_in(const std::string& element, const std::string& content) {
   std::vector<std::string> all;
   for (const std::string_view section : within(element, content)) {
@@ -226,7 +226,7 @@ class Permissions {
         writes_(topics_in("publish", content)),
         reads_(topics_in("subscribe", content)) {}
 
-  /// All topics that the table has for the role.
+  /// Checks all topics that the role reads or writes by the table of topics.
   template <class... Ms>
   void check(Role role, const std::variant<Ms...>*) const {
     (check(Topic<Ms>::info.name, Topic<Ms>::written_by(role), writes_, "write"), ...);

@@ -1,13 +1,14 @@
-// DDS-Security for a participant: it proves who it is, may do what its permissions say, and speaks in cipher.
+// DDS-Security for a participant: it proves its identity, may only do what its permissions say, and encrypts
+// its messages.
 //
-// All that it needs is a folder, with the names that ROS 2 (SROS 2) uses; deploy/security/make-keys makes one
-// for each role:
-//   identity_ca.cert.pem     who vouches for identities
+// It needs one folder, with the file names of ROS 2 (SROS 2). deploy/security/make-keys makes one for each
+// role:
+//   identity_ca.cert.pem     certificate of the authority that signs identities
 //   cert.pem, key.pem        this participant's identity, and its private key (not encrypted)
-//   permissions_ca.cert.pem  who vouches for the two signed documents:
+//   permissions_ca.cert.pem  certificate of the authority that signs the next two documents
 //   governance.p7s           what is protected, and how
 //   permissions.p7s          what this participant may write and read
-//   identity_crl.pem         identities that were taken back; may be missing
+//   identity_crl.pem         revoked identities; may be missing
 #pragma once
 
 #include <string>
@@ -18,9 +19,9 @@
 
 namespace coppice {
 
-/// Throws std::runtime_error with the file's name if one cannot be read, is not valid (yet, or any more),
-/// does not belong to the others, or lacks a topic that the role writes or reads: Fast DDS would say less of
-/// it, and to its log only.
+/// Throws std::runtime_error with the file's name if a file cannot be read, is not valid now, does not belong
+/// to the other files, or lacks a topic that the role writes or reads. Fast DDS itself reports less, and only
+/// to its log.
 void check_credentials(const std::string& folder, Role role);
 
 /// Sets up a participant with the folder's credentials.

@@ -12,7 +12,7 @@ namespace rtps = eprosima::fastrtps::rtps;
 
 namespace {
 
-// Samples of one that is gone are taken within a control period or so.
+// The samples of a participant that has gone are taken within about one control period.
 constexpr std::chrono::seconds remembered{60};
 
 }  // namespace
@@ -34,7 +34,8 @@ void Senders::discover(const rtps::ParticipantDiscoveryInfo& info) {
   Sender& sender = known->second;
   if (gone) {
     sender.gone_at = now;
-  } else if (fresh || sender.gone_at) {  // none becomes another while it is there: only who forges says so
+    // An announcement that changes the robot of a participant that is still there is forged.
+  } else if (fresh || sender.gone_at) {
     const std::vector<std::uint8_t> data(info.info.m_userData.begin(), info.info.m_userData.end());
     sender = {coppice::robot_of(data), data == user_data_of_replayer(), std::nullopt};
   }

@@ -1,9 +1,9 @@
-// Which robot's agent each process is, by what its participant announces: so that nobody speaks for another;
-// and which ones replay a recording.
+// Which robot's agent each process is, and which processes replay a recording, as their participants announce
+// it. So no process can speak for another robot.
 //
-// A participant is known before anything of it is heard, whichever way processes find each other: its own
-// announcement tells how to reach it. What its user data says is as true as the network is closed; where it
-// is open, DDS-Security must vouch for participants.
+// A participant is known before any of its samples arrives, with each way of discovery, because its
+// announcement says how to reach it. Its user data can be trusted only in a closed network; in an open one,
+// DDS-Security must authenticate the participants.
 #pragma once
 
 #include <chrono>
@@ -22,13 +22,15 @@ class Senders {
  public:
   void note_own(const eprosima::fastrtps::rtps::GuidPrefix_t& participant, const RobotName& robot,
                 bool replays);
-  /// Another process is there, has changed or is gone. What it sent before it went is still to be taken.
+  /// Another process has appeared, has changed or has gone. Its last samples may still be taken after it has
+  /// gone.
   void discover(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info);
-  /// Whose agent it is; empty: nobody's; none: it was never heard of, or has been gone for long.
+  /// The robot whose agent the participant is; empty: it is no agent; nullopt: never discovered, or gone for
+  /// long.
   std::optional<RobotName> robot_of(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const;
-  /// Whether it says what was recorded of others.
+  /// Whether the participant replays a recording.
   bool replays(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const;
-  /// Whether anybody who is there does.
+  /// Whether any participant that is still there replays a recording.
   bool somebody_replays() const;
 
  private:

@@ -20,7 +20,8 @@ using eprosima::fastcdr::FastBuffer;
 
 constexpr std::size_t encapsulation = 4;  // bytes: the byte order
 
-// Not by the generated support of a topic: to make one counts the bytes of its largest sample, one by one.
+// Does not use a topic's generated support: its constructor counts the bytes of the largest sample one by
+// one.
 template <class M>
 std::optional<Message> read(std::span<char> bytes) {
   typename DdsType<M>::Type sample;

@@ -1,4 +1,4 @@
-// Messages as bytes, for disks: the topic's place in `Message`, then the sample as DDS sends it (CDR).
+// Messages as bytes for files: the index of the type in `Message`, then the sample as DDS sends it (CDR).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace coppice {
 
 std::vector<std::uint8_t> serialized(const Message& message);
 
-/// Nothing if the bytes are no message, or one that no role would accept (validation.h).
+/// Returns nothing if the bytes are no message, or a message that fails validation (messages/validation.h).
 std::optional<Message> deserialized(std::span<const std::uint8_t> bytes);
 
 }  // namespace coppice

@@ -35,8 +35,8 @@ bool names_a_host(std::string_view server) {
   return error == std::errc() && end == port.data() + port.size() && number > 0;
 }
 
-/// The server at its host's address, which the network tells, now; none: it has none. IPv4, as our transport:
-/// Fast DDS would take an address of IPv6, and a name like "beef" for one.
+/// Returns the server with its host's current address, or nothing if the host has none. IPv4 only, as the
+/// transport. Fast DDS itself would also use IPv6 addresses, and take a name like "beef" for one.
 std::optional<std::string> at_its_address(const std::string& server) {
   const std::size_t colon = std::min(server.find(':'), server.size());
   const addrinfo hints{.ai_family = AF_INET, .ai_socktype = SOCK_DGRAM};
@@ -58,7 +58,8 @@ bool is_of_ipv6(std::string_view server) {
 
 ServerList look_up_servers(const std::string& servers) {
   ServerList list;
-  std::string before;  // empty places
+  // One ";" for each place before this server, because the place gives the server's identity.
+  std::string before;
   for (std::size_t begin = 0; begin <= servers.size(); before += ';') {
     const std::size_t end = std::min(servers.find(';', begin), servers.size());
     const std::string server = servers.substr(begin, end - begin);

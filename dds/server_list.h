@@ -1,4 +1,4 @@
-// The discovery servers that a list names.
+// Parses a list of discovery servers.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@ namespace coppice {
 
 struct ServerList {
   eprosima::fastdds::rtps::RemoteServerList_t found;  ///< each with the identity of its place in the list
-  std::vector<std::string>
-      unknown;  ///< hosts that have no address, now: a container that does not run has none
-  std::vector<std::string> malformed;  ///< what is no server
+  /// Hosts that have no address now, as a container that does not run.
+  std::vector<std::string> unknown;
+  std::vector<std::string> malformed;  ///< entries that are no server
 
   bool is_usable() const { return !found.empty() && malformed.empty(); }
 };
 
-/// "HOST:PORT", several with ";" between them; a place may be empty. Asks the network where hosts are named.
-/// Each is looked up by itself: Fast DDS takes none where one has no address.
+/// Parses "HOST:PORT" entries, separated by ";". A place may be empty. Looks up the names of hosts, each by
+/// itself: Fast DDS would reject the whole list if one host has no address.
 ServerList look_up_servers(const std::string& servers);
 
 }  // namespace coppice

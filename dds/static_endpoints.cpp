@@ -11,7 +11,7 @@ namespace coppice {
 
 namespace {
 
-/// Fast DDS 2.9, "STATIC Discovery Settings".
+/// Format: Fast DDS 2.9, "STATIC Discovery Settings".
 template <class M>
 std::string endpoint(std::string_view kind, std::uint16_t id) {
   constexpr TopicInfo info = Topic<M>::info;

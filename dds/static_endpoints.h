@@ -1,8 +1,8 @@
-// Which endpoints a process of a fleet may have, as the table of topics says: for Fast DDS's static
-// discovery, in which processes tell each other only which of these they do have.
+// The endpoints that a process of a fleet may have, by the table of topics. With Fast DDS's static discovery,
+// processes tell each other only which of these endpoints they have.
 //
-// Where all find each other's endpoints by themselves, each tells each of all of them: with a hundred
-// processes that takes far longer than to find the processes.
+// With the usual discovery, each process announces each endpoint to every other process. With a hundred
+// processes that takes far longer than finding the processes.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace coppice {
 
-/// What every participant of the fleet is called: the key under which the endpoints are looked up.
+/// The name of every participant of the fleet, under which Fast DDS looks up the endpoints.
 inline constexpr const char* static_participant = "coppice";
 
-/// Of the topic of message type M, above 0 and unique in a process.
+/// Ids of the endpoints of message type M: above 0 and unique in a process.
 template <class M>
 constexpr std::uint16_t writer_id() {
   return []<class... Ms>(const std::variant<Ms...>*) {
@@ -32,8 +32,8 @@ constexpr std::uint16_t reader_id() {
   return writer_id<M>() + 1;
 }
 
-/// The document that Fast DDS takes as the static configuration: of what others may have, that which concerns
-/// a process of this role. The rest it then does not keep of hundreds of others.
+/// The document for Fast DDS's static configuration. It lists only the endpoints of others that match one of
+/// this role, so that Fast DDS does not store the rest for hundreds of processes.
 std::string static_endpoints(Role role);
 
 }  // namespace coppice

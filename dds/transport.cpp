@@ -27,15 +27,16 @@ namespace transport = eprosima::fastdds::rtps;
 
 namespace {
 
-// The group hears all news, and has new members. Who was told directly, since it had just come, is in the
-// group.
+// The multicast group gets all news and contains all new members. A participant that was told directly
+// because it had just appeared is in the group, too.
 constexpr std::chrono::milliseconds repeat_to_one{10'000};
 constexpr std::chrono::milliseconds repeat_to_group{3'000};
-// The first ones may be lost, or too early for those who start at the same time: the gaps double from here
-// on.
+// The first announcements may be lost, or come too early for processes that start at the same time. The gaps
+// double from this one on.
 constexpr std::chrono::milliseconds first_repeat_to_group{500};
 constexpr int most_doublings = 3;
-// By then all have met; two hundred who still told each other so often would do hardly anything else.
+// By then all processes have met. Two hundred processes that went on announcing themselves often would do
+// little else.
 constexpr int repeats_until_seldom = 10;
 constexpr std::chrono::milliseconds seldom{30'000};
 
@@ -140,7 +141,8 @@ constexpr std::size_t writer_at = 12;      // of a data submessage; its sequence
 using Bytes = std::span<const std::uint8_t>;
 using EntityId = std::array<std::uint8_t, 4>;
 
-/// Hands over each submessage, with its header and all that follows it, as long as `wants_more` says so.
+/// Calls `wants_more` with each submessage, from its header to the end of the message, until it returns
+/// false.
 template <class WantsMore>
 void for_each_submessage(Bytes message, WantsMore&& wants_more) {
   constexpr std::size_t header = 20;
@@ -149,12 +151,12 @@ void for_each_submessage(Bytes message, WantsMore&& wants_more) {
     if (!wants_more(rest)) return;
     const bool little = (rest[1] & is_little_endian) != 0;
     const std::size_t length = little ? rest[2] | rest[3] << 8 : rest[2] << 8 | rest[3];
-    if (length == 0) return;  // to the end of the message
+    if (length == 0) return;  // it extends to the end of the message
     at += submessage_header + length;
   }
 }
 
-/// The octets as one number, the first one the highest.
+/// Reads the octets as one big-endian number.
 std::uint64_t number_of(Bytes octets) {
   std::uint64_t number = 0;
   for (const std::uint8_t octet : octets) number = number << 8 | octet;
@@ -236,7 +238,7 @@ std::vector<rtps::Locator_t> addresses_in(Bytes announcement) {
 std::optional<EndpointHeartbeat> endpoint_heartbeat_in(Bytes message) {
   constexpr std::uint32_t publications_writer = 0x0003c2;
   constexpr std::uint32_t subscriptions_writer = 0x0004c2;
-  constexpr std::size_t numbers_at = 12;  // behind the ids of the reader and the writer
+  constexpr std::size_t numbers_at = 12;  // after the ids of the reader and the writer
   std::optional<EndpointHeartbeat> found;
   bool says_more = false;
   for_each_submessage(message, [&](Bytes submessage) {
@@ -258,7 +260,7 @@ std::optional<EndpointHeartbeat> endpoint_heartbeat_in(Bytes message) {
 bool is_handshake_of_others(Bytes message) {
   constexpr EntityId handshake_writer{0x00, 0x02, 0x01, 0xc3};
   constexpr std::size_t payload_at = 24;  // of a data submessage without inline QoS
-  // Behind the encapsulation, the message's own identity and that of the one that it answers.
+  // After the encapsulation, the message's own identity and the identity of the message that it answers.
   constexpr std::size_t destination_at = payload_at + 4 + 24 + 24;
   Bytes receiver;
   bool of_others = false;
@@ -275,10 +277,10 @@ bool is_handshake_of_others(Bytes message) {
 
 void Announcements::hear(Bytes announcement) {
   const std::scoped_lock lock(mutex_);
-  if (met_.size() >= most_met) met_.clear();  // names that somebody makes up: those are never given up
+  if (met_.size() >= most_met) met_.clear();  // only forged names grow this far, as they are never forgotten
   if (!met_.insert(sender_of(announcement)).second) return;
   const std::vector<rtps::Locator_t> addresses = addresses_in(announcement);
-  // Within a host it is reached by the loopback, whatever it says.
+  // On the same host a participant is reached through the loopback, whatever address it announces.
   const auto leads_there = [&](const auto& entry) {
     const rtps::Locator_t& destination = entry.first.destination;
     return std::ranges::any_of(addresses, [&](const rtps::Locator_t& address) {
@@ -363,8 +365,8 @@ class SparingTransport final : public transport::ChainingTransport {
     return send_to(all, udp, message, size, begin, end, timeout);
   }
 
-  /// UDP goes through all addresses that it has a channel to, and is asked for those of all readers whenever
-  /// one more is found.
+  /// UDP sends through every channel that it has. DDS asks for the channels to all readers again whenever it
+  /// finds one more reader.
   bool OpenOutputChannel(transport::SendResourceList& senders, const rtps::Locator_t& address) override {
     const std::scoped_lock lock(opening_);
     if (open_.contains(address)) return true;
@@ -373,15 +375,15 @@ class SparingTransport final : public transport::ChainingTransport {
     return true;
   }
 
-  /// The same choice as UDP's own, which looks for each locator among all chosen before. It is made anew
-  /// whenever a reader is found or lost: N processes that meet would spend N^4 comparisons on it.
+  /// Chooses as UDP does, but in linear time. UDP compares each locator with all locators chosen before. DDS
+  /// chooses anew whenever a reader is found or lost, so N processes that meet would need N^4 comparisons.
   void select_locators(rtps::LocatorSelector& selector) const override {
     auto& readers = selector.transport_starts();
     const bool in_groups = std::ranges::any_of(readers, [](const rtps::LocatorSelectorEntry* reader) {
       return reader->transport_should_process && !reader->multicast.empty();
     });
     if (in_groups) return ChainingTransport::select_locators(selector);
-    // Hundreds of addresses, hundreds of times: what is known of them stays on the stack.
+    // The set lies on the stack, because it is built hundreds of times for hundreds of addresses.
     std::array<std::byte, 16384> room;
     std::pmr::monotonic_buffer_resource memory(room.data(), room.size());
     std::pmr::unordered_set<rtps::Locator_t, AddressHash> chosen(&memory);
@@ -427,7 +429,8 @@ class SparingTransport final : public transport::ChainingTransport {
   std::unique_ptr<transport::TransportDescriptorInterface> configuration_;
   SparingTransportParts parts_;
   std::mutex opening_;
-  std::unordered_set<rtps::Locator_t, AddressHash> open_;  ///< channels go on until the participant ends
+  /// DDS never closes a channel before the participant ends.
+  std::unordered_set<rtps::Locator_t, AddressHash> open_;
   std::mutex discovering_;
 };
 
@@ -440,7 +443,8 @@ struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor
     // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the interface's way
     return new SparingTransport(*this, std::move(configuration), parts);
   }
-  /// What DDS sends: others may send more, where all are on one host, and that must fit the buffers.
+  /// The largest message that DDS sends. UDP below allows longer ones, because other processes on this host
+  /// may send them and they must fit the receive buffers.
   std::uint32_t max_message_size() const override {
     return static_cast<std::uint32_t>(parts.largest_datagram);
   }

@@ -1,23 +1,23 @@
-// UDP for fleets of hundreds of processes: sends only what somebody needs, by deciding for each datagram
-// which of its destinations get it.
+// UDP for fleets of hundreds of processes. For each datagram it decides which of the destinations need it.
 //
-// Four things need that, as neither a participant's settings nor a writer's QoS can say them:
-//   - A state is for some of the agents only (Outgoing::agents). All of them match with its writer, so that
-//     nothing is announced anew as robots drive.
-//   - Fast DDS answers each participant that it discovers by announcing its own to all that it knows already,
-//     so that N processes send N^3 announcements. Each destination needs to hear an unchanged one just now
+// Four cases need this, because neither a participant's settings nor a writer's QoS can express them:
+//   - A robot state is for some of the agents only (Outgoing::agents). All agents match with its writer, so
+//     that nothing is announced again while robots drive.
+//   - Fast DDS answers each discovered participant by announcing itself again to all participants that it
+//     knows. So N processes send N^3 announcements. A destination needs an unchanged announcement only now
 //     and then.
-//   - It follows up each sample about endpoints that it repeats to one participant by a heartbeat to
-//     all, which all answer.
-//   - With DDS-Security, it sends each step of each pair's authentication to all participants, again N^3.
+//   - When Fast DDS repeats a sample about endpoints to one participant, it sends a heartbeat to all, and all
+//     answer.
+//   - With DDS-Security, Fast DDS sends each step of each pair's authentication to all participants, again
+//     N^3.
 //
-// It also opens channels, and chooses the addresses of a writer's readers, in less time than Fast DDS does:
-// that goes through all of them for each, which counts where each of hundreds of processes finds all others.
+// The transport also opens channels and chooses the addresses of a writer's readers faster than Fast DDS.
+// Fast DDS compares each with all others, which takes long where hundreds of processes find each other.
 //
-// And it hands on one announcement of a participant after the other: Fast DDS 2.9 discovers participants in
-// two threads at once, those of multicast and of unicast, and each spoils what the other has just read
+// It also hands on one participant's announcement at a time. Fast DDS 2.9 discovers participants in two
+// threads at once, one for multicast and one for unicast, and each overwrites what the other has just read
 // (corrected later, in its pull request 4188). One in twenty authentications would never end. Without
-// DDS-Security one agent of two hundred was never told the states of one other, in every other start.
+// DDS-Security, in every other start one agent of two hundred was never told the states of one other.
 #pragma once
 
 #include <atomic>
@@ -46,7 +46,7 @@
 
 namespace coppice {
 
-/// Of the octets in which IPv4 addresses of one fleet differ, and the port.
+/// Hashes the octets in which the IPv4 addresses of a fleet differ, and the port.
 struct AddressHash {
   std::size_t operator()(const eprosima::fastrtps::rtps::Locator_t& address) const {
     std::uint64_t host = 0;
@@ -55,10 +55,11 @@ struct AddressHash {
   }
 };
 
-/// The agents to which this process's next states are sent, and at which addresses agents are.
+/// The agents that receive this process's next states, and the addresses of all agents.
 class Recipients {
  public:
-  /// While it exists, what this thread writes goes to those agents only, and to all who are no agents.
+  /// While it exists, messages of this thread go only to these agents, and to all processes that are no
+  /// agents.
   class Limit {
    public:
     Limit(Recipients& recipients, std::vector<RobotName> agents);
@@ -70,29 +71,30 @@ class Recipients {
     Recipients& recipients_;
   };
 
-  /// `is_secure`: who says that it is a robot's agent must have been authenticated, and keeps its address.
+  /// `is_secure`: a process counts as a robot's agent only after its authentication, and then keeps its
+  /// address.
   explicit Recipients(bool is_secure = false) : is_secure_(is_secure) {}
 
-  /// Another process is there, has changed or is gone.
+  /// Another process has appeared, has changed or has gone.
   void discover(const eprosima::fastrtps::rtps::ParticipantDiscoveryInfo& info);
 
-  /// That process is the one that its credentials name.
+  /// The process has proved its identity.
   void authenticate(const eprosima::fastrtps::rtps::GUID_t& participant);
 
   bool is_limited() const { return limited_in_ == std::this_thread::get_id(); }
-  /// While it is limited: whether this is not an address of agents outside alone.
+  /// While limited: false if all processes at this address are agents other than the given ones.
   bool includes(const eprosima::fastrtps::rtps::Locator_t& address) const;
 
  private:
   using Guid = eprosima::fastrtps::rtps::GUID_t;
   using Address = eprosima::fastrtps::rtps::Locator_t;
   struct Announced {
-    RobotName robot;  ///< empty: none
+    RobotName robot;  ///< empty: it is no agent
     std::vector<Address> addresses;
   };
   void place(const Guid& participant, const Announced& announced);
 
-  std::atomic<std::thread::id> limited_in_{};  ///< the thread; none: not
+  std::atomic<std::thread::id> limited_in_{};  ///< the thread that is limited; none: no limit
   std::vector<RobotName> agents_;              ///< sorted
   struct Process {
     Guid participant;
@@ -100,61 +102,61 @@ class Recipients {
   };
   bool is_secure_;
   mutable std::mutex mutex_;  // DDS discovers in a thread of its own
-  /// Several at one: after a restart, and where hosts have an address in common, as that of a bridge to their
-  /// containers: Fast DDS takes that of another host for the loopback.
+  /// Several processes share an address after a restart, or where hosts have an address in common, as the
+  /// bridge to their containers: Fast DDS takes such an address of another host for the loopback.
   std::unordered_map<Address, std::vector<Process>, AddressHash> at_;
-  std::map<Guid, Announced> unproven_;  ///< only where it is secure, as the next
+  std::map<Guid, Announced> unproven_;  ///< only if secure, as authenticated_
   std::set<Guid> authenticated_;
 };
 
-/// What this process's sockets carry.
+/// Bytes through this process's sockets.
 struct Traffic {
-  std::atomic<std::uint64_t> bytes_sent = 0;  ///< of all datagrams, without their headers
+  std::atomic<std::uint64_t> bytes_sent = 0;  ///< payload of all datagrams, without headers
   std::atomic<std::uint64_t> bytes_received = 0;
 };
 
-/// What a participant's user data says of the robot whose agent it is; empty: it is none.
+/// A participant's user data, which names the robot whose agent it is; an empty name if it is no agent.
 std::vector<std::uint8_t> user_data_of(const RobotName& robot);
 RobotName robot_of(std::span<const std::uint8_t> user_data);
-/// The user data of one that replays a recording.
+/// The user data of a participant that replays a recording.
 std::vector<std::uint8_t> user_data_of_replayer();
 
-/// If an RTPS message only announces that its participant is alive: the number of what it says of itself.
+/// The number of the announcement, if an RTPS message does nothing but announce its participant.
 std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);
 
-/// Whose message it is; unknown if it is none.
+/// The sender of an RTPS message; unknown if the message is none.
 eprosima::fastrtps::rtps::GuidPrefix_t sender_of(std::span<const std::uint8_t> message);
-/// At which addresses the participant that announces itself wants to hear of others.
+/// The addresses at which the announced participant receives announcements of others.
 std::vector<eprosima::fastrtps::rtps::Locator_t> addresses_in(std::span<const std::uint8_t> announcement);
 
-/// What a heartbeat says of the samples about a participant's endpoints: the numbers of the first and the
-/// last.
+/// Content of a heartbeat about a participant's endpoints: the numbers of the first and the last sample.
 struct EndpointHeartbeat {
   std::uint32_t writer = 0;  ///< entity id
-  std::uint64_t first = 0;   ///< as the octets are; to be compared only
+  std::uint64_t first = 0;   ///< in the octets' order, only to be compared
   std::uint64_t last = 0;
   bool operator==(const EndpointHeartbeat&) const = default;
 };
-/// If an RTPS message is nothing but such a heartbeat, for whoever gets it.
+/// The heartbeat, if an RTPS message is nothing else.
 std::optional<EndpointHeartbeat> endpoint_heartbeat_in(std::span<const std::uint8_t> message);
 
-/// When each destination was last told that this participant is alive, and how many endpoints it has. A group
-/// lies on several networks (also on the one within the host), each with a sender of its own.
+/// When each destination was last told that this participant is alive, and how many endpoints it has. A
+/// multicast group spans several networks (also the loopback), and each has its own sender.
 class Announcements {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// From now on: before, while it is set up, each of its endpoints would be told to all anew.
+  /// Announcements are sent only after this call. Earlier ones, while the participant is set up, would tell
+  /// each endpoint to all participants again.
   void begin() { begun_ = true; }
-  /// Another participant announces itself. A new one has been told nothing, whoever was told before at its
-  /// addresses: one that was killed is followed by another at the same port.
+  /// Another participant announces itself. A new participant has been told nothing, even if an earlier one
+  /// was told at the same address: after a killed process another one may use its port.
   void hear(std::span<const std::uint8_t> announcement);
-  /// It is gone: it is new if it comes again.
+  /// The participant has gone. It counts as new if it comes again.
   void forget(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
-  /// Whether it must be told now; then it counts as told.
+  /// Whether the destination must be told now. If so, it counts as told.
   bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
               const eprosima::fastrtps::rtps::Locator_t& destination, std::uint64_t number, Time now);
-  /// Likewise of its endpoints. One that is left out is made up for by the next, at the latest by Fast DDS's
-  /// periodic one.
+  /// The same for a heartbeat about endpoints. The next heartbeat makes up for a dropped one, at the latest
+  /// Fast DDS's periodic one.
   bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
               const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& beat,
               Time now);
@@ -167,11 +169,11 @@ class Announcements {
   struct Told {
     std::uint64_t number = 0;
     Time at{};
-    int repeats = 0;  ///< since it was news
+    int repeats = 0;  ///< since the last news
   };
   std::atomic<bool> begun_ = false;
   std::mutex mutex_;
-  /// What about, and to where.
+  /// The subject and the destination.
   struct Way {
     const eprosima::fastrtps::rtps::SenderResource* sender;
     eprosima::fastrtps::rtps::Locator_t destination;
@@ -188,20 +190,19 @@ class Announcements {
   std::unordered_map<Way, Beaten, WayHash> beaten_;
 };
 
-/// Whether an RTPS message is a step of an authentication between others than the participant that it is
-/// sent to.
+/// Whether an RTPS message is a step of an authentication between participants other than its receiver.
 bool is_handshake_of_others(std::span<const std::uint8_t> message);
 
 struct SparingTransportParts {
   Recipients& recipients;
-  Announcements*
-      announcements;  ///< null where it announces itself to discovery servers only, which acknowledge
+  /// Null if the process announces itself only to discovery servers, which acknowledge.
+  Announcements* announcements;
   Traffic& traffic;
   int largest_datagram;  ///< bytes
   bool is_secure;        ///< with DDS-Security
 };
 
-/// Of UDPv4 transports that do so. All parts must outlive the participant.
+/// A UDPv4 transport with these rules. All parts must outlive the participant.
 std::shared_ptr<eprosima::fastdds::rtps::TransportDescriptorInterface> sparing_udp_transport(
     const SparingTransportParts& parts);
 

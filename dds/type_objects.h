@@ -1,10 +1,10 @@
-// Apart from dds_bus.cpp because a header of Fast DDS's type objects opens its namespace for everyone who
-// includes it, where Eigen's comparisons of enumerators become ambiguous.
+// Apart from dds_bus.cpp, because a header of Fast DDS's type objects opens its namespace for every file that
+// includes it, and then Eigen's comparisons of enumerators become ambiguous.
 #pragma once
 
 namespace coppice {
 
-/// Makes the types of idl/fleet.idl known, so that generic tools see what the samples hold.
+/// Registers the types of idl/fleet.idl, so that generic tools can read the samples.
 void register_type_objects();
 
 }  // namespace coppice

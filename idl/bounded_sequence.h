@@ -1,7 +1,7 @@
-// Sequences as they come off the network, no longer than fleet.idl allows.
+// Reads sequences from the network with the bounds of fleet.idl.
 //
-// What fastddsgen makes takes any length for which there might be bytes left, and makes room for it at once:
-// seventeen million members of a plan, from as many zeros, took 1.6 GB.
+// The code of fastddsgen accepts any length for which there might be enough bytes, and allocates it at once:
+// a plan with seventeen million members, from as many zeros, took 1.6 GB.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace coppice::idl {
 
-/// Throws eprosima::fastcdr::exception::BadParamException if there are more than `most`, before it makes
-/// room.
+/// Throws eprosima::fastcdr::exception::BadParamException before it allocates, if there are more than `most`
+/// elements.
 template <class T>
 void read_bounded(eprosima::fastcdr::Cdr& bytes, std::vector<T>& sequence, std::uint32_t most) {
   eprosima::fastcdr::Cdr::state begin(bytes);

@@ -1,4 +1,4 @@
-# Writes OUT, the source that defines web_files() (monitor/web_files.h), from all that lies under FOLDER:
+# Writes OUT, the source that defines web_files() (monitor/web_files.h), from all files in FOLDER:
 #   cmake -D FOLDER=... -D OUT=... -P embed_files.cmake
 file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
 list(SORT files)

@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, 7> phases{"waiting", "planning", "driving
                                                  "no path", "stopped",  "gave up"};
 constexpr std::size_t longest_shown_name = 16;
 
-/// Letters, and the number behind them: r2 comes before r10.
+/// The letters of a name and the number after them: r2 comes before r10.
 std::tuple<std::string_view, std::size_t, std::string_view> natural(std::string_view name) {
   std::size_t digits = 0;
   while (digits < name.size() &&
@@ -26,7 +26,7 @@ std::tuple<std::string_view, std::size_t, std::string_view> natural(std::string_
   return {name.substr(0, name.size() - digits), number.size(), number};
 }
 
-/// In which order phases are of interest.
+/// The order of the phases in the table: the most interesting first.
 int rank(Phase phase) {
   switch (phase) {
     case Phase::no_path:
@@ -48,7 +48,7 @@ int rank(Phase phase) {
 
 struct Row {
   const SeenRobot* robot;
-  std::optional<double> age;  ///< of its state, fleet seconds
+  std::optional<double> age;  ///< age of its state, fleet seconds
   std::optional<double> to_goal;
 };
 
@@ -111,7 +111,7 @@ std::string line_of(const Row& row) {
 }
 
 std::vector<std::string> summary_of(const FleetView& view, WallTime now) {
-  if (view.robots().empty()) return {"no robot has been heard of yet"};
+  if (view.robots().empty()) return {"no robot has been heard yet"};
   const FleetFigures f = view.figures(now);
   std::vector<std::string> lines{
       fmt::format("fleet time {:.1f} s   {} robots, {} with a path, {} arrived, {} missions fulfilled",

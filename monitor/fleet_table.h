@@ -1,4 +1,4 @@
-// A fleet as lines of text: what `coppice top` shows.
+// A fleet as lines of text, for `coppice top`.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace coppice {
 
-/// What the robots are sorted by; each begins with those that one looks for.
+/// The order of the robots in the table. The most interesting robots come first.
 enum class RobotOrder : unsigned char {
   name,     ///< r2 before r10
-  phase,    ///< who has no path, plans, drives, has arrived
-  to_goal,  ///< the farthest first
-  age,      ///< whose state is the oldest first
-  missed,   ///< who misses most of its control periods first
+  phase,    ///< first without a path, then waiting, planning, driving, arrived
+  to_goal,  ///< the farthest from its goal first
+  age,      ///< the oldest state first
+  missed,   ///< the largest share of missed control periods first
 };
 inline constexpr std::array<std::string_view, 5> robot_orders{"name", "phase", "to-goal", "age", "missed"};
 
@@ -27,10 +27,10 @@ std::optional<RobotOrder> robot_order(std::string_view name);
 struct FleetTable {
   std::vector<std::string> summary;  ///< lines above the table
   std::string header;
-  std::vector<std::string> rows;  ///< a robot each
+  std::vector<std::string> rows;  ///< one per robot
 };
 
-/// Times in fleet seconds, places and lengths in metres, speeds in m/s; ages as of `now`.
+/// Times are in fleet seconds, positions and lengths in metres, speeds in m/s. Ages are as of `now`.
 FleetTable fleet_table(const FleetView& view, RobotOrder order, WallTime now);
 
 std::string_view name_of(Phase phase);

@@ -9,13 +9,13 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t most_robots = 10'000;       // names beyond that come from somebody who makes them up
-constexpr std::size_t most_root_nodes = 200'000;  // of a robot
-constexpr WallTime share_period = 1;              // seconds over which a share is taken, at least
-constexpr std::uint32_t missed_period = 20;       // the same, control periods
-constexpr WallTime broker_lease = 3;              // seconds: who is silent for longer is gone
-constexpr WallTime silence = 3;                   // seconds, of all robots: their run is over
-constexpr WallTime longest_pause = 5;  // seconds; agents speak twice a second, late where processors are few
+constexpr std::size_t most_robots = 10'000;       // names beyond that are forged
+constexpr std::size_t most_root_nodes = 200'000;  // per robot
+constexpr WallTime share_period = 1;              // seconds over which a share is computed, at least
+constexpr std::uint32_t missed_period = 20;       // control periods over which a share is computed, at least
+constexpr WallTime broker_lease = 3;              // seconds of silence after which a broker has gone
+constexpr WallTime silence = 3;                   // seconds of silence of all robots that end a run
+constexpr WallTime longest_pause = 5;             // seconds; agents send twice a second, later on a busy host
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -24,7 +24,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Least distance of two robots, less both radii.
+/// The least distance between two robots, minus both radii.
 std::optional<double> separation(const std::vector<SeenRobot>& robots, double time) {
   struct Body {
     Point2 place;
@@ -53,7 +53,7 @@ std::optional<double> separation(const std::vector<SeenRobot>& robots, double ti
 }  // namespace
 
 void ProcessorShare::on(double processor_seconds, WallTime at) {
-  if (processor_seconds <= 0) return;  // of a simulation, where nobody has a process of its own
+  if (processor_seconds <= 0) return;  // a simulation, in which no robot has a process of its own
   const bool of_another_process = processor_seconds < seconds_then_;
   if (since_ && !of_another_process && at - *since_ < share_period) return;
   if (since_ && !of_another_process) of_one_core = (processor_seconds - seconds_then_) / (at - *since_);
@@ -125,7 +125,7 @@ void FleetView::receive(const MapMessage& map, WallTime) {
   begin_anew();
 }
 
-/// Null: there are too many to be true.
+/// Null if there are so many names that some must be forged.
 SeenRobot* FleetView::robot(const RobotName& name) {
   if (robots_.size() >= most_robots && !index_.find(name)) return nullptr;
   const auto [number, fresh] = index_.insert(name);
@@ -133,7 +133,7 @@ SeenRobot* FleetView::robot(const RobotName& name) {
   return &robots_[number];
 }
 
-/// A run that is heard of is not over because somebody still tells of an earlier one.
+/// True while any robot of the current run is heard. Messages of an earlier run then do not end it.
 bool FleetView::is_under_way(WallTime now) const {
   return std::ranges::any_of(robots_, [&](const SeenRobot& seen) {
     const bool is_over = seen.mission && seen.mission->cancelled;
@@ -142,14 +142,15 @@ bool FleetView::is_under_way(WallTime now) const {
 }
 
 void FleetView::receive(const Mission& mission, WallTime at) {
-  // Of an earlier run, or the clock was set back, or a recording is replayed again, from a later place.
+  // The mission is of an earlier run, or the clock was set back, or a recording is replayed from another
+  // time.
   if (clock_ && mission.clock.epoch < clock_->epoch && (mission.cancelled || is_under_way(at))) return;
   if (clock_ && *clock_ != mission.clock) begin_anew();
   clock_ = mission.clock;
   SeenRobot* const seen = robot(mission.robot);
   if (seen == nullptr || (seen->mission && seen->mission->number > mission.number)) return;
   if (seen->mission && seen->mission->number != mission.number) {
-    if (seen->path_mission != mission.number) {  // else it came before its mission
+    if (seen->path_mission != mission.number) {  // else the path came before its mission
       seen->path.clear();
       seen->progress.follow({});
       ++seen->path_revision;
@@ -160,7 +161,8 @@ void FleetView::receive(const Mission& mission, WallTime at) {
   seen->mission = mission;
 }
 
-/// Agents outlive their runs, and what they said last is told to who comes late. Older recordings do not say.
+/// Agents outlive their runs, and late readers receive an agent's last messages. Older recordings have no
+/// `run`.
 bool FleetView::is_of_earlier_run(WallTime run) const {
   return clock_ && run != 0 && run < clock_->epoch;
 }
@@ -181,7 +183,7 @@ void FleetView::receive(const RobotState& state, WallTime at) {
   if (state.passed_on || is_of_earlier_run(state.run)) return;
   SeenRobot* const seen = robot(state.robot);
   if (seen == nullptr) return;
-  // Of an earlier run, or late.
+  // the state is of an earlier run, or late
   if (seen->state && seen->state->stamp > state.stamp) return;
   seen->progress.on(state);
   seen->state = state;

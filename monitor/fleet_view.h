@@ -1,7 +1,7 @@
-// What can be seen of a fleet from its bus, or from a recording of it: the latest of everything, as values.
+// The view of a fleet, from its bus or from a recording: the latest of each message, as values.
 //
-// A state machine: messages go in, with the time at which they came. Everything that shows a fleet (page,
-// Foxglove, metrics, terminal, pictures) looks at this.
+// A state machine: messages go in with their times of arrival. Page, Foxglove, metrics, terminal and pictures
+// all show this view.
 //
 // Units as in messages/messages.h.
 #pragma once
@@ -20,9 +20,9 @@
 
 namespace coppice {
 
-/// What a process needs of its processor, from the totals that it tells of.
+/// The share of a processor that a process uses, from the totals that it reports.
 struct ProcessorShare {
-  double of_one_core = -1;  ///< of late; below 0: not known
+  double of_one_core = -1;  ///< recently; below 0: not known
 
   void on(double processor_seconds, WallTime at);
 
@@ -31,9 +31,9 @@ struct ProcessorShare {
   double seconds_then_ = 0;
 };
 
-/// Which share of its control periods a robot misses, likewise.
+/// The share of control periods that a robot misses, from the totals that it reports.
 struct MissedShare {
-  double of_all = 0;  ///< of late
+  double of_all = 0;  ///< recently
 
   void on(std::uint32_t periods, std::uint32_t missed);
 
@@ -45,77 +45,78 @@ struct MissedShare {
 struct SeenRobot {
   RobotName name;
   std::optional<Mission> mission{};
-  std::optional<RobotState> state{};  ///< its own word, the newest
-  WallTime heard = 0;                 ///< when that came
+  std::optional<RobotState> state{};  ///< the newest that the robot itself has sent
+  WallTime heard = 0;                 ///< when `state` arrived
   std::optional<AgentStatus> status{};
   std::uint32_t missions_fulfilled = 0;
-  Path path{};                                ///< of its mission, or of its next; empty: none
-  std::uint32_t path_mission = 0;             ///< of which one
-  std::uint32_t path_revision = 0;            ///< grows when it changes
-  std::vector<RootNodes::Node> root_nodes{};  ///< of its mission, in order: they only grow until the next
+  Path path{};                                ///< of its current or its next mission; empty: none
+  std::uint32_t path_mission = 0;             ///< the mission of the path
+  std::uint32_t path_revision = 0;            ///< grows with each new path
+  std::vector<RootNodes::Node> root_nodes{};  ///< of its current mission, in order; cleared with the next one
   RobotProgress progress{};
   ProcessorShare processor{};
   MissedShare missed{};
 };
 
-/// What it is at. Of a robot whose run has ended at its goal: it has arrived.
+/// The robot's phase. A robot whose run has ended at its goal has arrived.
 Phase phase_of(const SeenRobot& robot);
-/// The length of the way that is left at that fleet time, metres; none without a path or a state.
+/// The length of the rest of its path at that fleet time, metres; nothing without a path or a state.
 std::optional<double> way_left(const SeenRobot& robot, double time);
 
-/// Whether a fleet is there.
+/// Whether a fleet is alive.
 enum class Life : unsigned char {
-  nobody,  ///< has been heard of
+  nobody,  ///< no robot was ever heard
   alive,   ///< robots are heard
-  silent,  ///< they were
-  ended,   ///< their run is over, by the service's word
+  silent,  ///< robots were heard, and are silent now
+  ended,   ///< the service has ended their run
 };
 
 struct SeenBroker {
   BrokerStatus status{};
-  WallTime heard = 0;  ///< when that came
+  WallTime heard = 0;  ///< when `status` arrived
   ProcessorShare processor{};
 };
 
-/// A fleet at one time, in numbers.
+/// A fleet at one moment, in numbers.
 struct FleetFigures {
-  double time = 0;  ///< of the fleet
+  double time = 0;  ///< fleet time
   std::size_t robots = 0;
-  std::size_t planned = 0;  ///< have a path
+  std::size_t planned = 0;  ///< robots with a path
   std::size_t arrived = 0;
-  std::size_t missions = 0;  ///< fulfilled, by all
+  std::size_t missions = 0;  ///< fulfilled by all robots
   std::size_t trees_published = 0;
   std::size_t trees_grafted = 0;
-  std::optional<double> separation{};  ///< least distance of two robots, less both radii; none for one robot
-  double state_age_p50 = 0;            ///< median over the robots, seconds
-  double state_age_p99 = 0;            ///< of the robot where it is worst
-  double processors = -1;              ///< cores that agents and brokers use; below 0: not known
-  double missed_share = 0;             ///< of all control periods, of late
+  /// Least distance between two robots, minus both radii; none for one robot.
+  std::optional<double> separation{};
+  double state_age_p50 = 0;  ///< median over the robots, seconds
+  double state_age_p99 = 0;  ///< the largest of all robots, seconds
+  double processors = -1;    ///< cores that agents and brokers use; below 0: not known
+  double missed_share = 0;   ///< recent share of all control periods
 };
 
-/// Where a robot is at a fleet time, by what it has bound itself to; after that it stands.
+/// The robot's position at a fleet time, by its promise. When the promise has expired, the robot stands.
 Point2 position_at(const RobotState& state, double time);
 
 class FleetView {
  public:
   void on(const std::shared_ptr<const Message>& message, WallTime at);
 
-  /// Grows when another run begins: nothing that was seen before is true any more.
+  /// Grows when another run begins. Then everything seen before is obsolete.
   std::uint32_t run() const { return run_; }
   const std::optional<MapMessage>& map() const { return map_; }
-  /// In the order in which they were first heard of.
+  /// In the order in which they were first heard.
   const std::vector<SeenRobot>& robots() const { return robots_; }
   std::optional<std::size_t> find(const RobotName& name) const { return index_.find(name); }
-  /// In the order in which they came; all hold an InactiveTreeMessage.
+  /// In the order of arrival. Each holds an InactiveTreeMessage.
   const std::vector<std::shared_ptr<const Message>>& inactive_trees() const { return trees_; }
   const std::map<std::uint64_t, SeenBroker>& brokers() const { return brokers_; }
-  /// What a broker grows just now; null: nothing.
+  /// The trees that a broker is growing; null: none.
   const std::shared_ptr<const Message>& active_trees() const { return active_trees_; }
 
-  /// Fleet time at that time; none before the first mission.
+  /// The fleet time at a wall time; nothing before the first mission.
   std::optional<double> fleet_time(WallTime now) const;
   Life life(WallTime now) const;
-  /// When a robot last said anything.
+  /// When any robot was last heard.
   WallTime heard() const { return heard_; }
   FleetFigures figures(WallTime now) const;
 

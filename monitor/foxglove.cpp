@@ -22,8 +22,8 @@ namespace {
 namespace scene = foxglove_scene;
 namespace socket = foxglove_socket;
 
-constexpr std::size_t most_nodes_at_once = 1 << 14;  // of trees, in a message
-constexpr std::size_t most_complaints = 8;  // that wait to be sent; a client that makes more hears of no more
+constexpr std::size_t most_nodes_at_once = 1 << 14;  // nodes of trees in one message
+constexpr std::size_t most_complaints = 8;           // waiting to be sent; further ones are dropped
 
 struct Channel {
   FoxgloveFeed::Topic topic;
@@ -31,7 +31,7 @@ struct Channel {
   const google::protobuf::Descriptor* schema;
 };
 
-/// A channel's id is its place here and one.
+/// A channel's id is its index here plus one.
 const std::array<Channel, 9>& channels() {
   using enum FoxgloveFeed::Topic;
   static const std::array<Channel, 9> all{{
@@ -55,7 +55,7 @@ void add_file(google::protobuf::FileDescriptorSet& set, const google::protobuf::
   file.CopyTo(set.add_file());
 }
 
-/// The files that a decoder needs, each after those that it imports.
+/// The files that a decoder needs, each after the files that it imports.
 std::string file_descriptors(const google::protobuf::Descriptor& type) {
   google::protobuf::FileDescriptorSet set;
   std::set<std::string> had;
@@ -67,7 +67,7 @@ Outbound text(const google::protobuf::Message& message) {
   google::protobuf::util::JsonPrintOptions options;
   options.always_print_primitive_fields = true;
   auto json = std::make_shared<std::string>();
-  // Cannot fail: nothing in these messages is without a form in JSON.
+  // Cannot fail: all fields of these messages can be written in JSON.
   static_cast<void>(google::protobuf::util::MessageToJsonString(message, json.get(), options));
   return {std::move(json), true};
 }
@@ -109,7 +109,7 @@ void append_little_endian(std::string& out, I value) {
   for (std::size_t k = 0; k < sizeof value; ++k) out.push_back(static_cast<char>(value >> 8 * k & 0xff));
 }
 
-/// Message data: opcode 1, the subscription, nanoseconds, and the message.
+/// Message data: opcode 1, subscription, nanoseconds, message.
 Outbound message_data(std::uint32_t subscription, WallTime at, const std::string& payload) {
   auto bytes = std::make_shared<std::string>(1, '\x01');
   append_little_endian(*bytes, subscription);
@@ -122,7 +122,7 @@ bool is_news(const Edition& edition, std::uint64_t& had) {
   return edition.bytes && std::exchange(had, edition.number) != edition.number;
 }
 
-/// Points of the time series that have come since, and of what came before a subscription the last.
+/// The points of the time series since the last call. A new subscription gets only the latest point.
 std::vector<std::string> new_figures(std::size_t& had, const LiveStream& live, bool anew) {
   const std::size_t dropped = live.figures_dropped();
   const std::size_t all = dropped + live.figures().size();
@@ -133,7 +133,7 @@ std::vector<std::string> new_figures(std::size_t& had, const LiveStream& live, b
   return points;
 }
 
-/// The trees that have come since, as many as fit.
+/// Adds the trees that are new since the last call, as many as fit.
 void add_trees(::foxglove::SceneUpdate& update, std::size_t& done, const FleetView& view, WallTime now) {
   const auto& trees = view.inactive_trees();
   for (std::size_t nodes = 0; done < trees.size() && nodes < most_nodes_at_once; ++done) {
@@ -157,19 +157,19 @@ std::vector<Outbound> FoxgloveFeed::next(const FleetView& view, const LiveStream
 }
 
 void FoxgloveFeed::on(std::string_view message, bool text) {
-  if (!text) return complain("Nothing can be published here.");
+  if (!text) return complain("This server does not accept data.");
   google::protobuf::util::JsonParseOptions options;
   options.ignore_unknown_fields = true;
   socket::FromClient said;
   if (!google::protobuf::util::JsonStringToMessage(std::string(message), &said, options).ok())
-    return complain("That is no message of the protocol.");
+    return complain("This is not a message of the protocol.");
   if (said.op() == "subscribe") {
     for (const auto& wish : said.subscriptions()) subscribe(wish.id(), wish.channel_id());
   } else if (said.op() == "unsubscribe") {
     for (const std::uint32_t id : said.subscription_ids())
       std::erase_if(subscriptions_, [&](const Subscription& known) { return known.id == id; });
   } else {
-    complain(fmt::format("{:.40}: this server does not offer that.", said.op()));
+    complain(fmt::format("{:.40}: this server does not support this operation.", said.op()));
   }
 }
 

@@ -1,9 +1,8 @@
 // One client's side of Foxglove's WebSocket protocol, version 1 (github.com/foxglove/ws-protocol,
-// docs/spec.md): which topics it has subscribed to, and what it is to hear of them next. It may look and do
-// nothing else.
+// docs/spec.md): its subscriptions, and the messages that it needs next. Clients can only observe.
 //
-// Like PageFeed it is asked when what it said before has been taken in. Only what is subscribed to is
-// encoded.
+// As with PageFeed, `next` is called when the client has taken in the earlier messages. Only topics with a
+// subscription are encoded.
 #pragma once
 
 #include <array>
@@ -21,34 +20,35 @@
 
 namespace coppice {
 
-/// Two names of one protocol: bridges and applications of before 2025 say the first, later ones the second.
+/// Two names of the same protocol: bridges and applications from before 2025 use the first, later ones the
+/// second.
 inline constexpr std::array<std::string_view, 2> foxglove_subprotocols{"foxglove.websocket.v1",
                                                                        "foxglove.sdk.v1"};
 
 class FoxgloveFeed {
  public:
-  /// `live` has looked at this view.
+  /// Call it after `live` has looked at this view.
   std::vector<Outbound> next(const FleetView& view, const LiveStream& live);
 
-  /// What the client says. Nonsense, as a second subscription to a channel, is answered by an error, and
-  /// changes nothing.
+  /// Handles a client's message. An invalid one, as a second subscription to a channel, is answered by an
+  /// error and changes nothing.
   void on(std::string_view message, bool text);
 
   enum class Topic : std::uint8_t { map, robots, poses, transforms, paths, trees, root_trees, log, fleet };
 
  private:
-  /// What the client has had of a robot.
+  /// The data about a robot that the client has received.
   struct Told {
-    std::uint32_t of = 0;        ///< revision of the path, number of the mission, or phase and one
-    std::size_t root_nodes = 0;  ///< of that mission,
-    std::uint32_t parts = 0;     ///< in so many entities
+    std::uint32_t of = 0;        ///< revision of the path, number of the mission, or phase plus one
+    std::size_t root_nodes = 0;  ///< of that mission
+    std::uint32_t parts = 0;     ///< number of entities that hold them
   };
   struct Subscription {
     std::uint32_t id = 0;
     Topic topic = Topic::map;
     std::optional<std::uint32_t> run{};
-    std::uint64_t edition = 0;  ///< of map or frame, or the beat
-    std::size_t items = 0;      ///< trees, or points of the time series
+    std::uint64_t edition = 0;  ///< of map or frame, or of the beat
+    std::size_t items = 0;      ///< number of trees, or of points of the time series
     std::vector<Told> robots{};
   };
   static std::vector<std::string> news(Subscription& subscription, const FleetView& view,

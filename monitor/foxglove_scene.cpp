@@ -16,12 +16,12 @@ namespace {
 
 namespace fox = ::foxglove;
 
-// Metres above the map.
+// Heights above the map, metres.
 constexpr double trees_height = 0.05;
 constexpr double paths_height = 0.1;
-constexpr double arrow_seconds = 0.5;  // an arrow is the way of this time
-constexpr double standing = 0.01;      // m/s; a robot that is slower has no heading
-constexpr double silent = 5;           // seconds after which a robot is shown as not heard of
+constexpr double arrow_seconds = 0.5;  // seconds: an arrow shows the motion in this time
+constexpr double standing = 0.01;      // m/s: a slower robot has no heading
+constexpr double silent = 5;           // seconds without a message after which a robot is drawn as silent
 
 struct Rgb {
   double r, g, b;
@@ -51,9 +51,10 @@ Rgb colour_of(Phase phase) {
 }
 
 const char* text_of(const AgentStatus& status) {
-  constexpr std::array texts{"waits", "plans", "drives", "has arrived", "has no path", "has stopped", "has given up"};
-  // Where a run ends with an arrival, that may be all that is heard of it: of a robot's statuses the last one
-  // counts.
+  constexpr std::array texts{"waits",       "plans",       "drives",      "has arrived",
+                             "has no path", "has stopped", "has given up"};
+  // If a run ends with an arrival, "stopped" may be the only status that is received: only the last status of
+  // a robot is kept.
   if (status.phase == Phase::stopped && status.arrival_time > 0) return "has stopped at its goal";
   return texts.at(static_cast<std::size_t>(status.phase));
 }
@@ -72,7 +73,7 @@ void set(V& out, const Point2& p, double z) {
   out.set_z(z);
 }
 
-/// About z, from x towards y.
+/// A rotation about z, from x towards y.
 void set_turn(fox::Quaternion& out, double angle) {
   out.set_x(0);
   out.set_y(0);
@@ -129,7 +130,7 @@ struct Motion {
   double heading;  ///< 0 while it stands
 };
 
-/// In Foxglove's frame.
+/// The motion in Foxglove's frame.
 Motion motion_of(const RobotState& state, double time, Projection projection) {
   const Point2 velocity = projection(time < state.promise.turn ? state.velocity : state.promise.velocity);
   const bool moves = velocity.norm() > standing;
@@ -162,11 +163,11 @@ void draw_robot(fox::SceneEntity& entity, const SeenRobot& robot, const Motion& 
   set(*arrow.mutable_color(), colour);
 }
 
-// Red, green, blue and alpha, a byte each.
+// Red, green, blue and alpha, one byte each.
 constexpr std::array<char, 4> wall_bytes{0x30, 0x34, 0x3a, '\xff'};
 constexpr std::string_view free_bytes("\0\0\0\0", 4);
 
-/// A map in cells of `factor` x `factor` of its own.
+/// A map in larger cells, each of `factor` x `factor` cells.
 struct Shrunk {
   int factor = 1;
   int columns = 0;
@@ -208,7 +209,7 @@ fox::Grid grid(const MapMessage& message, WallTime now) {
   fox::Grid out;
   *out.mutable_timestamp() = stamp(now);
   out.set_frame_id(frame_id);
-  // The corner of the first row that is sent, which is the lowest one in Foxglove's frame.
+  // The corner of the first row that is sent. It is the lowest row in Foxglove's frame.
   const double first_row = y_down ? map.origin.y() + shrunk.rows * shrunk.cell : map.origin.y();
   set(*out.mutable_pose(), Projection{.y_down = y_down}({map.origin.x(), first_row}), 0);
   out.mutable_cell_size()->set_x(shrunk.cell);

@@ -14,7 +14,7 @@ namespace {
 constexpr double frame_period = 1.0 / 20;  // seconds
 constexpr double beat_period = 1.0 / 4;
 constexpr double figures_period = 1.0 / 2;
-constexpr std::size_t most_figures = 30 * 60 * 2;  // half an hour of them
+constexpr std::size_t most_figures = 30 * 60 * 2;  // half an hour of points
 
 std::uint32_t count(std::size_t n) {
   return static_cast<std::uint32_t>(n);
@@ -153,7 +153,7 @@ live::Life life_of(const FleetView& view, bool replayed, WallTime now) {
   return life;
 }
 
-/// The next edition; what has not changed stays the one that it was.
+/// Makes the next edition, if the message has changed.
 void renew(Edition& edition, const live::ToPage& message) {
   Bytes bytes = encoded(message);
   if (edition.bytes && *edition.bytes == *bytes) return;
@@ -223,7 +223,7 @@ void LiveStream::look(const FleetView& view, WallTime now, WallTime present) {
   look_at_map(view);
   const bool beat = beat_rhythm_.due(present);
   beat_ += beat;
-  // A frame has an entry for each robot of the roster: when there is a new one, both are made at once.
+  // A frame has an entry for each robot of the roster, so with a new robot both are made at once.
   const bool other_robots = robots_ != view.robots().size();
   if (beat || other_robots) look_at_roster(view);
   if (beat) look_at_statuses(view);

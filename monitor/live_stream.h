@@ -1,7 +1,7 @@
-// What all pages are told alike (idl/live.proto), encoded once for all of them: who the robots are, where
-// they are, how they do, and the time series. What only some lack, page_feed.h adds.
+// What all pages receive alike (idl/live.proto), encoded once for all: the robots, their positions and
+// statuses, and the time series. page_feed.h adds what only some pages lack.
 //
-// A state machine: `look` says what there is to see now, and what has become due is encoded anew.
+// A state machine: `look` reads the view and encodes what is due.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace coppice {
 
-/// A message as it goes out, and which one it is: a page that has had this number lacks nothing.
+/// An encoded message and its number. A page that has received this number needs nothing more.
 struct Edition {
   std::uint64_t number = 0;  ///< 0: there is none yet
   Bytes bytes{};
@@ -26,40 +26,40 @@ struct Edition {
 
 class LiveStream {
  public:
-  /// `source`: where all of it comes from, for people. `recorded`: what is seen is no fleet that drives now.
+  /// `source`: where the messages come from, as text for people. `recorded`: the messages come from a file.
   explicit LiveStream(std::string source, bool recorded = false);
 
-  /// As of `now`; of a recording that is the time that it is played at, which may stand still, and `present`
-  /// the wall's clock. Call it more often than a page is to hear of anything.
+  /// Reads the view as of `now`. For a recording, `now` is the time that is shown, which may stand still, and
+  /// `present` is the wall clock. Call it more often than pages need messages.
   void look(const FleetView& view, WallTime now, WallTime present);
   void look(const FleetView& view, WallTime now) { look(view, now, now); }
-  /// What was seen so far is not true any more, though the view may not know that: a recording was wound
-  /// back.
+  /// Forgets all that was seen. Call it when the view cannot know that it is obsolete, as after winding back
+  /// a recording.
   void begin_anew();
-  /// Where a recording is by now.
+  /// Shows the position in a recording.
   void show(const live::Playback& playback);
-  /// Whether what is heard is said again from a recording.
+  /// Shows whether another process replays the messages from a recording.
   void show_replayed(bool replayed) { replayed_ = replayed; }
 
-  WallTime at() const { return at_; }         ///< when it looked last
-  std::uint32_t run() const { return run_; }  ///< grows when all that was said before is to be forgotten
-  /// What floats are relative to.
+  WallTime at() const { return at_; }         ///< when it last looked
+  std::uint32_t run() const { return run_; }  ///< grows when pages must forget all earlier messages
+  /// Positions in messages are relative to this point.
   const Point2& origin() const { return origin_; }
-  std::uint64_t beat() const { return beat_; }  ///< grows a few times a second, for what need not be sooner
+  std::uint64_t beat() const { return beat_; }  ///< grows four times a second, for what may come later
   const Bytes& begin() const { return begin_; }
   const Edition& map() const { return map_; }
   const Edition& roster() const { return roster_; }
   const Edition& frame() const { return frame_; }
   const Edition& playback() const { return playback_; }
 
-  /// Of a robot that has said how it is, and the beat of the last change.
+  /// The last status of a robot, and the beat at which it changed.
   struct RobotStatus {
     std::uint64_t changed = 0;
     live::Statuses::Status status{};
   };
   const std::vector<RobotStatus>& statuses() const { return statuses_; }
 
-  /// The last half hour. The first of these has had `figures_dropped()` before it in this run.
+  /// The last half hour. Of this run, `figures_dropped()` points came before the first of these.
   const std::deque<live::Figures::Point>& figures() const { return figures_; }
   std::size_t figures_dropped() const { return figures_dropped_; }
 
@@ -75,7 +75,7 @@ class LiveStream {
   std::uint32_t run_ = 0;
   std::optional<std::uint32_t> run_of_view_{};
   std::uint64_t beat_ = 0;
-  std::size_t robots_ = 0;  ///< in the roster
+  std::size_t robots_ = 0;  ///< number of robots in the roster
   std::string map_id_;
   Point2 origin_ = Point2::Zero();
   bool replayed_ = false;
@@ -91,10 +91,10 @@ class LiveStream {
   Rhythm figures_rhythm_;
 };
 
-/// Where all robots are at that time, relative to that place.
+/// The positions of all robots at that time, relative to `origin`.
 live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now);
 
-/// As it goes over the wire.
+/// The bytes of a message.
 Bytes encoded(const live::ToPage& message);
 
 }  // namespace coppice

@@ -15,7 +15,7 @@ void append_number(Bytes& out, std::uint64_t value, std::size_t count) {
   for (std::size_t k = 0; k < count; ++k) out.push_back(static_cast<char>(value >> 8 * k & 0xff));
 }
 
-/// Of entries that are an id and a number.
+/// The entries are pairs of an id and a number.
 std::map<std::uint16_t, std::uint64_t> numbers_by_id(Fields entries) {
   std::map<std::uint16_t, std::uint64_t> all;
   while (!entries.empty()) {

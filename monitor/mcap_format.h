@@ -1,8 +1,8 @@
-// MCAP, format 0: the records that a file of messages is made of, and their bytes.
+// The records of MCAP, format 0, a file of messages, and their bytes.
 //
 // Source: https://mcap.dev/spec (opcodes, order of fields, checksums) and https://mcap.dev/spec/registry
-// (names of encodings and compressions). Integers are little-endian; times are nanoseconds since 1970; a
-// record is its opcode, the length of its content in eight bytes, and that.
+// (names of encodings and compressions). Integers are little-endian. Times are nanoseconds since 1970. A
+// record consists of its opcode, the length of its content in eight bytes, and the content.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ using Bytes = std::string;
 
 inline constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
 inline constexpr std::size_t record_head = 9;                 // opcode and length
-inline constexpr std::size_t message_head = 22;               // of a message's content, before its data
-inline constexpr std::size_t footer_size = record_head + 20;  // always
+inline constexpr std::size_t message_head = 22;               // part of a message's content before its data
+inline constexpr std::size_t footer_size = record_head + 20;  // fixed by the format
 inline constexpr std::string_view zstd = "zstd";
 inline constexpr std::string_view protobuf = "protobuf";
 
@@ -70,9 +70,9 @@ struct ChunkHead {
 struct ChunkIndex {
   Time start = 0;
   Time end = 0;
-  std::uint64_t offset = 0;                                  ///< in the file, of the record
+  std::uint64_t offset = 0;                                  ///< of the record in the file
   std::uint64_t length = 0;                                  ///< of the whole record
-  std::map<std::uint16_t, std::uint64_t> message_indexes{};  ///< place in the file, by channel
+  std::map<std::uint16_t, std::uint64_t> message_indexes{};  ///< positions in the file, by channel
   std::uint64_t message_index_length = 0;
   std::string compression;
   std::uint64_t compressed_size = 0;
@@ -114,15 +114,15 @@ Bytes content_of(const Statistics& statistics);
 
 // --- fields of records ---
 
-/// Where bytes are from, for what is said of them.
+/// The origin of bytes, for error messages.
 struct Origin {
   std::string_view file;
   std::uint64_t offset = 0;  ///< of the record
 };
-/// Throws InputError: the file, the byte at which the record begins, and what is wrong.
+/// Throws InputError with the file, the byte at which the record begins, and `what`.
 [[noreturn]] void refuse(const Origin& origin, std::string_view what);
 
-/// Takes one field after the other; refuses where the record is too short for one.
+/// Takes one field after the other. Refuses a record that is too short for a field.
 class Fields {
  public:
   Fields(std::string_view content, const Origin& origin) : left_(content), origin_(origin) {}
@@ -133,7 +133,7 @@ class Fields {
   std::uint64_t u64() { return number(8); }
   std::string_view bytes(std::uint64_t count);
   std::string_view string() { return bytes(u32()); }
-  /// The entries of a map or an array.
+  /// Returns the entries of a map or an array.
   Fields list() { return {string(), origin_}; }
   std::string_view rest() { return bytes(left_.size()); }
   bool empty() const { return left_.empty(); }
@@ -148,7 +148,7 @@ class Fields {
 Schema schema_in(Fields fields);
 Channel channel_in(Fields fields);
 Message message_in(Fields fields);
-/// The fields of a chunk before its records.
+/// Reads the fields of a chunk that come before its records.
 ChunkHead chunk_head_in(Fields& fields);
 ChunkIndex chunk_index_in(Fields fields);
 Statistics statistics_in(Fields fields);

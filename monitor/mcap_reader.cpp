@@ -21,7 +21,7 @@ constexpr std::uint64_t longest_record = largest_chunk + (1u << 20);  // bytes
 constexpr std::uint64_t longest_stretch = 1u << 20;                   // outside of chunks, bytes
 constexpr std::size_t block = 1u << 16;                               // bytes, for checksums
 
-/// `fn` takes the opcode and the fields of each.
+/// Calls `fn` with the opcode and the fields of each record.
 template <class Fn>
 void for_each_record(std::string_view records, const Origin& origin, Fn&& fn) {
   Fields fields(records, origin);
@@ -38,11 +38,11 @@ Bytes decompressed(std::string_view records, std::uint64_t size, const Origin& o
   Bytes out(size, '\0');
   const std::size_t done = ZSTD_decompress(out.data(), out.size(), records.data(), records.size());
   if (ZSTD_isError(done) != 0 || done != size)
-    mcap::refuse(origin, fmt::format("expected zstd of {} bytes, found what is damaged", size));
+    mcap::refuse(origin, fmt::format("expected zstd of {} bytes, found damaged data", size));
   return out;
 }
 
-/// The records of a chunk.
+/// Returns the records of a chunk.
 Bytes unpacked(std::string_view content, const Origin& origin) {
   Fields fields(content, origin);
   const mcap::ChunkHead head = mcap::chunk_head_in(fields);
@@ -57,7 +57,7 @@ Bytes unpacked(std::string_view content, const Origin& origin) {
   Bytes records =
       head.compression.empty() ? Bytes(packed) : decompressed(packed, head.uncompressed_size, origin);
   if (head.crc != 0 && head.crc != mcap::crc32(records))
-    mcap::refuse(origin, "the chunk is damaged: its checksum is another");
+    mcap::refuse(origin, "the chunk is damaged: its checksum does not match");
   return records;
 }
 
@@ -81,11 +81,11 @@ Bytes McapReader::content_at(std::uint64_t offset, std::uint64_t length) const {
   return file_.read(offset + mcap::record_head, length);
 }
 
-/// Where the first record after it begins.
+/// Returns the place of the first record after the header.
 std::uint64_t McapReader::read_header() {
   constexpr std::uint64_t begin = mcap::magic.size();
   const std::size_t there = std::min<std::uint64_t>(file_.size(), begin);
-  if (file_.read(0, there) != mcap::magic) mcap::refuse(at(0), "is no MCAP file of format 0");
+  if (file_.read(0, there) != mcap::magic) mcap::refuse(at(0), "is not an MCAP file of format 0");
   if (file_.size() < begin + mcap::record_head) mcap::refuse(at(begin), "the file ends before its header");
   const Head head = head_at(begin);
   if (head.opcode != Opcode::header) mcap::refuse(at(begin), "expected the header");
@@ -96,7 +96,7 @@ std::uint64_t McapReader::read_header() {
   return begin + mcap::record_head + head.length;
 }
 
-/// False: there is none that is of use.
+/// False if there is no usable summary.
 bool McapReader::read_summary(std::uint64_t first) {
   constexpr std::uint64_t tail = mcap::footer_size + mcap::magic.size();
   if (file_.size() < first + tail) return false;
@@ -148,22 +148,22 @@ void McapReader::check_summary(const mcap::Footer& footer, std::uint64_t first,
   for (std::uint64_t offset = footer.summary_start; offset < end; offset += block)
     crc = mcap::crc32(file_.read(offset, std::min<std::uint64_t>(block, end - offset)), crc);
   if (crc != footer.summary_crc)
-    mcap::refuse(at(footer.summary_start), "the summary is damaged: its checksum is another");
+    mcap::refuse(at(footer.summary_start), "the summary is damaged: its checksum does not match");
 }
 
 void McapReader::scan(std::uint64_t first) {
   try {
     for (std::optional<std::uint64_t> offset = first; offset;) offset = scan_record(*offset);
   } catch (const InputError& problem) {
-    ending_ = problem.what();  // what comes before it is sound
+    ending_ = problem.what();  // the part before it is intact
   }
 }
 
-/// Where the next one begins, if there is one.
+/// Returns the place of the next record, if there is one.
 std::optional<std::uint64_t> McapReader::scan_record(std::uint64_t offset) {
   if (file_.size() - offset < mcap::record_head) {
-    ending_ =
-        fmt::format("ends at byte {}, before its summary: its writer was cut off, or it was", file_.size());
+    ending_ = fmt::format(
+        "ends at byte {}, before its summary: its writer was killed, or the file was cut off", file_.size());
     return std::nullopt;
   }
   const Head head = head_at(offset);
@@ -182,10 +182,10 @@ std::optional<std::uint64_t> McapReader::scan_record(std::uint64_t offset) {
   return std::nullopt;
 }
 
-/// Of a chunk that is not compressed, what is whole is read as if it stood outside of one.
+/// Reads the complete messages of a torn chunk without compression as if they were outside of a chunk.
 std::optional<std::uint64_t> McapReader::scan_torn_record(const Head& head, std::uint64_t offset) {
   ending_ = fmt::format("ends at byte {}, within the record that begins at byte {}", file_.size(), offset);
-  constexpr std::uint64_t before_records = 8 + 8 + 8 + 4 + 4 + 8;  // of one that is not compressed
+  constexpr std::uint64_t before_records = 8 + 8 + 8 + 4 + 4 + 8;  // in a chunk without compression
   const std::uint64_t content = offset + mcap::record_head;
   if (head.opcode != Opcode::chunk || file_.size() - content < before_records) return std::nullopt;
   const Bytes bytes = file_.read(content, before_records);
@@ -223,7 +223,7 @@ void McapReader::scan_message(std::uint64_t offset, std::uint64_t length) {
       file_.read(offset + mcap::record_head, std::min<std::uint64_t>(length, mcap::message_head));
   const mcap::Message message = mcap::message_in({head, at(offset)});
   if (!channels_.contains(message.channel))
-    mcap::refuse(at(offset), fmt::format("a message of channel {}, which is not known", message.channel));
+    mcap::refuse(at(offset), fmt::format("a message of channel {}, which is unknown", message.channel));
   statistics_.count(message.channel, message.log_time);
   const bool goes_on = !pieces_.empty() && !pieces_.back().compression &&
                        pieces_.back().offset + pieces_.back().length == offset &&
@@ -273,9 +273,9 @@ std::vector<mcap::Message> McapReader::messages_in(std::string_view records, con
     if (opcode != Opcode::message) return;
     const mcap::Message message = mcap::message_in(fields);
     if (!channels_.contains(message.channel))
-      mcap::refuse(origin, fmt::format("a message of channel {}, which is not known", message.channel));
+      mcap::refuse(origin, fmt::format("a message of channel {}, which is unknown", message.channel));
     if (message.log_time < piece.start || message.log_time > piece.end)
-      mcap::refuse(origin, "a message of a time at which the chunk has none");
+      mcap::refuse(origin, "a message whose time is outside of the chunk's times");
     messages.push_back(message);
   });
   std::ranges::stable_sort(messages, {}, &mcap::Message::log_time);

@@ -4,8 +4,8 @@
 // cut, is gone through once from its beginning: it is read up to where it ends or makes no sense, and
 // `ending` says where that is.
 //
-// Bad input throws InputError, which names the file and the byte. Nothing that a file says makes an
-// allocation that is larger than the limits here.
+// Invalid input throws InputError, which names the file and the byte. No content of a file causes an
+// allocation larger than the limits here.
 #pragma once
 
 #include <cstddef>
@@ -23,27 +23,26 @@
 
 namespace coppice {
 
-/// Of a chunk, before compression, and of any other record that is looked into, bytes.
+/// Bytes: the largest chunk before compression, and the largest other record that is read.
 inline constexpr std::uint64_t largest_chunk = 64u << 20;
-/// Of all chunks that must be in memory because their times overlap, bytes.
+/// Bytes: the most chunks that are in memory at once because their times overlap.
 inline constexpr std::uint64_t most_open_chunks = 256u << 20;
-/// Two weeks of a recorder's.
+/// Two weeks of recording.
 inline constexpr std::size_t most_chunks = 4'000'000;
 
 class McapReader {
  public:
-  /// A stretch of the file that holds messages: a chunk, or messages outside of chunks that follow each
-  /// other.
+  /// A part of the file with messages: a chunk, or consecutive messages outside of chunks.
   struct Piece {
     mcap::Time start = 0;  ///< of its messages
     mcap::Time end = 0;
-    std::uint64_t offset = 0;                  ///< in the file, of its first record
-    std::uint64_t length = 0;                  ///< of its records there
+    std::uint64_t offset = 0;                  ///< of its first record in the file
+    std::uint64_t length = 0;                  ///< of its records in the file
     std::optional<std::string> compression{};  ///< none: it is no chunk
     std::uint64_t uncompressed_size = 0;
     std::vector<std::uint16_t> channels{};  ///< sorted; empty: not known
   };
-  /// What a piece holds, in memory.
+  /// The content of a piece, in memory.
   struct Records {
     mcap::Bytes bytes;
     std::vector<mcap::Message> messages;  ///< in the order of time; they point into `bytes`
@@ -52,17 +51,17 @@ class McapReader {
   explicit McapReader(const std::string& file);
 
   std::uint64_t size() const { return file_.size(); }
-  /// Who has written it.
+  /// The library that wrote the file.
   const std::string& library() const { return library_; }
   const std::map<std::uint16_t, mcap::Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, mcap::Channel>& channels() const { return channels_; }
   const mcap::Statistics& statistics() const { return statistics_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
-  /// Empty: the file is whole. Else where and how it ends.
+  /// Empty if the file is complete; else where and how it ends.
   const std::string& ending() const { return ending_; }
 
   std::unique_ptr<Records> load(const Piece& piece) const;
-  /// For what is said of the file. The reader outlives it.
+  /// For error messages. The reader must outlive it.
   mcap::Origin at(std::uint64_t offset) const { return {name_, offset}; }
 
  private:
@@ -97,14 +96,14 @@ class McapReader {
   std::string ending_;
 };
 
-/// The messages of some channels, from a time on and before another, in the order of `log_time`; those of the
-/// same time in the order of the file.
+/// The messages of some channels in a range of time, in the order of `log_time`. Messages of the same time
+/// are in the order of the file.
 class McapMessages {
  public:
-  /// `reader` outlives it.
+  /// `reader` must outlive it.
   McapMessages(const McapReader& reader, mcap::Time from, mcap::Time until, std::set<std::uint16_t> channels);
 
-  /// Null after the last one. What it points to lives until the next call.
+  /// The next message; null after the last one. The result is valid until the next call.
   const mcap::Message* next();
 
  private:
@@ -124,8 +123,8 @@ class McapMessages {
   mcap::Time from_;
   mcap::Time until_;
   std::set<std::uint16_t> channels_;
-  std::vector<std::size_t> waiting_;  ///< pieces, the earliest last
-  std::vector<Open> open_;            ///< a heap: the one whose message is next comes first
+  std::vector<std::size_t> waiting_;  ///< numbers of pieces, the earliest last
+  std::vector<Open> open_;            ///< a heap: the piece with the next message comes first
   std::uint64_t open_bytes_ = 0;
   std::optional<Open> current_{};
 };

@@ -34,7 +34,7 @@ void McapChunk::add(std::uint16_t channel, std::uint32_t sequence, mcap::Time lo
   mcap::append_u16(records_, channel);
   mcap::append_u32(records_, sequence);
   mcap::append_u64(records_, log_time);
-  mcap::append_u64(records_, log_time);  // when it was published is not known
+  mcap::append_u64(records_, log_time);  // publish time, which is not known
   records_ += data;
 }
 
@@ -120,7 +120,7 @@ void McapWriter::write_summary() {
   const std::uint64_t summary_offset_start = end();
   out_ += offsets;
 
-  // The footer's checksum is of the summary and of the footer itself up to there.
+  // The footer's checksum covers the summary and the footer up to this field.
   out_.push_back(static_cast<char>(Opcode::footer));
   mcap::append_u64(out_, mcap::footer_size - mcap::record_head);
   mcap::append_u64(out_, summary_start);

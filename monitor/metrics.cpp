@@ -18,7 +18,8 @@ namespace {
 using Families = std::vector<prometheus::MetricFamily>;
 using Labels = std::vector<prometheus::ClientMetric::Label>;
 
-constexpr std::array phase_names{"waiting", "planning", "driving", "arrived", "no_path", "stopped", "gave_up"};
+constexpr std::array phase_names{"waiting", "planning", "driving", "arrived",
+                                 "no_path", "stopped",  "gave_up"};
 
 prometheus::MetricFamily& add_family(Families& all, std::string name, prometheus::MetricType type,
                                      std::string help) {
@@ -46,7 +47,7 @@ void add_phases(Families& all, const FleetView& view) {
     ++robots.at(static_cast<std::size_t>(phase_of(robot)));
   }
   auto& family = add_family(all, "coppice_robots_in_phase", prometheus::MetricType::Gauge,
-                            "Robots by what they say that they do.");
+                            "Robots by the phase that they report.");
   for (std::size_t k = 0; k < robots.size(); ++k)
     add(family, static_cast<double>(robots[k]), {{"phase", phase_names[k]}});
 }
@@ -54,15 +55,14 @@ void add_phases(Families& all, const FleetView& view) {
 void add_fleet(Families& all, const FleetView& view, WallTime now) {
   const FleetFigures figures = view.figures(now);
   const auto number = [](std::size_t n) { return static_cast<double>(n); };
-  add_gauge(all, "coppice_fleet_time_seconds", "Fleet time of the run that is seen; 0 before its missions.",
+  add_gauge(all, "coppice_fleet_time_seconds", "Fleet time of the current run; 0 before its missions.",
             figures.time);
   const Life life = view.life(now);
-  add_gauge(all, "coppice_fleet_alive", "1 if a robot was heard in the last seconds and its run goes on.",
-            life == Life::alive);
+  add_gauge(all, "coppice_fleet_alive",
+            "1 if a robot was heard in the last seconds and its run has not ended.", life == Life::alive);
   add_gauge(all, "coppice_run_ended", "1 from the end of a run until another one begins.",
             life == Life::ended);
-  add_gauge(all, "coppice_robots", "Robots that the monitor has heard of in this run.",
-            number(figures.robots));
+  add_gauge(all, "coppice_robots", "Robots that the monitor has heard in this run.", number(figures.robots));
   add_gauge(all, "coppice_robots_planned", "Robots that have a path.", number(figures.planned));
   add_phases(all, view);
   add_counter(all, "coppice_missions_fulfilled_total", "Missions fulfilled by all robots.",
@@ -72,19 +72,20 @@ void add_fleet(Families& all, const FleetView& view, WallTime now) {
   add_counter(all, "coppice_trees_grafted_total", "Grafts of published trees, by all robots.",
               number(figures.trees_grafted));
   if (figures.separation)
-    add_gauge(all, "coppice_separation_meters", "Least distance of two robots now, less both radii.",
+    add_gauge(all, "coppice_separation_meters", "Least distance between two robots now, minus both radii.",
               *figures.separation);
   add_gauge(all, "coppice_state_age_median_seconds",
-            "Age of the others' states when a robot decides by them: median of the robots' medians.",
+            "Age of the other robots' states when a robot uses them: median of the robots' medians.",
             figures.state_age_p50);
   add_gauge(all, "coppice_state_age_worst_seconds",
-            "The same: 99th percentile of the robot where it is worst.", figures.state_age_p99);
+            "Age of the other robots' states when a robot uses them: largest 99th percentile of a robot.",
+            figures.state_age_p99);
   add_gauge(all, "coppice_control_periods_missed_ratio",
-            "Share of control periods of late that were over before their agent came to decide.",
+            "Recent share of control periods that were over before their agent decided.",
             figures.missed_share);
 }
 
-/// A state set: a series for each phase, 1 for the one that the robot is in.
+/// A state set: a series for each phase, with 1 for the robot's current phase.
 void add_phase_of_each(Families& all, std::span<const SeenRobot> robots) {
   auto& family = add_family(all, "coppice_robot_phase", prometheus::MetricType::Gauge,
                             "1 for the phase that the robot is in, 0 for the others.");
@@ -95,7 +96,7 @@ void add_phase_of_each(Families& all, std::span<const SeenRobot> robots) {
   }
 }
 
-/// A time series for each robot: what of it, if anything.
+/// A time series for each robot that has a value.
 struct OfRobot {
   const char* name;
   prometheus::MetricType type;
@@ -113,7 +114,7 @@ std::optional<double> has_arrived(const SeenRobot& robot, WallTime) {
   return robot.status ? std::optional<double>(phase_of(robot) == Phase::arrived) : std::nullopt;
 }
 
-/// One value for each robot that has said its position, at the view's fleet time.
+/// The value of a robot that has sent its position, at the view's fleet time.
 template <auto Value>
 std::optional<double> of_progress(const SeenRobot& robot, WallTime now) {
   if (!robot.state || !robot.mission) return std::nullopt;
@@ -125,51 +126,54 @@ const auto& series_of_robots() {
   constexpr auto counter = prometheus::MetricType::Counter;
   using S = const AgentStatus&;
   static const std::array all{
-      OfRobot{"coppice_robot_silence_seconds", gauge, "Since the robot's last state came.",
+      OfRobot{"coppice_robot_silence_seconds", gauge, "Time since the robot's last state arrived.",
               [](const SeenRobot& robot, WallTime now) {
                 return robot.state ? std::optional(std::max(0.0, now - robot.heard)) : std::nullopt;
               }},
-      OfRobot{"coppice_robot_speed_meters_per_second", gauge, "By the robot's last state.",
+      OfRobot{"coppice_robot_speed_meters_per_second", gauge, "Speed in the robot's last state.",
               [](const SeenRobot& robot, WallTime) {
                 return robot.state ? std::optional(robot.state->velocity.norm()) : std::nullopt;
               }},
       OfRobot{"coppice_robot_arrived", gauge, "1 if the robot stands at its goal.", has_arrived},
-      OfRobot{"coppice_robot_way_to_go_meters", gauge, "From the robot along its path to the end of that.",
+      OfRobot{"coppice_robot_way_to_go_meters", gauge,
+              "Distance from the robot along its path to the end of the path.",
               of_progress<[](const SeenRobot& r, double time) { return way_left(r, time); }>},
       OfRobot{"coppice_robot_waiting_seconds", gauge,
-              "For how long the robot has let another go first, or stood for a joint plan, in fleet time; 0: "
-              "it does not.",
+              "How long the robot has waited for another robot or for a joint plan, in fleet time; 0: not at "
+              "all.",
               of_progress<[](const SeenRobot& r, double time) { return r.progress.waiting(time); }>},
-      OfRobot{"coppice_robot_waited_seconds_total", counter, "The same of all the robot's waits in this run.",
+      OfRobot{"coppice_robot_waited_seconds_total", counter,
+              "Total time that the robot has waited in this run, in fleet time.",
               of_progress<[](const SeenRobot& r, double time) { return r.progress.waited(time); }>},
-      OfRobot{
-          "coppice_robot_without_progress_seconds", gauge,
-          "Since the robot last came nearer to the end of its way, in fleet time; 0: it has nowhere to go.",
-          of_progress<[](const SeenRobot& r, double time) { return r.progress.without_progress(time); }>},
-      OfRobot{"coppice_robot_driven_meters", gauge, "Driven in the robot's mission.",
+      OfRobot{"coppice_robot_without_progress_seconds", gauge,
+              "Time since the robot last came nearer to the end of its path, in fleet time; 0 if it has no "
+              "goal to reach.",
+              of_progress<[](const SeenRobot& r, double time) { return r.progress.without_progress(time); }>},
+      OfRobot{"coppice_robot_driven_meters", gauge, "Distance driven in the robot's current mission.",
               of_status<[](S s) { return s.driven_length; }>},
       OfRobot{"coppice_robot_path_meters", gauge, "Length of the robot's path; 0 without one.",
               [](const SeenRobot& robot, WallTime) { return std::optional(length_of(robot.path)); }},
       OfRobot{"coppice_robot_plan_seconds", gauge,
-              "From mission to first path, by the wall's clock; 0 before that.",
+              "Time from the mission to the first path, by the wall clock; 0 before that.",
               of_status<[](S s) { return s.plan_seconds; }>},
       OfRobot{"coppice_robot_missions_fulfilled_total", counter, "Missions that the robot has fulfilled.",
               [](const SeenRobot& robot, WallTime) {
                 return std::optional(static_cast<double>(robot.missions_fulfilled));
               }},
       OfRobot{"coppice_robot_state_age_seconds", gauge,
-              "Age of the others' states when the robot decides by them, 99th percentile.",
+              "Age of the other robots' states when the robot uses them, 99th percentile.",
               of_status<[](S s) { return s.load.state_age_p99; }>},
       OfRobot{"coppice_robot_control_periods_total", counter, "Control periods of the robot's agent.",
               of_status<[](S s) { return s.load.periods; }>},
       OfRobot{"coppice_robot_control_periods_missed_total", counter,
-              "Of these: over before the agent came to decide.",
+              "Control periods of the robot's agent that were over before it decided.",
               of_status<[](S s) { return s.load.periods_missed; }>},
       OfRobot{"coppice_robot_processor_seconds_total", counter, "Processor time of the robot's agent.",
               of_status<[](S s) { return s.load.processor_seconds; }>},
-      OfRobot{"coppice_robot_sent_bytes_total", counter, "Sent by the robot's agent in UDP datagrams.",
+      OfRobot{"coppice_robot_sent_bytes_total", counter, "Bytes sent by the robot's agent in UDP datagrams.",
               of_status<[](S s) { return s.load.bytes_sent; }>},
-      OfRobot{"coppice_robot_received_bytes_total", counter, "Received by the robot's agent, likewise.",
+      OfRobot{"coppice_robot_received_bytes_total", counter,
+              "Bytes received by the robot's agent in UDP datagrams.",
               of_status<[](S s) { return s.load.bytes_received; }>},
       OfRobot{"coppice_robot_rejected_messages_total", counter,
               "Messages that the robot's agent dropped as invalid.",
@@ -197,7 +201,7 @@ void add_brokers(Families& all, const FleetView& view) {
   Families families;
   families.reserve(4);
   auto& leads = add_family(families, "coppice_broker_leads", gauge,
-                           "1 of the broker that grows trees, 0 of one on standby.");
+                           "1 for the broker that grows trees, 0 for a broker on standby.");
   auto& active =
       add_family(families, "coppice_broker_trees_active", gauge, "Trees that the broker still grows.");
   auto& rejected = add_family(families, "coppice_broker_rejected_messages_total", counter,
@@ -218,14 +222,15 @@ void add_monitor(Families& all, const MonitorLoad& load) {
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
   add(add_family(all, "coppice_build_info", prometheus::MetricType::Gauge, "The monitor's version."), 1,
       {{"version", COPPICE_VERSION}});
-  add_counter(all, "coppice_monitor_messages_total", "Messages that came to the monitor.",
+  add_counter(all, "coppice_monitor_messages_total", "Messages that the monitor has received.",
               number(load.messages));
   if (load.has_bus)
     add_counter(all, "coppice_monitor_rejected_messages_total",
                 "Samples that the monitor dropped as invalid.", number(load.rejected));
-  add_gauge(all, "coppice_monitor_connections", "Pages and Foxglove clients that look on.",
+  add_gauge(all, "coppice_monitor_connections", "Connected pages and Foxglove clients.",
             static_cast<double>(load.connections));
-  add_counter(all, "coppice_monitor_sent_bytes_total", "Sent to these.", number(load.bytes_sent));
+  add_counter(all, "coppice_monitor_sent_bytes_total", "Bytes sent to pages and Foxglove clients.",
+              number(load.bytes_sent));
   add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", load.processor_seconds);
   add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
             number(load.resident_bytes));

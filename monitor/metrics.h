@@ -1,7 +1,6 @@
-// A fleet as Prometheus reads it: text of its exposition format 0.0.4, made anew for each scrape from what is
-// seen.
+// A fleet in Prometheus's text format 0.0.4, made anew for each scrape from the view.
 //
-// Names and units by Prometheus's conventions: base units, `_total` for what only grows. docs/metrics.md
+// Names and units follow Prometheus's conventions: base units, and `_total` for counters. docs/metrics.md
 // lists them.
 #pragma once
 
@@ -13,16 +12,16 @@
 
 namespace coppice {
 
-/// Of the first so many robots there are time series each; of the others the sums tell alone. So a scrape
-/// stays small whatever is on the bus.
+/// Only the first robots, this many, have their own time series; the other ones count only in the sums. So a
+/// scrape stays small, whatever is on the bus.
 inline constexpr std::size_t most_robots_in_detail = 500;
 
-/// What the monitor does itself.
+/// The monitor's own load.
 struct MonitorLoad {
-  bool has_bus = true;          ///< else it shows a recording: nothing was rejected, or could have been
-  std::uint64_t messages = 0;   ///< that came off its bus, or out of its recording
-  std::uint64_t rejected = 0;   ///< samples that it dropped as invalid
-  std::size_t connections = 0;  ///< WebSockets that are open
+  bool has_bus = true;          ///< false: it shows a recording, of which nothing can be rejected
+  std::uint64_t messages = 0;   ///< received from its bus or its recording
+  std::uint64_t rejected = 0;   ///< samples that were dropped as invalid
+  std::size_t connections = 0;  ///< open WebSockets
   std::uint64_t bytes_sent = 0;
   double processor_seconds = 0;
   std::uint64_t resident_bytes = 0;

@@ -11,7 +11,7 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t most_wishes = 64;  // between two turns; pages that wish more are not heeded
+constexpr std::size_t most_wishes = 64;  // between two turns; further wishes of pages are ignored
 
 }  // namespace
 

@@ -1,8 +1,7 @@
-// A monitor: takes in a fleet's messages, and shows what it has seen to whoever connects: pages, Foxglove,
-// Prometheus.
+// A monitor: receives a fleet's messages and shows them to its clients: pages, Foxglove, Prometheus.
 //
-// Where the messages come from is its owner's business: off a bus, or from a recording, whose time is then
-// passed in, and which may heed what pages wish.
+// Its owner supplies the messages, from a bus or from a recording. With a recording the owner also passes in
+// its time, and may follow the wishes of pages.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "messages/bus.h"
 #include "live.pb.h"
+#include "messages/bus.h"
 #include "monitor/fleet_view.h"
 #include "monitor/live_stream.h"
 #include "monitor/metrics.h"
@@ -23,24 +22,26 @@ namespace coppice {
 
 class Monitor {
  public:
-  /// Listens from now on; throws InputError if it cannot. `source`: for people, as "domain 3".
+  /// Listens from now on. Throws InputError if it cannot. `source`: where the messages come from, as "domain
+  /// 3".
   Monitor(const WebSettings& settings, const std::string& source, bool recorded = false);
 
   void take(const std::vector<Arrival>& arrivals);
-  /// For the metrics: what the process needs, and samples that its bus dropped as invalid.
+  /// For the metrics: the load of the process, and the samples that its bus dropped as invalid.
   void note(double processor_seconds, std::uint64_t resident_bytes, std::uint64_t rejected = 0);
-  /// Whether what is heard now is said again from a recording; its run stays one that was.
+  /// Whether another process is replaying a recording. The current run then counts as replayed until another
+  /// one begins.
   void note_replay(bool replays);
 
-  /// Of a recording: all that was seen is forgotten, for it goes on elsewhere.
+  /// Forgets all that was seen, because a recording continues at another time.
   void forget();
-  /// Of a recording: where it is.
+  /// Shows the position in a recording.
   void show(const live::Playback& playback) { live_.show(playback); }
-  /// What pages have wished since the last call; nothing that they wish reaches a fleet.
+  /// Returns the wishes of pages since the last call. No wish ever reaches a fleet.
   std::vector<live::FromPage> wishes();
 
-  /// Shows what there is to see at that time, and serves for so many seconds. `present`: the wall's clock,
-  /// which is `now` unless a recording is shown.
+  /// Shows the view as of `now`, and serves for `seconds`. `present`: the wall clock, which equals `now`
+  /// except with a recording.
   void turn(WallTime now, WallTime present, double seconds);
 
   std::string url() const { return server_.url(); }
@@ -55,7 +56,7 @@ class Monitor {
   FleetView view_;
   LiveStream live_;
   MonitorLoad load_;
-  std::optional<std::uint32_t> replayed_run_;  ///< of the view
+  std::optional<std::uint32_t> replayed_run_;  ///< the view's number of that run
   std::vector<live::FromPage> wishes_;
   WebServer server_;
 };

@@ -1,4 +1,4 @@
-// What goes out over a WebSocket.
+// Messages that leave over a WebSocket.
 #pragma once
 
 #include <memory>
@@ -6,7 +6,7 @@
 
 namespace coppice {
 
-/// Encoded once, and shared by all who get it.
+/// Encoded once, and shared by all receivers.
 using Bytes = std::shared_ptr<const std::string>;
 
 struct Outbound {

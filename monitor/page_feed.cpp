@@ -8,7 +8,7 @@ namespace coppice {
 
 namespace {
 
-/// Relative to the origin: a float has seven figures, which coordinates of the Earth's grids use up.
+/// Relative to the origin: a float has seven digits, too few for coordinates in a national grid.
 template <class List>
 void add_point(List& list, const Point2& point, const Point2& origin) {
   list.add_points(static_cast<float>(point.x() - origin.x()));
@@ -41,7 +41,7 @@ struct PageFeed::Batch {
     had = edition.number;
     add(edition.bytes);
   }
-  /// If there is anything in it.
+  /// Adds the message, unless it is empty.
   void add(live::Edges edges) {
     if (edges.points_size() == 0 && !edges.anew()) return;
     live::ToPage message;
@@ -122,7 +122,7 @@ void PageFeed::add_root_trees(std::size_t number, const SeenRobot& robot, Batch&
   live::Edges start = of_kind(live::Edges::ROOT_START);
   live::Edges goal = of_kind(live::Edges::ROOT_GOAL);
   for (; told.root_nodes < robot.root_nodes.size(); ++told.root_nodes) {
-    if (size_of(start) + size_of(goal) >= most_edges_at_once) break;  // the others come with the next beat
+    if (size_of(start) + size_of(goal) >= most_edges_at_once) break;  // the others follow with the next beat
     const RootNodes::Node& node = robot.root_nodes[told.root_nodes];
     if (node.parent < 0) continue;
     const Point2& parent = robot.root_nodes[static_cast<std::size_t>(node.parent)].position;

@@ -1,7 +1,7 @@
-// What one page is to hear next: all that is known when it connects, then what changes.
+// The next messages for one page: first all that is known, then the changes.
 //
-// A page asks when it has taken in what it was told before. So nobody queues for a slow one: it gets fewer
-// frames, and loses no map, no tree, no robot.
+// A page gets messages when it has taken in the earlier ones. So no messages queue up for a slow page: it
+// gets fewer frames, and still all maps, trees and robots.
 #pragma once
 
 #include <cstddef>
@@ -15,18 +15,19 @@
 
 namespace coppice {
 
-/// Bytes of what a page is told at a time; it is less, or one message more.
+/// Bytes that a page is sent at a time. The last message may exceed them.
 inline constexpr std::size_t most_bytes_at_once = 1 << 20;
-/// Edges in a message.
+/// Edges in one message.
 inline constexpr std::size_t most_edges_at_once = 1 << 14;
 
 class PageFeed {
  public:
-  /// ToPage messages, in order; none: there is no news. `live` has looked at this view.
+  /// Returns ToPage messages in order; empty if there is no news. Call it after `live` has looked at this
+  /// view.
   std::vector<Bytes> next(const FleetView& view, const LiveStream& live);
 
  private:
-  /// How much of a robot's own trees and path it has had.
+  /// How much of a robot's root trees and path the page has received.
   struct Told {
     std::uint32_t mission = 0;
     std::size_t root_nodes = 0;
@@ -43,13 +44,13 @@ class PageFeed {
   std::optional<std::uint32_t> run_{};
   Point2 origin_ = Point2::Zero();
   std::uint64_t beat_ = 0;
-  bool behind_ = false;  ///< there was more than one batch holds
+  bool behind_ = false;  ///< one batch did not hold everything
   std::uint64_t map_ = 0;
   std::uint64_t roster_ = 0;
   std::uint64_t frame_ = 0;
   std::uint64_t playback_ = 0;
-  std::uint64_t statuses_ = 0;  ///< the beat of the last ones
-  std::size_t figures_ = 0;     ///< how many points of this run
+  std::uint64_t statuses_ = 0;  ///< the beat of the last statuses
+  std::size_t figures_ = 0;     ///< number of points received in this run
   std::size_t trees_ = 0;
   std::shared_ptr<const Message> active_trees_{};
   std::vector<Told> robots_;

@@ -9,7 +9,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double fine = 0.1;  // radii: driven ways are as fine as a picture shows them
+constexpr double fine = 0.1;  // radii: the resolution of driven tracks
 
 void add_tree(const InactiveTreeMessage& tree, PictureContent& content) {
   for (const InactiveTreeMessage::Node& node : tree.nodes) {
@@ -38,10 +38,11 @@ void add_trees(const FleetView& view, PictureContent& content) {
 
 PictureBook::PictureBook(const Recording& recording)
     : playback_(recording, recording.begin()), next_(playback_.next()) {
-  // The first mission says when fleet time was 0.
+  // The first mission tells when fleet time was 0.
   Playback missions(recording, recording.begin(), Topics().set(topic_number<Mission>()));
   const auto mission = missions.next();
-  if (!mission) throw InputError("the recording holds no mission: there is no fleet to be drawn");
+  if (!mission)
+    throw InputError("the recording holds no mission, expected at least one: there is no fleet to draw");
   clock_ = std::get<Mission>(*mission->message).clock;
   begin_ = std::max(0.0, clock_.fleet_time(recording.begin()));
   end_ = clock_.fleet_time(recording.end());
@@ -80,7 +81,7 @@ PictureContent::Robot PictureBook::drawn(const SeenRobot& seen, double time) con
   }
   if (!seen.state) return robot;
   robot.radius = seen.state->radius;
-  // Of another run than the first, fleet time is another.
+  // In a later run than the first, fleet time has another origin.
   robot.body = position_at(*seen.state, view_.fleet_time(clock_.wall_time(time)).value_or(time));
   if (const auto known = driven_.find(seen.name); known != driven_.end()) robot.track = known->second;
   robot.track.push_back(*robot.body);

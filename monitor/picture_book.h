@@ -1,7 +1,7 @@
-// Pictures of a fleet out of a recording, in the order of time: where everybody is, what they have driven
-// until then, their ways and trees.
+// Pictures of a fleet from a recording, in the order of time: the robots, the tracks that they have driven so
+// far, their paths and trees.
 //
-// Fleet time in seconds; metres in the map frame.
+// Fleet times in seconds; metres in the map frame.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,15 @@ namespace coppice {
 
 class PictureBook {
  public:
-  /// `recording` outlives it. Throws InputError if no fleet is in it.
+  /// `recording` must outlive it. Throws InputError if it contains no fleet.
   explicit PictureBook(const Recording& recording);
 
-  /// Fleet times of the first picture, and of the last: 0 is when the first run of the recording began.
+  /// Fleet times of the first and the last picture. 0 is when the first run of the recording began.
   double begin() const { return begin_; }
   double end() const { return end_; }
 
-  /// As of a time, not before the one that was asked for last. Throws InputError where the file is damaged.
+  /// The picture at a time, which must not be before that of the last call. Throws InputError if the file is
+  /// damaged.
   PictureContent at(double time);
 
  private:

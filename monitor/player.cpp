@@ -10,9 +10,9 @@ namespace {
 
 constexpr double slowest = 0.01;
 constexpr double fastest = 100;
-constexpr std::size_t most_due = 50'000;  // messages of a turn
+constexpr std::size_t most_due = 50'000;  // messages in one turn
 
-/// What is shown is the present: tracks are left out, as they are most of a recording.
+/// Tracks are left out: pages show the present, and tracks are the largest part of a recording.
 Topics shown() {
   return Topics().set().reset(topic_number<TrackMessage>());
 }
@@ -69,7 +69,7 @@ std::vector<Arrival> Player::due(WallTime now) {
   for (; next_ && next_->at <= reached; next_ = playback_.next()) {
     arrivals.push_back(*std::move(next_));
     if (arrivals.size() < most_due) continue;
-    go_on(arrivals.back().at, now);  // after a sleep it catches up turn by turn
+    go_on(arrivals.back().at, now);  // after a pause of this process it catches up turn by turn
     next_ = playback_.next();
     return arrivals;
   }

@@ -1,6 +1,6 @@
-// Plays a recording to a monitor: which of its messages are due by now, as pages wish it to be played.
+// Plays a recording to a monitor, as pages wish: returns the messages that are due.
 //
-// A state machine: `now` is the present wall clock; the times of the recording are its own.
+// A state machine: `now` is the present wall clock. The recording has its own times.
 #pragma once
 
 #include <optional>
@@ -13,15 +13,15 @@ namespace coppice {
 
 class Player {
  public:
-  /// From the recording's beginning, which outlives it, at its own speed.
+  /// Plays from the beginning of the recording, which must outlive it, at normal speed.
   Player(const Recording& recording, WallTime now);
 
-  /// True: it goes on elsewhere, so that all that was played before is to be forgotten.
+  /// True if playback continues at another time, so that all that was played before must be forgotten.
   bool heed(const live::FromPage& wish, WallTime now);
-  /// What has become due since the last call. Throws InputError where the file is damaged.
+  /// Returns the messages that are due since the last call. Throws InputError if the file is damaged.
   std::vector<Arrival> due(WallTime now);
 
-  /// Where it is, by the recording's clock.
+  /// The current position, in the recording's time.
   WallTime at(WallTime now) const;
   live::Playback state(WallTime now) const;
 
@@ -34,8 +34,8 @@ class Player {
   std::optional<Arrival> next_;
   bool playing_ = true;
   double speed_ = 1;
-  WallTime from_ = 0;   ///< of the recording: it was there
-  WallTime since_ = 0;  ///< at this present time
+  WallTime from_ = 0;   ///< position in the recording
+  WallTime since_ = 0;  ///< the present time at which it was there
 };
 
 }  // namespace coppice

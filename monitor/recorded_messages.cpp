@@ -16,7 +16,8 @@ namespace coppice {
 
 namespace {
 
-/// The numbers of enumerations are those of ours; one that no octet holds becomes one that none has.
+/// Our enumerations have the same numbers. A number that does not fit an octet becomes 255, which is no
+/// enumerator.
 template <class E>
 E octet(std::uint32_t number) {
   return static_cast<E>(static_cast<std::uint8_t>(std::min<std::uint32_t>(number, 255)));
@@ -466,7 +467,7 @@ const google::protobuf::Descriptor* descriptor_of(TopicNumber topic) {
   return descriptor_of(topic, static_cast<const Message*>(nullptr));
 }
 
-/// What a file depends on comes before it.
+/// Adds a file after all files that it depends on.
 void add_file(const google::protobuf::FileDescriptor& file, std::set<std::string>& added,
               google::protobuf::FileDescriptorSet& all) {
   if (!added.insert(file.name()).second) return;

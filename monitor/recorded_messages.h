@@ -1,4 +1,5 @@
-// The messages of the bus as a recording keeps them: the Protobuf messages of idl/recording.proto, and back.
+// The messages of the bus in a recording: conversion to the Protobuf messages of idl/recording.proto and
+// back.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@
 
 namespace coppice {
 
-/// Names a topic of the bus: which alternative of Message its messages are.
+/// Identifies a topic of the bus: the index of its message type in Message.
 using TopicNumber = std::size_t;
 inline constexpr std::size_t topic_count = std::variant_size_v<Message>;
 
@@ -32,27 +33,27 @@ constexpr TopicNumber topic_number() {
   }(static_cast<const Message*>(nullptr));
 }
 
-/// Longest message of a topic, bytes: a map of the largest size, or else a tree, a plan or a batch with room
-/// to spare. A list of empty things takes forty times as much memory as it has bytes.
+/// Bytes of a topic's longest message: a map of the largest size, or a tree, a plan or a batch with room to
+/// spare. Bounded, because a list of empty elements takes forty times as much memory as bytes.
 constexpr std::size_t largest_recorded(TopicNumber topic) {
   return std::size_t{topic == topic_number<MapMessage>() ? 40u : 8u} << 20;
 }
 
-/// Of the channel that a recording has for a topic.
+/// The name of the channel that a recording has for a topic.
 std::string channel_name(TopicNumber topic);
 /// Full name of the topic's Protobuf message.
 std::string schema_name(TopicNumber topic);
-/// What describes it, as a serialized FileDescriptorSet with all that it depends on.
+/// The description of the topic's message: a serialized FileDescriptorSet with all dependencies.
 std::string schema_of(TopicNumber topic);
 
-/// Times in a recording: nanoseconds since 1970. What lies before that becomes that.
+/// Times in a recording are nanoseconds since 1970. Earlier times become 0.
 std::uint64_t nanoseconds(WallTime at);
 WallTime wall_time(std::uint64_t nanoseconds);
 
-/// The same message in the same process gives the same bytes. A map's cells must be as many as its size says,
+/// The same message in the same process gives the same bytes. A map must have as many cells as its size says,
 /// each 0 or 1.
 std::string recorded(const Message& message);
-/// Nothing if the bytes are no such message, or too many. What it says is not checked beyond that
+/// Returns nothing if the bytes are no message of the topic, or too many. The content is not validated
 /// (messages/validation.h).
 std::optional<Message> message_in(TopicNumber topic, std::string_view bytes);
 

@@ -8,10 +8,10 @@ namespace coppice {
 
 namespace {
 
-constexpr WallTime longest_late = 5;  // seconds: what is older was stamped by a clock that was set back
+constexpr WallTime longest_late = 5;  // seconds: an older message was stamped by a clock that was set back
 
-/// Which of the recorder's chunks takes a topic's messages. What a seek reads of a topic decides: nothing,
-/// the latest of each key, or all (recording.h); so that it need not read the others.
+/// The chunk for a topic's messages. It depends on what a seek reads of the topic (recording.h): nothing, the
+/// latest of each key, or all. So a seek need not read the other chunks.
 std::size_t chunk_of(const TopicInfo& info) {
   if (info.durability == Durability::volatile_) return 0;
   return info.depth > 0 ? 1 : 2;
@@ -27,7 +27,8 @@ Recorder::Recorder(McapWriter::Compression compression) : writer_("coppice " COP
 }
 
 void Recorder::on(std::vector<Arrival> arrivals) {
-  // Topic by topic they come from the bus. What comes late is recorded as of now: so the file is in order.
+  // The bus hands over messages topic by topic. A late message is recorded with the latest time, so that the
+  // file stays in order.
   std::ranges::stable_sort(arrivals, {}, &Arrival::at);
   for (const Arrival& arrival : arrivals) add(arrival);
 }

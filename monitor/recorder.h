@@ -1,5 +1,4 @@
-// Makes a recording (recording.h) of what is heard on a bus: a state machine; what is to be appended to the
-// file comes out as bytes.
+// Records (recording.h) the messages of a bus. A state machine: it returns the bytes to append to the file.
 #pragma once
 
 #include <array>
@@ -13,8 +12,8 @@
 
 namespace coppice {
 
-/// A chunk ends when it has that many bytes, before compression, or is that old: what a recorder loses that
-/// is killed.
+/// A chunk ends when it has this many bytes before compression, or is this old (seconds). A recorder that is
+/// killed loses at most the current chunks.
 inline constexpr std::size_t chunk_size = 1u << 20;
 inline constexpr WallTime chunk_period = 1;
 
@@ -22,16 +21,16 @@ class Recorder {
  public:
   explicit Recorder(McapWriter::Compression compression = McapWriter::Compression::zstd);
 
-  /// What arrived since the last time, in any order.
+  /// Takes the messages that arrived since the last call, in any order.
   void on(std::vector<Arrival> arrivals);
-  /// To be appended to the file now; often nothing.
+  /// Returns the bytes to append to the file now; often none.
   mcap::Bytes step(WallTime now);
-  /// The rest: with that the file is whole.
+  /// Returns the rest. With it the file is complete.
   mcap::Bytes finish();
 
   /// Messages recorded, by topic.
   const std::array<std::uint32_t, topic_count>& counts() const { return counts_; }
-  /// Messages that are longer than a recording holds.
+  /// Number of messages that were too long to be recorded.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
@@ -41,9 +40,9 @@ class Recorder {
   McapWriter writer_;
   std::array<std::uint16_t, topic_count> channels_{};
   std::array<McapChunk, 3> chunks_;
-  std::optional<WallTime> begun_{};  ///< when the first message came that is in no chunk of the file yet
+  std::optional<WallTime> begun_{};  ///< when the first message arrived that is not in the file yet
   WallTime latest_ = 0;
-  WallTime ahead_ = 0;  ///< of the clock, where that was set back: the file's time goes on
+  WallTime ahead_ = 0;  ///< offset of the file's time if the clock was set back
   std::array<std::uint32_t, topic_count> counts_{};
   std::uint64_t left_out_ = 0;
 };

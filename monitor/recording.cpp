@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "files/file_kind.h"
 #include "messages/message_key.h"
 #include "messages/validation.h"
-#include "files/file_kind.h"
 
 namespace coppice {
 
@@ -36,7 +36,7 @@ Topics topics_that_keep_nothing() {
   return topics_that([](const TopicInfo& info) { return info.durability == Durability::volatile_; });
 }
 
-/// Its name, if it may be one.
+/// Returns the file's name, unless the file is of another kind.
 const std::string& recording_in(const std::string& file) {
   refuse_other_kinds(file, {FileKind::recording}, "a recording (MCAP)");
   return file;
@@ -59,7 +59,8 @@ Recording::Recording(const std::string& file) : reader_(recording_in(file)) {
     }
   }
   if (topics_.empty())
-    mcap::refuse(reader_.at(0), "no recording of a fleet: no channel is one of coppice record's");
+    mcap::refuse(reader_.at(0),
+                 "not a recording of a fleet: expected a channel of coppice record, found none");
 }
 
 std::uint64_t Recording::count(TopicNumber topic) const {

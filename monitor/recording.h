@@ -1,9 +1,9 @@
-// What `coppice record` has kept of a fleet, to be looked at from any time on.
+// A recording of a fleet by `coppice record`, to be read from any time on.
 //
-// A recording is an MCAP file with a channel for each topic (recorded_messages.h). Messages of three kinds
-// lie in chunks of their own: those that are not kept for anybody (volatile), those of which the latest of
-// each key is, and those of which all are (topics.h). To begin at a time, `Playback` reads from the beginning
-// what is kept, and of the rest, most of the file, nothing but the last seconds.
+// A recording is an MCAP file with a channel for each topic (recorded_messages.h). Three kinds of topics have
+// their own chunks: volatile topics, topics that keep the latest of each key, and topics that keep all
+// messages (messages/topics.h). To start at a time, `Playback` reads from the beginning only the kept
+// messages. Of the volatile ones, which are most of the file, it reads only the last seconds.
 #pragma once
 
 #include <bitset>
@@ -20,20 +20,20 @@
 
 namespace coppice {
 
-/// Which topics, by number.
+/// A set of topics, by number.
 using Topics = std::bitset<topic_count>;
 
 class Recording {
  public:
-  /// Throws InputError if it is no recording.
+  /// Throws InputError if the file is not a recording.
   explicit Recording(const std::string& file);
 
   const McapReader& file() const { return reader_; }
-  /// When the first message was recorded, and the last.
+  /// Times of the first and the last message.
   WallTime begin() const { return wall_time(reader_.statistics().start); }
   WallTime end() const { return wall_time(reader_.statistics().end); }
   std::uint64_t count(TopicNumber topic) const;
-  /// None: of something else, which the file may hold besides.
+  /// The topic of a channel; nothing for other content of the file.
   std::optional<TopicNumber> topic_of(std::uint16_t channel) const;
   std::set<std::uint16_t> channels_of(const Topics& topics) const;
 
@@ -42,28 +42,29 @@ class Recording {
   std::map<std::uint16_t, TopicNumber> topics_;  ///< by channel
 };
 
-/// A robot that stands says so less often than one that drives, but within so many seconds.
+/// Seconds. A standing robot sends its state less often than a driving one, but at least this often.
 inline constexpr WallTime lead_in = 5;
 
 /// The messages of a recording in the order of time.
 class Playback {
  public:
-  /// `from`: first what one who joins the bus then would be given, at the times at which that was said: the
-  /// latest of each key of the transient-local topics, and all of those that keep all; and of what is not
-  /// kept, the latest of each robot. Then what comes from that time on. `recording` outlives it.
+  /// First returns what a process that joins the bus at `from` would receive, with the original times: the
+  /// latest of each key, or all messages, of the transient-local topics, and the latest of each robot of the
+  /// volatile topics. Then returns the messages from `from` on. `recording` must outlive it.
   Playback(const Recording& recording, WallTime from, const Topics& topics = Topics().set());
 
-  /// Nothing after the last one. Throws InputError where the file is damaged.
+  /// Returns nothing after the last message. Throws InputError if the file is damaged.
   std::optional<Arrival> next();
-  /// Messages left out, as they are none of their topic or fail validation (messages/validation.h).
+  /// Number of messages that were left out because they cannot be read or fail validation
+  /// (messages/validation.h).
   std::uint64_t rejected() const { return rejected_; }
 
  private:
   std::optional<Arrival> next_of(McapMessages& messages);
 
   const Recording* recording_;
-  std::vector<Arrival> state_;  ///< of those with keys, the earliest last
-  McapMessages kept_;           ///< before `from`, of those that keep all
+  std::vector<Arrival> state_;  ///< the latest of each key, the earliest last
+  McapMessages kept_;           ///< messages before `from` of the topics that keep all
   std::optional<Arrival> next_kept_{};
   McapMessages rest_;
   std::uint64_t rejected_ = 0;

@@ -1,4 +1,4 @@
-// What is done so many times a second, by a loop that turns more often.
+// Does something at a fixed rate, in a loop that turns more often.
 #pragma once
 
 #include "messages/fleet_clock.h"
@@ -8,7 +8,7 @@ namespace coppice {
 class Rhythm {
  public:
   explicit Rhythm(double period) : period_(period) {}  ///< seconds
-  /// Whether it is time again. A clock that was set back is taken as it is.
+  /// Whether the next time has come. If the clock was set back, it continues from the new time.
   bool due(WallTime now) {
     if (now < next_ && next_ <= now + 2 * period_) return false;
     const bool late = now - next_ > period_ || now < next_;

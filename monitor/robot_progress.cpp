@@ -7,17 +7,17 @@ namespace coppice {
 
 namespace {
 
-// A point of the path so many metres further along it has to be one metre nearer to be where the robot is.
+// A point this many metres further along the path must be one metre nearer to the robot to be preferred.
 constexpr double metres_along_for_one_aside = 10;
-// Of its radius: a robot that is pushed to and fro by less makes no progress.
+// Radii. A robot that is pushed back and forth by less makes no progress.
 constexpr double least_step = 0.1;
 
 struct Nearest {
-  double along = 0;     ///< of the path's point
+  double along = 0;     ///< to that point
   double distance = 0;  ///< to it
 };
 
-/// Where on the path a robot is; `before`: where it was.
+/// The robot's point on the path. `before`: its last point.
 Nearest nearest(const Polyline& path, const Point2& position, std::optional<double> before) {
   Nearest best{0, (path.points.front() - position).norm()};
   double least_cost = std::numeric_limits<double>::infinity();

@@ -1,8 +1,8 @@
-// How a robot comes along, by what it says of itself: what is left of its way, how long it has waited, and
-// when it last came nearer to its goal.
+// The progress of a robot, from its states: the rest of its path, how long it has waited, and when it last
+// came nearer to its goal.
 //
-// Metres and fleet seconds. A path's later part that leads past the robot is not taken for where it is: of
-// two points of its path that are about as near, the one nearer along the path to where it was counts.
+// Metres and fleet seconds. Where a later part of the path leads past the robot, that part does not count: of
+// two points of the path at about the same distance, the one nearer along the path to the last point is used.
 #pragma once
 
 #include <optional>
@@ -14,32 +14,32 @@ namespace coppice {
 
 class RobotProgress {
  public:
-  /// Another mission: what was reached in the one before is none of it.
+  /// Begins another mission, and forgets the progress of the last one.
   void begin_mission();
-  /// Another way; empty: none.
+  /// Takes another path; empty: none.
   void follow(const Path& path);
-  /// What the robot says now; later than all that it has said before.
+  /// Takes the robot's next state. States must come in order.
   void on(const RobotState& state);
 
-  /// From there to the path, and along it to its end; none without a path.
+  /// The distance from `position` to the path and along it to its end; nothing without a path.
   std::optional<double> way_left(const Point2& position) const;
-  /// How long it has let another go first, or stood until there is a joint plan, without a break; 0: it does
-  /// not.
+  /// How long the robot has waited without a break, for another robot or for a joint plan; 0 if it does not
+  /// wait.
   double waiting(double time) const;
-  /// The same, of all such waits in this run.
+  /// The total of all such waits in this run.
   double waited(double time) const { return waited_ + waiting(time); }
-  /// Since it last came nearer to the end of its way; 0 for a robot that has nowhere to go.
+  /// Time since the robot last came nearer to the end of its path; 0 if it has no goal to reach.
   double without_progress(double time) const;
 
  private:
   void note_wait(const RobotState& state);
 
   std::optional<Polyline> path_;
-  std::optional<double> along_;  ///< where on the path it was last; none: not on this one yet
-  std::optional<double> least_;  ///< of what was left of this path
+  std::optional<double> along_;  ///< last point on the path; none: not yet on this path
+  std::optional<double> least_;  ///< least rest of this path so far
   std::optional<double> nearer_at_;
   std::optional<double> waits_since_;
-  double waited_ = 0;  ///< in waits that are over
+  double waited_ = 0;  ///< in waits that have ended
 };
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-// The page's files, as they were when the program was built (monitor/web/dist).
+// The page's files, built into the program (monitor/web/dist).
 #pragma once
 
 #include <span>

@@ -1,8 +1,8 @@
-// What the web server answers whom, apart from any socket: so that it can be looked over, and tested.
+// The access rules of the web server, apart from any socket, so that they can be reviewed and tested.
 //
-// A monitor shows a fleet to whoever sits at this machine. What a browser there may be led to by other sites
-// is kept out: a site that has its own name point to this machine (DNS rebinding) by the Host of its
-// requests, and one that connects across origins by their Origin (RFC 6455, 10.2), which pages cannot forge.
+// A monitor shows a fleet to everybody at this machine. It refuses requests that other sites cause in a
+// browser here: a site whose name points to this machine (DNS rebinding) is recognised by the Host, and a
+// connection across origins by the Origin (RFC 6455, 10.2), which pages cannot forge.
 #pragma once
 
 #include <optional>
@@ -12,34 +12,34 @@
 
 namespace coppice {
 
-/// The page of Foxglove's own site, which connects to the machine it is shown on.
+/// The origin of Foxglove's own site. Its page connects to the machine on which it is shown.
 inline constexpr std::string_view foxglove_origin = "https://app.foxglove.dev";
 
-/// Whether a request that names this Host may be meant for us: by an IP address, or "localhost"; any other
-/// name may be somebody else's. With a port or without, for ports may be forwarded.
+/// Whether this Host may mean this server: an IP address or "localhost", with or without a port, because
+/// ports may be forwarded. Any other name may belong to another site.
 bool is_fine_host(std::string_view host);
 
-/// Whether a page of that origin was loaded from the host that it now connects to.
+/// Whether a page of that origin was loaded from this host.
 bool is_same_origin(std::string_view origin, std::string_view host);
 
-/// The two that talk over WebSockets.
+/// The two kinds of WebSocket clients.
 enum class Channel : unsigned char { page, foxglove };
 
-/// The first of those that a client offers that Foxglove speaks. `subprotocols` is the header's text.
+/// The first of the offered subprotocols that Foxglove uses. `subprotocols` is the header's text.
 std::optional<std::string_view> foxglove_subprotocol(std::string_view subprotocols);
 
-/// Foxglove asks for its subprotocol, wherever; the page for its path.
+/// Foxglove is recognised by its subprotocol, on any path; a page by its path.
 std::optional<Channel> channel_of(std::string_view path, std::string_view subprotocols);
 
-/// Whether it may connect. Programs send no origin (it is empty); pages do. `others`: origins for which
-/// Foxglove's channel is open, too.
+/// Whether a client may connect. Programs send no origin (it is empty); pages do. `others`: further origins
+/// that may connect as Foxglove.
 bool may_connect(Channel channel, std::string_view origin, std::string_view host,
                  const std::vector<std::string>& others);
 
-/// Of a request's target, without the query.
+/// The path of a request's target, without the query.
 std::string_view path_of(std::string_view target);
 
-/// By the file's extension.
+/// The media type of a file, by its extension.
 std::string_view media_type(std::string_view path);
 
 }  // namespace coppice

@@ -39,7 +39,7 @@ std::string_view view_of(beast::string_view text) {
 
 class WebSocketSession;
 
-/// What all connections share; it outlives them.
+/// Shared by all connections, and outlives them.
 struct Shared {
   WebLimits limits;
   std::vector<std::string> origins;
@@ -49,7 +49,7 @@ struct Shared {
   std::vector<std::weak_ptr<WebSocketSession>> web_sockets{};
 };
 
-/// A connection's place among those that there may be.
+/// Counts a connection as long as it exists.
 class Place {
  public:
   explicit Place(Shared& shared) : shared_(&shared) { ++shared.connections; }
@@ -72,7 +72,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
 
   void accept(const Request& request) {
     const WebLimits& limits = shared_.limits;
-    beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has timeouts of its own
+    beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has its own timeouts
     socket_.set_option(
         websocket::stream_base::timeout{seconds(limits.request_seconds), seconds(limits.idle_seconds), true});
     socket_.read_message_max(limits.frame);
@@ -90,7 +90,8 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
-  /// Sends what there is to say, unless it is still at what it said before; cuts off who does not take that.
+  /// Sends the next messages, unless earlier ones are still being sent. Cuts off a client that does not take
+  /// them.
   void speak() {
     if (sending_ < messages_.size()) {
       if (Clock::now() - send_began_ > seconds(shared_.limits.blocked_seconds)) cut_off();
@@ -133,7 +134,7 @@ class WebSocketSession : public std::enable_shared_from_this<WebSocketSession> {
     });
   }
 
-  /// When what is being sent has gone out: a close is a write, and there is one at a time.
+  /// Closes after the current message. A close is a write, and only one write at a time is allowed.
   void close() {
     closing_ = true;
     if (sending_ == messages_.size()) say_goodbye();
@@ -180,7 +181,7 @@ Response refusal(const Request& request, http::status status, const std::string&
   return response;
 }
 
-/// What came is no HTTP, rather than too little or too late.
+/// True if the bytes are no HTTP; false if they are incomplete or late.
 bool is_bad_request(const error_code& error) {
   return error.category() == http::make_error_code(http::error::bad_method).category() &&
          error != http::error::end_of_stream && error != http::error::partial_message;
@@ -193,11 +194,11 @@ Response answer(const Request& request, const WebHandlers& handlers) {
     return response;
   }
   auto reply = handlers.get(path_of(view_of(request.target())));
-  if (!reply) return refusal(request, http::status::not_found, "There is nothing here.");
+  if (!reply) return refusal(request, http::status::not_found, "Not found.");
   return reply_to(request, http::status::ok, std::move(reply->type), std::move(reply->body));
 }
 
-/// One request after the other, until one asks for a WebSocket.
+/// Answers one request after the other, until a request asks for a WebSocket.
 class HttpSession : public std::enable_shared_from_this<HttpSession> {
  public:
   HttpSession(asio::ip::tcp::socket socket, Shared& shared)
@@ -216,12 +217,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_read(error_code error) {
     if (error == http::error::header_limit)
       return send(refusal({}, http::status::request_header_fields_too_large, "The request is too long."));
-    if (is_bad_request(error)) return send(refusal({}, http::status::bad_request, "That is no request."));
-    if (error) return;  // gone, or too slow
+    if (is_bad_request(error))
+      return send(refusal({}, http::status::bad_request, "This is not an HTTP request."));
+    if (error) return;  // the client has gone, or is too slow
     const Request& request = parser_->get();
     if (!is_fine_host(view_of(request[http::field::host])))
       return send(refusal(request, http::status::misdirected_request,
-                          "Ask by IP address or as localhost: any other name may be somebody else's."));
+                          "Use an IP address or localhost: any other name may belong to another site."));
     if (parser_->chunked() || parser_->content_length().value_or(0) > 0)
       return send(refusal(request, http::status::payload_too_large, "Requests have no body here."));
     if (websocket::is_upgrade(request)) return upgrade(request);
@@ -234,7 +236,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     if (!channel) return send(refusal(request, http::status::not_found, "WebSockets are at /live."));
     if (!may_connect(*channel, view_of(request[http::field::origin]), view_of(request[http::field::host]),
                      shared_.origins))
-      return send(refusal(request, http::status::forbidden, "Pages from elsewhere may not look."));
+      return send(refusal(request, http::status::forbidden, "Pages of other sites may not connect."));
     std::make_shared<WebSocketSession>(std::move(stream_), std::move(place_), shared_, *channel)
         ->accept(request);
   }
@@ -267,7 +269,7 @@ asio::ip::tcp::endpoint endpoint_of(const WebSettings& settings) {
 }  // namespace
 
 struct WebServer::Implementation {
-  // Connections live in what the context holds: it goes before what they share.
+  // The context holds the connections, so it is destroyed before `shared`.
   Shared shared;
   asio::io_context context{1};
   asio::ip::tcp::acceptor acceptor{context};

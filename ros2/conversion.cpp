@@ -5,14 +5,14 @@
 #include <cstddef>
 #include <numbers>
 
-#include "ros2/names.h"
 #include "planning/quantities.h"
+#include "ros2/names.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr double standing = 1e-3;  // m/s: slower than that has no direction
+constexpr double standing = 1e-3;  // m/s; a slower robot has no direction of motion
 
 bool sane(const Point2& p) {
   return is_sane(p.x()) && is_sane(p.y());
@@ -54,14 +54,15 @@ double yaw_of(double x, double y, double z, double w) {
 std::optional<std::string> problem_with(const RosOdometry& seen) {
   if (seen.frame != ros_map_frame) return "its frame_id is not \"map\"";
   const auto& [linear, angular] = seen.twist;
-  if (!sane(seen.pose.position) || !sane(linear) || !is_sane(angular)) return "it is not finite";
-  if (!is_sane(seen.pose.yaw)) return "its orientation is not finite";
+  if (!sane(seen.pose.position) || !sane(linear) || !is_sane(angular))
+    return "its position or velocity is out of range";
+  if (!is_sane(seen.pose.yaw)) return "its orientation is not valid";
   return std::nullopt;
 }
 
 std::optional<std::string> problem_with(const RosGoal& goal) {
   if (goal.frame != ros_map_frame && !goal.frame.empty()) return "its frame_id is not \"map\"";
-  if (!sane(goal.position)) return "it is not finite";
+  if (!sane(goal.position)) return "its position is out of range";
   return std::nullopt;
 }
 

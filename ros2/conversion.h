@@ -1,10 +1,10 @@
-// Between Coppice's map frame and what ROS 2 speaks of, as plain values.
+// Converts between Coppice's map frame and ROS 2, as plain values.
 //
-// ROS is right-handed: x to the right, y up, yaw counterclockwise from x (REP 103). Maps whose y grows down
-// the picture (Moving AI) are turned over about their line y = 0: a point (x, y) is (x, -y) in ROS, so that
-// RViz shows the picture as the file has it, and robots where they are on it.
+// ROS is right-handed: x to the right, y up, yaw counterclockwise from x (REP 103). Maps whose y grows
+// downwards (Moving AI) are mirrored at their line y = 0: a point (x, y) becomes (x, -y) in ROS, so that RViz
+// shows the map as its file does, with the robots in place.
 //
-// Metres, radians; times in ROS are those of the wall's clock, and speeds are metres per second of that.
+// Metres, radians. Times in ROS are of the wall clock, and speeds are metres per wall second.
 #pragma once
 
 #include <cstdint>
@@ -24,64 +24,64 @@ struct RosPose {
   double yaw = 0;
 };
 
-/// In the robot's own frame: x ahead, y to its left.
+/// In the robot's own frame: x forward, y to the left.
 struct RosTwist {
   Point2 linear = Point2::Zero();
   double angular = 0;
 };
 
-/// /NAME/odom: where a robot is, and how it moves.
+/// /NAME/odom: position and motion of a robot.
 struct RosOdometry {
-  WallTime stamp = 0;   ///< of what is read: when it arrived
-  std::string frame{};  ///< of what is read: in which the pose is
+  WallTime stamp = 0;   ///< when it arrived, for a message that was read
+  std::string frame{};  ///< frame of the pose, for a message that was read
   RosPose pose{};
   RosTwist twist{};
 };
 
-/// /NAME/cmd_vel: how it is to move.
+/// /NAME/cmd_vel: the commanded motion.
 struct RosCommand {
   RosTwist twist{};
 };
 
-/// /NAME/plan: its way; in the map frame of ROS.
+/// /NAME/plan: the robot's path, in the map frame of ROS.
 struct RosPlan {
   WallTime stamp = 0;
   Path way{};
 };
 
-/// /NAME/goal_pose: where somebody wants the robot to go. As it was read: anything may stand in it.
+/// /NAME/goal_pose: a goal that somebody sets for the robot. Not checked yet (problem_with).
 struct RosGoal {
   RobotName robot;
   std::string frame{};
   Point2 position = Point2::Zero();
 };
 
-/// What an agent says.
+/// The messages that an agent sends.
 using RosMessage = std::variant<RosOdometry, RosCommand, RosPlan>;
 
-/// There and back: the frame of ROS differs from the map's in y's direction alone.
+/// Converts in both directions: the frames differ only in the direction of y.
 inline Point2 turned(const Point2& p, YAxis y_axis) {
   return y_axis == YAxis::up ? p : Point2(p.x(), -p.y());
 }
 
-/// The same map with y up, as ROS has it: what lies at p lies at turned(p).
+/// The same map with y up, as ROS has it: the cell at p is at turned(p).
 OccupancyMap with_y_up(const OccupancyMap& map);
 
-/// -pi to pi.
+/// The same angle within -pi to pi.
 double wrapped(double angle);
 
-/// A vector in the frame of a robot with that yaw, and back.
+/// Turns a vector into the frame of a robot with this yaw, and back.
 Point2 into_robot(const Point2& v, double yaw);
 Point2 out_of_robot(const Point2& v, double yaw);
 
-/// Of a quaternion: which way its x axis points, seen from above.
+/// The yaw of a quaternion: the direction of its x axis, seen from above.
 double yaw_of(double x, double y, double z, double w);
 
-/// What came in and cannot be right, or nothing. Nothing of it is to be used before.
+/// Describes what is invalid in a received message, or returns nothing. Call it before using the message.
 std::optional<std::string> problem_with(const RosOdometry& seen);
 std::optional<std::string> problem_with(const RosGoal& goal);
 
-/// Which way a disc faces: where it drives, and while it stands as before.
+/// The direction in which a disc faces: that of its motion, and the last one while it stands.
 class Heading {
  public:
   /// `velocity`: in the map frame of ROS, m/s.

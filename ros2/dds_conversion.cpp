@@ -14,7 +14,7 @@ namespace tf2 = tf2_msgs::msg::dds_;
 
 namespace {
 
-constexpr std::uint8_t occupied = 100;  // per cent, as map_server says it
+constexpr std::uint8_t occupied = 100;  // percent, as map_server publishes it
 
 builtin::Time_ time_of(WallTime time) {
   const double whole = std::floor(time);
@@ -53,7 +53,7 @@ void set(geometry::Twist_& to, const RosTwist& twist) {
 
 }  // namespace
 
-/// Covariances stay 0: the body of a robot that is no real one is where it says.
+/// Covariances stay 0: a virtual robot is exactly where it says.
 nav::Odometry_ odometry_of(const RosOdometry& message, const RobotName& robot) {
   nav::Odometry_ sample;
   set_header(sample, message.stamp, ros_frame(robot, "odom"));
@@ -63,7 +63,7 @@ nav::Odometry_ odometry_of(const RosOdometry& message, const RobotName& robot) {
   return sample;
 }
 
-/// map -> odom, which are one here for nothing drifts, and odom -> base_link (REP 105).
+/// map -> odom, which coincide because nothing drifts, and odom -> base_link (REP 105).
 tf2::TFMessage_ transforms_of(const RosOdometry& message, const RobotName& robot) {
   tf2::TFMessage_ sample;
   sample.transforms().resize(2);
@@ -79,7 +79,7 @@ tf2::TFMessage_ transforms_of(const RosOdometry& message, const RobotName& robot
   return sample;
 }
 
-/// Each pose faces the next one, the last one as the one before.
+/// Each pose faces the next one. The last pose faces as the one before.
 nav::Path_ path_of(const RosPlan& plan) {
   nav::Path_ sample;
   set_header(sample, plan.stamp, ros_map_frame);

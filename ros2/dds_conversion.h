@@ -1,12 +1,12 @@
-// Samples of ROS 2's types (idl/ros2.idl) and what they mean here.
+// Converts the samples of ROS 2's types (idl/ros2.idl).
 #pragma once
 
 #include <fastdds/rtps/common/SerializedPayload.h>
 
 #include "dds/checked_type.h"
-#include "ros2/conversion.h"
 #include "planning/occupancy_map.h"
 #include "ros2.h"
+#include "ros2/conversion.h"
 
 namespace coppice {
 
@@ -16,11 +16,12 @@ nav_msgs::msg::dds_::Path_ path_of(const RosPlan& plan);
 nav_msgs::msg::dds_::OccupancyGrid_ grid_of(const OccupancyMap& map, WallTime now);
 geometry_msgs::msg::dds_::Twist_ twist_of(const RosCommand& message);
 
-/// Of anybody: to be looked at by problem_with (ros_conversion.h).
+/// May hold anything: check the result with problem_with (ros2/conversion.h).
 RosOdometry odometry_from(const nav_msgs::msg::dds_::Odometry_& sample, WallTime arrived);
 RosGoal goal_from(const geometry_msgs::msg::dds_::PoseStamped_& sample, const RobotName& robot);
 
-/// A type that no bytes can make throw (dds_checked_type.h), and whose unreadable samples show.
+/// A type that never throws while deserialising (dds/checked_type.h). It marks an unreadable sample by its
+/// frame.
 template <class Support>
 class CheckedRosType final : public Support {
  public:

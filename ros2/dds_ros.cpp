@@ -26,10 +26,10 @@ namespace tf2 = tf2_msgs::msg::dds_;
 
 namespace {
 
-constexpr int most_taken = 100;           // samples of a topic at a time
+constexpr int most_taken = 100;           // samples of a topic in one call
 constexpr double longest_farewell = 0.5;  // seconds
 
-/// Endpoints on a participant, removed at the end.
+/// Endpoints on a participant. The destructor removes them.
 class Endpoints {
  public:
   explicit Endpoints(dds::DomainParticipant& participant) : participant_(participant) {
@@ -52,7 +52,7 @@ class Endpoints {
   dds::DataWriter* writer(const TopicInfo& info, const std::string& name) {
     dds::DataWriterQos qos;
     apply(info, qos);
-    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;  // maps are cut in fragments
+    qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;  // large maps are sent in fragments
     return required(publisher_->create_datawriter(topic(new Support(), name), qos), "a writer for ROS");
   }
   template <class Support>
@@ -65,7 +65,7 @@ class Endpoints {
   }
 
  private:
-  /// Without type information, as dds_bus.cpp does: not all vendors read each other's.
+  /// Without type information, as in dds/dds_bus.cpp: not all vendors can read each other's.
   dds::Topic* topic(dds::TopicDataType* data_type, const std::string& name) {
     dds::TypeSupport type(data_type);
     type->auto_fill_type_information(false);
@@ -105,7 +105,7 @@ struct DdsRosRobot::Implementation {
   dds::DataReader* seen = nullptr;
 
   void write(const RosOdometry& message) {
-    if (odom == nullptr) return;  // it is not for us to say
+    if (odom == nullptr) return;  // the robot itself publishes its odometry
     auto odometry = odometry_of(message, robot);
     odom->write(&odometry);
     auto transforms = transforms_of(message, robot);

@@ -1,9 +1,9 @@
-// A fleet's topics in ROS 2, over the bus's own participant: no ROS is needed for that. A second participant
-// for each process would be found by all others, too.
+// A fleet's ROS 2 topics, over the bus's own participant. No installation of ROS is needed. The participant
+// is shared, because all processes would have to discover a second one, too.
 //
-// DDS names, types and QoS are those that ROS 2 uses (ros_names.h, idl/ros2.idl, ros_topics.h). What comes in
-// is of anybody who reaches the network: bytes that are no sample come out as one in a frame that there is
-// not, and so are refused by problem_with (ros_conversion.h).
+// DDS names, types and QoS are those of ROS 2 (ros2/names.h, idl/ros2.idl, ros2/topics.h). Anybody on the
+// network can send a message here. Bytes that are no valid sample become a sample with a frame that does not
+// exist, which problem_with (ros2/conversion.h) refuses.
 #pragma once
 
 #include <memory>
@@ -15,18 +15,19 @@
 
 namespace coppice {
 
-/// The topics of one robot. The bus outlives it.
+/// The topics of one robot. The bus must outlive it.
 class DdsRosRobot {
  public:
-  /// `elsewhere`: the robot says itself where it is: odom is read and not written, tf is not written.
+  /// `elsewhere`: the robot is outside of Coppice and publishes its odometry: odom is read, and neither odom
+  /// nor tf is written.
   DdsRosRobot(DdsBus& bus, const RobotName& robot, bool elsewhere);
-  /// Waits until its last command has reached those who listen, half a second at most.
+  /// Waits until readers have acknowledged the last command, for 0.5 s at most.
   ~DdsRosRobot();
   DdsRosRobot(const DdsRosRobot&) = delete;
   DdsRosRobot& operator=(const DdsRosRobot&) = delete;
 
   void publish(const RosMessage& message);
-  /// What came since the last call, stamped with when it came.
+  /// Returns the messages that arrived since the last call, with their times of arrival.
   std::vector<RosOdometry> take();
 
  private:
@@ -34,7 +35,7 @@ class DdsRosRobot {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// The fleet's: its map, and what others want of its robots. The bus outlives it.
+/// The topics of the fleet: its map, and goals for its robots. The bus must outlive it.
 class DdsRosFleet {
  public:
   DdsRosFleet(DdsBus& bus, std::span<const RobotName> robots);
@@ -43,7 +44,7 @@ class DdsRosFleet {
   DdsRosFleet& operator=(const DdsRosFleet&) = delete;
 
   void publish(const OccupancyMap& map, WallTime now);
-  /// What came since the last call.
+  /// Returns the goals that arrived since the last call.
   std::vector<RosGoal> take();
 
  private:

@@ -1,8 +1,8 @@
-// The one table of the topics that Coppice has in ROS 2: name, and how it is delivered. Types are those of
-// idl/ros2.idl, DDS names follow from ros_names.h, what each carries is in ros_conversion.h.
+// The table of the topics that Coppice has in ROS 2: name and QoS. The types are those of idl/ros2.idl,
+// ros2/names.h gives the DDS names, and ros2/conversion.h the content.
 //
-// QoS as ROS 2 has it by default (rmw_qos_profile_default: reliable, volatile, the last 10), and for tf, map
-// and plan as tf2, map_server and planners have it.
+// The QoS are ROS 2's defaults (rmw_qos_profile_default: reliable, volatile, the last 10); for tf, map and
+// plan those of tf2, map_server and the planners.
 #pragma once
 
 #include "messages/topics.h"

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t page_width = 100;  // characters
 constexpr std::size_t name_column = 28;  // of what stands after the names of options and commands
 
-/// A name as it is, and what is said of it in words that are wrapped and begin at `column`.
+/// A name, followed by its description: wrapped words that begin at `column`.
 std::string in_columns(const std::string& name, const std::string& text, std::size_t column) {
   std::string page = name;
   std::size_t width = name.size();
@@ -124,7 +124,7 @@ std::string did_you_mean(const std::string& nearest) {
   return nearest.empty() ? "" : fmt::format(", did you mean {}?", nearest);
 }
 
-/// What the program does not know; empty if it knows all of it.
+/// Describes the first argument that the program does not know; empty if it knows all.
 std::string unknown_argument(const CLI::App& app) {
   const CLI::App& command = chosen_command(app);
   const auto is_option = [](const std::string& text) { return text.size() > 1 && text.starts_with('-'); };
@@ -155,7 +155,7 @@ std::string unknown_argument(const CLI::App& app) {
                      did_you_mean(lacks_dashes ? "--" + rest[0] : ""));
 }
 
-/// An option behind which another one stands and no value; empty if there is none.
+/// Describes an option that is followed by another option instead of its value; empty if there is none.
 std::string missing_value(const CLI::App& command, const std::vector<std::string>& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const CLI::Option* option =
@@ -193,7 +193,7 @@ std::string missing_argument(const CLI::App& app) {
   return {};
 }
 
-/// One line, whatever the arguments hold.
+/// Describes the mistake in one line, even if the arguments contain line breaks.
 std::string mistake_in_words(const CLI::App& app, const std::vector<std::string>& arguments,
                              const CLI::ParseError& problem) {
   const CLI::App& command = chosen_command(app);

@@ -1,4 +1,4 @@
-// What the command lines of all programs have in common: how help looks, and that a mistake is one line.
+// Common to the command lines of all programs: the form of the help, and one line for each mistake.
 #pragma once
 
 #include <optional>
@@ -8,21 +8,22 @@
 
 namespace coppice {
 
-/// Gives a program its name, --help and --version, and all options that are added to it later their defaults
-/// in its help. Call it before options are added.
+/// Gives a program its name, --help and --version. Also makes the help show the defaults of all options that
+/// are added later. Call it before options are added.
 void set_up_command_line(CLI::App& app, const std::string& name, const std::string& description);
 
-/// Parses the arguments. Returns the exit code if the program is to end now: 0 after help or the version,
-/// which are printed; 2 after a mistake, which is told in one line.
+/// Parses the arguments. Returns the exit code if the program must end now: 0 after printing the help or the
+/// version, 2 after reporting a mistake in one line.
 std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
 
-/// What stands for an option's value in help: "FILE". Empty for a flag.
+/// The name of an option's value in the help, as "FILE". Empty for a flag.
 std::string value_name(const CLI::Option& option);
-/// What may be given, with which other options, and what holds without: "from 1 to 9; default: 3". Empty for
-/// a flag that goes with everything.
+/// The allowed values, the related options and the default: "from 1 to 9; default: 3". Empty for a flag
+/// without any such rule.
 std::string rules_of(const CLI::Option& option);
 
-/// Text of help, wrapped. A line with a tab is a name, and what is said of it; these stand in two columns.
+/// Wraps the text of a help page. In a line with a tab, a name comes before the tab and its description after
+/// it. They stand in two columns.
 std::string help_text(const std::string& lines);
 
 }  // namespace coppice

@@ -23,8 +23,8 @@ namespace coppice {
 
 namespace {
 
-// A line of text, then the records: length and checksum of the bytes, four each, and the bytes.
-// What a record holds follows from the types of messages: so the line says which these are.
+// The file begins with a line of text. Then follow the records: length and checksum of the bytes, four bytes
+// each, and the bytes. The content of a record depends on the message types, so the line names their version.
 constexpr std::string_view magic = "coppice journal " COPPICE_MESSAGE_TYPES " ";
 constexpr char whole = 'c';
 constexpr char has_gaps = 'i';
@@ -49,7 +49,7 @@ void append_number(std::uint32_t number, std::vector<std::uint8_t>& bytes) {
   throw std::runtime_error(fmt::format("{}: {}", path.string(), what));
 }
 
-/// As many bytes as there are from `place` on, at most `size`.
+/// Returns up to `size` bytes from `place` on; fewer at the end of the file.
 std::vector<std::uint8_t> bytes_at(int descriptor, std::size_t place, std::size_t size,
                                    const std::filesystem::path& path) {
   struct stat status {};
@@ -94,10 +94,12 @@ Journal::~Journal() {
 
 void Journal::find_end(const std::function<void()>& meanwhile) {
   const std::vector<std::uint8_t> header = bytes_at(descriptor_, 0, header_size, path_);
-  // One that was killed as it made the file has left a part of the first line.
+  // A process that was killed while it created the file has left only a part of the first line.
   const std::size_t known = std::min(header.size(), magic.size());
   if (!std::equal(header.begin(), header.begin() + static_cast<std::ptrdiff_t>(known), magic.begin()))
-    fail(path_, "is no journal, or one of a version with other messages: remove it, or name another folder");
+    fail(path_,
+         "is not a journal, or was written by a version with other messages: remove it, or name another "
+         "folder");
   if (header.size() < header_size) {
     std::vector<std::uint8_t> begin(magic.begin(), magic.end());
     begin.push_back(whole);
@@ -144,8 +146,8 @@ std::vector<Message> Journal::messages() const {
   return all;
 }
 
-/// The first line stays: on a full disk there may be no room to write it again, and a file without one counts
-/// as new. And what is there goes before the mark does: with gaps it must never count as complete.
+/// The first line stays: a full disk may have no room to write it again, and a file without it counts as new.
+/// The records are removed before the mark is set: a file with gaps must never count as complete.
 bool Journal::begin_anew() {
   if (ftruncate(descriptor_, static_cast<off_t>(header_size)) != 0) return false;
   end_ = header_size;
@@ -153,7 +155,7 @@ bool Journal::begin_anew() {
   return complete_;
 }
 
-/// In place: that needs no room.
+/// Overwrites one byte in place, which needs no room.
 bool Journal::mark(char as) {
   const bool done = pwrite(descriptor_, &as, 1, static_cast<off_t>(magic.size())) == 1;
   if (!done) spdlog::error("{}: cannot be marked: {}", path_.string(), std::strerror(errno));
@@ -189,7 +191,7 @@ void Journal::append(const Message& message) {
 }
 
 void Journal::give_up() {
-  spdlog::error("{}: cannot be written: {}; what comes from now on is not kept", path_.string(),
+  spdlog::error("{}: cannot be written: {}; later messages are not kept", path_.string(),
                 std::strerror(errno));
   complete_ = false;
   mark(has_gaps);

@@ -1,8 +1,8 @@
-// Messages on disk, in order: what a process must know again that takes the place of one that was killed.
+// Messages on disk, in order: what the successor of a killed process must know.
 //
-// Each is on its way to the disk when `append` returns, so that it survives the process; not a loss of power.
-// A file of its own rather than a database: an agent writes twenty times a second, some hundred bytes each
-// time, and a database writes whole pages.
+// `append` hands a message to the operating system before it returns. So the message survives the process,
+// but not a loss of power. The journal is a plain file and no database: an agent writes a few hundred bytes
+// twenty times a second, and a database would write whole pages.
 #pragma once
 
 #include <cstddef>
@@ -27,38 +27,38 @@ class JournalInUse : public std::runtime_error {
 
 class Journal {
  public:
-  /// Opens the file, or makes it; what follows after the first record that is torn is cut off. Throws
-  /// std::runtime_error, which names the file, if it cannot be opened or written, is in use by another
-  /// process (JournalInUse), is no journal, or holds messages of another version's types. It reads the file
-  /// once; `meanwhile` is called after each record, for a long one takes seconds.
+  /// Opens or creates the file. Cuts off everything after the last complete record before the first damaged
+  /// one. Throws std::runtime_error, which names the file, if it cannot be opened or written, is in use by
+  /// another process (JournalInUse), is not a journal, or holds message types of another version. Reads the
+  /// whole file once, which takes seconds for a long file; calls `meanwhile` after each record.
   explicit Journal(
       std::filesystem::path file, const std::function<void()>& meanwhile = [] {});
   ~Journal();
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&&) = delete;
 
-  /// Each message that it holds, in order, one at a time: a long run's do not fit into memory. Throws as the
-  /// constructor does.
+  /// Calls `fn` with each message in order. Reads one message at a time, because those of a long run do not
+  /// fit into memory. Throws as the constructor does.
   void for_each(const std::function<void(const Message&)>& fn) const;
   bool empty() const;
-  /// All of them at once.
+  /// Returns all messages at once.
   std::vector<Message> messages() const;
 
-  /// Where there is no room this is logged, once, and the file counts as incomplete from then on: it keeps
-  /// what it has, and takes no more.
+  /// If the disk is full, this is logged once, and the file counts as incomplete from then on: it keeps its
+  /// messages and takes no more.
   void append(const Message& message);
-  /// The same, or empties it first.
+  /// Appends the message, or removes all others first, or does nothing, as `choice` says.
   void keep(Keep choice, const Message& message);
-  /// False: the disk was full at some time since the file was begun, and what came then is missing.
+  /// False if messages are missing because the disk was full at some time since the file was begun.
   bool complete() const { return complete_; }
-  /// From now on it counts as complete, and takes more: for a process to which each message is of use without
-  /// the others.
+  /// Makes the file count as complete, so that it takes messages again. For a process to which each message
+  /// is useful without the others.
   void accept_gaps();
 
   const std::filesystem::path& file() const { return path_; }
 
  private:
-  /// The record that begins there, if a whole one does.
+  /// The record at this place, if it is complete.
   std::optional<std::vector<std::uint8_t>> record_at(std::size_t place) const;
   void find_end(const std::function<void()>& meanwhile);
   bool begin_anew();
@@ -68,12 +68,12 @@ class Journal {
 
   std::filesystem::path path_;
   int descriptor_ = -1;
-  std::size_t end_ = 0;  ///< of the last whole record
+  std::size_t end_ = 0;  ///< end of the last complete record
   bool complete_ = true;
 };
 
-/// The journal of a process in the folder that `--state` names, which is made if there is none; nothing if
-/// that is empty: then nothing is kept. Throws as Journal does.
+/// The journal of a process in the folder that `--state` names. Creates the folder. Returns nothing if
+/// `folder` is empty: then nothing is kept. Throws as Journal does.
 std::optional<Journal> journal_in(
     const std::string& folder, const std::string& process, const std::function<void()>& meanwhile = [] {});
 

@@ -25,14 +25,14 @@ namespace coppice {
 
 namespace {
 
-// The one thing that a signal handler may touch; nothing else in the project is global.
+// A signal handler may touch only this kind of variable. Nothing else in the project is global.
 volatile std::sig_atomic_t stop_flag = 0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
 
 extern "C" void on_stop_signal(int) {
   stop_flag = 1;
 }
 
-/// A text as it stands between the quotes of a JSON string.
+/// Formats a text as the content of a JSON string, between its quotes.
 class JsonText final : public spdlog::custom_flag_formatter {
  public:
   explicit JsonText(spdlog::string_view_t spdlog::details::log_msg::*text) : text_(text) {}
@@ -72,14 +72,14 @@ bool touch(const std::string& file) {
   return touched;
 }
 
-/// A datagram to the socket that it has named (sd_notify(3)); nothing, where it has not.
+/// Sends a datagram to the socket that systemd has named (sd_notify(3)), if any.
 void tell_systemd(const std::string& state) {
   const char* const name = std::getenv("NOTIFY_SOCKET");
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (name == nullptr || std::strlen(name) >= sizeof address.sun_path) return;
   std::strcpy(address.sun_path, name);
-  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';  // an abstract one
+  if (address.sun_path[0] == '@') address.sun_path[0] = '\0';  // an abstract socket
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket < 0) return;
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + std::strlen(name));
@@ -92,7 +92,7 @@ void tell_systemd(const std::string& state) {
 void fill_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     const bool is_open = fcntl(stream, F_GETFD) >= 0;
-    if (!is_open) (void)open("/dev/null", O_RDWR);  // the lowest number that is free: this one
+    if (!is_open) (void)open("/dev/null", O_RDWR);  // takes the lowest free number, which is this stream's
   }
 }
 
@@ -133,7 +133,8 @@ Heartbeat::Heartbeat(std::string file) : file_(std::move(file)) {
 }
 
 void Heartbeat::beat(WallTime now) {
-  if (now < next_ && next_ < now + 2 * heartbeat_period) return;  // later than that: the clock was set back
+  // A time further off was set before the clock was set back.
+  if (now < next_ && next_ < now + 2 * heartbeat_period) return;
   next_ = now + heartbeat_period;
   if (!file_.empty()) touch(file_);
   tell_systemd("WATCHDOG=1");
@@ -154,7 +155,7 @@ int exit_code_of(const std::function<int()>& program) {
   try {
     return program();
   } catch (const std::exception& problem) {
-    spdlog::set_level(spdlog::level::err);  // it may be off
+    spdlog::set_level(spdlog::level::err);  // logging may be off
     spdlog::error("{}", problem.what());
     return 2;
   }

@@ -1,5 +1,5 @@
-// What the processes' mains share: the wall's clock, the wish to stop, and the loop that runs a role on a
-// bus.
+// Common to the mains of all processes: the wall clock, the signals to stop, and the loop that runs a role on
+// a bus.
 #pragma once
 
 #include <algorithm>
@@ -18,24 +18,25 @@ inline WallTime wall_now() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// Of the standard streams those that are closed lead nowhere from now on: a file that got the number of one
-/// would get what is logged. Call first.
+/// Opens closed standard streams on /dev/null. Otherwise the next file to be opened would get the number of a
+/// stream, and the log would be written into it. Call this first.
 void fill_standard_streams();
 
-/// SIGINT, SIGTERM and SIGHUP (unless that is ignored, as by nohup) ask a process to stop; asking again does
-/// no more than that. Who reads its output may go, and a file may be as long as it may become: SIGPIPE and
-/// SIGXFSZ are ignored, for writing tells. Call once, before other threads. Who starts the process may block
-/// these signals until then, so that none is lost.
+/// SIGINT, SIGTERM and SIGHUP (unless ignored, as by nohup) ask the process to stop. Repeated signals change
+/// nothing. SIGPIPE and SIGXFSZ are ignored, because a failed write reports that a reader has gone or that a
+/// file has reached its size limit. Call this once, before other threads start. The parent may block these
+/// signals until then, so that none is lost.
 void install_stop_signals();
 sigset_t stop_signals();
 bool stop_requested();
 
-/// Lets everybody else on this machine go first, the agents of `coppice run` too: for those who look on. Call
-/// before other threads.
+/// Lowers this process's priority below that of all others, also of the agents of `coppice run`. For
+/// processes that only observe. Call before other threads start.
 void give_way();
 
-/// Shows whoever watches this process that its loop turns: once a second it touches a file (health checks of
-/// containers) and tells systemd, if that has started it with NOTIFY_SOCKET (Type=notify, WatchdogSec=).
+/// Tells supervisors that the loop of this process runs. Once a second it touches a file (for health checks
+/// of containers) and notifies systemd, if that started the process with NOTIFY_SOCKET (Type=notify,
+/// WatchdogSec=).
 class Heartbeat {
  public:
   /// `file`: empty for none. Throws std::runtime_error if it cannot be written.
@@ -47,22 +48,22 @@ class Heartbeat {
   WallTime next_ = 0;
 };
 
-/// Logs to standard error at the level that is named (trace ... off). As lines of text, or of JSON:
+/// Logs to standard error from the named level on (trace ... off). The lines are plain text or JSON:
 /// {"time":"...","level":"...","name":"...","message":"..."}.
 void set_up_logging(const std::string& name, const std::string& level, bool as_json = false);
 
-/// Runs a program and returns its exit code: 2 if it throws, which is then the last line of its log, whatever
-/// the level of that.
+/// Runs a program and returns its exit code. If the program throws, this logs the error, whatever the log
+/// level is, and returns 2.
 int exit_code_of(const std::function<int()>& program);
 
-/// Longest sleep of the loop, so that a signal is seen soon even where nothing arrives, seconds.
+/// Seconds. The longest sleep of the loop, so that a signal is noticed soon even if nothing arrives.
 inline constexpr double longest_wait = 0.1;
 
-/// Seconds; no role that has something to do sleeps longer. A wake that is further off was chosen before the
-/// clock was set back.
+/// Seconds. No active role sleeps longer. A wake-up time further off was chosen before the clock was set
+/// back.
 inline constexpr double longest_sleep_of_role = 2;
 
-/// Lets a role step if it has something to do.
+/// Lets the role step if its wake-up time has come.
 template <class R, class K>
 void step_role(DdsBus& bus, R& role, K& keeper) {
   const WallTime now = wall_now();
@@ -75,8 +76,8 @@ void step_role(DdsBus& bus, R& role, K& keeper) {
   }
 }
 
-/// One turn: wait until something arrives or the role has something to do; let it take and step; publish.
-/// `keeper` (keep.h) has what is said before anybody else.
+/// One turn of the loop: waits until something arrives or the role must wake up, lets the role take the
+/// messages and step, and publishes. `keeper` (messages/keep.h) gets each message before it is published.
 template <class R, class K>
 void run_role_once(DdsBus& bus, R& role, K& keeper) {
   bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));

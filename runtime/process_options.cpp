@@ -15,7 +15,7 @@ namespace coppice {
 
 namespace {
 
-/// CLI11's own range takes 010 for 8.
+/// CLI11's own range reads 010 as 8.
 CLI::Validator whole_number_in(int least, int most) {
   const std::string bounds = fmt::format("{} to {}", least, most);
   return {[=](std::string& text) {
@@ -28,7 +28,7 @@ CLI::Validator whole_number_in(int least, int most) {
           bounds};
 }
 
-/// CLI11's own range lets NaN pass.
+/// CLI11's own range accepts NaN.
 CLI::Validator number_in(double least, double most) {
   const std::string bounds = fmt::format("{} to {}", least, most);
   return {[=](const std::string& text) {
@@ -50,7 +50,7 @@ CLI::Validator a_discovery() {
     static const std::regex known("multicast|static|" + server + "(;" + server + ")*");
     if (std::regex_match(text, known)) return {};
     return text +
-           " is no way to find others, expected multicast, static or HOST:PORT;..., with ports from 1 to "
+           " is not a way of discovery, expected multicast, static or HOST:PORT;..., with ports from 1 to "
            "65535";
   };
   return {problem, "multicast|static|HOST:PORT"};
@@ -71,28 +71,29 @@ CLI::Validator a_domain() {
 void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of_service) {
   app.option_defaults()->group("ROS 2");
   CLI::Option* const ros =
-      app.add_flag("--ros", options.on, "speaks ROS 2 as well: topics for RViz and Nav2");
+      app.add_flag("--ros", options.on, "publishes topics of ROS 2 as well, for RViz and Nav2");
   CLI::Option* const drive =
       app.add_option_function<std::string>(
              "--drive", [&options](const std::string& who) { options.drives = who == "ros"; },
-             "virtual: robots are where Coppice drives them; ros: robots elsewhere follow cmd_vel and tell "
+             "virtual: Coppice moves the robots; ros: robots outside of Coppice follow cmd_vel and publish "
              "odom")
           ->check(CLI::IsMember({"virtual", "ros"}))
           ->needs(ros)
           ->default_str("virtual");
-  app.add_option("--tracking-tolerance", options.tolerance,
-                 "metres that such a robot may be off where it should be: all keep that much more room")
+  app.add_option(
+         "--tracking-tolerance", options.tolerance,
+         "metres by which such a robot may be off its reference: all robots keep that much more distance")
       ->check(number_in(1e-3, 1e3))
       ->needs(drive);
   if (of_agents) {
     app.add_option("--odom-timeout", options.patience,
-                   "seconds without odometry until such a robot is stopped")
+                   "seconds without odometry after which such a robot is stopped")
         ->check(number_in(0.05, 60.0))
         ->needs(drive);
   }
   if (of_service) {
     app.add_flag("--serve", options.waits_for_goals,
-                 "goes on when all have arrived, and waits for goals until it is told to stop")
+                 "continues when all robots have arrived, and waits for goals until it is stopped")
         ->needs(ros)
         ->excludes("--timeout");
   }
@@ -102,26 +103,27 @@ void check_ros(const RosOptions& options, const std::string& discovery, const st
   if (!options.on) return;
   if (!security.empty())
     throw std::runtime_error(
-        "--ros goes without --security: programs of ROS 2 have no part in the fleet's permissions");
+        "--ros goes without --security: programs of ROS 2 are not in the fleet's permissions");
   if (discovery == static_discovery)
     throw std::runtime_error(
-        "--ros goes without --discovery static: programs of ROS 2 would see none of the topics");
+        "--ros goes without --discovery static: programs of ROS 2 would not find the topics");
 }
 
 void add_log_options(CLI::App& app, LogOptions& options) {
   app.option_defaults()->group("Log");
-  app.add_option("--log-level", options.level, "least important lines that are logged")
+  app.add_option("--log-level", options.level, "least severe level that is logged")
       ->check(CLI::IsMember(
           std::vector<std::string>{"trace", "debug", "info", "warning", "error", "critical", "off"}));
-  app.add_flag("--log-json", options.json, "log lines of JSON");
+  app.add_flag("--log-json", options.json, "writes the log as lines of JSON");
 }
 
 void add_process_options(CLI::App& app, ProcessOptions& options) {
   app.option_defaults()->group("Network");
   app.add_option("--domain", options.network.domain, "DDS domain")->check(a_domain());
   app.add_option("--discovery", options.network.discovery,
-                 "how processes find each other: multicast; static (by multicast, and a table of their "
-                 "endpoints: for large fleets); or discovery servers, several with ; between them")
+                 "how processes find each other: multicast; static (multicast with a fixed table of "
+                 "endpoints, for large "
+                 "fleets); or discovery servers, separated by ;")
       ->check(a_discovery())
       ->default_str(default_discovery);
   app.add_option("--security", options.network.security,
@@ -132,12 +134,11 @@ void add_process_options(CLI::App& app, ProcessOptions& options) {
                  "largest UDP datagram, bytes: the default fits every network")
       ->check(whole_number_in(datagram_for_networks, datagram_for_one_host));
   app.option_defaults()->group("Supervision");
-  app.add_option("--state", options.state,
-                 "folder in which it keeps what it needs to go on if it is started anew")
+  app.add_option("--state", options.state, "folder for the state with which a restarted process continues")
       ->check(a_folder_name())
       ->default_str("nothing is kept");
   app.add_option("--alive", options.alive,
-                 "file that is touched every second while all is well: for health checks")
+                 "file that is touched every second while the process works, for health checks")
       ->type_name("FILE")
       ->default_str("none");
   add_log_options(app, options.log);

@@ -1,4 +1,4 @@
-// The options that all processes of a fleet have.
+// The options common to all processes of a fleet.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ class Validator;
 
 namespace coppice {
 
-/// What is logged, and how (runtime/process.h).
+/// Log level and format (runtime/process.h).
 struct LogOptions {
   std::string level = "info";
   bool json = false;
@@ -20,41 +20,41 @@ struct LogOptions {
 
 struct ProcessOptions {
   DdsSettings network;
-  std::string state;  ///< folder for what it keeps for its successor; empty: nothing is kept
+  std::string state;  ///< folder for the state that a successor needs; empty: nothing is kept
   std::string alive;  ///< file that is touched every second; empty: none
   LogOptions log;
 };
 
-/// What a fleet does in ROS 2 (docs/ros.md).
+/// A fleet's use of ROS 2 (docs/ros.md).
 struct RosOptions {
   bool on = false;
-  bool drives = false;    ///< the robots are elsewhere, and told by ROS where to go
-  double tolerance = 1;   ///< metres that such a robot may be off its reference
-  double patience = 0.5;  ///< seconds without its odometry
+  bool drives = false;    ///< the robots are outside of Coppice, and driven through ROS
+  double tolerance = 1;   ///< metres by which such a robot may be off its reference
+  double patience = 0.5;  ///< seconds without odometry after which such a robot is stopped
   bool waits_for_goals = false;
 };
 
-/// --ros and what goes with it. `of_agents`, `of_service`: whether what concerns these alone is asked for,
-/// too.
+/// Adds --ros and the options that go with it. `of_agents`, `of_service`: adds the options that only concern
+/// these, too.
 void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of_service);
 
-/// Throws std::runtime_error where programs of ROS could not take part.
+/// Throws std::runtime_error if the settings exclude programs of ROS.
 void check_ros(const RosOptions& options, const std::string& discovery, const std::string& security);
 
-/// Of an option that names a DDS domain.
+/// Checks an option that names a DDS domain.
 CLI::Validator a_domain();
-/// Of an option that says how processes find each other (DdsSettings::discovery).
+/// Checks an option that says how processes find each other (DdsSettings::discovery).
 CLI::Validator a_discovery();
-/// What holds without that option, for people.
+/// The default of that option, as text for the help.
 inline constexpr const char* default_discovery =
     "the servers of ROS_DISCOVERY_SERVER, or multicast, or with --security static";
-/// Of an option that names a folder: not empty, as of a variable that is not set.
+/// Checks an option that names a folder: not empty, as the value of an unset variable would be.
 CLI::Validator a_folder_name();
 
-/// --log-level and --log-json.
+/// Adds --log-level and --log-json.
 void add_log_options(CLI::App& app, LogOptions& options);
 
-/// Values out of range are usage errors.
+/// Adds the options of a process. Values out of range are usage errors.
 void add_process_options(CLI::App& app, ProcessOptions& options);
 
 }  // namespace coppice

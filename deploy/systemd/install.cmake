@@ -1,5 +1,5 @@
-# Installs the units of `folder`, with the folder `programs` (below the prefix) in place of /usr/local/bin. The changed
-# copies go to `changed` first.
+# Installs the units of `folder`, with the folder `programs` (below the prefix) instead of /usr/local/bin. Writes the
+# changed copies to `changed` first.
 cmake_path(ABSOLUTE_PATH programs BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
 file(GLOB units "${folder}/*.service")
 foreach(unit IN LISTS units)

@@ -1,11 +1,11 @@
-// Makes src/live.js and its types of idl/live.proto.
+// Makes src/live.js and its types from idl/live.proto.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {compileRaw} from 'pbf/compile';
 import {parse} from 'protocol-buffers-schema';
 
 const source = readFileSync(new URL('../../idl/live.proto', import.meta.url), 'utf8');
 const schema = parse(source);
-const optional = new Set([...source.matchAll(/^ *optional \S+ (\w+)/gm)].map((m) => m[1]));  // which parse() drops
+const optional = new Set([...source.matchAll(/^ *optional \S+ (\w+)/gm)].map((m) => m[1]));  // parse() drops this property
 
 const scalar = {string: 'string', bool: 'boolean', bytes: 'Uint8Array | undefined'};
 const numbers = ['double', 'float', 'uint32', 'sint32', 'int32', 'uint64'];
@@ -14,7 +14,7 @@ function typeOf(field, scope) {
   const nested = scope.find((path) => declared.has(path + field.type));
   const single = nested !== undefined ? nested + field.type
     : numbers.includes(field.type) ? 'number' : scalar[field.type];
-  if (!single) throw new Error(`live.proto: ${field.name} is of type ${field.type}, which protocol.mjs does not know`);
+  if (!single) throw new Error(`live.proto: ${field.name} has type ${field.type}, which protocol.mjs does not support`);
   if (field.repeated) return `${single}[]`;
   return declared.get(single) === 'message' ? `${single} | undefined` : single;
 }
@@ -41,7 +41,7 @@ function types({messages = [], enums = []}, path) {
     const oneofs = new Map();
     let fields = '';
     for (const field of m.fields) {
-      // As protoc does: an optional field is alone in a oneof, which tells whether it was there.
+      // Like protoc: an optional field is alone in a oneof, which tells whether the field was sent.
       if (optional.has(field.name) && !field.oneof) field.oneof = `_${field.name}`;
       if (field.oneof) oneofs.set(field.oneof, [...(oneofs.get(field.oneof) ?? []), `'${field.name}'`]);
       fields += `  ${field.name}: ${typeOf(field, [name, path, ''])};\n`;

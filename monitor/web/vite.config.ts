@@ -1,6 +1,6 @@
 import {defineConfig} from 'vite';
 
-// Names are stable, for `coppice monitor` serves the files of dist/ by name; nothing is inlined, for its
+// File names are stable, because `coppice monitor` serves the files of dist/ by name. Nothing is inlined, because its
 // Content-Security-Policy allows no inline script, style or font.
 export default defineConfig({
   base: './',

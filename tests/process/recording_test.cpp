@@ -100,14 +100,14 @@ TEST_F(ARecordedRun, IsToldOf) {
   const Outcome info = shell(test::program("coppice") + " info " + path("run.mcap"));
   EXPECT_EQ(info.exit_code, 0) << info.output;
   for (const char* part :
-       {", whole", "4 robots: r1 r2 r3 r4", "zstd", "/coppice/robot_state", "/coppice/map"})
+       {", complete", "4 robots: r1 r2 r3 r4", "zstd", "/coppice/robot_state", "/coppice/map"})
     EXPECT_NE(info.output.find(part), std::string::npos) << part << " in " << info.output;
   // Cut in the middle.
   const std::string whole = test::contents(path("run.mcap"));
   folder->write("cut.mcap", whole.substr(0, 2 * whole.size() / 3));
   const Outcome cut = shell(test::program("coppice") + " info " + path("cut.mcap"));
   EXPECT_EQ(cut.exit_code, 0) << cut.output;
-  for (const char* part : {"not whole", "within the record", "4 robots: r1 r2 r3 r4"})
+  for (const char* part : {"not complete", "within the record", "4 robots: r1 r2 r3 r4"})
     EXPECT_NE(cut.output.find(part), std::string::npos) << part << " in " << cut.output;
   const Outcome none = shell(test::program("coppice") + " info " + path("t.csv"));
   EXPECT_EQ(none.exit_code, 2);
@@ -206,7 +206,7 @@ TEST_F(ARecordedRun, IsNotReplayedWhereAFleetIs) {
   service.publish(Message(map));
   const Outcome replay = shell(test::program("coppice") + " replay --domain 162 " + path("run.mcap"));
   EXPECT_EQ(replay.exit_code, 2) << replay.output;
-  EXPECT_NE(replay.output.find("a fleet is there"), std::string::npos) << replay.output;
+  EXPECT_NE(replay.output.find("a fleet or another replay is active"), std::string::npos) << replay.output;
 }
 
 TEST_F(ARecordedRun, IsNothingToAFleetThatComesLater) {

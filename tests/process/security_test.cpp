@@ -200,7 +200,7 @@ std::vector<Bad> bad_credentials(const fs::path& theirs) {
        "openssl.cnf -batch "
        "-notext -startdate 20990101000000Z -enddate 20990201000000Z -in ../csr -out ../agent/cert.pem",
        "cert.pem", "is not valid before Jan  1"},
-      {"nothing signed", "echo nonsense >agent/governance.p7s", "governance.p7s", "no signed document"},
+      {"nothing signed", "echo nonsense >agent/governance.p7s", "governance.p7s", "not a signed document"},
       {"changed after it was signed", "sed -i s/ENCRYPT/NONE/ agent/governance.p7s", "governance.p7s",
        "is not signed by"},
       {"another authority's permissions", "cp '" + theirs.string() + "/agent/permissions.p7s' agent/",

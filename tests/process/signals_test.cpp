@@ -126,8 +126,8 @@ TEST(Logs, TellThatAnotherProcessIsTheSameRobot) {
   const Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "139"});
   ASSERT_TRUE(agent.says("on domain 139"));
   const Program other(other_folder, {"robot_agent", "--name", "r1", "--domain", "139"});
-  EXPECT_TRUE(agent.says("another process says to be robot r1"));
-  EXPECT_TRUE(other.says("another process says to be robot r1"));
+  EXPECT_TRUE(agent.says("another process is the agent of robot r1"));
+  EXPECT_TRUE(other.says("another process is the agent of robot r1"));
 }
 
 // A journal that got the number of standard error would get what is logged.

@@ -27,7 +27,7 @@ struct AFleetTable : testing::Test {
 
 TEST_F(AFleetTable, SaysThatNothingWasHeard) {
   const FleetTable table = fleet_table(view, RobotOrder::name, 100);
-  EXPECT_EQ(table.summary, std::vector<std::string>{"no robot has been heard of yet"});
+  EXPECT_EQ(table.summary, std::vector<std::string>{"no robot has been heard yet"});
   EXPECT_TRUE(table.rows.empty());
 }
 

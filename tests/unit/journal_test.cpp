@@ -102,7 +102,7 @@ std::string problem_with_opening(const std::filesystem::path& path) {
 
 TEST_F(AJournal, RefusesForeignFilesFoldersAndFilesInUseAndNamesThem) {
   folder.write("notes", "of something else that nobody must lose");
-  EXPECT_NE(problem_with_opening(folder.path() / "notes").find("notes: is no journal"), std::string::npos);
+  EXPECT_NE(problem_with_opening(folder.path() / "notes").find("notes: is not a journal"), std::string::npos);
   EXPECT_EQ(test::contents(folder.path() / "notes"), "of something else that nobody must lose");
   EXPECT_NE(problem_with_opening(folder.path()).find("cannot be opened"), std::string::npos);
   EXPECT_NE(problem_with_opening(folder.path() / "none" / "x").find("cannot be opened"), std::string::npos);

@@ -1,5 +1,5 @@
-// The background as the page has it: an image somewhat larger than what is seen, drawn by a worker. While one pans or
-// zooms, the last image is moved and scaled; a new one is asked for when it no longer fits, or what it shows has changed.
+// The background on the page: an image somewhat larger than the view, drawn by a worker. While the user pans or zooms,
+// the last image is moved and scaled. A new one is requested when it no longer fits, or when its content has changed.
 import BackgroundWorker from './background_worker.ts?worker';
 import type {Drawn, DrawRequest} from './background_worker.ts';
 import type {SceneChange} from './fleet.ts';
@@ -8,8 +8,8 @@ import type {Palette} from './palette.ts';
 import {type View, toPageX, toPageY} from './view.ts';
 
 const margin = 0.2;      // of the view's size, on each side
-const leastPause = 150;  // milliseconds between two images for what changes by itself
-const idleShare = 2;     // so much longer than an image takes, the pause is at least
+const leastPause = 150;  // milliseconds between two images for changes of the fleet
+const idleShare = 2;     // the pause is at least this many times the drawing time
 
 export class Background {
   private readonly worker = new BackgroundWorker();
@@ -36,12 +36,12 @@ export class Background {
     this.changed = true;
   }
 
-  /// Layers or colours are others: draw as soon as possible.
+  /// Layers or colours have changed: draw as soon as possible.
   invalidate(): void {
     this.changed = this.urgent = true;
   }
 
-  /// Asks for another image where that is due.
+  /// Requests another image if one is due.
   keep(view: View, pixelRatio: number, layers: Layers, palette: Palette, selected: number, now: number): void {
     const due = !this.covers(view) || (this.changed && (this.urgent || now - this.asked > Math.max(leastPause, (1 + idleShare) * this.took)));
     if (this.drawing || !due) return;
@@ -88,7 +88,7 @@ interface Place {
   height: number;
 }
 
-/// Where an image of one view lies on the page in another.
+/// The position on the page of an image that was drawn for another view.
 function placeOf(image: View, view: View): Place {
   const scale = view.scale / image.scale;
   const width = image.width * scale;

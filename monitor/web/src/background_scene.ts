@@ -1,4 +1,4 @@
-// What lies beneath the robots and seldom changes: map, trees, paths, starts and goals. Drawn whole, for a view.
+// The content beneath the robots that seldom changes: map, trees, paths, starts and goals. Drawn as a whole for a view.
 import type {Robot, SceneChange} from './fleet.ts';
 import {EdgesKind, type Map as GridMap} from './live.js';
 import type {Layers} from './layers.ts';
@@ -7,9 +7,9 @@ import {type Bounds, type View, bounds, toMap, toPageX, toPageY} from './view.ts
 
 type Context = OffscreenCanvasRenderingContext2D;
 
-const edgesAtOnce = 4_000;        // in one stroke: longer ones cost more than in proportion
-const largestRaster = 4_096;      // pixels a side; larger maps are drawn coarser, blocked where any cell is
-const crowd = 40;                 // paths from which on they are drawn thinner
+const edgesAtOnce = 4_000;        // in one stroke: the cost grows faster than the number of edges
+const largestRaster = 4_096;      // pixels per side; larger maps are drawn with larger cells, blocked where any cell is
+const crowd = 40;                 // from this number of paths on they are drawn thinner
 const floatsKept = 40_000_000;    // of all edges
 
 interface RootTrees {
@@ -39,7 +39,7 @@ export class BackgroundScene {
     }
   }
 
-  /// The selected robot's plan stands out, where there is one (-1: none).
+  /// Highlights the selected robot's plan (-1: none).
   draw(context: Context, view: View, layers: Layers, palette: Palette, selected: number): void {
     context.fillStyle = palette.ground;
     context.fillRect(0, 0, view.width, view.height);
@@ -70,7 +70,7 @@ export class BackgroundScene {
       for (const list of lists) this.floats -= list.length;
       lists.length = 0;
     }
-    if (this.floats + change.points.length > floatsKept) return;  // beyond that, one sees no tree for the forest
+    if (this.floats + change.points.length > floatsKept) return;  // with more edges, single trees cannot be distinguished
     this.floats += change.points.length;
     lists.push(change.points);
   }
@@ -109,7 +109,7 @@ export class BackgroundScene {
     context.globalAlpha = 1;
   }
 
-  /// Starts are small rings, goals are rings as large as the robot, with a cross-hair.
+  /// A start is a square, and a goal is a ring as large as the robot, with a cross-hair.
   private drawEnds(context: Context, view: View, palette: Palette, selected: number): void {
     const {origin_x, origin_y} = this.map!;
     context.lineWidth = 1.25;
@@ -148,7 +148,7 @@ export class BackgroundScene {
   }
 }
 
-/// How much of a robot's plan shows: with one selected, the others step back.
+/// The opacity of a robot's plan: with a selected robot, the other plans are fainter.
 function weight(robot: number, selected: number): number {
   return selected < 0 ? 1 : robot === selected ? 1.33 : 0.4;
 }
@@ -181,7 +181,7 @@ function seenBounds(view: View): Bounds {
   return {left: a.x, right: b.x, low: Math.min(a.y, b.y), high: Math.max(a.y, b.y)};
 }
 
-/// A pixel a cell, upright as it is shown.
+/// One pixel per cell, in the orientation on the page.
 function rasterOf(map: GridMap, palette: Palette): OffscreenCanvas {
   const coarse = Math.ceil(Math.max(map.width, map.height) / largestRaster);
   const width = Math.ceil(map.width / coarse);

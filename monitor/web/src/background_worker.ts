@@ -1,4 +1,4 @@
-// Draws the background beside the page's own thread: a large forest takes long, and robots go on moving meanwhile.
+// Draws the background in a worker: a large forest takes long, and the robots must keep moving meanwhile.
 import {BackgroundScene} from './background_scene.ts';
 import type {SceneChange} from './fleet.ts';
 import type {Layers} from './layers.ts';

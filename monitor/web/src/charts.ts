@@ -1,5 +1,5 @@
-// The time series: one small chart for each thing, all over fleet time, with their cursors together. One chart is drawn
-// at a time, in turn, so that none of them costs the map a frame.
+// The time series: small charts over fleet time with a common cursor. Only one chart is drawn at a time, in turn, so
+// that the map loses no frame.
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 
@@ -25,7 +25,7 @@ interface ChartSpec {
 const count = (value: number) => fixed(value, 0);
 
 const charts: ChartSpec[] = [
-  {title: 'Robots', hint: 'that have a path, and that have arrived', text: count, series: [
+  {title: 'Robots', hint: 'with a path, and arrived', text: count, series: [
     {label: 'planned', colour: 'series-b', value: (p) => p.planned},
     {label: 'arrived', colour: 'series-a', value: (p) => p.arrived},
   ]},
@@ -33,17 +33,17 @@ const charts: ChartSpec[] = [
     {label: 'published', colour: 'series-a', value: (p) => p.trees_published},
     {label: 'grafted', colour: 'series-b', value: (p) => p.trees_grafted},
   ]},
-  {title: 'Separation', hint: 'least distance of two robots, edge to edge', text: metres, axis: (v) => String(+v.toPrecision(6)), series: [
+  {title: 'Separation', hint: 'least distance between two robots, edge to edge', text: metres, axis: (v) => String(+v.toPrecision(6)), series: [
     {label: '', colour: 'series-a', value: (p) => (p._separation ? p.separation : null)},
   ]},
-  {title: 'State age', hint: 'of the states that robots decide by: median robot, and the worst one’s 99th percentile', text: milliseconds, axis: (v) => String(Math.round(v * 1000)), series: [
+  {title: 'State age', hint: 'of the states that robots use: median of all robots, and largest 99th percentile of a robot', text: milliseconds, axis: (v) => String(Math.round(v * 1000)), series: [
     {label: 'p50', colour: 'series-a', value: (p) => p.state_age_p50},
     {label: 'p99', colour: 'series-b', value: (p) => p.state_age_p99},
   ]},
-  {title: 'Processors', hint: 'cores that agents and brokers use together', text: (v) => fixed(v, 2), series: [
+  {title: 'Processors', hint: 'cores that agents and brokers use', text: (v) => fixed(v, 2), series: [
     {label: 'cores', colour: 'series-a', value: (p) => (p.processors >= 0 ? p.processors : null)},
   ]},
-  {title: 'Periods missed', hint: 'share of all control periods, of late', text: (v) => percent(v, 2), axis: (v) => `${+(v * 100).toPrecision(3)}%`, series: [
+  {title: 'Periods missed', hint: 'recent share of all control periods', text: (v) => percent(v, 2), axis: (v) => `${+(v * 100).toPrecision(3)}%`, series: [
     {label: '', colour: 'series-b', value: (p) => p.periods_missed},
   ]},
 ];
@@ -59,7 +59,7 @@ export class Charts {
     this.plots = charts.map((spec) => new Plot(spec, frame));
   }
 
-  /// Brings one chart up to date; called six times as often as each is to be drawn.
+  /// Updates one chart. Called six times as often as each chart is drawn.
   updateNext(): void {
     if (this.frame.clientHeight === 0) return;  // not shown
     this.plots[this.next].update(this.fleet);
@@ -96,7 +96,7 @@ class Plot {
     this.read(null);
   }
 
-  /// uPlot takes its colours when it is made.
+  /// uPlot reads its colours when it is created.
   restyle(): void {
     if (this.values[0].length === 0) return;
     this.plot?.destroy();
@@ -136,7 +136,7 @@ class Plot {
   }
 }
 
-/// From zero, unless something lies below it.
+/// The range begins at 0, unless a value is below 0.
 function rangeOf(low: number | null, high: number | null): [number, number] {
   const top = high ?? 1;
   return [Math.min(0, low ?? 0), top > 0 ? top * 1.08 : 1];

@@ -1,4 +1,4 @@
-// The one connection to the monitor: opened, and opened anew with growing patience when it is lost.
+// The connection to the monitor. When it is lost, it is opened again after growing pauses.
 
 export type ConnectionState =
   | {kind: 'connecting'}
@@ -16,11 +16,11 @@ export class Connection {
 
   constructor(
     private readonly address: string,
-    private readonly onMessage: (bytes: ArrayBuffer) => void,  // what it throws, closes the connection
+    private readonly onMessage: (bytes: ArrayBuffer) => void,  // an exception of it closes the connection
     private readonly onState: (state: ConnectionState) => void,
   ) {}
 
-  /// Also from the start again: whoever connects is told all that is known.
+  /// Opens the connection, or opens it again: the monitor then sends all that it knows.
   open(): void {
     clearTimeout(this.timer);
     this.forget();
@@ -35,11 +35,11 @@ export class Connection {
     };
     socket.onmessage = ({data}) => {
       try {
-        if (!(data instanceof ArrayBuffer)) throw new Error('text, where bytes are expected');
+        if (!(data instanceof ArrayBuffer)) throw new Error('text, expected bytes');
         this.onMessage(data);
         this.patience = firstPatience;
       } catch (error) {
-        this.lost(`it sent ${error instanceof Error ? error.message : error}`);
+        this.lost(`the monitor sent ${error instanceof Error ? error.message : error}`);
       }
     };
     socket.onclose = () => this.lost('closed');

@@ -1,4 +1,4 @@
-// All that is known of one robot, as a list of terms and values that are written only when they change.
+// All that is known of one robot, as a list of terms and values. Values are written only when they change.
 import {alarmsOf} from './alarms.ts';
 import {byId, element, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
@@ -24,43 +24,43 @@ const positive = (value: number | undefined) => (value !== undefined && value > 
 
 const groups: {title: string; lines: Line[]}[] = [
   {title: 'Motion', lines: [
-    {term: 'Position', hint: 'where it is, metres in the map frame', value: (fleet, k) => exactPlace(fleet.placeOf(k))},
-    {term: 'No nearer', hint: 'since it last came nearer to the end of its way', value: ({frame}, k) => `for ${fixed(frame?.idle[k], 1, 's')}`},
-    {term: 'Velocity', hint: 'in x and y, m/s', value: ({frame}, k) => place(frame?.vx[k], frame?.vy[k])},
-    {term: 'Speed', hint: 'now, and at most', value: ({frame, roster}, k) => `${fixed(frame && Math.hypot(frame.vx[k], frame.vy[k]), 1)} of ${fixed(roster[k].max_speed, 1, 'm/s')}`},
-    {term: 'Stage', hint: 'whether it drives by itself or as a joint plan of several robots says', value: ({frame}, k) => stageNames[(frame?.stage?.[k] ?? 0) as Stage] ?? '–'},
-    {term: 'Waits for', hint: 'the robot that it lets go first, and for how long it has', value: waitOf},
-    {term: 'Heard', hint: 'how old the newest state is that the monitor has of it', value: ({frame}, k) => `${milliseconds(frame?.age[k])} ago`},
+    {term: 'Position', hint: 'metres in the map frame', value: (fleet, k) => exactPlace(fleet.placeOf(k))},
+    {term: 'No nearer', hint: 'time since it last came nearer to the end of its path', value: ({frame}, k) => `for ${fixed(frame?.idle[k], 1, 's')}`},
+    {term: 'Velocity', hint: 'x and y, m/s', value: ({frame}, k) => place(frame?.vx[k], frame?.vy[k])},
+    {term: 'Speed', hint: 'now, and greatest', value: ({frame, roster}, k) => `${fixed(frame && Math.hypot(frame.vx[k], frame.vy[k]), 1)} of ${fixed(roster[k].max_speed, 1, 'm/s')}`},
+    {term: 'Stage', hint: 'whether it drives by itself, or takes part in a joint plan of several robots', value: ({frame}, k) => stageNames[(frame?.stage?.[k] ?? 0) as Stage] ?? '–'},
+    {term: 'Waits for', hint: 'the robot for which it waits, and how long it has waited', value: waitOf},
+    {term: 'Heard', hint: 'age of the newest state that the monitor has received from it', value: ({frame}, k) => `${milliseconds(frame?.age[k])} ago`},
   ]},
   {title: 'Planning', lines: [
-    {term: 'Plan time', hint: 'from its mission to its first path, by the wall’s clock', value: ({statuses}, k) => fixed(positive(statuses[k]?.plan_seconds), 3, 's')},
+    {term: 'Plan time', hint: 'from its mission to its first path, by the wall clock', value: ({statuses}, k) => fixed(positive(statuses[k]?.plan_seconds), 3, 's')},
     {term: 'Nodes valid', hint: 'samples that joined one of its trees', value: ({statuses}, k) => fixed(statuses[k]?.nodes_valid, 0)},
     {term: 'Nodes invalid', hint: 'samples that hit an obstacle', value: ({statuses}, k) => fixed(statuses[k]?.nodes_invalid, 0)},
-    {term: 'Trees received', hint: 'shared trees that it has been told of', value: ({statuses}, k) => fixed(statuses[k]?.trees_received, 0)},
-    {term: 'Trees grafted', hint: 'shared trees that it uses', value: ({statuses}, k) => fixed(statuses[k]?.trees_grafted, 0)},
+    {term: 'Trees received', hint: 'shared trees that it has received', value: ({statuses}, k) => fixed(statuses[k]?.trees_received, 0)},
+    {term: 'Trees grafted', hint: 'shared trees that it has grafted', value: ({statuses}, k) => fixed(statuses[k]?.trees_grafted, 0)},
   ]},
   {title: 'Body', lines: [
     {term: 'Radius', hint: 'of its disc', value: ({roster}, k) => metres(roster[k].radius)},
-    {term: 'Acceleration', hint: 'how hard it brakes and speeds up at most', value: ({roster}, k) => `up to ${fixed(roster[k].max_acceleration, 1, 'm/s²')}`},
+    {term: 'Acceleration', hint: 'greatest acceleration and braking', value: ({roster}, k) => `up to ${fixed(roster[k].max_acceleration, 1, 'm/s²')}`},
   ]},
   {title: 'Mission', lines: [
     {term: 'Number', hint: 'of its mission in this run', value: ({roster}, k) => (roster[k].mission > 0 ? String(roster[k].mission) : 'none yet')},
     {term: 'Start', hint: 'of its mission, metres in the map frame', value: ({roster}, k) => place(roster[k].start_x, roster[k].start_y)},
     {term: 'Goal', hint: 'of its mission, metres in the map frame', value: ({roster}, k) => place(roster[k].goal_x, roster[k].goal_y)},
-    {term: 'Tolerance', hint: 'how near to its goal it has arrived', value: ({roster}, k) => metres(roster[k].goal_tolerance)},
+    {term: 'Tolerance', hint: 'greatest distance from its goal at which it has arrived', value: ({roster}, k) => metres(roster[k].goal_tolerance)},
     {term: 'Path', hint: 'length of the path that it follows', value: ({statuses}, k) => metres(positive(statuses[k]?.path_length))},
     {term: 'Driven', hint: 'in this mission', value: ({statuses}, k) => metres(statuses[k]?.driven_length)},
-    {term: 'To go', hint: 'from where it is to its path, and along that to its end', value: (fleet, k) => metres(fleet.toGo(k))},
+    {term: 'To go', hint: 'from its position to its path, and along it to its end', value: (fleet, k) => metres(fleet.toGo(k))},
     {term: 'Arrived at', hint: 'fleet time', value: ({statuses}, k) => fixed(positive(statuses[k]?.arrival_time), 2, 's')},
     {term: 'Fulfilled', hint: 'missions in this run', value: ({statuses}, k) => fixed(statuses[k]?.missions_fulfilled, 0)},
   ]},
   {title: 'Process', lines: [
-    {term: 'Of one core', hint: 'processor time of its agent, of late', value: ({statuses}, k) => {
+    {term: 'Of one core', hint: 'recent processor time of its agent', value: ({statuses}, k) => {
       const share = statuses[k]?.processor_share;
       return share !== undefined && share >= 0 ? percent(share, 1) : 'not known';
     }},
-    {term: 'Periods missed', hint: 'control periods, 20 a second, that were over before its agent came to decide: processor time was lacking', value: ({statuses}, k) => `${fixed(statuses[k]?.periods_missed, 0)} of ${fixed(statuses[k]?.periods, 0)}`},
-    {term: 'Age median', hint: 'age of the states that it decides by, of robots that matter to it then: half are newer', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p50)},
+    {term: 'Periods missed', hint: 'control periods (20 per second) that were over before its agent decided, for lack of processor time', value: ({statuses}, k) => `${fixed(statuses[k]?.periods_missed, 0)} of ${fixed(statuses[k]?.periods, 0)}`},
+    {term: 'Age median', hint: 'age of the states that it uses, of robots that it might touch soon: half are newer', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p50)},
     {term: 'Age p99', hint: 'the same: 99 of 100 are newer', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_p99)},
     {term: 'Age most', hint: 'the same: the oldest', value: ({statuses}, k) => milliseconds(statuses[k]?.state_age_max)},
     {term: 'Rejected', hint: 'messages that its agent dropped as invalid', value: ({statuses}, k) => `${fixed(statuses[k]?.rejected, 0)} messages`},
@@ -111,5 +111,5 @@ export class Details {
   }
 }
 
-/// What each figure of a robot means, for the help.
+/// The meaning of each figure of a robot, for the help.
 export const figuresExplained: readonly {term: string; hint: string}[] = groups.flatMap(({lines}) => lines);

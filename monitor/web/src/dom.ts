@@ -14,8 +14,8 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
-/// Of a node that holds text alone. Only if it is another, for the browser lays out again whatever is written; and into the
-/// same text node, which costs less than a new one.
+/// For a node that holds only text. Writes only a different text, because the browser lays out again whatever is
+/// written. Writes into the same text node, which costs less than a new one.
 export function setText(node: Node, text: string): void {
   const held = node.firstChild ?? node;
   if (!(held instanceof Text)) node.textContent = text;

@@ -1,4 +1,4 @@
-// All that the page knows of a fleet, and how a message changes it. Counters tell views what has changed.
+// All that the page knows of a fleet, and how a message changes it. Counters tell the views what has changed.
 import {
   type Begin, EdgesKind, type FiguresPoint, type Frame, type Life, type Map as GridMap, type Path, type Playback, type RosterRobot,
   type StatusesStatus, type ToPage,
@@ -7,7 +7,7 @@ import {
 export type Robot = RosterRobot;
 export type Status = StatusesStatus;
 
-/// Points of time series that are kept; of twice as many, every other one of the older half is forgotten.
+/// Number of points of the time series to keep. With twice as many, every other point of the older half is dropped.
 export const figuresKept = 5_000;
 
 const byNumber = new Intl.Collator(undefined, {numeric: true});
@@ -21,7 +21,7 @@ export class Fleet {
   figures: FiguresPoint[] = [];
   playback: Playback | undefined;
   revision = {roster: 0, statuses: 0, figures: 0};
-  rank: number[] = [];  // of each robot by its name: r2 comes before r10
+  rank: number[] = [];  // order of the robots by name: r2 comes before r10
   private indices = new Map<string, number>();
 
   on(message: ToPage): void {
@@ -38,13 +38,13 @@ export class Fleet {
     return this.indices.get(name);
   }
 
-  /// Metres that are left of a robot's way; none without a path.
+  /// Metres left of a robot's path; undefined without a path.
   toGo(robot: number): number | undefined {
     const metres = this.frame?.to_go[robot];
     return Number.isFinite(metres) ? metres : undefined;
   }
 
-  /// Where a robot is in the map frame: frames count from the map's origin.
+  /// A robot's position in the map frame. Frames are relative to the map's origin.
   placeOf(robot: number): {x: number; y: number} | undefined {
     const {frame, map} = this;
     if (!frame || !Number.isFinite(frame.x[robot])) return undefined;
@@ -93,7 +93,7 @@ export class Fleet {
   }
 }
 
-/// What of a message is drawn beneath the robots (background_scene.ts).
+/// The part of a message that is drawn beneath the robots (background_scene.ts).
 export type SceneChange =
   | {what: 'forget'}
   | {what: 'map'; map: GridMap}

@@ -1,4 +1,4 @@
-// Numbers for people. A thing that is not known is a dash.
+// Formats numbers for people. An unknown value is a dash.
 
 const dash = '–';
 
@@ -7,7 +7,7 @@ export function fixed(value: number | undefined, digits: number, unit = ''): str
   return value.toFixed(digits) + (unit && `\u202f${unit}`);
 }
 
-/// Three figures or so: 0.123, 12.3, 1234.
+/// About three significant digits: 0.123, 12.3, 1234.
 export function metres(value: number | undefined): string {
   if (value === undefined || !Number.isFinite(value)) return dash;
   return fixed(value, Math.abs(value) >= 1000 ? 0 : Math.abs(value) >= 10 ? 1 : 2, 'm');
@@ -30,7 +30,7 @@ export function clock(seconds: number): string {
   return h > 0 ? `${h}:${two(m)}:${two(s)}` : `${m}:${two(s)}`;
 }
 
-/// In five characters at most, so that it fits a cell: 12.34, 1255, 125k.
+/// At most five characters, to fit a cell: 12.34, 1255, 125k.
 export function compact(value: number | undefined, digits: number): string {
   if (value === undefined || !Number.isFinite(value)) return dash;
   for (let shown = digits; shown >= 0; --shown) {
@@ -41,7 +41,7 @@ export function compact(value: number | undefined, digits: number): string {
   return `${(value / divisor).toFixed(0)}${unit}`;
 }
 
-/// A time by the clock of the page's reader: 14:03:27, with the date if it was on another day.
+/// A time by the clock of the reader: 14:03:27, with the date if it was on another day.
 export function timeOfDay(wallSeconds: number): string {
   const then = new Date(1000 * wallSeconds);
   const time = then.toLocaleTimeString([], {hour12: false});

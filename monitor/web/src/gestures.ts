@@ -1,4 +1,4 @@
-// Mouse, touch and pen on the map: drag pans, wheel and pinch zoom, a click or tap picks a robot.
+// Mouse, touch and pen on the map: drag pans, wheel and pinch zoom, a click or tap selects a robot.
 import type {MapView} from './map_view.ts';
 
 const clickSlack = 5;    // pixels that a click may move

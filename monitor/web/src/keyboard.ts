@@ -1,4 +1,4 @@
-// The keys of the page, in one table: what listens, and what the help shows.
+// The keys of the page, in one table for the listener and for the help.
 import {byId, element} from './dom.ts';
 
 export interface Key {
@@ -22,7 +22,7 @@ export function listenToKeys(table: readonly Key[]): void {
   });
 }
 
-/// Keys that belong to what has the focus.
+/// Whether the key belongs to the focused element.
 function isTaken(event: KeyboardEvent): boolean {
   const target = event.target as HTMLElement;
   if (target.closest('dialog')) return event.key !== '?';

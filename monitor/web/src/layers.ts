@@ -1,4 +1,4 @@
-// What can be shown on the map or left out.
+// Contents of the map that can be shown or hidden.
 
 export const layerNames = ['trees', 'roots', 'paths', 'ends', 'near', 'waits', 'reserved', 'names'] as const;
 export type Layer = (typeof layerNames)[number];

@@ -1,4 +1,4 @@
-// The panel of what the map shows: each layer with its sign, and a switch.
+// The panel of the map's layers: a sign and a switch for each.
 import {byId} from './dom.ts';
 import {type Layer, type Layers, layerNames} from './layers.ts';
 

@@ -68,7 +68,7 @@ function take(message: ToPage): void {
   if (message.roster) restoreSelection();
 }
 
-// Whoever was selected stays so when a recording jumps back, or the connection is made anew.
+// The selected robot stays selected when a recording jumps back, or after a new connection.
 let reselect: {name: string; following: boolean} | undefined;
 
 function restoreSelection(): void {
@@ -154,15 +154,15 @@ function updatePanels(): void {
 let panelsShown = -2;
 
 const keys: Key[] = [
-  {keys: [' '], shown: 'Space', does: 'pause or play', act: () => time.toggle()},
-  {keys: ['l'], shown: 'L', does: 'go on at the present (live)', act: () => time.goOn()},
-  {keys: [',', '.'], shown: ', .', does: 'recording: five seconds back, on', act: (key) => time.skip(key === ',' ? -1 : 1)},
+  {keys: [' '], shown: 'Space', does: 'pause or continue', act: () => time.toggle()},
+  {keys: ['l'], shown: 'L', does: 'continue at the present (live)', act: () => time.goOn()},
+  {keys: [',', '.'], shown: ', .', does: 'recording: five seconds back, forward', act: (key) => time.skip(key === ',' ? -1 : 1)},
   {keys: ['<', '>'], shown: '< >', does: 'recording: slower, faster', act: (key) => time.faster(key === '<' ? -1 : 1)},
   {keys: ['+', '=', '-'], shown: '+ -', does: 'zoom', act: (key) => map.zoom(key === '-' ? 1 / zoomStep : zoomStep)},
   {keys: ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown'], shown: '← ↑ ↓ →', does: 'move the map', act: panByKey},
   {keys: ['0', 'f'], shown: '0 F', does: 'fit the whole map', act: () => map.fit()},
   {keys: ['t'], shown: 'T', does: 'follow the selected robot', act: () => follow(!map.following)},
-  {keys: ['[', ']'], shown: '[ ]', does: 'select the previous, next robot', act: (key) => step(key === '[' ? -1 : 1)},
+  {keys: ['[', ']'], shown: '[ ]', does: 'select the previous or next robot', act: (key) => step(key === '[' ? -1 : 1)},
   {keys: ['/'], shown: '/', does: 'find a robot', act: () => byId('find').focus()},
   {keys: ['Escape'], shown: 'Esc', does: 'select nothing', act: () => pick(-1)},
   {keys: ['1', '2', '3', '4', '5', '6', '7', '8'], shown: '1 … 8', does: 'layers on and off', act: (key) => legend.toggle(Number(key) - 1)},
@@ -199,7 +199,7 @@ function listenToButtons(): void {
     }
     if (event.key !== 'Escape') return;
     find.blur();
-    event.stopPropagation();  // it selects nothing, elsewhere
+    event.stopPropagation();  // elsewhere this key deselects the robot
   });
   for (const tab of document.querySelectorAll<HTMLButtonElement>('#tabs button'))
     tab.addEventListener('click', () => showTab(tab.dataset.tab!));
@@ -210,7 +210,7 @@ function explainFigures(): void {
   for (const {term, hint} of figuresExplained) list.append(element('dt', {}, term), element('dd', {}, hint));
 }
 
-/// On small pages one panel shows at a time.
+/// Small pages show one panel at a time.
 function showTab(name: string): void {
   document.body.dataset.tab = name;
   for (const tab of document.querySelectorAll<HTMLButtonElement>('#tabs button'))

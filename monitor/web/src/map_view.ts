@@ -1,4 +1,4 @@
-// The map on the page: what is seen of it, and the loop that draws it.
+// The map on the page: its visible part, and the loop that draws it.
 import {Background} from './background.ts';
 import type {Fleet, SceneChange} from './fleet.ts';
 import {type Layers, allLayers} from './layers.ts';
@@ -15,14 +15,14 @@ export class MapView {
   drawn = 0;  // frames
   readonly robots = new RobotsLayer();
   private view: View | undefined;
-  private fits = true;  // and goes on to fit when the page's size changes
-  private mapFrame = '';  // of which map the view is
+  private fits = true;  // also fits again when the page's size changes
+  private mapFrame = '';  // identifies the map of the view
   private shown: Shown | undefined;
   private stale = true;
   private palette: Palette = readPalette();
   private pixelRatio = 1;
   private last = 0;
-  private recent: number[] = [];  // when frames of the last second were drawn
+  private recent: number[] = [];  // times of the frames in the last second
   private readonly background: Background;
   private readonly context: CanvasRenderingContext2D;
 
@@ -58,7 +58,7 @@ export class MapView {
     if (changes.length > 0) this.stale = true;
   }
 
-  /// Something that is drawn, and is no part of the fleet, has changed.
+  /// Call it when something has changed that is drawn and no part of the fleet.
   restyle(): void {
     this.palette = readPalette();
     this.background.invalidate();
@@ -92,7 +92,7 @@ export class MapView {
     this.stale = true;
   }
 
-  /// Brings a robot near the middle, large enough that one sees it; beside the map there is nothing to see.
+  /// Moves a robot near the middle, large enough to be visible. The view does not extend beyond the map.
   centre(robot: number): void {
     const frame = this.shown?.after;
     const {map, roster} = this.fleet;
@@ -116,7 +116,7 @@ export class MapView {
     this.following = false;
   }
 
-  /// A recording that jumps back tells of the same map again: one goes on to look at the same place.
+  /// After a jump back, a recording sends the same map again. The view then stays.
   private takeMap(): void {
     const {occupancy: _, ...frame} = this.fleet.map!;
     const mapFrame = JSON.stringify(frame);

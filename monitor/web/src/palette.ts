@@ -1,7 +1,7 @@
-// The colours of the map, from the page's style sheet, so that there is one place for both themes.
+// The colours of the map, from the page's style sheet, which defines them once for both themes.
 import {phaseCount} from './phases.ts';
 
-export const hues = 10;  // colours of robots, given out in turn
+export const hues = 10;  // number of robot colours, assigned in turn
 
 export interface Palette {
   ground: string;

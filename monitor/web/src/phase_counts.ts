@@ -1,4 +1,4 @@
-// How many robots are at what.
+// The number of robots in each phase.
 import {element, setText, sign} from './dom.ts';
 import type {Fleet} from './fleet.ts';
 import {asPhase, phaseCount, phaseNames} from './phases.ts';

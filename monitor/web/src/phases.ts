@@ -1,4 +1,4 @@
-// What a robot is at, in words; each phase has a colour and a sign of its own (robots_layer.ts, index.html).
+// The names of phases and stages. Each phase has its own colour and sign (robots_layer.ts, index.html).
 import {Phase} from './live.js';
 
 export const phaseNames: Readonly<Record<Phase, string>> = {
@@ -11,7 +11,7 @@ export const phaseNames: Readonly<Record<Phase, string>> = {
   [Phase.GAVE_UP]: 'gave up',
 };
 
-/// In which order a table sorts them: who needs a look comes first.
+/// The order of phases in a table: robots that need attention come first.
 export const phaseOrder: Readonly<Record<Phase, number>> = {
   [Phase.NO_PATH]: 0,
   [Phase.GAVE_UP]: 0,
@@ -32,8 +32,8 @@ export enum Stage {
 
 export const stageNames: Readonly<Record<Stage, string>> = {
   [Stage.FREE]: 'drives by itself',
-  [Stage.WAITING]: 'stands until there is a joint plan',
-  [Stage.EXECUTING]: 'drives as the joint plan says',
+  [Stage.WAITING]: 'waiting for a joint plan',
+  [Stage.EXECUTING]: 'executing a joint plan',
 };
 
 export function asPhase(byte: number): Phase {

@@ -1,18 +1,18 @@
-// Where robots are between two frames. What is shown follows the newest frame at a short, even distance, so that uneven
-// arrival does not show as uneven motion.
+// The positions of robots between two frames. The shown time follows the newest frame at a short, even distance, so
+// that uneven arrival does not cause uneven motion.
 import type {Frame} from './live.js';
 
 const kept = 16;               // frames
-const lag = 1.5;               // intervals between frames that is shown after the newest
-const longestLag = 0.3;        // seconds of the wall's clock
-const correction = 4;          // share of the distance to where it should be that is made up in a second
-const jump = 1;                // seconds of the wall's clock; if it is further off, it jumps
-const silence = 1;             // seconds of the wall's clock after which the pace is measured anew
+const lag = 1.5;               // intervals between frames by which the shown time is behind the newest
+const longestLag = 0.3;        // wall seconds
+const correction = 4;          // share of the deviation that is corrected per second
+const jump = 1;                // wall seconds: with a larger deviation, the time jumps
+const silence = 1;             // wall seconds after which the rate is measured anew
 
 export interface Shown {
   before: Frame;
   after: Frame;
-  share: number;  // of the way from one to the other
+  share: number;  // of the way from `before` to `after`
   time: number;
 }
 
@@ -34,7 +34,7 @@ export class Playhead {
     this.at = NaN;
   }
 
-  /// `elapsed` seconds after the last call.
+  /// `elapsed`: seconds since the last call.
   advance(now: number, elapsed: number): Shown | undefined {
     const first = this.frames[0];
     const last = this.frames.at(-1);

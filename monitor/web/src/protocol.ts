@@ -1,5 +1,5 @@
-// One message of the monitor (idl/live.proto), taken apart and checked: what comes out of here has lists of one length,
-// indices of robots within the limits, and sizes that a page can hold.
+// Decodes and checks a message of the monitor (idl/live.proto). A decoded message has lists of equal lengths, robot
+// indices within the limits, and sizes that a page can hold.
 import {PbfReader, PbfWriter} from 'pbf';
 import {type FromPage, type ToPage, readToPage, writeFromPage} from './live.js';
 
@@ -9,7 +9,7 @@ export const limits = {
   mapCells: 1 << 28,
 };
 
-/// The monitor said something that this page does not understand.
+/// The monitor sent something that this page does not understand.
 export class ProtocolError extends Error {}
 
 function require(holds: boolean, message: string): void {
@@ -33,7 +33,7 @@ function checkFrame({frame}: ToPage): void {
   const lists = [frame.y, frame.vx, frame.vy, frame.waits_for, frame.turn, frame.next_vx, frame.next_vy, frame.expiry, frame.age];
   for (const list of [...lists, frame.phase ?? [], frame.stage ?? []])
     require(list.length === robots, `a frame with lists of ${robots} and ${list.length} robots`);
-  for (const list of [frame.to_go, frame.waiting, frame.idle])  // for the table alone
+  for (const list of [frame.to_go, frame.waiting, frame.idle])  // only for the table
     require(list.length === robots || list.length === 0, `a frame with lists of ${robots} and ${list.length} robots`);
 }
 
@@ -50,7 +50,7 @@ export function decode(bytes: ArrayBuffer): ToPage {
   try {
     message = readToPage(new PbfReader(bytes));
   } catch (error) {
-    throw new ProtocolError(`bytes that are no message (${error instanceof Error ? error.message : error})`);
+    throw new ProtocolError(`bytes that are not a message (${error instanceof Error ? error.message : error})`);
   }
   checkMap(message);
   checkFrame(message);

@@ -1,16 +1,16 @@
-// What robots have to do with each other, by a frame: who is near whom.
+// Relations between robots in a frame: which ones are near each other.
 import type {Robot} from './fleet.ts';
 import type {Frame} from './live.js';
 
-/// Metres that a robot needs to come to a stand: v^2 / 2a.
+/// The distance in which a robot comes to a stand, metres: v^2 / 2a.
 export function stoppingDistance(speed: number, maxAcceleration: number): number {
   return maxAcceleration > 0 ? (speed * speed) / (2 * maxAcceleration) : 0;
 }
 
-/// Pairs so near that one must heed the other: the gap between them is below the sum of both stopping distances and of
-/// half of either radius. Indices of robots, two a pair. By a sweep from left to right.
+/// Pairs so near that they must avoid each other: the gap between them is less than the sum of both stopping distances
+/// and of half of either radius. Returns indices of robots, two per pair. Sweeps from left to right.
 export function nearPairs(robots: readonly Robot[], frame: Frame): number[] {
-  const reach: number[] = [];  // from a robot's centre, so that circles of these radii meet
+  const reach: number[] = [];  // radius of a circle around a robot; near robots have overlapping circles
   let longest = 0;
   const order: number[] = [];
   for (let k = 0; k < Math.min(robots.length, frame.x.length); ++k) {

@@ -1,4 +1,4 @@
-// The robots, and what changes with them, drawn in every frame: so in as few strokes as there are colours.
+// The robots, and everything that changes with them. Drawn in every frame, so with one stroke per colour.
 import type {Robot} from './fleet.ts';
 import type {Layers} from './layers.ts';
 import {type Frame, Phase} from './live.js';
@@ -10,12 +10,12 @@ import {type View, toPageX, toPageY} from './view.ts';
 
 type Context = CanvasRenderingContext2D;
 
-const leastSize = 3;        // pixels: how small a robot's radius is drawn at least
-const signSize = 3.5;       // pixels of radius from which on there is room for a sign
-const nameSize = 8;         // pixels of radius from which on every robot has its name
-const velocityAhead = 1;    // seconds: the line of a velocity ends where the robot would be then
+const leastSize = 3;        // pixels: least radius of a drawn robot
+const signSize = 3.5;       // pixels of radius from which on a sign fits
+const nameSize = 8;         // pixels of radius from which on every robot shows its name
+const velocityAhead = 1;    // seconds: the line of a velocity ends where the robot will be then
 const stageRing = 1.3;      // radii
-const turningSpeed = 0.02;  // share of its highest speed below which a robot keeps its heading
+const turningSpeed = 0.02;  // share of its greatest speed below which a robot keeps its heading
 const circle = 2 * Math.PI;
 
 export interface Marked {
@@ -24,11 +24,11 @@ export interface Marked {
 }
 
 export class RobotsLayer {
-  x = new Float32Array(0);  // of each robot, pixels of the page; NaN: not seen
+  x = new Float32Array(0);  // of each robot, pixels of the page; NaN: not visible
   y = new Float32Array(0);
-  private size = new Float32Array(0);     // its radius, pixels
+  private size = new Float32Array(0);     // radius, pixels
   private heading = new Float32Array(0);  // on the page
-  private groups: number[][] = Array.from({length: phaseCount}, () => []);  // robots in sight, by phase
+  private groups: number[][] = Array.from({length: phaseCount}, () => []);  // visible robots, by phase
   private seen: number[] = [];
   private pairs: number[] = [];
   private pairsOf: Frame | undefined;
@@ -39,7 +39,7 @@ export class RobotsLayer {
     this.pairsOf = undefined;
   }
 
-  /// Where robots are now; before draw(), and for whoever asks what is under the pointer.
+  /// Computes the positions of robots now. Call it before draw(), and before asking what is under the pointer.
   place(robots: readonly Robot[], shown: Shown, view: View): void {
     const count = Math.min(robots.length, shown.after.x.length);
     if (this.x.length !== count) this.resize(count);
@@ -118,13 +118,13 @@ export class RobotsLayer {
     this.discs(context, robots, hollow ? 0.86 : 1);
     context.fillStyle = hollow ? palette.floor : colour;
     context.fill();
-    context.strokeStyle = hollow ? colour : palette.mark;  // which sets it off from the paths
+    context.strokeStyle = hollow ? colour : palette.mark;  // contrasts with the paths
     context.lineWidth = hollow ? 2 : 1;
     context.stroke();
     this.drawSigns(context, phase, robots.filter((k) => this.size[k] >= signSize), hollow ? colour : palette.mark);
   }
 
-  /// So that no phase is told by its colour alone.
+  /// Signs, so that phases do not differ by colour alone.
   private drawSigns(context: Context, phase: Phase, robots: readonly number[], colour: string): void {
     if (robots.length === 0 || phase === Phase.WAITING || phase === Phase.DRIVING) return;
     if (phase === Phase.PLANNING) {
@@ -177,7 +177,7 @@ export class RobotsLayer {
     context.stroke();
   }
 
-  /// A ring around those that are in a joint plan: dashed while they stand for it, whole while they drive by it.
+  /// A ring around robots in a joint plan: dashed while they wait for it, solid while they execute it.
   private drawStages(context: Context, frame: Frame, palette: Palette): void {
     for (const stage of [Stage.WAITING, Stage.EXECUTING]) {
       const robots = this.seen.filter((k) => frame.stage![k] === stage);
@@ -191,7 +191,7 @@ export class RobotsLayer {
     }
   }
 
-  /// The way that a robot has promised to take, and then what it needs to stop, as wide as the robot.
+  /// The way that a robot has promised, and then its stopping distance, as wide as the robot.
   private drawReservations(context: Context, robots: readonly Robot[], frame: Frame, view: View, palette: Palette): void {
     const byWidth = new Map<number, number[]>();
     for (const k of this.seen) {
@@ -239,7 +239,7 @@ export class RobotsLayer {
     context.stroke();
   }
 
-  /// An arrow to the robot that is let go first, from edge to edge.
+  /// An arrow to the robot that goes first, from edge to edge.
   private drawWaits(context: Context, frame: Frame, palette: Palette): void {
     context.beginPath();
     for (let k = 0; k < this.x.length; ++k) {
@@ -291,7 +291,7 @@ export class RobotsLayer {
   }
 }
 
-/// Of what is drawn on a robot; by the first of those that are drawn together, which are seldom of other sizes.
+/// Line width of marks on robots. The first of the robots drawn together decides, as their sizes seldom differ.
 function markWidth(size: number): number {
   return Math.max(1, Math.min(2.5, size * 0.28));
 }

@@ -1,4 +1,4 @@
-// The line at the top, and what stands on the map while there is nothing to see.
+// The line at the top, and the notice on the map while there is nothing to see.
 import type {ConnectionState} from './connection.ts';
 import {byId, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
@@ -46,7 +46,7 @@ export class StatusLine {
     setText(this.announced, kind === 'lost' && state.kind === 'lost' ? `Connection lost: ${state.why}` : this.words(kind, state));
   }
 
-  /// What the badge tells. Live is a fleet that is heard now.
+  /// The kind of badge. Live means that a fleet is heard now.
   private kindOf(state: ConnectionState, frozen: boolean): string {
     const {begin, life} = this.fleet;
     const ended = life?.state === LifeState.ENDED && !begin?.recorded;
@@ -61,7 +61,7 @@ export class StatusLine {
 
   private words(kind: string, state: ConnectionState): string {
     switch (kind) {
-      case 'lost': return state.kind === 'lost' ? `lost: again in ${secondsUntil(state.retryAt)} s` : kind;
+      case 'lost': return state.kind === 'lost' ? `lost: retry in ${secondsUntil(state.retryAt)} s` : kind;
       case 'ended': return 'run ended';
       case 'silent': return `fleet silent since ${timeOfDay(this.fleet.life!.heard)}`;
       case 'waiting': return 'waiting for a fleet';
@@ -73,13 +73,13 @@ export class StatusLine {
     const {fleet} = this;
     const ended = fleet.life?.state === LifeState.ENDED;
     const [title, text] =
-      ended ? [`run ended: ${fleet.life!.arrived} of ${fleet.life!.robots} arrived`, state.kind === 'open' ? '' : 'the monitor has gone with it']
-      : state.kind === 'lost' ? ['Connection lost', `${state.why}; trying again in ${secondsUntil(state.retryAt)} s`]
+      ended ? [`run ended: ${fleet.life!.arrived} of ${fleet.life!.robots} arrived`, state.kind === 'open' ? '' : 'the monitor has ended, too']
+      : state.kind === 'lost' ? ['Connection lost', `${state.why}; next attempt in ${secondsUntil(state.retryAt)} s`]
       : state.kind === 'connecting' && !fleet.map ? ['Connecting', 'to the monitor']
-      : !fleet.begin ? ['Connected', 'the monitor has not said anything yet']
-      : !fleet.map ? ['No fleet yet', `nobody has published a map on ${fleet.begin.source || 'this bus'}`]
-      : fleet.roster.length === 0 ? ['A map, and no robots yet', 'robots show as soon as their missions or states are heard']
-      : fleet.life?.state === LifeState.SILENT && !fleet.begin.recorded ? ['No robot is heard any more', `the last one was at ${timeOfDay(fleet.life.heard)}`]
+      : !fleet.begin ? ['Connected', 'waiting for the first message of the monitor']
+      : !fleet.map ? ['No fleet yet', `no map has been received on ${fleet.begin.source || 'this bus'}`]
+      : fleet.roster.length === 0 ? ['A map, but no robots yet', 'robots appear with their first mission or state']
+      : fleet.life?.state === LifeState.SILENT && !fleet.begin.recorded ? ['No robot is heard any more', `last heard at ${timeOfDay(fleet.life.heard)}`]
       : ['', ''];
     this.notice.hidden = title === '';
     this.notice.classList.toggle('over-map', fleet.map !== undefined);

@@ -1,6 +1,6 @@
-// A strip that scrolls sideways, and looks like it: a button at each end beyond which there is more.
+// A strip that scrolls sideways. A button at each end appears if there is more beyond it.
 
-const step = 0.8;  // of what is seen
+const step = 0.8;  // of the visible width
 
 export function showWhatIsBeyond(strip: HTMLElement, left: HTMLElement, right: HTMLElement): void {
   const update = () => {

@@ -1,4 +1,4 @@
-// The table of robots. Only the rows in sight exist, and only cells that have changed are written.
+// The table of robots. Only visible rows exist, and only changed cells are written.
 import {missedShare, whyMissed, whyOld} from './alarms.ts';
 import {element, setText, sign} from './dom.ts';
 import type {Fleet} from './fleet.ts';
@@ -7,14 +7,14 @@ import type {Phase} from './live.js';
 import {asPhase, phaseNames, phaseOrder} from './phases.ts';
 
 const rowHeight = 26;  // pixels, as in style.css
-const spare = 3;       // rows beyond those in sight
+const spare = 3;       // rows beyond the visible ones
 
 interface Column {
   title: string;
   hint: string;
   text: (fleet: Fleet, robot: number) => string;
   key: (fleet: Fleet, robot: number) => number;
-  alarm?: (fleet: Fleet, robot: number) => string;  // what is wrong with it; empty: nothing
+  alarm?: (fleet: Fleet, robot: number) => string;  // explains what is wrong; empty: nothing
 }
 
 const speed = ({frame}: Fleet, k: number) => (frame ? Math.hypot(frame.vx[k], frame.vy[k]) : NaN);
@@ -32,21 +32,21 @@ export function phaseOf(fleet: Fleet, robot: number): Phase {
 
 const columns: Column[] = [
   {title: 'Robot', hint: 'name', text: ({roster}, k) => roster[k].name, key: ({rank}, k) => rank[k]},
-  {title: 'Phase', hint: 'what it is at', text: (f, k) => phaseNames[phaseOf(f, k)], key: (f, k) => phaseOrder[phaseOf(f, k)]},
+  {title: 'Phase', hint: 'what the robot is doing', text: (f, k) => phaseNames[phaseOf(f, k)], key: (f, k) => phaseOrder[phaseOf(f, k)]},
   {title: 'm/s', hint: 'speed, m/s', text: (f, k) => compact(speed(f, k), 1), key: speed},
-  {title: 'To go', hint: 'what is left of its way, m', text: (f, k) => compact(f.toGo(k), 1), key: (f, k) => f.toGo(k) ?? NaN},
+  {title: 'To go', hint: 'distance left along its path, m', text: (f, k) => compact(f.toGo(k), 1), key: (f, k) => f.toGo(k) ?? NaN},
   {
-    title: 'Age ms', hint: 'of the states of others that it decides by, 99th percentile, ms', alarm: whyOld,
+    title: 'Age ms', hint: 'age of the states of other robots when it uses them, 99th percentile, ms', alarm: whyOld,
     text: (f, k) => compact(times(1000, age(f, k)), 0), key: (f, k) => age(f, k) ?? NaN,
   },
   {
-    title: 'Late %', hint: 'control periods that it missed of late, for lack of processor time, %', alarm: whyMissed,
+    title: 'Late %', hint: 'recent share of control periods missed for lack of processor time, %', alarm: whyMissed,
     text: (f, k) => compact(times(100, missedShare(f, k)), 1), key: (f, k) => missedShare(f, k) ?? NaN,
   },
-  {title: 'CPU %', hint: 'of one core, of late, %', text: (f, k) => compact(times(100, share(f, k)), 0), key: (f, k) => share(f, k) ?? NaN},
+  {title: 'CPU %', hint: 'recent share of one core, %', text: (f, k) => compact(times(100, share(f, k)), 0), key: (f, k) => share(f, k) ?? NaN},
 ];
 
-/// Unknown ones last, whichever way it goes.
+/// Unknown values come last in both directions.
 function compare(a: number, b: number, descending: boolean): number {
   if (Number.isNaN(a) || Number.isNaN(b)) return Number(Number.isNaN(a)) - Number(Number.isNaN(b));
   return descending ? b - a : a - b;
@@ -54,7 +54,7 @@ function compare(a: number, b: number, descending: boolean): number {
 
 interface Row {
   element: HTMLTableRowElement;
-  texts: Text[];  // of each column
+  texts: Text[];  // one per column
   sign: SVGSVGElement;
   robot: number;
   phase: number;
@@ -95,7 +95,7 @@ export class RobotTable {
     this.update();
   }
 
-  /// Robots as they stand in the table.
+  /// The robots in the order of the table.
   sort(): number[] {
     const {fleet} = this;
     const {key} = columns[this.sortedBy];
@@ -117,7 +117,7 @@ export class RobotTable {
     this.rows.forEach((row, k) => this.write(row, first + k));
   }
 
-  /// The selected robot's row comes in sight.
+  /// Scrolls to the selected robot's row.
   reveal(robot: number): void {
     const place = this.order.indexOf(robot);
     if (place < 0) return;

@@ -1,10 +1,10 @@
-// What tests may look at: `window.coppice`, read only.
+// For tests: `window.coppice`, read only.
 import type {Fleet} from './fleet.ts';
 import type {MapView} from './map_view.ts';
 import type {TimeControl} from './time_control.ts';
 
 export interface TestWindow {
-  readonly ready: boolean;      // a map and robots are there
+  readonly ready: boolean;      // a map and robots have arrived
   readonly robots: number;
   readonly frames: number;      // drawn so far
   readonly fps: number;         // frames drawn in the last second
@@ -12,9 +12,9 @@ export interface TestWindow {
   readonly following: string | null;
   readonly selected: string | null;
   readonly playing: boolean;
-  readonly scale: number | null;  // pixels a metre
+  readonly scale: number | null;  // pixels per metre
   positionOf(name: string): {x: number; y: number} | null;  // pixels of the page
-  placeOf(name: string): {x: number; y: number} | null;  // metres in the map frame, by the newest frame
+  placeOf(name: string): {x: number; y: number} | null;  // metres in the map frame, in the newest frame
 }
 
 export function exposeToTests(fleet: Fleet, map: MapView, time: TimeControl): void {

@@ -1,4 +1,4 @@
-// Light or dark: as the system says, until somebody chooses; the choice is kept.
+// Light or dark: the system's choice until the user chooses. The user's choice is stored.
 
 const key = 'coppice-theme';
 const systemDark = matchMedia('(prefers-color-scheme: dark)');
@@ -6,7 +6,7 @@ const systemDark = matchMedia('(prefers-color-scheme: dark)');
 function kept(): string | null {
   try {
     return localStorage.getItem(key);
-  } catch {  // storage is forbidden: as the system says
+  } catch {  // storage is forbidden: use the system's choice
     return null;
   }
 }
@@ -15,7 +15,7 @@ function keep(theme: string): void {
   try {
     localStorage.setItem(key, theme);
   } catch {
-    // as above
+    // the choice is not stored
   }
 }
 

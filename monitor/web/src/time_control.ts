@@ -1,5 +1,5 @@
-// Stopping and going on. A recording is told to (play, pause, speed, seek); a live fleet heeds no page, so there a pause
-// holds back what comes, and "live" takes it all in and goes on at the present.
+// Pausing and continuing. A recording follows the page (play, pause, speed, seek). A live fleet does not: a pause holds
+// back its messages, and "live" takes them all in and continues at the present.
 import {byId, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
 import {clock} from './format.ts';
@@ -7,11 +7,11 @@ import type {FromPage, ToPage} from './live.js';
 
 const speeds = [0.25, 0.5, 1, 2, 4, 8, 16];
 const seekPause = 100;         // milliseconds between two seeks while the handle is dragged
-const heldMost = 50_000;       // messages; beyond that, going on means to connect anew
+const heldMost = 50_000;       // messages; beyond that, continuing means to connect again
 const skip = 5;                // seconds
 
 export class TimeControl {
-  private pausedAt: number | undefined;  // milliseconds: since when a live fleet is held
+  private pausedAt: number | undefined;  // milliseconds: since when a live fleet is paused
   private held: ToPage[] = [];
   private heldFrame: ToPage | undefined;
   private overflowed = false;
@@ -47,7 +47,7 @@ export class TimeControl {
     return this.recorded ? (this.fleet.playback?.playing ?? false) : !this.frozen;
   }
 
-  /// Whether the message waits until the page goes on.
+  /// Whether the message waits until the page continues.
   holdsBack(message: ToPage): boolean {
     if (!this.frozen) return false;
     if (message.begin) this.held = [];
@@ -57,7 +57,7 @@ export class TimeControl {
     return true;
   }
 
-  /// A new connection begins: nothing that is held back is true any more.
+  /// A new connection begins: the messages that are held back are obsolete.
   reset(): void {
     this.pausedAt = undefined;
     this.held = [];

@@ -1,11 +1,11 @@
-// Which part of the map is seen: between metres from the map's origin, as frames, paths and edges have them, and pixels
+// The visible part of the map. Converts between metres from the map's origin, as in frames, paths and edges, and pixels
 // of the page (CSS pixels, from the canvas's upper left corner).
 import type {Map as GridMap} from './live.js';
 
 export interface View {
-  x: number;  // metres, in the middle
+  x: number;  // metres, of the middle
   y: number;
-  scale: number;  // pixels a metre
+  scale: number;  // pixels per metre
   up: boolean;    // y grows up the page
   width: number;  // pixels
   height: number;
@@ -18,7 +18,7 @@ export interface Bounds {
   high: number;
 }
 
-const closest = 12;  // how much of the map fills the page at least: cells
+const closest = 12;  // cells: the least part of the map that fills the page
 
 export function bounds(map: GridMap): Bounds {
   return {left: 0, right: map.width * map.resolution, low: 0, high: map.height * map.resolution};
@@ -46,7 +46,7 @@ export function panned(view: View, dx: number, dy: number): View {
   return {...view, x: view.x - dx / view.scale, y: view.y + (view.up ? dy : -dy) / view.scale};
 }
 
-/// Zoomed about a place on the page, which stays where it is.
+/// Zooms about a point on the page, which stays in place.
 export function zoomed(view: View, factor: number, pageX: number, pageY: number): View {
   const place = toMap(view, pageX, pageY);
   const scaled = {...view, scale: view.scale * factor};
@@ -54,7 +54,7 @@ export function zoomed(view: View, factor: number, pageX: number, pageY: number)
   return {...scaled, x: view.x + place.x - there.x, y: view.y + place.y - there.y};
 }
 
-/// Moved so that as much of the map is in sight as can be, and no more beside it than need be.
+/// Moves the view so that it shows as much of the map, and as little beside it, as possible.
 export function filled(view: View, map: GridMap): View {
   const b = bounds(map);
   const inside = (middle: number, low: number, high: number, seen: number) =>
@@ -66,7 +66,8 @@ export function filled(view: View, map: GridMap): View {
   };
 }
 
-/// Not further out than half of what fits, nor further in than a few cells; and some of the map stays in sight.
+/// Limits the view: no further out than half of the fitting scale, no closer than a few cells, and with some of the map
+/// in sight.
 export function within(view: View, map: GridMap): View {
   const b = bounds(map);
   const least = fitted(map, view.width, view.height).scale / 2;

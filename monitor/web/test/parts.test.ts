@@ -194,7 +194,7 @@ describe('figures that alarm', () => {
 
   it('say for whom it waits, and that it is not heard', () => {
     const waits = {...frame(30, [0]), waiting: [12], waits_for: [1], idle: [12], phase: new Uint8Array([2])};
-    expect(about(status({}), waits)).toMatch(/Has waited for 12.*b go first/);
+    expect(about(status({}), waits)).toMatch(/Has waited 12.*for b/);
     expect(about(status({}), {...waits, waiting: [0], waits_for: [-1]})).toContain('no nearer');
     expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([2])})).toContain('Nothing has been heard');
     expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([3])})).toBe('');
