@@ -31,7 +31,6 @@
 #include "dds/senders.h"
 #include "dds/static_endpoints.h"
 #include "dds/transport.h"
-#include "dds/type_objects.h"
 #include "messages/topics.h"
 #include "messages/validation.h"
 
@@ -158,8 +157,6 @@ struct DdsBus::Implementation {
   Implementation(const DdsSettings& settings, Role role_of_process, const std::string& sender)
       : Implementation(role_of_process, !settings.security.empty(), settings.robot) {
     if (!settings.security.empty()) check_credentials(settings.security, role);
-    // The type objects cost about 1 MB. Only tools that discover the endpoints read them.
-    if (discovery_of(settings) != static_discovery) register_type_objects();
     participant = disabled_participant(settings, sender);
     publisher =
         required(participant->create_publisher(of_domain<dds::PublisherQos>(settings)), "a publisher");
