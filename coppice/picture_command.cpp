@@ -56,8 +56,7 @@ void run(const Tool& tool, const std::vector<std::string>& arguments, const fs::
   auto ended = process.reap();
   for (; !ended; ended = process.reap()) std::this_thread::sleep_for(poll_period);
   if (ended->exit_code != 0)
-    throw InputError(
-        fmt::format("{} failed, exit code {}: {}", tool.name, ended->exit_code, ended->last_words));
+    throw InputError(fmt::format("{} failed, exit code {}: {}", tool.name, ended->exit_code, ended->log_end));
 }
 
 void draw_png(const PictureContent& content, const fs::path& file, const fs::path& folder) {

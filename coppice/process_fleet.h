@@ -34,8 +34,8 @@ class ProcessFleet {
 
   struct Ended {
     std::string name;
-    int exit_code = 0;       ///< 128 + signal if a signal ended it
-    std::string last_words;  ///< the end of its log
+    int exit_code = 0;    ///< 128 + signal if a signal ended it
+    std::string log_end;  ///< the end of its log
   };
   /// Returns a child that has ended since the last call, if there is one. Does not wait.
   std::optional<Ended> reap();

@@ -265,7 +265,7 @@ std::chrono::duration<double> patience_with(const Scenario& scenario, double tim
 
 void tell_of_end(const ProcessFleet::Ended& ended) {
   std::cerr << fmt::format("{} ended early, exit code {}{}{}\n", ended.name, ended.exit_code,
-                           ended.last_words.empty() ? "" : ": ", ended.last_words);
+                           ended.log_end.empty() ? "" : ": ", ended.log_end);
 }
 
 /// Reports a time scale below 1.

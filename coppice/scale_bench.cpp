@@ -112,7 +112,7 @@ Run run_fleet(const std::string& program, const std::string& scenario, double ti
       run.seconds = wall_now() - run.began_at;
       if (!std::filesystem::exists(report))
         throw std::runtime_error(fmt::format("coppice run {} ended with {} and no report: {}", scenario,
-                                             ended->exit_code, ended->last_words));
+                                             ended->exit_code, ended->log_end));
       run.report = read_report(report);
       return run;
     }

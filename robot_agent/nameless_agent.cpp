@@ -31,9 +31,9 @@ void NamelessAgent::retire() {
   if (agent_) agent_->retire();
 }
 
-std::vector<Outgoing> NamelessAgent::last_words(WallTime now) {
+std::vector<Outgoing> NamelessAgent::final_messages(WallTime now) {
   if (!agent_ || lost()) return {};
-  return agent_->last_words(now);
+  return agent_->final_messages(now);
 }
 
 WallTime NamelessAgent::next_wake() const {

@@ -23,7 +23,7 @@ class NamelessAgent {
   void note(const BusCounts& counts, WallTime now);
   void retire();
   bool stands() const { return !agent_ || lost() || agent_->stands(); }
-  std::vector<Outgoing> last_words(WallTime now);
+  std::vector<Outgoing> final_messages(WallTime now);
 
   /// Once it knows which robot it is: begins to be that one, and goes on from what was kept of it before
   /// (memory.h), if anything. `tracking`: of a robot that is elsewhere.

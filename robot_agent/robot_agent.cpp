@@ -192,7 +192,7 @@ void RobotAgent::retire() {
   if (run_) run_->stop("the agent was told to stop");
 }
 
-std::vector<Outgoing> RobotAgent::last_words(WallTime now) {
+std::vector<Outgoing> RobotAgent::final_messages(WallTime now) {
   std::vector<Outgoing> out;
   if (run_) run_->end_track();
   status_is_due_ = true;

@@ -57,7 +57,7 @@ class RobotAgent {
   void retire();
   bool stands() const { return !run_ || run_->body().stands(); }
   /// What is left to say: the rest of the track, and the status.
-  std::vector<Outgoing> last_words(WallTime now);
+  std::vector<Outgoing> final_messages(WallTime now);
 
   /// Null before the robot's first mission in this run.
   const Run* run() const { return run_.get(); }

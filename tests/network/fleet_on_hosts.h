@@ -48,7 +48,7 @@ class FleetOnHosts {
 
   std::string says() const { return contents(logs_.back()); }
   /// The end of that, for whoever reads of a failure.
-  std::string last_words() const {
+  std::string log_end() const {
     const std::string all = says();
     return all.substr(all.size() - std::min<std::size_t>(all.size(), 2000));
   }
@@ -67,7 +67,7 @@ class FleetOnHosts {
 
   /// Waits for the end: all arrived, nothing was touched, and the report says what the trajectory says.
   void expect_good_end() {
-    EXPECT_EQ(processes_.back()->wait(), 0) << last_words();
+    EXPECT_EQ(processes_.back()->wait(), 0) << log_end();
     const proto::Report report = read_report(file("report.json"));
     EXPECT_EQ(report.outcome(), "arrived");
     std::vector<Expected> robots;

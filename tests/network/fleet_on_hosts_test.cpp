@@ -92,7 +92,7 @@ TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayDie) {
                              .domain = 163,
                              .discovery = server_on(1) + ";" + server_on(2),
                              .time_scale = 2});
-  ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.last_words();
+  ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.log_end();
   first->send(SIGKILL);
   EXPECT_EQ(first->wait(), 128 + SIGKILL);
   EXPECT_FALSE(fleet.all_have_arrived()) << "it is to die in mid-run";
@@ -102,7 +102,7 @@ TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayDie) {
 TEST_F(FleetOnHostsTest, ANetworkInTwoPiecesHealsAndEverybodyArrives) {
   Hosts hosts(3);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 164});
-  ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.last_words();
+  ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.log_end();
   std::this_thread::sleep_for(2s);
   for (const std::size_t other : {0u, 1u}) {
     hosts.link(other, 2, "down");

@@ -51,7 +51,7 @@ TEST(ProcessFleet, TellsWhoEndedHowAndWithWhichLastWords) {
   const auto exited = next_end(fleet);
   EXPECT_EQ(exited.name, "r1");
   EXPECT_EQ(exited.exit_code, 3);
-  EXPECT_EQ(exited.last_words, "out\nno map\n");
+  EXPECT_EQ(exited.log_end, "out\nno map\n");
   fleet.start("r2", script("kill -SEGV $$"), Output::log);
   EXPECT_EQ(next_end(fleet).exit_code, 128 + SIGSEGV);
   EXPECT_FALSE(fleet.reap());
@@ -74,16 +74,16 @@ TEST(ProcessFleet, ALogGoesOnWhenItsProcessIsStartedAgain) {
   folder.write("r1.log", "of another run\n");
   ProcessFleet fleet(folder.path());
   fleet.start("r1", script("echo here"), Output::log);
-  EXPECT_EQ(next_end(fleet).last_words, "here\n");
+  EXPECT_EQ(next_end(fleet).log_end, "here\n");
   fleet.start_again("r1");
-  EXPECT_EQ(next_end(fleet).last_words, "here\nhere\n");
+  EXPECT_EQ(next_end(fleet).log_end, "here\nhere\n");
 }
 
 TEST(ProcessFleet, LastWordsAreTheEndOfALongLog) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   fleet.start("r1", script("seq 1000; echo end"), Output::log);
-  const std::string last = next_end(fleet).last_words;
+  const std::string last = next_end(fleet).log_end;
   EXPECT_EQ(last.size(), 300u);
   EXPECT_TRUE(last.ends_with("\n1000\nend\n")) << last;
 }
@@ -180,7 +180,7 @@ TEST(ProcessFleet, AChildMayBeNicerThanItsParent) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   fleet.start("nice", script("nice"), Output::log, 3);
-  EXPECT_EQ(next_end(fleet).last_words, std::to_string(getpriority(PRIO_PROCESS, 0) + 3) + "\n");
+  EXPECT_EQ(next_end(fleet).log_end, std::to_string(getpriority(PRIO_PROCESS, 0) + 3) + "\n");
 }
 
 }  // namespace

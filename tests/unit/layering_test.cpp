@@ -67,7 +67,7 @@ struct Reserved {
 const std::string tests_and_benches = "|(tests|bench)/.*";
 const std::string mains =
     "|(tree_broker|robot_agent|planner_service)/(main\\.cpp|options\\.(h|cpp))|robot_agent/"
-    "ros_link\\.(h|cpp)";
+    "(ros_link|agent_loop|run_named|run_unnamed)\\.(h|cpp)";
 const std::string commands = "|coppice/.*";
 
 const std::vector<Reserved> reserved = {
@@ -80,7 +80,8 @@ const std::vector<Reserved> reserved = {
      "dds/.*|ros2/dds_.*|runtime/process.*|monitor/web_server\\.cpp" + commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
     {"<random>",
-     "planning/random\\.h|(tree_broker|robot_agent|planner_service)/main\\.cpp" + tests_and_benches,
+     "planning/random\\.h|((tree_broker|planner_service)/main|robot_agent/run_unnamed)\\.cpp" +
+         tests_and_benches,
      "chance is passed in"},
     {"<(iostream|fstream|filesystem)>",
      "files/.*|runtime/(journal|command_line).*" + mains + commands + tests_and_benches,

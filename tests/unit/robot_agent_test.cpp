@@ -233,7 +233,7 @@ TEST(RobotAgent, OneThatIsToEndBrakesAndSaysAllThatItHasToSay) {
   agent.retire();
   const auto said = run(agent, 2, 3);
   EXPECT_TRUE(agent.stands());
-  const auto last = messages(agent.last_words(3));
+  const auto last = messages(agent.final_messages(3));
   for (const auto& messages : {said, last}) {
     for (const auto& batch : of<TrackMessage>(messages)) {
       EXPECT_EQ(batch.first_index, points);

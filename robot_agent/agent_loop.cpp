@@ -1,0 +1,58 @@
+#include "robot_agent/agent_loop.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+namespace coppice {
+
+std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
+  if (!options.drives) return std::nullopt;
+  return TrackingSettings{.tolerance = options.tolerance, .patience = options.patience};
+}
+
+Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
+  Past past{journal_in(options.process.state, "robot-" + robot, meanwhile),
+            StateKeeper(robot, options.ros.drives)};
+  if (!past.journal) return past;
+  if (!past.journal->complete()) {
+    throw std::runtime_error(
+        fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
+                    "remove it once "
+                    "the robot stands at the start of its mission",
+                    past.journal->file().string()));
+  }
+  SavedStateBuilder builder;
+  past.journal->for_each([&](const Message& message) {
+    past.chooser.restore({&message, 1});
+    builder.add(message);
+    meanwhile();
+  });
+  past.saved_state = std::move(builder).saved_state();
+  if (past.saved_state && past.saved_state->mission.robot != robot)
+    throw std::runtime_error(fmt::format("{}: is of robot {}: remove it, or name another folder",
+                                         past.journal->file().string(), past.saved_state->mission.robot));
+  return past;
+}
+
+Listeners::Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot)
+    : keeper(past.keeper()),
+      ros(options.ros.on ? std::make_unique<RosLink>(bus, robot, options.ros.drives) : nullptr),
+      event_log(robot) {}
+
+void Listeners::heard(const Message& message) {
+  keeper.heard(message);
+  event_log.heard(message);
+  if (ros) ros->heard(message);
+}
+
+void Listeners::said(const Message& message) {
+  keeper.said(message);
+  for (const EventLog::Line& line : event_log.said(message, wall_now()))
+    spdlog::log(line.is_warning ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
+  if (ros) ros->said(message);
+}
+
+}  // namespace coppice

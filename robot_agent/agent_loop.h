@@ -1,0 +1,78 @@
+// What the processes of a named and of an unnamed agent share: the saved state of the robot, everybody who
+// follows what the agent hears and says, and one turn of the loop.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "dds/dds_bus.h"
+#include "messages/keep.h"
+#include "robot_agent/event_log.h"
+#include "robot_agent/nameless_agent.h"
+#include "robot_agent/options.h"
+#include "robot_agent/robot_agent.h"
+#include "robot_agent/ros_link.h"
+#include "robot_agent/saved_state.h"
+#include "runtime/journal.h"
+#include "runtime/process.h"
+
+namespace coppice {
+
+/// None: the agent moves its robot itself.
+std::optional<TrackingSettings> tracking_of(const RosOptions& options);
+
+/// What the process before this one left in the robot's journal.
+struct Past {
+  std::optional<Journal> journal;
+  StateKeeper chooser;
+  std::optional<SavedState> saved_state{};
+
+  Keeper<StateKeeper, Journal> keeper() { return {std::move(chooser), journal ? &*journal : nullptr}; }
+};
+
+/// Opens the journal of a robot and reads it. `meanwhile` is called again and again, for a long journal takes
+/// seconds. Throws JournalInUse if another process has it open, and std::runtime_error if it is of no use.
+Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile);
+
+/// Everybody who follows what a robot's agent hears and says.
+struct Listeners {
+  Keeper<StateKeeper, Journal> keeper;
+  std::unique_ptr<RosLink> ros;  ///< null: nothing is said in ROS 2
+  EventLog event_log;
+
+  Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot);
+  void heard(const Message& message);
+  void said(const Message& message);
+};
+
+inline RobotAgent& robot_of(RobotAgent& agent) {
+  return agent;
+}
+inline RobotAgent& robot_of(NamelessAgent& agent) {
+  return agent.agent();
+}
+
+/// Waits, hears, decides and says, once.
+template <class Agent>
+void turn(DdsBus& bus, Agent& agent, Listeners& listeners) {
+  run_role_once(bus, agent, listeners);
+  if (listeners.ros) listeners.ros->turn(robot_of(agent), wall_now());
+}
+
+/// Brakes until the robot stands, and says all that is left to say. Ends after some seconds in any case.
+template <class Agent>
+void end(DdsBus& bus, Agent& agent, Listeners& listeners) {
+  constexpr WallTime longest_braking = 5;  // seconds
+  const WallTime latest = wall_now() + longest_braking;
+  agent.retire();
+  do {
+    turn(bus, agent, listeners);
+  } while (!agent.stands() && wall_now() < latest);
+  for (const Outgoing& last : agent.final_messages(wall_now())) {
+    listeners.said(last.message);
+    bus.publish(last);
+  }
+}
+
+}  // namespace coppice

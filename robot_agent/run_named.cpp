@@ -1,0 +1,30 @@
+#include "robot_agent/run_named.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "robot_agent/agent_loop.h"
+
+namespace coppice {
+
+int run_named(const AgentOptions& options, Heartbeat& heart) {
+  const RobotName& name = options.name;
+  Past past = past_of(name, options, [&] { heart.beat(wall_now()); });
+  DdsSettings network = options.process.network;
+  network.robot = name;
+  DdsBus bus(network, Role::agent, "robot_agent " + name);
+  Listeners listeners(past, options, bus, name);
+  RobotAgent agent(name);
+  if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
+  agent.restore(std::move(past.saved_state));
+  spdlog::info("on domain {}", network.domain);
+  while (!stop_requested()) {
+    turn(bus, agent, listeners);
+    heart.beat(wall_now());
+  }
+  end(bus, agent, listeners);
+  return 0;
+}
+
+}  // namespace coppice

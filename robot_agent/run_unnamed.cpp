@@ -1,0 +1,104 @@
+#include "robot_agent/run_unnamed.h"
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "robot_agent/agent_loop.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr WallTime patience = 5;      // seconds of waiting that are worth no line
+constexpr WallTime claim_period = 1;  // seconds
+
+/// False: told to stop before that.
+bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
+  KeepsNothing keeper;
+  const WallTime patience_ends = wall_now() + patience;
+  std::string_view noted;
+  while (!agent.robot() && !stop_requested()) {
+    run_role_once(asking, agent, keeper);
+    heart.beat(wall_now());
+    const std::string_view note = asking.matched_readers<Claim>() > 0
+                                      ? "waits: no robot is free"
+                                      : "waits: no planner service has been found";
+    if (wall_now() < patience_ends || note == noted) continue;
+    noted = note;
+    spdlog::info(note);
+  }
+  return agent.robot().has_value();
+}
+
+/// Whoever was that robot before may only be paused, and have its journal open: it ends as soon as it goes
+/// on, for it has been silent for too long. None: told to stop before that, or another agent is that robot.
+std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& asking, NamelessAgent& agent,
+                                         const std::function<void()>& meanwhile) {
+  KeepsNothing keeper;
+  for (bool told = false; !agent.lost() && !stop_requested(); told = true) {
+    try {
+      return past_of(*agent.robot(), options, meanwhile);
+    } catch (const JournalInUse& problem) {
+      if (!told) spdlog::warn("{}: waits for that one to end", problem.what());
+    }
+    run_role_once(asking, agent, keeper);
+    meanwhile();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
+  const ProcessOptions& options = all_options.process;
+  std::random_device device;
+  const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
+  auto asking =
+      std::make_unique<DdsBus>(options.network, Role::claimant, fmt::format("robot_agent {:016x}", id));
+  NamelessAgent agent(id);
+  spdlog::info("claims a robot on domain {}", options.network.domain);
+  if (!wait_for_a_robot(*asking, agent, heart)) return 0;
+  const RobotName robot = *agent.robot();
+  set_up_logging("robot_agent " + robot, options.log.level, options.log.json);
+  spdlog::info("is {}", robot);
+  WallTime last_claim = wall_now();
+  const auto claim_again = [&](DdsBus& on) {
+    last_claim = wall_now();
+    const Claim claim = agent.claim(last_claim);
+    if (!agent.lost()) on.publish(claim);
+  };
+  const auto keep_the_claim = [&] {
+    heart.beat(wall_now());
+    if (asking && std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
+  };
+  if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, keep_the_claim)) {
+    agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
+    // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
+    // service, the other one keeps the claim.
+    DdsSettings network = options.network;
+    network.robot = robot;
+    DdsBus bus(network, Role::claimant, "robot_agent " + robot);
+    Listeners listeners(*past, all_options, bus, robot);
+    claim_again(bus);
+    while (!stop_requested()) {
+      keep_the_claim();  // first, for it may have slept
+      if (agent.lost()) break;
+      turn(bus, agent, listeners);
+      if (asking && bus.matched_readers<Claim>() > 0) asking.reset();
+    }
+    if (!agent.lost()) end(bus, agent, listeners);
+  }
+  if (!agent.lost()) return 0;
+  spdlog::error("was silent for too long: another agent may be {} by now", robot);
+  return 1;
+}
+
+}  // namespace coppice
