@@ -155,8 +155,11 @@ std::string kinds_in_words() {
 
 void add_map(CLI::App& app, MapOptions& options, ChosenCommand& chosen) {
   auto* command = app.add_subcommand("map", "makes a map and a scenario on it");
+  std::string kinds = "blank|dense|maze|room";
+  for (const ScenarioKind& kind : scenario_kinds()) kinds += fmt::format("|{}", kind.name);
   command->add_option("kind", options.kind, "a kind of map or of scenario, as below, or a map file")
-      ->required();
+      ->required()
+      ->type_name(kinds + "|FILE");
   command->footer(kinds_in_words());
   command->add_option("output", options.output, "scenario to write (.json); the map is written beside it")
       ->required()
@@ -187,8 +190,9 @@ void add_bench(CLI::App& app, BenchOptions& options, ChosenCommand& chosen) {
       ->required()
       ->check(CLI::IsMember({"paper", "peers", "lifelong", "avoidance", "sharing", "scale"}));
   command->add_flag("--quick", options.quick, "uses few seeds and robots");
-  command->add_option("--maps", options.maps, "blank, dense, maze, room, or map files, separated by commas")
+  command->add_option("--maps", options.maps, "kinds of map, or map files, separated by commas")
       ->delimiter(',')
+      ->type_name("blank|dense|maze|room|FILE")
       ->default_str(of_experiment);
   command->add_option("--robots", options.robots, "numbers of robots, separated by commas")
       ->delimiter(',')
@@ -239,7 +243,7 @@ void add_help(CLI::App& app, std::string& topic, ChosenCommand& chosen) {
                                        : fmt::format("did you mean {}?", nearest));
   };
   command->add_option("topic", topic, "a command, or report")
-      ->check(CLI::Validator(problem, ""))
+      ->check(CLI::Validator(problem, fmt::format("{{{}}}", fmt::join(topics, ","))))
       ->default_str("lists the commands");
   command->callback([&] {
     chosen = [&] {

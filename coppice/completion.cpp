@@ -44,7 +44,8 @@ Offer value_of(const CLI::Option& option) {
   const auto holds = [&](const char* part) { return type.find(part) != std::string::npos; };
   if (const std::size_t open = type.find('{'); open != std::string::npos)
     return {words_of(std::string_view(type).substr(open + 1, type.find('}') - open - 1), ','), ""};
-  if (holds("|")) return {words_of(std::string_view(type).substr(type.find(':') + 1), '|'), ""};
+  if (holds("|"))
+    return {words_of(std::string_view(type).substr(type.find(':') + 1), '|'), holds("|FILE") ? "file" : ""};
   if (holds("FOLDER") || holds("DIR")) return {"", "directory"};
   return {"", type.starts_with("TEXT") ? "file" : ""};
 }

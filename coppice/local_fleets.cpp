@@ -126,7 +126,8 @@ bool has_strangers(const Sockets& sockets, int domain, std::span<const LocalProc
 void add(LocalFleet& fleet, const LocalProcess& process) {
   fleet.is_seen = true;
   is_agent(process) ? ++fleet.agents : ++fleet.others;
-  if (const auto discovery = option_of(process, "--discovery")) fleet.discovery = *discovery;
+  const std::string discovery = option_of(process, "--discovery").value_or(process.servers);
+  if (!discovery.empty()) fleet.discovery = discovery;
   fleet.is_secured = fleet.is_secured || option_of(process, "--security").has_value();
 }
 
@@ -162,11 +163,19 @@ std::string contents_of(const fs::path& file) {
   }
 }
 
-std::vector<std::string> arguments_of(const fs::path& process) {
-  std::vector<std::string> arguments;
-  std::istringstream texts(contents_of(process / "cmdline"));
-  for (std::string text; std::getline(texts, text, '\0');) arguments.push_back(text);
-  return arguments;
+std::vector<std::string> texts_in(const fs::path& file) {
+  std::vector<std::string> all;
+  std::istringstream texts(contents_of(file));
+  for (std::string text; std::getline(texts, text, '\0');) all.push_back(text);
+  return all;
+}
+
+std::string servers_of(const fs::path& process) {
+  constexpr std::string_view mark = "ROS_DISCOVERY_SERVER=";
+  for (const std::string& variable : texts_in(process / "environ")) {
+    if (variable.starts_with(mark)) return variable.substr(mark.size());
+  }
+  return {};
 }
 
 std::vector<LocalProcess> local_processes() {
@@ -176,7 +185,9 @@ std::vector<LocalProcess> local_processes() {
        entry.increment(problem)) {
     const std::string name = entry->path().filename().string();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    processes.push_back({arguments_of(entry->path()), sockets_of(entry->path())});
+    LocalProcess process{texts_in(entry->path() / "cmdline"), sockets_of(entry->path())};
+    if (is_of_fleet(process)) process.servers = servers_of(entry->path());
+    processes.push_back(std::move(process));
   }
   return processes;
 }

@@ -18,6 +18,7 @@ namespace coppice {
 struct LocalProcess {
   std::vector<std::string> arguments;  ///< with the program's name
   std::set<std::uint64_t> sockets;     ///< as the kernel numbers them
+  std::string servers{};               ///< ROS_DISCOVERY_SERVER of its environment; empty: none
 };
 
 struct LocalFleet {

@@ -61,20 +61,36 @@ std::vector<std::string> LogWatch::news(WallTime now) {
   return lines;
 }
 
-void LogWatch::begin_window(WallTime now, std::vector<std::string>& lines) {
+std::vector<std::string> LogWatch::last_news(WallTime now) {
+  std::vector<std::string> lines = news(now);
+  for (auto& [name, log] : logs_) {
+    while (read(name, log, lines)) continue;
+  }
+  tell_held_back(lines);
+  held_back_ = 0;
+  return lines;
+}
+
+void LogWatch::tell_held_back(std::vector<std::string>& lines) const {
   if (held_back_ > 0)
     lines.push_back(kept_ ? fmt::format("{} more warnings are in {}", held_back_, folder_.string())
                           : fmt::format("{} more warnings (--logs DIR keeps them)", held_back_));
+}
+
+void LogWatch::begin_window(WallTime now, std::vector<std::string>& lines) {
+  tell_held_back(lines);
   window_begins_ = now;
   passed_ = held_back_ = 0;
   for (auto& [name, log] : logs_) log.passed = 0;
 }
 
-void LogWatch::read(const std::string& name, Log& log, std::vector<std::string>& lines) {
+/// Returns whether there was anything new in the log.
+bool LogWatch::read(const std::string& name, Log& log, std::vector<std::string>& lines) {
   const std::filesystem::path file = folder_ / (name + ".log");
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(file, none);
-  if (none || size <= log.read) return;
+  if (!none && size < log.read) log = {};  // the log began anew
+  if (none || size <= log.read) return false;
   std::string text(std::min<std::uintmax_t>(size - log.read, most_read), '\0');
   std::ifstream in(file, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(log.read));
@@ -92,6 +108,7 @@ void LogWatch::read(const std::string& name, Log& log, std::vector<std::string>&
     log.rest.erase(0, end + 1);
   }
   if (log.rest.size() > longest_line) log.rest.clear();
+  return !text.empty();
 }
 
 }  // namespace coppice

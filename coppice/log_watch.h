@@ -26,6 +26,9 @@ class LogWatch {
   /// Returns the warnings since the last call, each with the process's name in front. Of many warnings in a
   /// short time it returns only the first ones, and later their number.
   std::vector<std::string> news(WallTime now);
+  /// Returns all warnings that are left, in the same way, and the number of those that were held back. Called
+  /// once, when all processes have ended.
+  std::vector<std::string> last_news(WallTime now);
 
  private:
   struct Log {
@@ -34,7 +37,8 @@ class LogWatch {
     int passed = 0;           ///< lines, in this window
   };
 
-  void read(const std::string& name, Log& log, std::vector<std::string>& lines);
+  bool read(const std::string& name, Log& log, std::vector<std::string>& lines);
+  void tell_held_back(std::vector<std::string>& lines) const;
   void begin_window(WallTime now, std::vector<std::string>& lines);
 
   std::filesystem::path folder_;

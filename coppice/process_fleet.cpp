@@ -24,13 +24,12 @@ namespace {
 
 constexpr std::chrono::milliseconds last_grace{2000};
 constexpr std::chrono::milliseconds poll_period{10};
-constexpr std::streamoff last_words_length = 300;  // characters
+constexpr std::streamoff shown_length = 300;  // characters
 
 using Clock = std::chrono::steady_clock;
 
-/// `log`: empty for none; `log_mode`: O_TRUNC or O_APPEND.
-[[noreturn]] void become(const std::vector<std::string>& command, const std::string& log, int log_mode,
-                         int niceness, pid_t parent) {
+/// `log`: descriptor of the log; -1: output goes where this process's goes.
+[[noreturn]] void become(const std::vector<std::string>& command, int log, int niceness, pid_t parent) {
   // The child dies with the parent. It has its own process group, so that Ctrl-C in the terminal reaches only
   // the parent.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -39,12 +38,9 @@ using Clock = std::chrono::steady_clock;
   // Other programs may rely on the default.
   std::signal(SIGPIPE, SIG_DFL);
   nice(niceness);  // if refused, the child runs with normal priority
-  if (!log.empty()) {
-    const int file = open(log.c_str(), O_WRONLY | O_CREAT | log_mode, 0644);
-    if (file >= 0) {
-      dup2(file, STDOUT_FILENO);
-      dup2(file, STDERR_FILENO);
-    }
+  if (log >= 0) {
+    dup2(log, STDOUT_FILENO);
+    dup2(log, STDERR_FILENO);
   }
   std::vector<char*> arguments;
   for (const std::string& argument : command)
@@ -70,8 +66,7 @@ pid_t ProcessFleet::start(const std::string& name, const std::vector<std::string
     throw std::runtime_error(
         fmt::format("{}: {} cannot be started: {}", name, command.front(), std::strerror(errno)));
   }
-  const std::string log = output == Output::log ? (log_folder_ / (name + ".log")).string() : std::string();
-  const int log_mode = starts_.contains(name) ? O_APPEND : O_TRUNC;
+  const int log = output == Output::log ? open_log(name) : -1;
   const pid_t parent = getpid();
   // Stop signals to the child are blocked until it can handle them (install_stop_signals).
   const sigset_t stop = stop_signals();
@@ -79,11 +74,22 @@ pid_t ProcessFleet::start(const std::string& name, const std::vector<std::string
   sigprocmask(SIG_BLOCK, &stop, &before);
   const pid_t pid = fork();
   if (pid != 0) sigprocmask(SIG_SETMASK, &before, nullptr);
+  if (pid != 0 && log >= 0) close(log);
   if (pid < 0) throw std::runtime_error(fmt::format("{}: no new process: {}", name, std::strerror(errno)));
-  if (pid == 0) become(command, log, log_mode, niceness, parent);
+  if (pid == 0) become(command, log, niceness, parent);
   running_.push_back({name, pid});
   starts_.insert_or_assign(name, Start{command, output, niceness});
   return pid;
+}
+
+/// Opened before the child starts: a reader of the log never sees what an earlier run left there.
+int ProcessFleet::open_log(const std::string& name) const {
+  const std::filesystem::path file = log_folder_ / (name + ".log");
+  const int mode = starts_.contains(name) ? O_APPEND : O_TRUNC;
+  const int log = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | mode, 0644);
+  if (log < 0)
+    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno)));
+  return log;
 }
 
 void ProcessFleet::start_again(const std::string& name) {
@@ -96,7 +102,7 @@ std::optional<ProcessFleet::Ended> ProcessFleet::reap() {
     int status = 0;
     if (waitpid(child->pid, &status, WNOHANG) != child->pid) continue;
     Ended ended{child->name, WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-                last_words_of(child->name)};
+                end_of_log(child->name)};
     running_.erase(child);
     return ended;
   }
@@ -130,9 +136,9 @@ std::vector<ProcessFleet::Ended> ProcessFleet::terminate_all(std::chrono::millis
   return gone;
 }
 
-std::string ProcessFleet::last_words_of(const std::string& name) const {
+std::string ProcessFleet::end_of_log(const std::string& name) const {
   std::ifstream log(log_folder_ / (name + ".log"), std::ios::ate);
-  log.seekg(std::max<std::streamoff>(0, log.tellg() - last_words_length));
+  log.seekg(std::max<std::streamoff>(0, log.tellg() - shown_length));
   return {std::istreambuf_iterator<char>(log), {}};
 }
 

@@ -56,7 +56,8 @@ class ProcessFleet {
     std::string name;
     pid_t pid;
   };
-  std::string last_words_of(const std::string& name) const;
+  int open_log(const std::string& name) const;
+  std::string end_of_log(const std::string& name) const;
 
   std::filesystem::path log_folder_;
   std::map<std::string, Start> starts_;

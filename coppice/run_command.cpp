@@ -166,6 +166,9 @@ DdsSettings settings_of(const FleetOptions& options, std::size_t robots) {
 /// The command that shows the fleet in another terminal.
 std::string watching_command(const FleetOptions& options, std::size_t robots) {
   Command command = joined({"coppice", "monitor"}, network_of(options, robots));
+  // Another terminal need not have this variable.
+  if (discovery_of(options, robots).empty() && !usual_discovery_servers().empty())
+    command = joined(command, {"--discovery", usual_discovery_servers()});
   if (!options.security.empty()) command = joined(command, {"--security", options.security + "/observer"});
   return shell_words(command);
 }
@@ -308,9 +311,9 @@ bool end_all(ProcessFleet& fleet) {
 }
 
 /// The terminal may show a line of progress, which must be cleared.
-void pass_on_warnings(LogWatch& logs) {
+void pass_on(const std::vector<std::string>& warnings) {
   const char* const clears = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
-  for (const std::string& line : logs.news(wall_now())) std::cerr << clears << line << '\n';
+  for (const std::string& line : warnings) std::cerr << clears << line << '\n';
 }
 
 /// Refuses to run beside another service, because the agents of this run would become robots of its fleet. If
@@ -322,7 +325,8 @@ void check_that_nobody_serves(const DdsSettings& network) {
   while (wall_now() < until && !stop_requested()) {
     bus.wait(longest_wait);
     for (const Arrival& arrival : bus.take()) {
-      if (const auto* service = std::get_if<ServiceStatus>(arrival.message.get()))
+      const auto* const service = std::get_if<ServiceStatus>(arrival.message.get());
+      if (service != nullptr && !bus.hears_replay())  // a replay gives way to a fleet
         throw InputError(
             fmt::format("another planner service has the fleet on domain {}: {}: end that one, or "
                         "name another --domain",
@@ -373,13 +377,14 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
   while (true) {
     stop.pass_on(fleet);
     if (Clock::now() >= next_look) {
-      pass_on_warnings(logs);
+      pass_on(logs.news(wall_now()));
       next_look = Clock::now() + look_at_logs;
     }
     const auto ended = fleet.reap();
     if (!ended && stop.is_there() && stop.is_older_than(patience(Clock::now() - begin))) {
       std::cerr << "the planner service does not answer: ended without a report\n";
       fleet.terminate_all(grace);
+      pass_on(logs.last_news(wall_now()));
       return 1;
     }
     to_start.start_those_due(fleet);
@@ -397,7 +402,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
                            to_start.note(*ended);
     if (may_go_on || !is_service) continue;
     recorded = end_all(fleet) && recorded;
-    pass_on_warnings(logs);
+    pass_on(logs.last_news(wall_now()));
     return says_why ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;
   }
 }

@@ -1,5 +1,6 @@
 #include "coppice/sharing_bench.h"
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -78,9 +79,12 @@ void bench_sharing(const ExperimentOptions& options, const std::string& program)
                      .robots = robots,
                      .radius = options.radius,
                      .output = scenario});
-        for (std::size_t alone = 0; alone < 2; ++alone) {
-          const double time =
+        std::array<double, 2> times{};  // both, or none: the ratio is of the same seeds
+        for (std::size_t alone = 0; alone < 2; ++alone)
+          times[alone] =
               plan_ms(executable, scenario, planner_names[alone], (folder.path() / "report.json").string());
+        for (std::size_t alone = 0; alone < 2; ++alone) {
+          const double time = times[alone];
           ms[alone].push_back(time);
           trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), series[alone].name,
                                  fmt::format("{:.3f}", time)});

@@ -35,10 +35,24 @@ void add_network_options(CLI::App& command, DdsSettings& network, const std::str
 
 constexpr const char* domain_of_fleet = "that of the fleet that is alive on this machine, or 0";
 
+/// The command as the user typed it, but for how to reach a fleet.
+std::string typed_command(const CLI::App& command) {
+  std::vector<std::string> words{"coppice", command.get_name()};
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    const bool is_of_fleet = name == "--domain" || name == "--discovery" || name == "--security";
+    if (option->count() == 0 || is_of_fleet) continue;
+    if (!option->get_positional()) words.push_back(name);
+    if (option->get_items_expected_max() > 0)
+      words.insert(words.end(), option->results().begin(), option->results().end());
+  }
+  return shell_words(words);
+}
+
 /// If no domain was named, chooses the fleet that is alive on this machine.
 void find_fleet(const CLI::App& command, DdsSettings& network) {
   if (command.count("--domain") == 0)
-    std::cerr << choose_fleet(network, local_fleets(), "coppice " + command.get_name()) << std::endl;
+    std::cerr << choose_fleet(network, local_fleets(), typed_command(command)) << std::endl;
 }
 
 void add_monitor(CLI::App& app, MonitorOptions& options, ChosenCommand& chosen) {

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -25,6 +28,25 @@ bool has_line(std::string_view text, std::string_view word) {
     if (at == 0 || text[at - 1] == '\n') return true;
   }
   return false;
+}
+
+/// Whether the text has a JSON field of this name.
+bool has_field(std::string_view text, std::string_view name) {
+  const std::string quoted = fmt::format("\"{}\"", name);
+  for (auto at = text.find(quoted); at != std::string_view::npos; at = text.find(quoted, at + 1)) {
+    const auto next = text.find_first_not_of(" \t\r\n", at + quoted.size());
+    if (next != std::string_view::npos && text[next] == ':') return true;
+  }
+  return false;
+}
+
+/// "version 1", as Moving AI scenarios begin; the number may be fractional.
+bool is_scen_version(std::string_view text) {
+  constexpr std::string_view word = "version";
+  if (!text.starts_with(word)) return false;
+  const auto number = text.find_first_not_of(" \t", word.size());
+  return number != std::string_view::npos && number > word.size() &&
+         std::isdigit(static_cast<unsigned char>(text[number])) != 0;
 }
 
 /// What a file is, and what it is good for.
@@ -58,15 +80,16 @@ Words words_of(FileKind kind) {
   return {"of an unknown kind", ""};
 }
 
-/// The first bytes of a file; nothing where it cannot be read twice, as a pipe.
+/// The first bytes of a file; nothing if the file cannot be read twice, as a pipe.
 std::optional<std::string> beginning_of(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))
     throw InputError(fmt::format("{}: is a folder, expected a file", path.string()));
+  // A writer may end a pipe as soon as the pipe was opened once.
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+    return std::nullopt;
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(errno)));
-  if (!std::filesystem::is_regular_file(path, ignored))
-    return std::nullopt;  // what is read of a pipe is gone
   std::array<char, enough> block{};
   in.read(block.data(), block.size());
   return std::string(block.data(), static_cast<std::size_t>(in.gcount()));
@@ -86,13 +109,13 @@ FileKind kind_of_file(std::string_view begin) {
   const auto text = begin.find_first_not_of(" \t\r\n");
   if (text == std::string_view::npos) return FileKind::empty;
   if (begin.starts_with("type ")) return FileKind::map;
-  if (begin.starts_with("version")) return FileKind::scen;
+  if (is_scen_version(begin)) return FileKind::scen;
   if (begin.starts_with("time,robot,")) return FileKind::trajectory;
   if (begin[text] == '{') {
-    if (begin.find("\"outcome\"") != std::string_view::npos) return FileKind::report;
-    const bool is_scenario =
-        begin.find("\"map\"") != std::string_view::npos || begin.find("\"robots\"") != std::string_view::npos;
-    return is_scenario ? FileKind::scenario : FileKind::unknown;
+    // Every report says its outcome. Only a scenario says where robots start.
+    if (has_field(begin, "outcome") && !has_field(begin, "start")) return FileKind::report;
+    if (has_field(begin, "image") && has_field(begin, "resolution")) return FileKind::ros_map;  // flow YAML
+    return has_field(begin, "map") || has_field(begin, "robots") ? FileKind::scenario : FileKind::unknown;
   }
   if (has_line(begin, "image:") && has_line(begin, "resolution:")) return FileKind::ros_map;
   return FileKind::unknown;

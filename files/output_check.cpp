@@ -18,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of making a file of that name; it is removed again. Permissions alone do not tell: what is read-only, full
-/// or too long says so only then.
+/// Makes a file of that name and removes it again. Permissions alone do not tell whether a file system is
+/// read-only or full, or a name too long. A file that a killed process left there is in nobody's way.
 std::string problem_with_making(const std::string& file) {
-  const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (made < 0) return std::strerror(errno);
   ::close(made);
   ::unlink(file.c_str());
@@ -30,7 +30,7 @@ std::string problem_with_making(const std::string& file) {
 
 std::string problem_with_output(const std::string& text) {
   std::error_code ignored;
-  const fs::path file = text;
+  const fs::path file = text.empty() ? fs::path() : written_file(text);
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (text.empty()) return "expected the name of a file";
   if (!file.has_filename() || fs::is_directory(file, ignored))
@@ -40,7 +40,7 @@ std::string problem_with_output(const std::string& text) {
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))  // a device, or a pipe
     return ::access(file.c_str(), W_OK) == 0 ? "" : fmt::format("{} cannot be written: no permission", text);
   // It is written beside and renamed: so the folder decides, not a file that is there.
-  const std::string problem = problem_with_making(fmt::format("{}.{}.tmp", text, ::getpid()));
+  const std::string problem = problem_with_making(fmt::format("{}.{}.tmp", file.string(), ::getpid()));
   return problem.empty() ? "" : fmt::format("{} cannot be written: {}", text, problem);
 }
 

@@ -83,17 +83,28 @@ PlannerKind chosen_planner(const RunOptions& options) {
   return planner_kind(options.planner).value();  // checked when the option was read
 }
 
+namespace {
+
+/// The name by which two names of one file are found. A pipe has none.
+std::filesystem::path unique_name(const std::filesystem::path& file) {
+  std::error_code problem;
+  const std::filesystem::path name = std::filesystem::weakly_canonical(file, problem);
+  return problem ? std::filesystem::absolute(file) : name;
+}
+
+}  // namespace
+
 void check_results(const RunOptions& options, const Scenario& scenario, const std::string& recording) {
   namespace fs = std::filesystem;
   std::map<fs::path, std::string> names;
   if (!options.scenario.empty()) {
-    names = {{fs::weakly_canonical(options.scenario), options.scenario},
-             {fs::weakly_canonical(scenario.map_file), scenario.map_file}};
+    names = {{unique_name(options.scenario), options.scenario},
+             {unique_name(scenario.map_file), scenario.map_file}};
   }
   for (const std::string& file : {recording, options.report, options.trajectory, options.picture}) {
     const bool is_device = fs::exists(file) && !fs::is_regular_file(file);
     if (file.empty() || is_device) continue;
-    const auto [other, fresh] = names.try_emplace(fs::weakly_canonical(file), file);
+    const auto [other, fresh] = names.try_emplace(unique_name(file), file);
     if (!fresh) throw InputError(fmt::format("{} is to be two files: it is {}, too", file, other->second));
   }
 }

@@ -65,6 +65,13 @@ std::string ending_of(const std::filesystem::path& path) {
   return ending;
 }
 
+std::filesystem::path written_file(const std::filesystem::path& path) {
+  std::error_code problem;
+  if (!std::filesystem::is_symlink(path, problem)) return path;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, problem);
+  return problem ? path : target;
+}
+
 void write_file(const std::filesystem::path& path, std::string_view content) {
   write_file(path, [&](std::ostream& out) {
     out.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -80,7 +87,7 @@ void write_file(const std::filesystem::path& path, const std::function<void(std:
     if (!wrote(path, write)) throw InputError(fmt::format("{}: cannot be written", path.string()));
     return;
   }
-  const fs::path file = is_link ? fs::canonical(path, problem) : path;
+  const fs::path file = written_file(path);
   const fs::path temporary = file.string() + fmt::format(".{}.tmp", ::getpid());
   if (!wrote(temporary, write)) {
     std::remove(temporary.c_str());

@@ -19,6 +19,9 @@ std::string read_text(const std::filesystem::path& path);
 /// Of a file's name, in lower case, with its dot: ".json" of "FLEET.JSON".
 std::string ending_of(const std::filesystem::path& path);
 
+/// The file that is replaced when a file of this name is written: a link is followed.
+std::filesystem::path written_file(const std::filesystem::path& path);
+
 /// Writes beside the target and renames: a reader sees the old file or the new one, and a full disk leaves
 /// the old. Throws InputError if it cannot be written.
 void write_file(const std::filesystem::path& path, std::string_view content);

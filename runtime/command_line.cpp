@@ -135,12 +135,14 @@ std::string unknown_argument(const CLI::App& app) {
     if (is_option(text) && std::ranges::count(options, name_of(text)) > 0)
       return fmt::format("{}: goes after the command, as in {} {}", text, full_name(app, command), text);
   }
-  const std::vector<std::string> rest = before.empty() ? command.remaining() : before;
-  const auto option = std::ranges::find_if(rest, is_option);
-  if (option != rest.end())
+  std::vector<std::string> rest = before.empty() ? command.remaining() : before;
+  const auto end_of_options = std::ranges::find(rest, "--");  // no option comes after it
+  const auto option = std::find_if(rest.begin(), end_of_options, is_option);
+  if (option != end_of_options)
     return fmt::format(
         "{}: unknown option{}", *option,
         did_you_mean(nearest_name(name_of(*option), names_of_options(before.empty() ? command : app))));
+  if (end_of_options != rest.end()) rest.erase(end_of_options);
   if (rest.empty()) return {};
   const bool is_command = !before.empty() || !app.get_subcommands({}).empty();
   if (is_command && &command == &app) {
@@ -155,19 +157,29 @@ std::string unknown_argument(const CLI::App& app) {
                      did_you_mean(lacks_dashes ? "--" + rest[0] : ""));
 }
 
-/// Describes an option that is followed by another option instead of its value; empty if there is none.
+/// Describes the first option that lacks its value, or has one though it takes none; empty if there is none.
+/// An option lacks its value if nothing, or another option, stands where the value is to be.
 std::string missing_value(const CLI::App& command, const std::vector<std::string>& arguments) {
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const CLI::Option* option =
-        arguments[i].starts_with("--") ? command.get_option_no_throw(arguments[i]) : nullptr;
-    if (option == nullptr || !takes_value(*option)) continue;
-    const bool is_last = i + 1 == arguments.size();
-    if (is_last ||
-        (arguments[i + 1].starts_with("--") && command.get_option_no_throw(arguments[i + 1]) != nullptr)) {
-      const std::string rules = rules_of(*option);
-      return fmt::format("{}: expected a value, {}{}", arguments[i], value_name(*option),
-                         rules.empty() ? "" : " [" + rules + "]");
+  const auto option_named = [&](const std::string& name) {
+    return name.starts_with("--") && name.size() > 2 ? command.get_option_no_throw(name) : nullptr;
+  };
+  for (std::size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
+    const auto equals = arguments[i].find('=');
+    const std::string name = arguments[i].substr(0, equals);
+    const CLI::Option* option = option_named(name);
+    if (option == nullptr) continue;
+    const bool has_equals = equals != std::string::npos;
+    if (!takes_value(*option)) {
+      if (has_equals) return fmt::format("{}: takes no value", name);
+      continue;
     }
+    const bool is_last = i + 1 == arguments.size();
+    const bool lacks_value =
+        has_equals ? equals + 1 == arguments[i].size() : is_last || option_named(arguments[i + 1]) != nullptr;
+    if (!lacks_value) continue;
+    const std::string rules = rules_of(*option);
+    return fmt::format("{}: expected a value, {}{}", name, value_name(*option),
+                       rules.empty() ? "" : " [" + rules + "]");
   }
   return {};
 }

@@ -59,6 +59,7 @@ TEST(Mistakes, AnArgumentThatIsMissingOrTooManyIsNamed) {
   expect_one_line("coppice", "run " + rooms() + " other.json", {"other.json: one argument too many"});
   expect_one_line("coppice", "run " + rooms() + " domain 3", {"did you mean --domain?"});
   expect_one_line("tree_broker", "rooms.json", {"rooms.json: one argument too many"});
+  expect_one_line("coppice", "plan -- " + rooms() + " --quiet", {"--quiet: one argument too many"});
 }
 
 TEST(Mistakes, AnOptionWithoutItsValueIsNamed) {
@@ -69,6 +70,9 @@ TEST(Mistakes, AnOptionWithoutItsValueIsNamed) {
   EXPECT_FALSE(std::filesystem::exists("--picture"));
   expect_one_line("coppice", "plan " + rooms() + " --seed 1 --seed 2",
                   {"--seed: given 2 times, expected once"});
+  expect_one_line("coppice",
+                  "plan " + rooms() + " --seed=", {"--seed: expected a value, N [0 to 4294967295"});
+  expect_one_line("coppice", "plan " + rooms() + " --quiet=maybe", {"--quiet: takes no value"});
 }
 
 TEST(Mistakes, AValueOutOfRangeIsToldWithTheRange) {
@@ -186,6 +190,21 @@ TEST(Mistakes, AnOutputThatCannotBeMadeIsToldAtOnce) {
   for (const std::string option : {"--state", "--logs"})
     expect_one_line("coppice", "run " + rooms() + " " + option + " /proc",
                     {"nothing can be written to /proc"});
+}
+
+TEST(Mistakes, AnOutputIsWrittenWhereItsLinkLeads) {
+  const test::TemporaryFolder folder;
+  const auto link = folder.path() / "link.json";
+  std::filesystem::create_symlink("/proc/x.json", link);
+  expect_one_line("coppice", "plan none.json --report '" + link.string() + "'",
+                  {"link.json cannot be written"});
+}
+
+TEST(Mistakes, AScenarioMayComeThroughAPipe) {
+  const test::Outcome planned =
+      test::shell("cat " + rooms() + " | '" + test::program("coppice") +
+                  "' plan /dev/stdin --robots 2 --map '" + COPPICE_SOURCE_DIR + "/scenarios/rooms-8.map'");
+  EXPECT_EQ(planned.exit_code, 0) << planned.output;
 }
 
 TEST(Mistakes, LookingWhetherAFileCanBeMadeLeavesNothing) {

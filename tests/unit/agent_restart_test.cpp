@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "robot_agent/saved_state.h"
 #include "robot_agent/robot_agent.h"
+#include "robot_agent/saved_state.h"
 #include "tests/unit/roles.h"
 #include "tests/unit/states.h"
 

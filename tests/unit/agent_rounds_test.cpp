@@ -35,7 +35,8 @@ TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
 
   // The plan is there: it drives as executing, and only that.
   agent.on(arrival_of(
-      JointPlanMessage{other.round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}}, 2));
+      JointPlanMessage{other.round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}},
+      2));
   const auto after =
       run(agent, 2, 70);  // in between b falls silent, and counts as failed beyond doubt in the end
   double nearest = 100;

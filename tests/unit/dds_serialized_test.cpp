@@ -1,6 +1,4 @@
 // Samples from bytes that no honest process sends.
-#include "dds/serialized.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -10,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "dds/serialized.h"
 #include "messages/messages.h"
 
 namespace coppice {

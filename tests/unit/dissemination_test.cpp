@@ -1,6 +1,4 @@
 // Who hears of whom how often, and what silence means over a distance.
-#include "robot_agent/send_interval.h"
-
 #include <cmath>
 #include <map>
 
@@ -9,6 +7,7 @@
 
 #include "messages/validation.h"
 #include "robot_agent/fleet.h"
+#include "robot_agent/send_interval.h"
 #include "tests/unit/states.h"
 
 namespace coppice {

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/command_line.h"
 #include "coppice/command_table.h"
 #include "files/report_file.h"
 #include "files/report_terms.h"
 #include "report.pb.h"
+#include "runtime/command_line.h"
 #include "tests/source_files.h"
 #include "tests/support.h"
 

@@ -23,7 +23,7 @@ AnnotatedRoadmap grid(int columns, int rows) {
 
 /// Makes the moves and checks that each finds its edge clear; returns who stands where in the end.
 std::vector<Vertex> made(const AnnotatedRoadmap& graph, const std::vector<VertexTask>& tasks,
-                        const std::vector<VertexMove>& moves) {
+                         const std::vector<VertexMove>& moves) {
   std::vector<Vertex> at;
   for (const VertexTask& task : tasks) at.push_back(task.start);
   for (const VertexMove& move : moves) {

@@ -62,6 +62,16 @@ TEST(LocalFleets, AFleetIsFoundByThePortsOfItsRoles) {
   EXPECT_EQ(network.discovery, "static") << "as the fleet was told";
 }
 
+TEST(LocalFleets, TheServersOfTheEnvironmentAreThoseOfTheFleet) {
+  const std::vector<LocalProcess> processes{{{"robot_agent", "--name", "r1"}, {7}, "10.0.0.1:11811"}};
+  const std::string table = fmt::format(
+      "heading\n 1: 00000000:{:04X} 00000000:0000 07 00000000:00000000 00:00000000 00000000 0 0 7 2 0 0\n",
+      domain_port(5));
+  const auto fleets = fleets_among(table, processes);
+  ASSERT_EQ(fleets.size(), 1u);
+  EXPECT_EQ(fleets[0].discovery, "10.0.0.1:11811");
+}
+
 TEST(LocalFleets, WhoOnlyLooksOnIsNoFleet) {
   Machine machine;
   machine.join(0, 0, {"coppice", "monitor"});

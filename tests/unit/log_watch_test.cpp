@@ -49,5 +49,23 @@ TEST_F(LogWatchTest, OfManyLinesInAShortTimeTheFirstArePassedOnAndTheRestCounted
   EXPECT_TRUE(watch.news(30).empty());
 }
 
+TEST_F(LogWatchTest, ALogThatBeginsAnewIsReadFromItsBeginning) {
+  log("robot-r1", std::string(500, 'x') + "\n");
+  EXPECT_TRUE(watch.news(1).empty());
+  std::filesystem::remove(folder.path() / "robot-r1.log");
+  log("robot-r1", "2026-11-26 20:55:23.123 warning robot_agent r1: new\n");
+  EXPECT_EQ(watch.news(2), Lines{"r1: warning: new"});
+}
+
+TEST_F(LogWatchTest, TheLastNewsHoldAllThatIsLeftAndTheNumberOfTheRest) {
+  const std::string noise = std::string(200'000, 'x') + "\n";
+  for (int k = 0; k < 5; ++k) log("robot-r1", "2026-11-26 20:55:23.123 warning robot_agent r1: again\n");
+  log("tree_broker", noise + "2026-11-26 20:55:23.123 warning tree_broker: late\n");
+  const Lines again(3, "r1: warning: again");
+  EXPECT_EQ(watch.news(1), again);
+  EXPECT_EQ(watch.last_news(2),
+            (Lines{"tree_broker: warning: late", "2 more warnings are in " + folder.path().string()}));
+}
+
 }  // namespace
 }  // namespace coppice

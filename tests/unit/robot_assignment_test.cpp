@@ -1,4 +1,6 @@
 // Agents without a name and the desk that gives them one: message by message, and against a bus that loses.
+#include "planner_service/robot_assignment.h"
+
 #include <algorithm>
 #include <deque>
 #include <map>
@@ -8,10 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "simulation/simulated_bus.h"
-#include "planner_service/robot_assignment.h"
 #include "robot_agent/claimant.h"
 #include "robot_agent/nameless_agent.h"
+#include "simulation/simulated_bus.h"
 
 namespace coppice {
 namespace {

@@ -1,6 +1,4 @@
 // Names, frames and values of ROS 2.
-#include "ros2/conversion.h"
-
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -11,9 +9,10 @@
 #include <gtest/gtest.h>
 
 #include "dds/discovery.h"
-#include "runtime/process_options.h"
-#include "ros2/names.h"
 #include "planning/clearance_field.h"
+#include "ros2/conversion.h"
+#include "ros2/names.h"
+#include "runtime/process_options.h"
 
 namespace coppice {
 namespace {

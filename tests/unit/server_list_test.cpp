@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include "dds/server_list.h"
+
+#include <gtest/gtest.h>
 
 namespace coppice {
 namespace {
