@@ -243,7 +243,7 @@ void add_help(CLI::App& app, std::string& topic, ChosenCommand& chosen) {
                                        : fmt::format("did you mean {}?", nearest));
   };
   command->add_option("topic", topic, "a command, or report")
-      ->check(CLI::Validator(problem, fmt::format("{{{}}}", fmt::join(topics, ","))))
+      ->check(CLI::Validator(problem, fmt::format("{{{}}}", fmt::join(topics, ", "))))
       ->default_str("lists the commands");
   command->callback([&] {
     chosen = [&] {

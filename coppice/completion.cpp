@@ -31,7 +31,8 @@ std::vector<std::string> split(std::string_view text, char separator) {
 /// The alternatives that are literal words, not placeholders as HOST:PORT.
 std::string words_of(std::string_view alternatives, char separator) {
   std::string words;
-  for (const std::string& word : split(alternatives, separator)) {
+  for (std::string word : split(alternatives, separator)) {
+    word.erase(0, word.find_first_not_of(' '));
     if (std::ranges::any_of(word, [](unsigned char c) { return std::isupper(c) != 0; })) continue;
     words += (words.empty() ? "" : " ") + word;
   }

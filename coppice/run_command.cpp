@@ -32,6 +32,7 @@
 #include "files/report_file.h"
 #include "files/scenario_file.h"
 #include "files/temporary_folder.h"
+#include "files/text_file.h"
 #include "planner_service/sole_service.h"
 #include "ros2/names.h"
 #include "runtime/process.h"
@@ -133,6 +134,18 @@ std::filesystem::path made_folder(const std::string& name) {
   if (problem) throw InputError(fmt::format("{}: cannot be made: {}", name, problem.message()));
   check_output_folder(name);
   return name;
+}
+
+/// The service reads the scenario again. So what comes through a pipe is kept for it in `folder`.
+std::string lasting_file(const std::string& scenario, const std::filesystem::path& folder) {
+  std::error_code ignored;
+  const bool is_pipe = std::filesystem::exists(scenario, ignored) &&
+                       !std::filesystem::is_regular_file(scenario, ignored) &&
+                       !std::filesystem::is_directory(scenario, ignored);
+  if (!is_pipe) return scenario;
+  const std::filesystem::path kept = folder / std::filesystem::path(scenario).filename();
+  write_file(kept, read_file(scenario));
+  return kept.string();
 }
 
 /// The folder for the state of processes; empty: processes keep no state.
@@ -411,6 +424,8 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
 
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
   // Check the input before anything starts.
+  const TemporaryFolder run_folder;
+  options.scenario = lasting_file(options.scenario, run_folder.path());
   ScenarioOptions overrides = options.overrides;
   overrides.warnings = MapWarnings::left_out;  // the service logs them
   const Scenario scenario = read_scenario(options.scenario, overrides);
@@ -420,10 +435,9 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   check_servers(fleet_options);
   const NewRecording& record = fleet_options.record;
   if (!record.file.empty() && !record.force && std::filesystem::exists(record.file))
-    throw InputError(record.file + ": is there already (--force replaces it)");
+    throw InputError(record.file + ": already exists (--force replaces it)");
   install_stop_signals();
   const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
-  const TemporaryFolder run_folder;
   const std::filesystem::path state = state_folder(fleet_options, run_folder.path());
   const std::filesystem::path logs =
       fleet_options.logs.empty() ? run_folder.path() : made_folder(fleet_options.logs);

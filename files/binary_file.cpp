@@ -58,7 +58,7 @@ std::string BinaryInput::read(std::uint64_t place, std::size_t count) const {
 BinaryOutput::BinaryOutput(std::filesystem::path path, Existing existing) : path_(std::move(path)) {
   const int how = existing == Existing::refuse ? O_EXCL : O_TRUNC;
   descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | how, 0644);
-  if (descriptor_ < 0 && errno == EEXIST) fail(path_, "is there already (--force replaces it)");
+  if (descriptor_ < 0 && errno == EEXIST) fail(path_, "already exists (--force replaces it)");
   if (descriptor_ < 0) fail(path_, fmt::format("cannot be written: {}", std::strerror(errno)));
 }
 

@@ -66,10 +66,14 @@ std::string ending_of(const std::filesystem::path& path) {
 }
 
 std::filesystem::path written_file(const std::filesystem::path& path) {
+  constexpr int most_links = 40;  // as many as the kernel follows
+  std::filesystem::path file = path;
   std::error_code problem;
-  if (!std::filesystem::is_symlink(path, problem)) return path;
-  const std::filesystem::path target = std::filesystem::weakly_canonical(path, problem);
-  return problem ? path : target;
+  for (int k = 0; k < most_links && std::filesystem::is_symlink(file, problem); ++k) {
+    const std::filesystem::path target = std::filesystem::read_symlink(file, problem);
+    file = target.is_absolute() ? target : file.parent_path() / target;
+  }
+  return file;
 }
 
 void write_file(const std::filesystem::path& path, std::string_view content) {
@@ -81,13 +85,11 @@ void write_file(const std::filesystem::path& path, std::string_view content) {
 void write_file(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write) {
   namespace fs = std::filesystem;
   std::error_code problem;
-  const bool is_link = fs::is_symlink(path, problem);
-  const bool is_there = fs::exists(path, problem);  // what it leads to, if it is a link
-  if (is_there ? !fs::is_regular_file(path, problem) : is_link) {
+  const fs::path file = written_file(path);
+  if (fs::exists(file, problem) && !fs::is_regular_file(file, problem)) {  // a device, or a pipe
     if (!wrote(path, write)) throw InputError(fmt::format("{}: cannot be written", path.string()));
     return;
   }
-  const fs::path file = written_file(path);
   const fs::path temporary = file.string() + fmt::format(".{}.tmp", ::getpid());
   if (!wrote(temporary, write)) {
     std::remove(temporary.c_str());

@@ -138,8 +138,8 @@ constexpr std::uint32_t epoch_after(std::uint32_t epoch) {
   return epoch + 1 == 0 ? 1 : epoch + 1;
 }
 
-/// Names a round, a joint plan in the making or under way of the robots within reach of a place: a later epoch
-/// overrides an earlier one, and in one epoch the leader of the lower name.
+/// Names a round, a joint plan in the making or under way of the robots within reach of a place: a later
+/// epoch overrides an earlier one, and in one epoch the leader of the lower name.
 struct RoundId {
   std::uint32_t epoch = 0;  ///< 0: none yet
   RobotName leader{};
@@ -155,8 +155,8 @@ struct RoundId {
 
 /// A robot's part in its round.
 enum class Stage : std::uint8_t {
-  free,     ///< none, or done with it: drives by itself
-  waiting,  ///< stands, or brakes, until there is a joint plan
+  free,       ///< none, or done with it: drives by itself
+  waiting,    ///< stands, or brakes, until there is a joint plan
   executing,  ///< drives as the joint plan says
 };
 

@@ -75,7 +75,7 @@ class AnnotatedRoadmap {
 
  private:
   std::vector<Point2> places_;
-  std::vector<const std::vector<Edge>*> edges_;       ///< by the place that they lead from
+  std::vector<const std::vector<Edge>*> edges_;        ///< by the place that they lead from
   std::unordered_map<Vertex, std::vector<Edge>> own_;  ///< likewise: those that are not the ground's
 };
 

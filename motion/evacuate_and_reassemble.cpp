@@ -16,7 +16,8 @@ constexpr int first_shuffled = 2;        // in other orders
 
 }  // namespace
 
-EvacuateAndReassemble::EvacuateAndReassemble(const ClearanceField& field, std::vector<JointTask> tasks, Random random)
+EvacuateAndReassemble::EvacuateAndReassemble(const ClearanceField& field, std::vector<JointTask> tasks,
+                                             Random random)
     : tasks_(std::move(tasks)), lattices_{field}, random_(random) {
   const std::vector<Path> alone = ways_alone(field, tasks_, lattices_.finders);
   lattices_.scouts.refine(lattices_.finders.share());

@@ -13,8 +13,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "motion/cost_to_go.h"
 #include "motion/annotated_roadmap.h"
+#include "motion/cost_to_go.h"
 #include "motion/vertex_task.h"
 
 namespace coppice {

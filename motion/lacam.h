@@ -20,8 +20,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "motion/cost_to_go.h"
 #include "motion/annotated_roadmap.h"
+#include "motion/cost_to_go.h"
 #include "motion/vertex_task.h"
 #include "planning/random.h"
 
@@ -104,7 +104,7 @@ class Lacam {
   std::vector<VertexTask> tasks_;
   std::vector<std::uint32_t> shut_in_;  ///< ascending
   Random random_;
-  std::vector<float> least_;    ///< by robot, below 1: its priority while it does not wait
+  std::vector<float> least_;     ///< by robot, below 1: its priority while it does not wait
   std::vector<Vertex> numbers_;  ///< of the places
   std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
   std::deque<Node> nodes_;
@@ -118,10 +118,10 @@ class Lacam {
   // The configuration that is being made.
   static constexpr std::uint32_t nobody = ~std::uint32_t{0};
   Configuration at_;
-  std::vector<std::uint32_t> occupant_;       ///< by place
-  std::vector<bool> decided_;                 ///< by robot
+  std::vector<std::uint32_t> occupant_;        ///< by place
+  std::vector<bool> decided_;                  ///< by robot
   std::vector<std::optional<Vertex>> forced_;  ///< by robot
-  std::vector<Reserved> reserved_;            ///< edges of those who wait for others to make room
+  std::vector<Reserved> reserved_;             ///< edges of those who wait for others to make room
   std::vector<Step> steps_;
 };
 

@@ -162,7 +162,7 @@ void add_edges(AnnotatedRoadmap& graph, Vertex a, Vertex b, Path path, Add&& add
 }  // namespace
 
 PackedRoadmap::PackedRoadmap(const ClearanceField& field, double radius, double spacing,
-                           const std::optional<Point2>& anchor)
+                             const std::optional<Point2>& anchor)
     : field_(field),
       radius_(radius),
       touching_(2 * radius + standing_gap),

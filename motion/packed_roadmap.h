@@ -18,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "motion/lattice.h"
 #include "motion/annotated_roadmap.h"
+#include "motion/lattice.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
 #include "planning/geometry.h"
@@ -33,7 +33,7 @@ class PackedRoadmap {
   /// walls and leaves some room between robots. With an `anchor` it goes from there along the passages, as
   /// close as can be.
   PackedRoadmap(const ClearanceField& field, double radius, double spacing,
-               const std::optional<Point2>& anchor = std::nullopt);
+                const std::optional<Point2>& anchor = std::nullopt);
 
   /// The packed places, of which there are size(), and `more`, which differ from each other; each of those is
   /// linked to what is around it. What leads past `obstacles`, which stand for ever, is left out. The graph
@@ -57,8 +57,8 @@ class PackedRoadmap {
     Lattice::Vertex b;
   };
   using Crossings = std::map<std::pair<Vertex, Vertex>, Crossing>;  ///< by the places
-  static constexpr Lattice::Direction here = 8;                   ///< a place
-  static constexpr Lattice::Direction nowhere_to = 9;             ///< no place can be reached
+  static constexpr Lattice::Direction here = 8;                     ///< a place
+  static constexpr Lattice::Direction nowhere_to = 9;               ///< no place can be reached
 
   std::vector<Lattice::Vertex> in_layers();
   std::vector<Lattice::Vertex> from(const Point2& anchor);
@@ -86,9 +86,9 @@ class PackedRoadmap {
   Lattice lattice_;
   AnnotatedRoadmap packed_;
   std::unordered_map<Lattice::Vertex, Vertex> place_at_;
-  std::vector<Lattice::Direction> towards_;    ///< its place, within each lattice vertex's Voronoi cell
-  NeighbourGrid<2> grid_;                      ///< of the places
-  NeighbourGrid<2> points_of_ways_;            ///< the points that each edge's path is sampled at
+  std::vector<Lattice::Direction> towards_;      ///< its place, within each lattice vertex's Voronoi cell
+  NeighbourGrid<2> grid_;                        ///< of the places
+  NeighbourGrid<2> points_of_ways_;              ///< the points that each edge's path is sampled at
   std::vector<std::pair<Vertex, Vertex>> ways_;  ///< by such a point: the ends of the edge, the smaller first
 };
 

@@ -20,29 +20,29 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "runtime/command_line.h"
 #include "dds/dds_bus.h"
-#include "ros2/dds_ros.h"
 #include "dds/discovery.h"
-#include "runtime/journal.h"
-#include "messages/keep.h"
-#include "runtime/process.h"
-#include "ros2/names.h"
-#include "messages/validation.h"
 #include "files/input_error.h"
 #include "files/picture.h"
 #include "files/report_file.h"
 #include "files/run_options.h"
 #include "files/scenario_file.h"
 #include "files/temporary_folder.h"
-#include "planner_service/robot_assignment.h"
-#include "planner_service/startup_barrier.h"
+#include "messages/keep.h"
+#include "messages/validation.h"
 #include "planner_service/options.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
+#include "planner_service/robot_assignment.h"
 #include "planner_service/roll_call.h"
 #include "planner_service/run_record.h"
 #include "planner_service/sole_service.h"
+#include "planner_service/startup_barrier.h"
+#include "ros2/dds_ros.h"
+#include "ros2/names.h"
+#include "runtime/command_line.h"
+#include "runtime/journal.h"
+#include "runtime/process.h"
 
 namespace {
 
@@ -114,7 +114,8 @@ StartupBarrier listen(DdsBus& bus, Reception& reception, Heartbeat& heart, int d
 /// Until an agent for each robot, and a broker, can hear of its mission, and those of a large fleet have
 /// found each other: on few processors they do so sooner while none of them drives. Who has not come by then
 /// gets its mission when it does.
-StartupBarrier wait_for_agents(DdsBus& bus, Reception& reception, Heartbeat& heart, std::size_t robots, int domain) {
+StartupBarrier wait_for_agents(DdsBus& bus, Reception& reception, Heartbeat& heart, std::size_t robots,
+                               int domain) {
   const WallTime begin = wall_now();
   const WallTime latest = begin + 1 + 0.2 * static_cast<double>(robots);
   StartupBarrier all = listen(bus, reception, heart, domain, [&](const StartupBarrier& heard) {

@@ -1,8 +1,8 @@
 // The command line of planner_service.
 #pragma once
 
-#include "runtime/process_options.h"
 #include "files/run_options.h"
+#include "runtime/process_options.h"
 
 namespace coppice {
 

@@ -13,18 +13,18 @@
 #include <string>
 #include <vector>
 
-#include "messages/bus.h"
-#include "messages/messages.h"
-#include "ros2/conversion.h"
 #include "files/picture.h"
 #include "files/scenario.h"
 #include "files/track_record.h"
+#include "messages/bus.h"
+#include "messages/messages.h"
 #include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/random.h"
 #include "planning/random_places.h"
 #include "planning/reachability.h"
 #include "report.pb.h"
+#include "ros2/conversion.h"
 
 namespace coppice {
 

@@ -18,7 +18,8 @@ constexpr std::size_t most_waiting = 10'000;    // more are told nothing until t
 
 }  // namespace
 
-RobotAssignment::RobotAssignment(const std::vector<RobotName>& robots, WallTime now) : last_step_(now), next_wake_(now) {
+RobotAssignment::RobotAssignment(const std::vector<RobotName>& robots, WallTime now)
+    : last_step_(now), next_wake_(now) {
   for (const RobotName& robot : robots) {
     lease_of_.emplace(robot, leases_.size());
     leases_.push_back({.robot = robot, .heard = now - claim_lease + settle});
@@ -100,7 +101,8 @@ RobotAssignment::Lease* RobotAssignment::lease_given_to(std::uint64_t claimant) 
 }
 
 RobotAssignment::Lease* RobotAssignment::free_lease(WallTime now) {
-  const auto lease = std::ranges::find_if(leases_, [&](const Lease& s) { return now - s.heard > claim_lease; });
+  const auto lease =
+      std::ranges::find_if(leases_, [&](const Lease& s) { return now - s.heard > claim_lease; });
   return lease == leases_.end() ? nullptr : &*lease;
 }
 
@@ -119,10 +121,10 @@ std::vector<Message> RobotAssignment::step(WallTime now) {
     Lease* const lease = free_lease(now);
     if (lease == nullptr) break;
     *lease = {.robot = lease->robot,
-             .claimant = waiting_.front().claimant,
-             .number = waiting_.front().number,
-             .answer_due = true,
-             .heard = waiting_.front().heard};
+              .claimant = waiting_.front().claimant,
+              .number = waiting_.front().number,
+              .answer_due = true,
+              .heard = waiting_.front().heard};
     waiting_.erase(waiting_.begin());
   }
   std::vector<Message> out;

@@ -6,10 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
-#include "runtime/command_line.h"
 #include "dds/dds_bus.h"
-#include "runtime/journal.h"
 #include "messages/keep.h"
+#include "runtime/command_line.h"
+#include "runtime/journal.h"
 #include "runtime/process.h"
 #include "tree_broker/forest_record.h"
 #include "tree_broker/options.h"

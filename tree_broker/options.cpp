@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/command_line.h"
 #include "files/number_check.h"
+#include "runtime/command_line.h"
 
 namespace coppice {
 

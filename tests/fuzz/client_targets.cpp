@@ -7,13 +7,13 @@
 #include <string_view>
 #include <variant>
 
-#include "ros2/dds_conversion.h"
 #include "messages/validation.h"
 #include "monitor/foxglove.h"
 #include "monitor/live_stream.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_side.h"
+#include "ros2/dds_conversion.h"
 #include "ros2PubSubTypes.h"
 #include "tests/fuzz/targets.h"
 #include "tests/unit/seen_fleet.h"

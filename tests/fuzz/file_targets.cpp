@@ -9,12 +9,12 @@
 #include <string>
 #include <string_view>
 
-#include "runtime/journal.h"
 #include "files/input_error.h"
 #include "files/map_file.h"
 #include "files/scenario_file.h"
 #include "monitor/mcap_writer.h"
 #include "monitor/recording.h"
+#include "runtime/journal.h"
 #include "tests/fuzz/targets.h"
 
 namespace coppice::fuzz {

@@ -1,10 +1,9 @@
-#include "dds/checked_type.h"
-
 #include <future>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "dds/checked_type.h"
 #include "dds/conversion.h"
 
 namespace coppice {

@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 
 #include "dds/qos.h"
-#include "runtime/process.h"
-#include "ros2/topics.h"
 #include "ros2.h"
+#include "ros2/topics.h"
 #include "ros2PubSubTypes.h"
+#include "runtime/process.h"
 #include "tests/processes.h"
 
 namespace coppice {

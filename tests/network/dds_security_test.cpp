@@ -1,8 +1,6 @@
 // DDS-Security: whoever has no good credentials of its role gets nothing in or out, and whoever has does.
 // Each refusal is shown beside the same exchange with the right credentials, so that it could fail.
 
-#include "dds/security.h"
-
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
@@ -22,8 +20,9 @@
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
 
-#include "dds/dds_bus.h"
 #include "dds/conversion.h"
+#include "dds/dds_bus.h"
+#include "dds/security.h"
 #include "dds/static_endpoints.h"
 #include "messages/topics.h"
 #include "tests/network/samples.h"

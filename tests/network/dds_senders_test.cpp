@@ -1,6 +1,4 @@
 // Who may speak for whom.
-#include "dds/senders.h"
-
 #include <chrono>
 #include <set>
 #include <thread>
@@ -9,6 +7,7 @@
 
 #include "dds/dds_bus.h"
 #include "dds/discovery_server.h"
+#include "dds/senders.h"
 #include "tests/network/samples.h"
 
 namespace coppice {

@@ -1,7 +1,5 @@
 // What the transport decides for each datagram, and what it reads from one.
 
-#include "dds/transport.h"
-
 #include <array>
 #include <chrono>
 #include <memory>
@@ -14,6 +12,7 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <gtest/gtest.h>
 
+#include "dds/transport.h"
 #include "planning/random.h"
 
 namespace coppice {

@@ -253,7 +253,7 @@ TEST(Coppice, MapTakesNoFileForWhatItIsNot) {
   folder.write("site.map", "somebody's");
   const Outcome outcome = shell(at + "room site.json");
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_NE(outcome.output.find("site.map: is there already"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("site.map: already exists"), std::string::npos) << outcome.output;
   EXPECT_EQ(test::contents(folder.path() / "site.map"), "somebody's");
 }
 

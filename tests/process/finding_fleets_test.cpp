@@ -59,7 +59,7 @@ TEST_F(FindingFleets, OneIsTakenAndOfTwoTheUserChooses) {
        {std::string("top --once"), std::string("monitor --port 0"), "record " + log("none").string()}) {
     const test::Outcome choice = test::shell("'" + test::program("coppice") + "' " + command);
     EXPECT_EQ(choice.exit_code, 2) << choice.output;
-    const std::string words = "coppice " + command.substr(0, command.find(' '));
+    const std::string words = "coppice " + command;
     EXPECT_NE(choice.output.find("2 fleets are alive on this machine, choose one:"), std::string::npos);
     EXPECT_NE(choice.output.find(words + " --domain " + domain), std::string::npos) << choice.output;
     EXPECT_NE(choice.output.find(words + " --domain " + other), std::string::npos) << choice.output;

@@ -200,13 +200,6 @@ TEST(Mistakes, AnOutputIsWrittenWhereItsLinkLeads) {
                   {"link.json cannot be written"});
 }
 
-TEST(Mistakes, AScenarioMayComeThroughAPipe) {
-  const test::Outcome planned =
-      test::shell("cat " + rooms() + " | '" + test::program("coppice") +
-                  "' plan /dev/stdin --robots 2 --map '" + COPPICE_SOURCE_DIR + "/scenarios/rooms-8.map'");
-  EXPECT_EQ(planned.exit_code, 0) << planned.output;
-}
-
 TEST(Mistakes, LookingWhetherAFileCanBeMadeLeavesNothing) {
   const test::TemporaryFolder folder;
   const std::string report = (folder.path() / "report.json").string();

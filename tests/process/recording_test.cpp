@@ -17,10 +17,10 @@
 #include <gtest/gtest.h>
 
 #include "dds/dds_bus.h"
-#include "runtime/process.h"
-#include "messages/topics.h"
 #include "files/input_error.h"
+#include "messages/topics.h"
 #include "monitor/fleet_view.h"
+#include "runtime/process.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -118,7 +118,7 @@ TEST_F(ARecordedRun, IsNotReplaced) {
   const std::string before = test::contents(path("run.mcap"));
   Background again(run_of_four(domain + 1, {"--record", path("run.mcap")}), path("again.log"));
   EXPECT_EQ(again.wait(), 2);
-  EXPECT_NE(test::contents(path("again.log")).find("is there already"), std::string::npos);
+  EXPECT_NE(test::contents(path("again.log")).find("already exists"), std::string::npos);
   const Outcome record =
       shell(test::program("coppice") + " record --domain 161 --duration 0.1 " + path("run.mcap"));
   EXPECT_EQ(record.exit_code, 2);

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "messages/messages.h"
 #include "files/report_file.h"
+#include "messages/messages.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 

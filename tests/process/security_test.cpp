@@ -1,6 +1,8 @@
 // deploy/security/make-keys, and what the programs say of credentials that will not do: exit code 2 and one
 // line that names the file, before DDS starts.
 
+#include "dds/security.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -10,7 +12,6 @@
 
 #include <gtest/gtest.h>
 
-#include "dds/security.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -186,7 +187,8 @@ std::vector<Bad> bad_credentials(const fs::path& theirs) {
       {"a key with a password",
        "openssl ec -aes128 -passout pass:secret -in broker/key.pem -out agent/key.pem", "key.pem",
        "password"},
-      {"another role's identity", "cp broker/cert.pem broker/key.pem agent", "cert.pem", "is of CN=broker"},
+      {"another role's identity", "cp broker/cert.pem broker/key.pem agent", "cert.pem",
+       "belongs to CN=broker"},
       {"another's key", "cp broker/key.pem agent/key.pem", "key.pem", "is not the private key of cert.pem"},
       {"another authority", "cp '" + theirs.string() + "/agent/identity_ca.cert.pem' agent/", "cert.pem",
        "issuer"},

@@ -1,5 +1,5 @@
-// Every kind of scenario over many seeds, with and without faults: all arrive whose way no failed robot closes,
-// and nothing touches. Judged from the recorded tracks by plain geometry alone (run_check.h).
+// Every kind of scenario over many seeds, with and without faults: all arrive whose way no failed robot
+// closes, and nothing touches. Judged from the recorded tracks by plain geometry alone (run_check.h).
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -120,7 +120,8 @@ void expect_all_arrive_who_can(const test::PlainMap& map, const FleetSimulation&
     EXPECT_TRUE(!said.arrived() || is_there) << task.name << " is told to have arrived";
     EXPECT_EQ(said.arrived(), said.reason().empty()) << task.name;
     if (said.arrived() || simulation.killed(task.name)) continue;
-    EXPECT_FALSE(has_way(map, scenario, body, place(task.goal), failed)) << task.name << ": " << said.reason();
+    EXPECT_FALSE(has_way(map, scenario, body, place(task.goal), failed))
+        << task.name << ": " << said.reason();
   }
 }
 

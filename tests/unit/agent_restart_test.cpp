@@ -19,10 +19,10 @@ struct AgentRun {
   AgentRun(const AgentRun&) = delete;
   void restore(const std::vector<Message>& kept) {
     agent.restore(saved_state_of(kept));
-    StateKeeper keeper("a");
-    keeper.restore(kept);
+    StateKeeper chooser("a");
+    chooser.restore(kept);
     store.messages = kept;
-    keeper = Keeper(std::move(keeper), &store);
+    keeper = Keeper(std::move(chooser), &store);
   }
   void hear(const Message& message, double now) {
     keeper.heard(message);
@@ -258,13 +258,13 @@ TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
 
 TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
   const AgentStatus status = last_status_of_one_alone(false);
-  EXPECT_EQ(status.phase, Phase::no_path);
+  EXPECT_EQ(status.phase, Phase::gave_up);
   EXPECT_EQ(status.reason,
             "its agent was started in mid-run, and nobody who is alive knows where all others are");
 }
 
 TEST(RobotAgentAnew, ACancelledMissionDoesNotTellWhereAnotherDied) {
-  EXPECT_EQ(last_status_of_one_alone(false, true).phase, Phase::no_path);
+  EXPECT_EQ(last_status_of_one_alone(false, true).phase, Phase::gave_up);
   EXPECT_EQ(last_status_of_one_alone(true, true).phase, Phase::arrived);
 }
 
@@ -316,10 +316,10 @@ TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
   const RobotState last = of<RobotState>(after.said).back();
   EXPECT_GT(last.position.x(), 25);
   const std::optional<SavedState> saved = saved_state_of(after.store.messages);
-  ASSERT_TRUE(memory.has_value());
-  EXPECT_EQ(memory->mission.clock.epoch, 106);
-  EXPECT_EQ(memory->track.front().position, Point2(20, 60));
-  EXPECT_EQ(memory->body.position(), last.position);
+  ASSERT_TRUE(saved.has_value());
+  EXPECT_EQ(saved->mission.clock.epoch, 106);
+  EXPECT_EQ(saved->track.front().position, Point2(20, 60));
+  EXPECT_EQ(saved->body.position(), last.position);
 }
 
 TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
@@ -357,8 +357,8 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesAnEarlierRunOnceItsOwnIsOver) {
   EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 900);
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
   const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
-  ASSERT_TRUE(memory.has_value());
-  EXPECT_EQ(memory->mission.clock.epoch, 900);
+  ASSERT_TRUE(saved.has_value());
+  EXPECT_EQ(saved->mission.clock.epoch, 900);
 }
 
 TEST(RobotAgentAnew, AfterTheRunItRecordsNoMore) {
@@ -386,9 +386,9 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
   EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
   const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
-  ASSERT_TRUE(memory.has_value());
-  EXPECT_EQ(memory->track.front().position, Point2(20, 60));
-  EXPECT_EQ(memory->mission.clock.epoch, 100);
+  ASSERT_TRUE(saved.has_value());
+  EXPECT_EQ(saved->track.front().position, Point2(20, 60));
+  EXPECT_EQ(saved->mission.clock.epoch, 100);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(CoordinationRound, WhoWasStartedAnewJoinsWhatIsLaterThanWhatItForgot) {
   constexpr std::uint32_t last = 4294967295;
   for (const bool by_plan : {false, true}) {
     CoordinationRound round("a");
-    round.forget(last);
+    round.forget(last, false);
     const auto hear = [&](std::uint32_t epoch) {
       if (by_plan) {
         round.hear(plan(epoch));
@@ -72,7 +72,7 @@ Point2 where_a_comes(CoordinationRound& round, double b_has_come) {
       JointPlanMessage{.round = b.round,
                        .members = {{"a", 1, false}, {"b", 1, false}},
                        .moves = {{1, {{20, 20}, {45, 20}}}, {0, {{20, 30}, {20, 20}}}}}));
-  round.hold(a, fleet, places, 0);
+  round.wait(a, fleet, places, 0);
   EXPECT_EQ(round.stage(), Stage::executing);
   b.stage = Stage::free;
   b.progress = b_has_come;

@@ -50,7 +50,9 @@ TEST_F(LogWatchTest, OfManyLinesInAShortTimeTheFirstArePassedOnAndTheRestCounted
 }
 
 TEST_F(LogWatchTest, ALogThatBeginsAnewIsReadFromItsBeginning) {
-  log("robot-r1", std::string(500, 'x') + "\n");
+  std::string old(500, 'x');
+  old += '\n';
+  log("robot-r1", old);
   EXPECT_TRUE(watch.news(1).empty());
   std::filesystem::remove(folder.path() / "robot-r1.log");
   log("robot-r1", "2026-11-26 20:55:23.123 warning robot_agent r1: new\n");
@@ -58,7 +60,8 @@ TEST_F(LogWatchTest, ALogThatBeginsAnewIsReadFromItsBeginning) {
 }
 
 TEST_F(LogWatchTest, TheLastNewsHoldAllThatIsLeftAndTheNumberOfTheRest) {
-  const std::string noise = std::string(200'000, 'x') + "\n";
+  std::string noise(200'000, 'x');
+  noise += '\n';
   for (int k = 0; k < 5; ++k) log("robot-r1", "2026-11-26 20:55:23.123 warning robot_agent r1: again\n");
   log("tree_broker", noise + "2026-11-26 20:55:23.123 warning tree_broker: late\n");
   const Lines again(3, "r1: warning: again");

@@ -329,13 +329,13 @@ TEST(RobotAgent, OneWhoseClockWasSetStandsAllThatTimeAndGoesOn) {
   }
   double now = 0;
   for (; now < 15; now += 0.05) agent.step(now);
-  const Point2 before = agent.body()->position();
+  const Point2 before = agent.run()->body().position();
   now += 1e8;
   std::size_t points = 0;
   for (const TrackMessage& track : of<TrackMessage>(messages(agent.step(now)))) points += track.points.size();
   EXPECT_LT(points, 20'000u);
-  EXPECT_NEAR(agent.body()->time(), now, 0.1);
-  EXPECT_LT((agent.body()->position() - before).norm(), 8);  // it braked
+  EXPECT_NEAR(agent.run()->body().time(), now, 0.1);
+  EXPECT_LT((agent.run()->body().position() - before).norm(), 8);  // it braked
   const AgentStatus status = last_status(agent, now + 1);
   EXPECT_GT(status.load.periods_missed, 0u);
 }

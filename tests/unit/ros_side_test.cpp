@@ -149,7 +149,7 @@ TEST(RosSide, LeadsARobotElsewhereToItsGoal) {
   double furthest = 0;
   fleet.run(0, 14, [&](double now) {
     robot.follow(fleet, now);
-    furthest = std::max(furthest, (robot.position - fleet.agent.body()->position()).norm());
+    furthest = std::max(furthest, (robot.position - fleet.agent.run()->body().position()).norm());
   });
   EXPECT_LT((robot.position - Point2(40, 20)).norm(), 1);
   EXPECT_EQ(of<AgentStatus>(fleet.said).back().phase, Phase::arrived);
@@ -177,7 +177,7 @@ TEST(RosSide, LeadsARobotElsewhereToItsGoal) {
 TEST(RosSide, OneOfWhichNothingIsHeardDoesNotSetOff) {
   Fleet fleet(mission_to({40, 20}), loose);
   fleet.run(0, 5);
-  EXPECT_EQ(fleet.agent.body()->position(), Point2(20, 60));
+  EXPECT_EQ(fleet.agent.run()->body().position(), Point2(20, 60));
   EXPECT_TRUE(fleet.track().empty());
   for (const RosCommand& command : fleet.in_ros<RosCommand>()) EXPECT_EQ(command.twist.linear, Point2(0, 0));
 }
@@ -195,7 +195,7 @@ TEST(RosSide, StopsItWhileItsOdometryIsMissingAndGoesOnAfterThat) {
   for (const RosCommand& command : fleet.in_ros<RosCommand>()) EXPECT_EQ(command.twist.linear, Point2(0, 0));
   EXPECT_TRUE(fleet.agent.stands());
   EXPECT_LT(robot.velocity.norm(), 0.1);
-  EXPECT_LT((robot.position - fleet.agent.body()->position()).norm(), loose.tolerance);
+  EXPECT_LT((robot.position - fleet.agent.run()->body().position()).norm(), loose.tolerance);
   fleet.run(3, 14, with(true));
   EXPECT_LT((robot.position - Point2(20, 20)).norm(), 1);
 }
@@ -212,7 +212,7 @@ TEST(RosSide, StopsItWhereItIsFurtherOffThanAllowed) {
   EXPECT_TRUE(fleet.agent.stands());
   for (const RosCommand& command : fleet.in_ros<RosCommand>()) EXPECT_EQ(command.twist.linear, Point2(0, 0));
   EXPECT_GT(robot.position.x(), 50);
-  robot.position = fleet.agent.body()->position();  // and brought it back
+  robot.position = fleet.agent.run()->body().position();  // and brought it back
   fleet.run(5, 14, [&](double now) { robot.follow(fleet, now); });
   EXPECT_LT((robot.position - Point2(20, 20)).norm(), 1);
 }

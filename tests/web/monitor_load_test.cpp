@@ -13,8 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "runtime/process.h"
 #include "monitor/monitor.h"
+#include "runtime/process.h"
 #include "tests/support.h"
 
 namespace coppice {
