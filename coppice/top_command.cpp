@@ -17,7 +17,7 @@ namespace {
 constexpr double redraw_period = 0.25;  // seconds
 constexpr double time_to_find_all = 3;  // seconds that --once waits
 constexpr const char* keys =
-    "q quits   n p g a m: order by name, phase, way to goal, age, missed periods   arrows scroll";
+    "q quits   n p g a m: order by name, phase, way to go, age, missed periods   arrows scroll";
 
 /// Takes over the terminal, and restores it afterwards.
 class Screen {

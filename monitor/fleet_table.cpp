@@ -49,14 +49,17 @@ int rank(Phase phase) {
 struct Row {
   const SeenRobot* robot;
   std::optional<double> age;  ///< age of its state, fleet seconds
-  std::optional<double> to_goal;
+  std::optional<double> to_go;
+  std::optional<Wait> wait;
 };
 
 Row row_of(const SeenRobot& robot, std::optional<double> time) {
-  Row row{&robot, {}, {}};
+  Row row{&robot, {}, {}, {}};
+  if (time) row.wait = wait_of(robot, *time);
   if (!robot.state) return row;
-  if (time) row.age = std::max(0.0, *time - robot.state->stamp);
-  if (robot.mission) row.to_goal = (robot.state->position - robot.mission->goal).norm();
+  if (!time) return row;
+  row.age = std::max(0.0, *time - robot.state->stamp);
+  row.to_go = way_left(robot, *time);
   return row;
 }
 
@@ -69,7 +72,7 @@ bool is_before(const Row& a, const Row& b, RobotOrder order) {
     case RobotOrder::phase:
       return first_by(rank(phase_of(*a.robot)), rank(phase_of(*b.robot)));
     case RobotOrder::to_goal:
-      return first_by(-a.to_goal.value_or(-1), -b.to_goal.value_or(-1));
+      return first_by(-a.to_go.value_or(-1), -b.to_go.value_or(-1));
     case RobotOrder::age:
       return first_by(-a.age.value_or(-1), -b.age.value_or(-1));
     case RobotOrder::missed:
@@ -86,8 +89,8 @@ std::string percent(double share) {
   return share < 0 ? "-" : fmt::format("{:.1f}%", 100 * share);
 }
 
-constexpr std::string_view columns =
-    "{:<16} {:<9} {:>7} {:>9} {:>9} {:>6} {:>9} {:>9} {:<16} {:>6} {:>7} {:>7}";
+// What a robot waits for has the length of a sentence, and so comes last.
+constexpr std::string_view columns = "{:<16} {:<9} {:>7} {:>9} {:>9} {:>6} {:>9} {:>9} {:>6} {:>7} {:>7}  {}";
 
 std::string line_of(const Row& row) {
   const SeenRobot& robot = *row.robot;
@@ -103,11 +106,9 @@ std::string line_of(const Row& row) {
       robot.status ? std::optional(robot.status->driven_length) : std::nullopt;
   return fmt::format(columns, robot.name.substr(0, longest_shown_name), name_of(phase_of(robot)),
                      robot.mission ? std::to_string(robot.mission->number) : "-", number(x, 1), number(y, 1),
-                     number(speed, 1), number(row.to_goal, 1), number(driven, 1),
-                     robot.state && !robot.state->waits_for.empty()
-                         ? robot.state->waits_for.substr(0, longest_shown_name)
-                         : "-",
-                     number(row.age, 2), percent(robot.processor.of_one_core), percent(robot.missed.of_all));
+                     number(speed, 1), number(row.to_go, 1), number(driven, 1), number(row.age, 2),
+                     percent(robot.processor.of_one_core), percent(robot.missed.of_all),
+                     row.wait ? fmt::format("{:.0f} s: {}", row.wait->seconds, row.wait->cause) : "-");
 }
 
 std::vector<std::string> summary_of(const FleetView& view, WallTime now) {
@@ -144,8 +145,8 @@ std::optional<RobotOrder> robot_order(std::string_view name) {
 
 FleetTable fleet_table(const FleetView& view, RobotOrder order, WallTime now) {
   FleetTable table{summary_of(view, now),
-                   fmt::format(columns, "ROBOT", "PHASE", "MISSION", "X", "Y", "SPEED", "TO GOAL", "DRIVEN",
-                               "WAITS FOR", "AGE", "CPU", "MISSED"),
+                   fmt::format(columns, "ROBOT", "PHASE", "MISSION", "X", "Y", "SPEED", "TO GO", "DRIVEN",
+                               "AGE", "CPU", "MISSED", "WAITS"),
                    {}};
   std::vector<Row> rows;
   for (const SeenRobot& robot : view.robots()) rows.push_back(row_of(robot, view.fleet_time(now)));

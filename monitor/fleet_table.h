@@ -16,7 +16,7 @@ namespace coppice {
 enum class RobotOrder : unsigned char {
   name,     ///< r2 before r10
   phase,    ///< first without a path, then waiting, planning, driving, arrived
-  to_goal,  ///< the farthest from its goal first
+  to_goal,  ///< the longest way to go first
   age,      ///< the oldest state first
   missed,   ///< the largest share of missed control periods first
 };

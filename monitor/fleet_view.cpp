@@ -5,6 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include <fmt/format.h>
+
 namespace coppice {
 
 namespace {
@@ -86,6 +88,16 @@ Phase phase_of(const SeenRobot& robot) {
 std::optional<double> way_left(const SeenRobot& robot, double time) {
   if (!robot.state) return std::nullopt;
   return robot.progress.way_left(position_at(*robot.state, time));
+}
+
+std::optional<Wait> wait_of(const SeenRobot& robot, double time) {
+  if (robot.status && !robot.status->wait_cause.empty())
+    return Wait{std::max(0.0, time - robot.status->came_on_at), robot.status->wait_cause};
+  const double seconds = robot.progress.waiting(time);
+  if (!robot.state || seconds <= 0) return std::nullopt;
+  const RobotName& first = robot.state->waits_for;
+  return Wait{seconds, first.empty() ? "it stands until there is a joint plan"
+                                     : fmt::format("it lets {} go first", first)};
 }
 
 void FleetView::on(const std::shared_ptr<const Message>& message, WallTime at) {

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "messages/messages.h"
@@ -62,6 +63,15 @@ struct SeenRobot {
 Phase phase_of(const SeenRobot& robot);
 /// The length of the rest of its path at that fleet time, metres; nothing without a path or a state.
 std::optional<double> way_left(const SeenRobot& robot, double time);
+
+/// A robot does not come on.
+struct Wait {
+  double seconds = 0;  ///< how long, fleet time
+  std::string cause{};
+};
+/// The wait of a robot at that fleet time, in the words of its agent. Older recordings give no cause: then by
+/// the robot's state. None: the robot does not wait.
+std::optional<Wait> wait_of(const SeenRobot& robot, double time);
 
 /// Whether a fleet is alive.
 enum class Life : unsigned char {

@@ -56,7 +56,7 @@ live::Roster::Robot robot_of(const SeenRobot& robot) {
   return out;
 }
 
-live::Statuses::Status status_of(std::size_t number, const SeenRobot& robot) {
+live::Statuses::Status status_of(std::size_t number, const SeenRobot& robot, double time) {
   const AgentStatus& status = *robot.status;
   live::Statuses::Status out;
   out.set_robot(count(number));
@@ -79,6 +79,8 @@ live::Statuses::Status status_of(std::size_t number, const SeenRobot& robot) {
   out.set_processor_share(robot.processor.of_one_core);
   out.set_missions_fulfilled(robot.missions_fulfilled);
   out.set_missed_share(robot.missed.of_all);
+  out.set_wait_cause(wait_of(robot, time).value_or(Wait{}).cause);
+  out.set_waited(status.waited);
   return out;
 }
 
@@ -137,7 +139,7 @@ void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot
   frame.add_expiry(as_float(std::max(0.0, state.promise.expiry - time)));
   frame.add_age(as_float(std::max(0.0, time - state.stamp)));
   frame.add_to_go(as_float(way_left(robot, time).value_or(std::numeric_limits<double>::quiet_NaN())));
-  frame.add_waiting(as_float(robot.progress.waiting(time)));
+  frame.add_waiting(as_float(wait_of(robot, time).value_or(Wait{}).seconds));
   frame.add_idle(as_float(robot.progress.without_progress(time)));
 }
 
@@ -253,10 +255,11 @@ void LiveStream::look_at_roster(const FleetView& view) {
 }
 
 void LiveStream::look_at_statuses(const FleetView& view) {
+  const double time = view.fleet_time(at_).value_or(0);
   statuses_.resize(view.robots().size());
   for (std::size_t k = 0; k < statuses_.size(); ++k) {
     if (!view.robots()[k].status) continue;
-    live::Statuses::Status status = status_of(k, view.robots()[k]);
+    live::Statuses::Status status = status_of(k, view.robots()[k], time);
     RobotStatus& known = statuses_[k];
     if (known.changed > 0 && known.status.SerializeAsString() == status.SerializeAsString()) continue;
     known = {beat_, std::move(status)};

@@ -14,6 +14,7 @@ struct AFleetTable : testing::Test {
   void add(const RobotName& name, Phase phase, const Point2& place, double stamp) {
     hear(
         Mission{.robot = name, .number = 1, .map_id = "m", .goal = {100, 0}, .radius = 1, .clock = {100, 1}});
+    hear(PathMessage{name, 1, {place, {100, 0}}});
     hear(RobotState{.robot = name, .stamp = stamp, .position = place, .radius = 1, .phase = phase});
   }
   std::vector<std::string> names(RobotOrder order) const {
@@ -52,8 +53,28 @@ TEST_F(AFleetTable, ShowsEachRobotInALine) {
   ASSERT_EQ(table.rows.size(), 1u);
   for (const char* part : {"r1", "driving", "20.2", "3.0", "79.8", "12.5", "0.50"})
     EXPECT_NE(table.rows[0].find(part), std::string::npos) << part << " in " << table.rows[0];
-  EXPECT_EQ(table.rows[0].size(), table.header.size());
+  EXPECT_EQ(table.rows[0].rfind('-'), table.header.find("WAITS")) << "it comes on";
   EXPECT_NE(table.summary[0].find("fleet time 10.0 s"), std::string::npos) << table.summary[0];
+}
+
+TEST_F(AFleetTable, TellsTheLengthOfTheWayThatIsLeft) {
+  add("r1", Phase::driving, {20, 0}, 9.5);
+  hear(PathMessage{"r1", 1, {{20, 0}, {20, 30}, {100, 30}, {100, 0}}});  // around something
+  const FleetTable table = fleet_table(view, RobotOrder::name, 110);
+  EXPECT_NE(table.rows.at(0).find(" 140.0 "), std::string::npos) << table.rows.at(0);
+}
+
+TEST_F(AFleetTable, SaysWhatARobotWaitsForInItsAgentsWords) {
+  add("r1", Phase::driving, {20, 3}, 9.5);
+  hear(AgentStatus{.robot = "r1",
+                   .mission = 1,
+                   .phase = Phase::driving,
+                   .wait_cause = "it waits for r7, which goes first by the joint plan",
+                   .came_on_at = 4});
+  const FleetTable table = fleet_table(view, RobotOrder::name, 116);
+  ASSERT_EQ(table.rows.size(), 1u);
+  EXPECT_EQ(table.rows[0].substr(table.header.find("WAITS")),
+            "12 s: it waits for r7, which goes first by the joint plan");
 }
 
 TEST(RobotOrder, IsFoundByItsName) {

@@ -65,6 +65,43 @@ TEST_F(AFleetView, FollowsAPromiseAndThenExpectsTheRobotToStand) {
   EXPECT_EQ(position_at(state, 99), Point2(3, 5));
 }
 
+TEST_F(AFleetView, TakesItsAgentsWordForWhyARobotWaits) {
+  RobotState state = state_of("a", 10, {1, 1});
+  state.phase = Phase::driving;
+  hear(state);
+  EXPECT_FALSE(wait_of(robot("a"), 10));
+  state.stamp = 12;
+  state.waits_for = "b";
+  hear(state);
+  hear(AgentStatus{.robot = "a", .phase = Phase::driving, .wait_cause = "c is in the way", .came_on_at = 8});
+  const auto wait = wait_of(robot("a"), 15);
+  ASSERT_TRUE(wait);
+  EXPECT_EQ(wait->cause, "c is in the way");
+  EXPECT_DOUBLE_EQ(wait->seconds, 7);
+}
+
+/// As in recordings that were made before agents gave it.
+TEST_F(AFleetView, TellsAWaitByTheStateOfARobotWhoseAgentGivesNoCause) {
+  RobotState state = state_of("a", 12, {1, 1});
+  state.phase = Phase::driving;
+  state.waits_for = "b";
+  hear(state);
+  hear(AgentStatus{.robot = "a", .phase = Phase::driving});
+  const auto behind = wait_of(robot("a"), 15);
+  ASSERT_TRUE(behind);
+  EXPECT_EQ(behind->cause, "it lets b go first");
+  EXPECT_DOUBLE_EQ(behind->seconds, 3);
+  state.stamp = 16;
+  state.waits_for.clear();
+  state.stage = Stage::holding;
+  hear(state);
+  EXPECT_EQ(wait_of(robot("a"), 16).value().cause, "it stands until there is a joint plan");
+  state.stamp = 17;
+  state.stage = Stage::free;
+  hear(state);
+  EXPECT_FALSE(wait_of(robot("a"), 17));
+}
+
 TEST_F(AFleetView, ForgetsAWayAndRootTreesWithTheirMission) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});

@@ -444,5 +444,24 @@ TEST_F(PageFeedTest, ToGoIsTheLengthOfTheWayThatIsLeft) {
   EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 1);
 }
 
+TEST_F(PageFeedTest, ARobotThatDoesNotComeOnSaysWhyAndSinceWhen) {
+  fleet.map();
+  fleet.mission("a");
+  fleet.now = 112;
+  fleet.state("a", {1, 1});
+  fleet.hear(AgentStatus{.robot = "a",
+                         .mission = 1,
+                         .phase = Phase::driving,
+                         .wait_cause = "no odometry came",
+                         .came_on_at = 5,
+                         .waited = 9});
+  const auto told = page.after(0);
+  const auto statuses = std::ranges::find(told, ToPage::kStatuses, &ToPage::what_case);
+  ASSERT_NE(statuses, told.end());
+  EXPECT_EQ(statuses->statuses().statuses(0).wait_cause(), "no odometry came");
+  EXPECT_DOUBLE_EQ(statuses->statuses().statuses(0).waited(), 9);
+  EXPECT_FLOAT_EQ(told.back().frame().waiting(0), 7);
+}
+
 }  // namespace
 }  // namespace coppice

@@ -40,10 +40,10 @@ function whySilent({frame, life, begin}: Fleet, robot: number): string {
   return `Nothing has been heard from it for ${fixed(age, 1, 's')}: its agent has ended, hangs, or cannot be reached.`;
 }
 
-function whyNoProgress({frame, roster}: Fleet, robot: number): string {
-  const [waiting, idle] = [frame?.waiting[robot] ?? 0, frame?.idle[robot] ?? 0];
-  const leader = roster[frame?.waits_for[robot] ?? -1]?.name;
-  if (waiting > longWait) return `Has waited ${fixed(waiting, 0, 's')} for ${leader ?? 'a joint plan'}.`;
+function whyNoProgress(fleet: Fleet, robot: number): string {
+  const idle = fleet.frame?.idle[robot] ?? 0;
+  const wait = fleet.waitOf(robot);
+  if (wait && wait.seconds > longWait) return `Has waited for ${fixed(wait.seconds, 0, 's')}: ${wait.cause}.`;
   return idle > longWait ? `Has come no nearer to its goal for ${fixed(idle, 0, 's')}.` : '';
 }
 
@@ -52,9 +52,13 @@ function whyRejected({statuses}: Fleet, robot: number): string {
   return rejected > 0 ? `Dropped ${rejected} messages as invalid: its agent's log lists them with the reasons.` : '';
 }
 
+/// If an agent gives the same text as its reason and as the cause of its wait, the wait says it.
+function whyInItsWords({statuses}: Fleet, robot: number): string {
+  const {reason, wait_cause} = statuses[robot] ?? {reason: '', wait_cause: ''};
+  return reason && reason !== wait_cause ? `${reason[0].toUpperCase()}${reason.slice(1)}.` : '';
+}
+
 /// All alarms of a robot now.
 export function alarmsOf(fleet: Fleet, robot: number): string[] {
-  const reason = fleet.statuses[robot]?.reason ?? '';
-  return [reason && `${reason[0].toUpperCase()}${reason.slice(1)}.`, ...[whySilent, whyNoProgress, whyMissed, whyOld, whyRejected].map((why) => why(fleet, robot))]
-    .filter((text) => text !== '');
+  return [whyInItsWords, whySilent, whyNoProgress, whyMissed, whyOld, whyRejected].map((why) => why(fleet, robot)).filter((text) => text !== '');
 }

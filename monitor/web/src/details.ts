@@ -14,11 +14,9 @@ interface Line {
 
 const place = (x: number | undefined, y: number | undefined) => `${fixed(x, 2)}, ${fixed(y, 2)}`;
 const exactPlace = (at: {x: number; y: number} | undefined) => `${fixed(at?.x, 3)}, ${fixed(at?.y, 3)}`;
-const waitOf = ({frame, roster}: Fleet, k: number) => {
-  const leader = roster[frame?.waits_for[k] ?? -1]?.name;
-  const seconds = frame?.waiting[k] ?? 0;
-  if (!leader) return seconds > 0 ? `a joint plan, ${fixed(seconds, 1, 's')}` : 'nobody';
-  return `${leader}, ${fixed(seconds, 1, 's')}`;
+const waitOf = (fleet: Fleet, k: number) => {
+  const wait = fleet.waitOf(k);
+  return wait ? `${fixed(wait.seconds, 1, 's')}: ${wait.cause}` : 'no';
 };
 const positive = (value: number | undefined) => (value !== undefined && value > 0 ? value : undefined);
 
@@ -29,7 +27,7 @@ const groups: {title: string; lines: Line[]}[] = [
     {term: 'Velocity', hint: 'x and y, m/s', value: ({frame}, k) => place(frame?.vx[k], frame?.vy[k])},
     {term: 'Speed', hint: 'now, and greatest', value: ({frame, roster}, k) => `${fixed(frame && Math.hypot(frame.vx[k], frame.vy[k]), 1)} of ${fixed(roster[k].max_speed, 1, 'm/s')}`},
     {term: 'Stage', hint: 'whether it drives by itself, or takes part in a joint plan of several robots', value: ({frame}, k) => stageNames[(frame?.stage?.[k] ?? 0) as Stage] ?? '–'},
-    {term: 'Waits for', hint: 'the robot for which it waits, and how long it has waited', value: waitOf},
+    {term: 'Waits', hint: 'how long it has not come on, and why, in the words of its agent', value: waitOf},
     {term: 'Heard', hint: 'age of the newest state that the monitor has received from it', value: ({frame}, k) => `${milliseconds(frame?.age[k])} ago`},
   ]},
   {title: 'Planning', lines: [
@@ -50,6 +48,7 @@ const groups: {title: string; lines: Line[]}[] = [
     {term: 'Tolerance', hint: 'greatest distance from its goal at which it has arrived', value: ({roster}, k) => metres(roster[k].goal_tolerance)},
     {term: 'Path', hint: 'length of the path that it follows', value: ({statuses}, k) => metres(positive(statuses[k]?.path_length))},
     {term: 'Driven', hint: 'in this mission', value: ({statuses}, k) => metres(statuses[k]?.driven_length)},
+    {term: 'Waited', hint: 'in this mission, in all', value: ({statuses}, k) => fixed(positive(statuses[k]?.waited), 1, 's')},
     {term: 'To go', hint: 'from its position to its path, and along it to its end', value: (fleet, k) => metres(fleet.toGo(k))},
     {term: 'Arrived at', hint: 'fleet time', value: ({statuses}, k) => fixed(positive(statuses[k]?.arrival_time), 2, 's')},
     {term: 'Fulfilled', hint: 'missions in this run', value: ({statuses}, k) => fixed(statuses[k]?.missions_fulfilled, 0)},

@@ -44,6 +44,12 @@ export class Fleet {
     return Number.isFinite(metres) ? metres : undefined;
   }
 
+  /// Why a robot does not come on, and for how long it has not; none if it does.
+  waitOf(robot: number): {seconds: number; cause: string} | undefined {
+    const [seconds, cause] = [this.frame?.waiting[robot] ?? 0, this.statuses[robot]?.wait_cause ?? ''];
+    return seconds > 0 && cause ? {seconds, cause} : undefined;
+  }
+
   /// A robot's position in the map frame. Frames are relative to the map's origin.
   placeOf(robot: number): {x: number; y: number} | undefined {
     const {frame, map} = this;

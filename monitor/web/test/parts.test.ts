@@ -174,7 +174,7 @@ describe('numbers in cells', () => {
 });
 
 describe('figures that alarm', () => {
-  const status = (values: object) => ({statuses: {statuses: [{robot: 0, reason: '', periods: 1000, missed_share: 0, state_age_p99: 0, rejected: 0, processor_share: 0.1, ...values}]}}) as unknown as ToPage;
+  const status = (values: object) => ({statuses: {statuses: [{robot: 0, reason: '', periods: 1000, missed_share: 0, state_age_p99: 0, rejected: 0, processor_share: 0.1, wait_cause: '', ...values}]}}) as unknown as ToPage;
   const about = (message: ToPage, at = frame(1, [0])) => {
     const fleet = new Fleet();
     fleet.on({roster: {robots: [robot('a'), robot('b')]}, frame: at} as ToPage);
@@ -192,10 +192,13 @@ describe('figures that alarm', () => {
     expect(about(status({state_age_p99: 0.3}))).toBe('');
   });
 
-  it('say for whom it waits, and that it is not heard', () => {
-    const waits = {...frame(30, [0]), waiting: [12], waits_for: [1], idle: [12], phase: new Uint8Array([2])};
-    expect(about(status({}), waits)).toMatch(/Has waited 12.*for b/);
-    expect(about(status({}), {...waits, waiting: [0], waits_for: [-1]})).toContain('no nearer');
+  it('say for how long it waits, and why, and that it is not heard', () => {
+    const waits = {...frame(30, [0]), waiting: [12], idle: [12], phase: new Uint8Array([2])};
+    const cause = 'no odometry came';
+    expect(about(status({wait_cause: cause}), waits)).toMatch(/^Has waited for 12\ss: no odometry came\.$/);
+    expect(about(status({wait_cause: cause, reason: cause}), waits)).toMatch(/^Has waited for 12\ss: no odometry came\.$/);
+    expect(about(status({wait_cause: cause}), {...waits, waiting: [4], idle: [4]})).toBe('');
+    expect(about(status({}), {...waits, waiting: [0]})).toContain('no nearer');
     expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([2])})).toContain('Nothing has been heard');
     expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([3])})).toBe('');
   });
@@ -219,6 +222,15 @@ describe('fleet', () => {
     fleet.on({frame: {...frame(1, [1, 2]), to_go: [NaN, 229.5]}} as ToPage);
     expect(fleet.toGo(0)).toBeUndefined();
     expect(fleet.toGo(1)).toBe(229.5);
+  });
+
+  it('knows why a robot waits, and for how long it has', () => {
+    const fleet = new Fleet();
+    fleet.on({frame: {...frame(20, [1, 2]), waiting: [0, 7.5]}} as ToPage);
+    expect(fleet.waitOf(1), 'before its status has come').toBeUndefined();
+    fleet.on({statuses: {statuses: [{robot: 0, wait_cause: ''}, {robot: 1, wait_cause: 'r7 is in the way'}]}} as unknown as ToPage);
+    expect(fleet.waitOf(0)).toBeUndefined();
+    expect(fleet.waitOf(1)).toEqual({seconds: 7.5, cause: 'r7 is in the way'});
   });
 
   it('keeps a bounded number of figures, the newest all', () => {

@@ -155,7 +155,7 @@ function frameAt(fleet, time, life) {
     stage: Uint8Array.from(fleet.robots, (_, k) => (k % 19 === 3 ? 1 : k % 19 === 4 ? 2 : 0)),
     waits_for: each((p, k) => (k % 3 === 2 ? at.findIndex((q, j) => j !== k && Math.hypot(q.x - p.x, q.y - p.y) < 20) : -1)),
     turn: each(() => 0.05), next_vx: each((p) => p.vx), next_vy: each((p) => p.vy), expiry: each(() => 0.1), age: each(() => 0.02),
-    to_go: each((p, k, robot) => (hasPath(robot) ? fleet.longest ?? robot.lengths.at(-1) - p.driven : NaN)), waiting: each((p, k) => (k % 3 === 2 ? 4 : 0)), idle: each(() => 0.1),
+    to_go: each((p, k, robot) => (hasPath(robot) ? fleet.longest ?? robot.lengths.at(-1) - p.driven : NaN)), waiting: each((p, k) => (k % 3 === 2 ? fleet.waiting : 0)), idle: each(() => 0.1),
     life: lifeOf(fleet, life),
   };
 }
@@ -168,6 +168,7 @@ function statusesAt(fleet, time) {
     trees_received: 48, trees_grafted: k % 5, rejected: 0, periods: Math.floor(time * 20), periods_missed: Math.floor(time * 10 * (k % 3) * fleet.late),
     state_age_p50: 0.02 + (k % 4) / 200, state_age_p99: 0.06 + (k % 9) / 100, state_age_max: 0.21, processor_share: 0.02 + (k % 10) / 100,
     missions_fulfilled: Math.floor(time / 60), missed_share: (k % 3) * fleet.late / 2,
+    wait_cause: k % 3 === 2 ? 'it waits for r1, which goes first by the joint plan' : '', waited: k % 3 === 2 ? 31.5 : 0,
   }));
 }
 
@@ -243,9 +244,10 @@ async function answer(request, response) {
   }
 }
 
-export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest, late = 0.01} = {}) {
+export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest, late = 0.01, waiting = 4} = {}) {
   const fleet = makeFleet(robots, origin);
   fleet.late = late;  // share of control periods that some robots miss
+  fleet.waiting = waiting;  // seconds that every third robot has waited
   fleet.longest = longest;  // metres that each robot has to go, for cells that must hold them
   const control = {life: {}};
   const server = createServer(answer);

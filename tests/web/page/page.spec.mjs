@@ -517,6 +517,24 @@ const checksAtFirstSight = {
     await again.close();
   },
 
+  async 'a robot that waits says why, and for how long it has'() {
+    const mock = await mocked.startMock({waiting: 12});
+    const page = await openReady(mock.url);
+    const shown = (term) => page.locator(`#details-body dt:text-is("${term}") + dd`).textContent();
+    await page.locator('#table tbody tr', {has: page.locator('td:text-is("r3")')}).click();
+    const why = 'it waits for r1, which goes first by the joint plan';
+    await until(page, (cause) => document.querySelector('#details-alarms').textContent.includes(cause), why);
+    assert.match(await page.locator('#details-alarms').textContent(), new RegExp(`Has waited for 12\\ss: ${why}\\.`));
+    assert.match(await shown('Waits'), new RegExp(`^12\\.0\\ss: ${why}$`));
+    assert.match(await shown('Waited'), /^31\.5\ss$/);
+    await shoot(page, 'waits');
+    await page.locator('#table tbody tr', {has: page.locator('td:text-is("r2")')}).click();
+    await until(page, () => document.querySelector('#details-alarms').textContent === '');
+    assert.equal(await shown('Waits'), 'no');
+    await close(page);
+    await mock.close();
+  },
+
   async 'figures that alarm explain themselves'() {
     const mock = await mocked.startMock({late: 0.5});
     const page = await openReady(mock.url);
