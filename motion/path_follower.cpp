@@ -32,9 +32,13 @@ Path PathFollower::rest() const {
   return rest;
 }
 
-/// The nearest point of the path within the window, as a distance along it.
-double PathFollower::advance_progress(const Point2& position) {
-  const double window_end = progress_ + projection_window_radii * radius_;
+double PathFollower::way_left(const Point2& position) const {
+  const double along = nearest(position, path_.length());
+  return (path_.at(along) - position).norm() + path_.length() - along;
+}
+
+/// The nearest point of the path between the last progress and `window_end`, as a distance along it.
+double PathFollower::nearest(const Point2& position, double window_end) const {
   double best = progress_;
   double best_distance = (path_.at(progress_) - position).squaredNorm();
   for (std::size_t i = 1; i < path_.points.size(); ++i) {
@@ -85,7 +89,7 @@ std::optional<Point2> PathFollower::furthest_in_sight(const Point2& position, co
 
 Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceField& field,
                                         const Limits& limits, double period) {
-  progress_ = advance_progress(position);
+  progress_ = nearest(position, progress_ + projection_window_radii * radius_);
   const double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
   const auto seen = furthest_in_sight(position, field, ahead);
   lost_ = !seen;

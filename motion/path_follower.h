@@ -31,6 +31,8 @@ class PathFollower {
   double remaining(const Point2& position) const {
     return (path_.at(progress_) - position).norm() + path_.length() - progress_;
   }
+  /// The same from any position, also where others have led the robot away from its path.
+  double way_left(const Point2& position) const;
   double progress() const { return progress_; }  ///< how far along the path the robot has come, metres
   const Path& path() const { return path_.points; }
 
@@ -38,7 +40,7 @@ class PathFollower {
   Point2 keeping_right(const Point2& position, const Point2& target, double along,
                        const ClearanceField& field) const;
   std::optional<Point2> furthest_in_sight(const Point2& position, const ClearanceField& field, double ahead);
-  double advance_progress(const Point2& position);
+  double nearest(const Point2& position, double window_end) const;
 
   Polyline path_;
   double radius_;

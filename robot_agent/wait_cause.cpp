@@ -68,7 +68,7 @@ double Run::way_left() const {
   if (stopped()) return status_.way_left;
   if (is(Phase::arrived)) return 0;
   const auto* const driving = std::get_if<Driving>(&task_);
-  return driving != nullptr ? driving->route.follower.remaining(body_.position()) : -1;
+  return driving != nullptr ? driving->route.follower.way_left(body_.position()) : -1;
 }
 
 }  // namespace coppice

@@ -93,7 +93,7 @@ TEST_F(AFleetView, TellsAWaitByTheStateOfARobotWhoseAgentGivesNoCause) {
   EXPECT_DOUBLE_EQ(behind->seconds, 3);
   state.stamp = 16;
   state.waits_for.clear();
-  state.stage = Stage::holding;
+  state.stage = Stage::waiting;
   hear(state);
   EXPECT_EQ(wait_of(robot("a"), 16).value().cause, "it stands until there is a joint plan");
   state.stamp = 17;

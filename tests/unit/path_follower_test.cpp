@@ -1,0 +1,22 @@
+#include "motion/path_follower.h"
+
+#include <gtest/gtest.h>
+
+#include "planning/clearance_field.h"
+
+namespace coppice {
+namespace {
+
+const OccupancyMap hall{.width = 120, .height = 40, .blocked = std::vector<std::uint8_t>(4800, 0)};
+
+TEST(PathFollower, TheWayLeftIsMeasuredFromWhereTheRobotIs) {
+  const ClearanceField field(hall);
+  PathFollower follower({{10, 20}, {110, 20}}, 1);
+  follower.preferred_velocity({10, 20}, field, {2, 2}, 0.05);
+  EXPECT_DOUBLE_EQ(follower.way_left({10, 20}), 100);
+  EXPECT_DOUBLE_EQ(follower.way_left({70, 23}), 43) << "a joint plan led the robot along its path";
+  EXPECT_DOUBLE_EQ(follower.way_left({70, 23}), 43) << "nothing was followed";
+}
+
+}  // namespace
+}  // namespace coppice
