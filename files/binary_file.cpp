@@ -27,7 +27,7 @@ BinaryInput::BinaryInput(std::filesystem::path path) : path_(std::move(path)) {
   struct stat status {};
   if (fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
     close(descriptor_);
-    fail(path_, "cannot be read: is no file");
+    fail(path_, "cannot be read: not a regular file");
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
@@ -76,7 +76,7 @@ void BinaryOutput::append(std::string_view bytes) {
     return;
   }
   const int error = written < 0 ? errno : ENOSPC;
-  // A part of it would be no harm to those who read it, but of no use either.
+  // Truncate to the old size: readers ignore a torn end, but it is of no use to them.
   if (written > 0 && (ftruncate(descriptor_, static_cast<off_t>(size_)) != 0 ||
                       lseek(descriptor_, static_cast<off_t>(size_), SEEK_SET) < 0))
     fail(path_, fmt::format("cannot be written: {}; its end is torn", std::strerror(error)));

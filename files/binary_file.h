@@ -1,4 +1,4 @@
-// Files that are too long for memory: read piece by piece, or written at their end.
+// Files that are too large for memory. They are read piece by piece, or written by appending.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@ namespace coppice {
 
 class BinaryInput {
  public:
-  /// Throws InputError if it is no file that can be read.
+  /// Throws InputError if the path does not name a regular file, or if the file cannot be read.
   explicit BinaryInput(std::filesystem::path path);
   ~BinaryInput();
   BinaryInput(BinaryInput&& other) noexcept;
   BinaryInput& operator=(BinaryInput&&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Bytes, when it was opened.
+  /// Size in bytes at the time when the file was opened.
   std::uint64_t size() const { return size_; }
-  /// From `place` on, all of them. Throws InputError if there are fewer.
+  /// Reads exactly `count` bytes from byte offset `place` on. Throws InputError if the file has fewer.
   std::string read(std::uint64_t place, std::size_t count) const;
 
  private:
@@ -33,15 +33,15 @@ class BinaryOutput {
  public:
   enum class Existing : unsigned char { refuse, replace };
 
-  /// Throws InputError if it cannot be made, or is there and is not to be replaced.
+  /// Creates the file. Throws InputError if that fails, or if the file exists and `existing` is `refuse`.
   BinaryOutput(std::filesystem::path path, Existing existing);
   ~BinaryOutput();
   BinaryOutput(const BinaryOutput&) = delete;
   BinaryOutput& operator=(const BinaryOutput&) = delete;
 
   std::uint64_t size() const { return size_; }
-  /// All of it with one write. Where there is no room for that, none of it, and throws InputError: what was
-  /// there stays as it is.
+  /// Appends all bytes with one write. If the disk has no room for all of them, none is appended, the file
+  /// keeps its earlier content, and InputError is thrown.
   void append(std::string_view bytes);
 
  private:

@@ -18,11 +18,11 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t enough = 4096;  // bytes
+constexpr std::size_t enough = 4096;  // bytes; enough to recognise a kind of file
 
 using namespace std::string_view_literals;
 
-/// Whether a line of the text begins with the word.
+/// Whether a line of `text` begins with `word`.
 bool has_line(std::string_view text, std::string_view word) {
   for (auto at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
     if (at == 0 || text[at - 1] == '\n') return true;
@@ -49,7 +49,7 @@ bool is_scen_version(std::string_view text) {
          std::isdigit(static_cast<unsigned char>(text[number])) != 0;
 }
 
-/// What a file is, and what it is good for.
+/// A kind of file in words, and advice on how to use such a file.
 struct Words {
   const char* kind;
   const char* advice;
@@ -80,7 +80,7 @@ Words words_of(FileKind kind) {
   return {"of an unknown kind", ""};
 }
 
-/// The first bytes of a file; nothing if the file cannot be read twice, as a pipe.
+/// The first bytes of a file. Nothing for a pipe or a device, which cannot be read a second time.
 std::optional<std::string> beginning_of(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored))

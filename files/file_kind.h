@@ -1,4 +1,5 @@
-// What a file is, by how it begins: for those who give one kind of file where another is expected.
+// Recognises a file's kind by its first bytes. Error messages use it when a file of another kind was
+// expected.
 #pragma once
 
 #include <filesystem>
@@ -21,11 +22,11 @@ enum class FileKind : unsigned char {
   picture,
 };
 
-/// By the first bytes, a few thousand at most.
+/// `begin`: the first bytes of the file; a few thousand are enough.
 FileKind kind_of_file(std::string_view begin);
 
-/// Throws InputError if the file is of a known kind and of none of `fitting`, empty or a folder, or cannot be
-/// read. `expected`: "a scenario (.json or .scen)".
+/// Throws InputError if the file is a folder or cannot be read, or if its kind is known (`empty` is one) and
+/// not among `fitting`. `expected` describes the fitting kinds: "a scenario (.json or .scen)".
 void refuse_other_kinds(const std::filesystem::path& path, std::initializer_list<FileKind> fitting,
                         const std::string& expected);
 

@@ -1,4 +1,4 @@
-// The one exception for bad input: its text names the file, the line or field, and what was expected.
+// The exception for bad input. Its text names the file, the line or the field, and what was expected.
 #pragma once
 
 #include <stdexcept>

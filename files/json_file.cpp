@@ -48,7 +48,7 @@ std::string object_of(const Descriptor& type) {
   return "{" + names_of_fields(type, "\"{}\": ...", ", ") + "}";
 }
 
-/// What stands for a value, for messages; `in_list`: for one of a list.
+/// Describes the expected value of a field for messages. `in_list`: describes one element of a list.
 std::string expected_of(const FieldDescriptor& field, bool in_list) {
   if (field.is_repeated() && !in_list) return "a list [...]";
   switch (field.cpp_type()) {
@@ -67,14 +67,14 @@ std::string expected_of(const FieldDescriptor& field, bool in_list) {
   }
 }
 
-/// Takes what the parser reads, piece by piece. Each function returns false where that does not fit: then
-/// problem() says why.
+/// Fills a message from the parser's events. Each function returns false if the event does not fit the
+/// message; then problem() says why.
 class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, MessageBuilder> {
  public:
   explicit MessageBuilder(Message& message) : root_(message) {}
 
   const std::string& problem() const { return problem_; }
-  /// What is being read: "robots[2].start.x: "; empty outside of all fields.
+  /// The field that is being read: "robots[2].start.x: ". Empty outside of all fields.
   std::string place() const {
     const std::string text = field();
     return text.empty() ? text : text + ": ";
@@ -126,7 +126,7 @@ class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, Me
     level.field = type.FindFieldByName(name);
     if (level.field == nullptr) level.field = type.FindFieldByCamelcaseName(name);
     if (level.field == nullptr) {
-      return fail(fmt::format("{}\"{}\" is no field{}, expected one of {}", place(), printable(name),
+      return fail(fmt::format("{}\"{}\" is not a field{}, expected one of {}", place(), printable(name),
                               did_you_mean(name, type), names_of_fields(type, "{}", ", ")));
     }
     if (!level.given.insert(level.field).second) return fail(place() + "is given twice");
@@ -150,12 +150,12 @@ class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, Me
   }
 
  private:
-  /// A message that is being read.
+  /// A message whose fields are being read.
   struct Level {
     Message* message;
-    const FieldDescriptor* field = nullptr;  ///< whose value comes next
-    bool in_list = false;                    ///< whether that is one of a list
-    std::size_t index = 0;                   ///< which one
+    const FieldDescriptor* field = nullptr;  ///< the field whose value comes next
+    bool in_list = false;                    ///< whether that value is an element of a list
+    std::size_t index = 0;                   ///< index of the element
     std::set<const FieldDescriptor*> given{};
   };
 
@@ -231,7 +231,7 @@ void read_json(const std::filesystem::path& path, Message& message) {
   rapidjson::MemoryStream stream(text.data(), text.size());
   MessageBuilder builder(message);
   rapidjson::Reader reader;
-  // Iterative: or brackets without end would fill the stack.
+  // The parser is iterative, because deeply nested brackets would overflow the stack of a recursive one.
   constexpr unsigned strict = rapidjson::kParseIterativeFlag | rapidjson::kParseFullPrecisionFlag |
                               rapidjson::kParseValidateEncodingFlag;
   const rapidjson::ParseResult result = reader.Parse<strict>(stream, builder);

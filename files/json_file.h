@@ -1,5 +1,5 @@
-// JSON files that are read into Protobuf messages, strictly: RFC 8259, a number where a number is due, and no
-// field that the message has not. Protobuf's own reader takes "12" for a number, and commas before brackets.
+// Strict reader of JSON files (RFC 8259) into Protobuf messages: a number field takes only numbers, and
+// unknown fields are errors. Protobuf's own reader takes "12" for a number, and commas before brackets.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace coppice {
 
-/// Fields of numbers, texts, truth values, messages and lists of messages. Throws InputError, which names the
-/// file, the line and the field, and what was expected.
+/// Supports fields of doubles, uint32, strings, booleans, messages and lists of them. Throws InputError,
+/// which names the file, the line and the field, and what was expected.
 void read_json(const std::filesystem::path& path, google::protobuf::Message& message);
 
 }  // namespace coppice

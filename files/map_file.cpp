@@ -17,7 +17,7 @@ namespace coppice {
 
 namespace {
 
-/// The lines of a text, numbered from 1, without their ends (\n or \r\n).
+/// The lines of a text, numbered from 1, without their line ends (\n or \r\n).
 class Lines {
  public:
   Lines(std::string_view text, const std::filesystem::path& path) : rest_(text), path_(path) {}
@@ -70,7 +70,7 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
   if (const auto line = lines.next("\"map\""); line != "map") {
     lines.fail(fmt::format("expected \"map\", found \"{}\"", line.substr(0, 40)));
   }
-  // A header may claim what does not follow.
+  // A header may claim a larger map than the file holds.
   map.blocked.reserve(
       std::min(text.size(), static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height)));
   for (int j = 0; j < map.height; ++j) {
@@ -99,7 +99,7 @@ OccupancyMap read_map(const std::filesystem::path& path, MapWarnings warnings) {
 
 OccupancyMap read_or_generate_map(const std::string& kind_or_file, int width, int height, Random& random) {
   if (const auto kind = map_kind(kind_or_file)) return generate_map(*kind, width, height, random);
-  std::error_code too_long;  // as a name
+  std::error_code too_long;  // set if the name is too long for the file system
   if (std::filesystem::exists(kind_or_file, too_long)) return read_map(kind_or_file);
   throw InputError(
       fmt::format("{}: neither a file nor a kind of map (blank, dense, maze, room)", kind_or_file));

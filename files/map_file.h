@@ -10,23 +10,27 @@
 
 namespace coppice {
 
-/// What becomes of doubts about a map that can be read: `left_out` where another process reads it, too.
+/// Whether doubtful settings of a readable map are logged: `left_out` where another process reads the same
+/// map.
 enum class MapWarnings : std::uint8_t { logged, left_out };
 
-/// Reads a `.map` (https://movingai.com/benchmarks/formats.html: `.`, `G` and `S` are free, all else is
-/// blocked; one cell is one metre, y grows downwards) or a `.yaml` (ROS map_server: resolution, origin,
-/// negate, thresholds; y grows upwards; what is not known to be free is blocked). Throws InputError, which
-/// names the file and the line or field.
+/// Reads a map file. Throws InputError, which names the file and the line or field.
+///
+/// `.map` (https://movingai.com/benchmarks/formats.html): `.`, `G` and `S` are free, other characters are
+/// blocked; a cell is 1 m wide; y grows downwards.
+///
+/// `.yaml` or `.yml` (ROS map_server: resolution, origin, negate, thresholds): y grows upwards; cells that
+/// are not known to be free are blocked.
 OccupancyMap read_map(const std::filesystem::path& path, MapWarnings warnings = MapWarnings::logged);
 
-/// A generated map (blank, dense, maze or room, so many cells) or, for the name of a file, what read_map
-/// reads. Throws InputError for what is neither.
+/// Generates a map of `width` x `height` cells if the argument is a kind (blank, dense, maze or room);
+/// otherwise reads the file of that name (read_map). Throws InputError if the argument is neither.
 OccupancyMap read_or_generate_map(const std::string& kind_or_file, int width, int height, Random& random);
 
-/// Writes a Moving AI `.map`; resolution, origin and the direction of y are not part of that format.
+/// Writes a Moving AI `.map`. The format has no resolution, origin or direction of y.
 void write_map(const std::filesystem::path& path, const OccupancyMap& map);
 
-/// Largest map that is read, cells a side; the bus carries no larger one.
+/// Largest map that is read, cells per side. The bus carries no larger map.
 inline constexpr int largest_map_file_side = 16384;
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-// What a number on the command line may be: CLI11's own range lets NaN pass.
+// Validators for numbers on the command line. CLI11's own range check lets NaN pass.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace coppice {
 
-/// A whole number from `least` to `most`. CLI11 takes -1 for the largest number without a sign, and 010
-/// for 8.
+/// A whole number from `least` to `most`. CLI11's own conversion turns -1 into the largest unsigned number,
+/// and reads 010 as 8.
 template <class T>
 CLI::Validator whole_number_between(T least, T most) {
   const std::string range = std::to_string(least) + " to " + std::to_string(most);
@@ -24,11 +24,11 @@ CLI::Validator whole_number_between(T least, T most) {
           },
           range};
 }
-/// Of an option that sets a seed.
+/// The value of an option that sets a random seed: 0 to 2^32 - 1.
 inline CLI::Validator a_seed() {
   return whole_number_between<std::uint32_t>(0, std::numeric_limits<std::uint32_t>::max());
 }
-/// A finite number from `least` to `most`; anything else is a usage error that says so.
+/// A finite number from `least` to `most`. Any other text is a usage error that names the range.
 CLI::Validator number_between(double least, double most);
 /// A finite number above 0.
 CLI::Validator number_above_zero();

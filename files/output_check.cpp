@@ -18,8 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes a file of that name and removes it again. Permissions alone do not tell whether a file system is
-/// read-only or full, or a name too long. A file that a killed process left there is in nobody's way.
+/// Creates a file of that name and removes it again. Returns the error message, empty on success. Permissions
+/// alone do not tell: a read-only file system, a full disk or a name that is too long fails only here. A file
+/// that a killed process left there does no harm.
 std::string problem_with_making(const std::string& file) {
   const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (made < 0) return std::strerror(errno);
@@ -37,9 +38,9 @@ std::string problem_with_output(const std::string& text) {
     return fmt::format("{} is a folder, expected a file", text);
   if (!fs::is_directory(folder, ignored))
     return fmt::format("{} cannot be written: there is no folder {}", text, folder.string());
-  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))  // a device, or a pipe
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))  // a device or a pipe
     return ::access(file.c_str(), W_OK) == 0 ? "" : fmt::format("{} cannot be written: no permission", text);
-  // It is written beside and renamed: so the folder decides, not a file that is there.
+  // The output is written beside the file and then renamed, so only the folder's permissions matter.
   const std::string problem = problem_with_making(fmt::format("{}.{}.tmp", file.string(), ::getpid()));
   return problem.empty() ? "" : fmt::format("{} cannot be written: {}", text, problem);
 }

@@ -1,4 +1,4 @@
-// Whether a file can be written that is to be written in the end: told before the work, not after it.
+// Checks before a run that its output files can be written at its end.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace coppice {
 
-/// A file in a folder that may be written to; anything else is a usage error that says what is in the way.
+/// A file in a folder where files can be made. Any other value is a usage error that names the obstacle.
 CLI::Validator output_file();
-/// The same, of a picture: its name ends in .svg, unless it is a device.
+/// An output file for a picture: its name ends in .svg, unless it is a device.
 CLI::Validator picture_file();
-/// The same, of a folder that is there.
+/// An existing folder where files can be made.
 CLI::Validator output_folder();
 
 /// Throws InputError if no file can be made in the folder.

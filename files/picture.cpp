@@ -14,11 +14,11 @@ namespace {
 
 constexpr double largest_side_pixels = 1000;
 
-/// Hues a golden angle apart: neighbours in the list differ clearly, and no number of robots runs out of
-/// colours.
+/// Hues that are the golden angle apart: neighbours in the list differ clearly, for any number of robots.
 std::string colour_of(std::size_t robot) {
   const double hue = std::fmod(205 + 137.508 * static_cast<double>(robot), 360);
-  const int lightness = robot % 2 == 0 ? 42 : 56;  // for eyes that do not tell the hues apart
+  // Distinguishes robots for viewers who cannot tell hues apart.
+  const int lightness = robot % 2 == 0 ? 42 : 56;
   return fmt::format("hsl({:.0f},75%,{}%)", hue, lightness);
 }
 
@@ -37,7 +37,7 @@ class Svg {
     fmt::format_to(std::back_inserter(body_), format, std::forward<Args>(args)...);
   }
 
-  /// Blocked cells, a rectangle for each run in a row.
+  /// Draws blocked cells, one rectangle for each run of cells in a row.
   void add_map() {
     add("<path fill=\"#3b3f46\" d=\"");
     for (int j = 0; j < map_.height; ++j) {
@@ -103,7 +103,7 @@ std::string escaped(const std::string& text) {
 
 std::string picture_svg(const PictureContent& content) {
   Svg svg(content.map);
-  // Lines as on paper: as wide for a large map as for a small one.
+  // Line widths are the same in the picture for maps of all sizes.
   const double unit = std::max(content.map.width, content.map.height) / largest_side_pixels;
   svg.add_map();
   for (int robot = -1; robot < static_cast<int>(content.robots.size()); ++robot) {

@@ -1,5 +1,5 @@
-// A picture (SVG) of a run, or of a moment in it, like the paper's figures: map, trees in the groups'
-// colours, paths and driven tracks.
+// A picture (SVG) of a run, or of a moment in it: map, trees in the colours of their robots, paths and driven
+// tracks, as in the paper's figures. Positions and radii are in metres in the map frame.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ struct PictureContent {
   struct Edge {
     Point2 from;
     Point2 to;
-    int robot = -1;  ///< index of the robot whose root tree it belongs to; -1: a disjointed tree
+    int robot = -1;  ///< index of the robot whose root tree the edge belongs to; -1: a disjointed tree
   };
   struct Robot {
     std::string name;
@@ -25,7 +25,8 @@ struct PictureContent {
     Point2 goal = Point2::Zero();
     Path path{};
     Path track{};
-    std::optional<Point2> body{};  ///< where it is; none where the picture is of a whole run
+    /// Position at the moment of the picture; none for a picture of a whole run.
+    std::optional<Point2> body{};
   };
   OccupancyMap map;
   std::vector<Edge> edges;

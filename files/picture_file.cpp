@@ -20,7 +20,7 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t largest_deflation = 1032;  // bytes that one deflated byte stands for, at most
+constexpr std::size_t largest_deflation = 1032;  // most bytes that one deflated byte can stand for
 constexpr std::string_view png_signature = "\x89PNG\r\n\x1a\n";
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
@@ -34,7 +34,7 @@ void check_size(const std::filesystem::path& path, long width, long height) {
   }
 }
 
-/// The next whole number of a PGM header or of a plain (P2) picture, comments skipped.
+/// Reads the next whole number of a PGM header or of a plain (P2) picture; skips comments.
 long next_number(const std::string& data, std::size_t& at, const std::filesystem::path& path) {
   while (at < data.size() && (std::isspace(static_cast<unsigned char>(data[at])) != 0 || data[at] == '#')) {
     if (data[at] == '#') {
@@ -67,10 +67,10 @@ Picture read_pgm(const std::string& data, const std::filesystem::path& path) {
     fail(path, fmt::format("truncated: {} x {} pixels need {} bytes, found {}", width, height, pixels * bytes,
                            data.size() - std::min(data.size(), at + 1)));
   }
-  // Else a header of a few bytes would take the memory of a large map.
+  // Otherwise a file of a few bytes could allocate the memory of a large map.
   if (magic == "P2" && (data.size() - at) / 2 < pixels)
     fail(path, fmt::format("truncated: {} x {} pixels need more than {} bytes", width, height, data.size()));
-  ++at;  // the one white space that ends the header; two, where line ends are those of Windows
+  ++at;  // the one white space that ends the header; two with Windows line ends
   if (magic == "P5" && data.substr(at - 1, 2) == "\r\n" && data.size() == at + 1 + pixels * bytes) ++at;
   picture.samples.reserve(pixels);
   for (std::size_t k = 0; k < pixels; ++k) {
@@ -87,8 +87,8 @@ Picture read_pgm(const std::string& data, const std::filesystem::path& path) {
   return picture;
 }
 
-/// A PNG picture while libpng reads it, which jumps out of its functions where something is wrong. So nothing
-/// that a jump would leave behind is made between setjmp and these.
+/// Reads a PNG picture with libpng. On an error libpng leaves its functions by longjmp, which runs no
+/// destructors. So no object with a destructor is created between setjmp and the calls of libpng.
 class PngReader {
  public:
   explicit PngReader(std::string_view data)
@@ -106,9 +106,8 @@ class PngReader {
   long height() const { return static_cast<long>(png_get_image_height(png_, info_)); }
   int channels() const { return png_get_channels(png_, info_); }
 
-  /// Up to the pixels, and what is to become of them: the samples as they are, whatever the file says of
-  /// gamma and colour; 8 bits each; a palette's colours; alpha where a colour stands for transparent. False
-  /// if something is wrong.
+  /// Reads the header and sets the conversions: 8 bits a sample, palettes expanded to colours, alpha where a
+  /// colour stands for transparent; gamma and colour profiles are ignored. Returns false on an error.
   bool read_header() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_read_info(png_, info_);
@@ -151,7 +150,7 @@ Picture read_png(const std::string& data, const std::filesystem::path& path) {
   const auto refuse = [&] { fail(path, fmt::format("cannot be read as PNG: {}", png.problem())); };
   if (!png.read_header()) refuse();
   check_size(path, png.width(), png.height());
-  // As for a PGM picture. A pixel has one bit at least.
+  // The same check as for a PGM picture. A pixel takes at least 1 bit.
   const std::size_t pixels = static_cast<std::size_t>(png.width()) * static_cast<std::size_t>(png.height());
   const std::size_t least = pixels / 8 / largest_deflation;
   if (data.size() < least)
@@ -167,7 +166,7 @@ Picture read_png(const std::string& data, const std::filesystem::path& path) {
   return picture;
 }
 
-/// What a file's first bytes say that it is, of what map_server would read; empty: unknown.
+/// Recognises other picture formats by their first bytes, for error messages. Empty: unknown.
 std::string_view other_kind(std::string_view data) {
   struct Kind {
     std::string_view begins;

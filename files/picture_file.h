@@ -1,4 +1,4 @@
-// Pictures that hold maps: PNG and PGM, told apart by what is in them.
+// Reads pictures of maps, PNG or PGM, which are recognised by their content.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,14 @@
 
 namespace coppice {
 
-/// The samples of a file as they are, scaled to 0..255; no gamma, no colour profile.
+/// The samples of a file scaled to 0..255, without gamma and colour profile.
 struct Picture {
   int width = 0;
   int height = 0;
   int channels = 1;                   ///< 1: grey, 2: grey and alpha, 3: colours, 4: colours and alpha
   std::vector<std::uint8_t> samples;  ///< pixel by pixel, row by row from the top
 
-  /// From 0 (black) to 255 (white): the mean of the colours.
+  /// Grey value from 0 (black) to 255 (white): the mean of the colours.
   double shade(std::size_t pixel) const {
     const std::uint8_t* p = samples.data() + pixel * static_cast<std::size_t>(channels);
     return channels < 3 ? p[0] : (p[0] + p[1] + p[2]) / 3.0;
@@ -25,7 +25,7 @@ struct Picture {
   }
 };
 
-/// Throws InputError, which names the file, for what is neither.
+/// Throws InputError, which names the file, if the file is neither a PNG nor a PGM picture, or is damaged.
 Picture read_picture(const std::filesystem::path& path);
 
 }  // namespace coppice

@@ -16,7 +16,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double worth_telling = 0.01;  // of the control periods
+constexpr double worth_telling = 0.01;  // share of the control periods from which the table reports misses
 constexpr std::string_view no_robots = "\"robots\": []";
 
 std::string json_of(const google::protobuf::Message& message) {
@@ -31,7 +31,7 @@ std::string json_of(const google::protobuf::Message& message) {
   return json;
 }
 
-/// As deep as a robot is in the list.
+/// Indents a robot's JSON to its depth in the list.
 std::string indented(const std::string& json) {
   std::string result;
   for (const char c : "  " + json) {
@@ -41,7 +41,8 @@ std::string indented(const std::string& json) {
   return result;
 }
 
-/// The robot whose agent missed the largest share of its control periods.
+/// Names the robot whose agent missed the largest share of its control periods. Empty for fewer than two
+/// robots.
 std::string worst_of(const proto::Report& report) {
   const auto worst = std::ranges::max_element(report.robots(), {}, &proto::Report::Robot::periods_missed);
   if (report.robots_size() < 2) return {};
@@ -50,14 +51,15 @@ std::string worst_of(const proto::Report& report) {
 
 }  // namespace
 
-/// Robot by robot: Protobuf makes a tree of all that it prints first, which took 8 MB of 200 robots at once.
+/// Prints one robot at a time: Protobuf first builds a tree of all that it prints, which took 8 MB for 200
+/// robots at once.
 void write_report(const std::filesystem::path& path, const proto::Report& report) {
   proto::Report of_all = report;
   of_all.clear_robots();
   const std::string frame = json_of(of_all);
   const std::size_t found = frame.find(no_robots);
   if (found == std::string::npos) throw std::logic_error("Protobuf prints empty lists otherwise");
-  const std::size_t gap = found + no_robots.size() - 1;  // before the bracket
+  const std::size_t gap = found + no_robots.size() - 1;  // position before the closing bracket
   std::string json = frame.substr(0, gap);
   for (const proto::Report::Robot& robot : report.robots()) {
     if (json.size() > gap) json += ',';
@@ -100,7 +102,7 @@ std::string report_table(const proto::Report& report) {
         "(fewer robots, a lower --time-scale, or more processors)\n",
         100 * report.periods_missed(), worst_of(report));
   const auto metres = [](bool there, double value) {
-    const double rounded = std::round(1e3 * value) / 1e3 + 0.0;  // no "-0.000"
+    const double rounded = std::round(1e3 * value) / 1e3 + 0.0;  // turns -0.0 into 0.0
     return there ? fmt::format("{:.3f} m", rounded) : std::string("-");
   };
   table += fmt::format("collisions {}, least separation {}, least clearance {}\n\n", report.collisions(),

@@ -1,4 +1,4 @@
-// The report of a run: as JSON (idl/report.proto), and as a table for the terminal.
+// The report of a run as JSON (idl/report.proto) and as a table for the terminal.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,13 @@
 
 namespace coppice {
 
-/// Throws InputError if the file cannot be written; then nothing is left of it.
+/// Throws InputError if the file cannot be written; then no partial file is left.
 void write_report(const std::filesystem::path& path, const proto::Report& report);
 
-/// Throws InputError if the file is missing or no report.
+/// Throws InputError if the file is missing or is not a report.
 proto::Report read_report(const std::filesystem::path& path);
 
-/// Lines of at most about 100 characters: the fleet's figures, then a row for each robot.
+/// The fleet's figures, then a row for each robot; lines of at most about 100 characters.
 std::string report_table(const proto::Report& report);
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-// What the words mean that a run's table and its report use.
+// The meaning of the terms in the table and the report of a run.
 #pragma once
 
 #include <span>
@@ -18,7 +18,7 @@ std::span<const Term> table_terms();
 /// The terms of the report (idl/report.proto): "run_time", "robots[].load.periods".
 std::span<const Term> report_terms();
 
-/// For help (runtime/command_line.h).
+/// The terms as help text (runtime/command_line.h).
 std::string terms_of_table();
 std::string terms_of_report();
 

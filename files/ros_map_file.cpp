@@ -45,7 +45,7 @@ double number_field(const YAML::Node& yaml, const char* field, double least, dou
   return value;
 }
 
-/// 0 or 1, or what YAML 1.1 takes for a truth value: yes, No, on, OFF, true, False and the like.
+/// Reads 0, 1 or a YAML 1.1 truth value: yes, No, on, OFF, true, False and the like.
 bool truth_field(const YAML::Node& yaml, const char* field, const std::filesystem::path& path) {
   const YAML::Node& node = yaml[field];
   if (node.IsScalar() && (node.Scalar() == "0" || node.Scalar() == "1")) return node.Scalar() == "1";
@@ -73,8 +73,8 @@ Meaning read_meaning(const YAML::Node& yaml, const std::filesystem::path& path) 
   return meaning;
 }
 
-/// Free only where the picture says so: what is unknown, transparent, or free to some degree only, is
-/// blocked. map_server takes the raw value as the occupancy, 0 being free.
+/// Whether a pixel is free. Unknown, transparent and partly free pixels are blocked. In raw mode map_server
+/// takes the value itself as the occupancy; 0 is free.
 bool is_free(const Meaning& meaning, double shade, bool opaque) {
   if (!opaque) return false;
   if (meaning.mode == "raw") return shade == 0;
@@ -127,7 +127,7 @@ OccupancyMap read_ros_map(const std::filesystem::path& path, MapWarnings warning
   }
 
   const std::filesystem::path image = path.parent_path() / yaml["image"].as<std::string>();
-  std::error_code too_long;  // as a name
+  std::error_code too_long;  // set if the name is too long for the file system
   if (!std::filesystem::exists(image, too_long))
     fail(path, fmt::format("image: {} does not exist", image.string()));
   const Picture picture = read_picture(image);
@@ -136,7 +136,7 @@ OccupancyMap read_ros_map(const std::filesystem::path& path, MapWarnings warning
   map.blocked.resize(map.frame().cells());
   for (int row = 0; row < map.height; ++row) {
     for (int i = 0; i < map.width; ++i) {
-      // The picture's last row is the lowest of the map.
+      // The picture's last row is the map's lowest.
       const std::size_t from =
           static_cast<std::size_t>(map.height - 1 - row) * static_cast<std::size_t>(map.width) +
           static_cast<std::size_t>(i);

@@ -1,4 +1,4 @@
-// ROS map_server maps: a YAML file that names a picture (PGM or PNG) and says what its shades mean.
+// ROS map_server maps: a YAML file that names a picture (PGM or PNG) and defines the meaning of its shades.
 #pragma once
 
 #include <filesystem>

@@ -20,22 +20,22 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
   const bool is_of_plan = progression == Progression::paths_only;
   command.add_option("scenario", options.scenario, "a scenario (.json) or a Moving AI scenario (.scen)")
       ->required();
-  command
-      .add_option("--map", options.overrides.map,
-                  "file of the map, where it lies elsewhere than the scenario says")
+  command.add_option("--map", options.overrides.map, "map file, if it is not where the scenario says")
       ->type_name("FILE")
       ->default_str("the scenario's");
   command.option_defaults()->group("Robots and planning");
   command.add_option("--robots", options.overrides.robots, "only the first N robots")
       ->check(whole_number_between(1, 100000))
       ->default_str("all");
-  command.add_option("--radius", options.overrides.radius, "of every robot, metres")
+  command.add_option("--radius", options.overrides.radius, "radius of every robot, metres")
       ->check(number_above_zero())
       ->default_str("the scenario's, or 5 cells of the map");
-  command.add_option("--max-speed", options.overrides.max_speed, "of every robot, metres a second")
+  command
+      .add_option("--max-speed", options.overrides.max_speed,
+                  "maximum speed of every robot, metres per second")
       ->check(number_above_zero())
       ->default_str("the scenario's, or 20 cells of the map a second");
-  command.add_option("--seed", options.overrides.seed, "of every random choice")
+  command.add_option("--seed", options.overrides.seed, "seed of all random choices")
       ->check(a_seed())
       ->default_str("the scenario's, or 1");
   command
@@ -51,7 +51,7 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
       ->default_str(is_of_plan ? "until no shorter path turns up" : fmt::format("{}", default_plan_budget));
   command
       .add_option("--time-scale", options.time_scale,
-                  "fleet seconds a second of the wall's clock; simulate and plan wait for no clock")
+                  "fleet seconds per wall-clock second; simulate and plan do not wait for the clock")
       ->check(number_between(least_quantity, largest_time_scale))
       ->default_str(progression == Progression::many_processes
                         ? "1, or with more than 25 robots a processor (25 x processors / robots)^1.5"
@@ -80,7 +80,7 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
 }
 
 PlannerKind chosen_planner(const RunOptions& options) {
-  return planner_kind(options.planner).value();  // checked when the option was read
+  return planner_kind(options.planner).value();  // the option's validator has checked the name
 }
 
 namespace {
@@ -105,7 +105,8 @@ void check_results(const RunOptions& options, const Scenario& scenario, const st
     const bool is_device = fs::exists(file) && !fs::is_regular_file(file);
     if (file.empty() || is_device) continue;
     const auto [other, fresh] = names.try_emplace(unique_name(file), file);
-    if (!fresh) throw InputError(fmt::format("{} is to be two files: it is {}, too", file, other->second));
+    if (!fresh)
+      throw InputError(fmt::format("{} is named for two files: it is also {}", file, other->second));
   }
 }
 

@@ -1,5 +1,5 @@
-// The options that `coppice run`, `plan`, `simulate` and the planner service share, and the files that they
-// ask for.
+// The options that `coppice run`, `plan`, `simulate` and the planner service share, and the output files that
+// these options name.
 #pragma once
 
 #include <functional>
@@ -21,35 +21,37 @@ namespace coppice {
 struct RunOptions {
   std::string scenario;
   ScenarioOptions overrides;
-  std::optional<double>
-      time_scale;  ///< fleet seconds a wall second; none: real time, or as the command chooses
+  std::optional<double> time_scale;  ///< fleet seconds per wall second; none: 1, or the command's choice
   double timeout = 3600;
   double lifelong = 0;  ///< fleet seconds in which robots that arrive get new goals
   std::string planner{planner_names[0]};
-  std::optional<double> plan_budget;  ///< wall seconds for shorter paths after the first ones
-  std::string report;                 ///< empty: not written
+  /// Wall seconds for shorter paths after the first ones; none: the command's default.
+  std::optional<double> plan_budget;
+  std::string report;  ///< name of the file; empty: not written
   std::string trajectory;
   std::string picture;
   bool quiet = false;  ///< neither progress nor the report is printed
 };
 
-/// How a command goes about a run: the defaults depend on it.
+/// How a command carries out a run. Default values depend on it.
 enum class Progression : unsigned char { paths_only, virtual_clock, one_process, many_processes };
 
-/// Adds the options to a command, and what the table means that it prints; values out of range are usage
-/// errors.
+/// Adds the options, and the explanation of the terms of the table, to a command. Values out of range are
+/// usage errors.
 void add_run_options(CLI::App& command, RunOptions& options, Progression progression);
 
-/// Of `run`, `simulate` and the service, wall seconds; `plan` goes on until nothing shorter turns up.
+/// Default of `run`, `simulate` and the service, wall seconds. `plan` continues until it finds no shorter
+/// path.
 inline constexpr double default_plan_budget = 1;
 
 PlannerKind chosen_planner(const RunOptions& options);
 
-/// Throws InputError if one file is to be two of these, or is the scenario's, its map's or the recording's.
+/// Throws InputError if two output files are the same file, or if one is the scenario, its map or the
+/// recording.
 void check_results(const RunOptions& options, const Scenario& scenario, const std::string& recording = {});
 
-/// Writes the files that were asked for; `picture()` makes the content of one. Throws InputError, which names
-/// them all, if some cannot be written; the others are.
+/// Writes the requested files. `picture()` makes the content of the picture. If some files cannot be written,
+/// the others are written all the same, and InputError names all failures.
 void write_results(const RunOptions& options, const proto::Report& report, const TrackParts& tracks,
                    const std::function<PictureContent()>& picture);
 

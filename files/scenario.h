@@ -1,4 +1,4 @@
-// A scenario with every default filled in and every check passed: what a run is made from.
+// A scenario after defaults are filled in and all checks have passed. It is the input of a run.
 //
 // Metres in the map frame, seconds, metres per second.
 #pragma once
@@ -12,9 +12,9 @@
 
 namespace coppice {
 
-// Defaults in cells of the map, so that they suit a map in metres as well as one in centimetres.
+// Defaults in cells of the map, so that they suit maps of any resolution.
 inline constexpr double default_radius_cells = 5;
-inline constexpr double default_speed_cells = 20;  // a second
+inline constexpr double default_speed_cells = 20;  // cells per second
 inline constexpr double default_tolerance_cells = 1;
 
 struct RobotTask {
@@ -28,11 +28,12 @@ struct RobotTask {
 };
 
 struct Scenario {
-  std::string map_name;    ///< as the scenario, or the command line, names it
-  std::string map_file{};  ///< relative to the working folder; empty: of no file
+  std::string map_name;    ///< as the scenario or the command line names it
+  std::string map_file{};  ///< relative to the working folder; empty: the map has no file
   OccupancyMap map;
   std::uint32_t seed = 1;
-  std::vector<RobotTask> robots;  ///< at least one; names differ; starts and goals are free and apart
+  /// At least one; names are unique; starts and goals are free and do not overlap.
+  std::vector<RobotTask> robots;
 };
 
 inline std::vector<std::string> names_of(const Scenario& scenario) {

@@ -23,7 +23,8 @@ namespace coppice {
 
 namespace {
 
-constexpr double speeds_a_second = 2;  // default acceleration: full speed within half a second
+// Default acceleration in units of the maximum speed: full speed within 0.5 s.
+constexpr double speeds_a_second = 2;
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& field,
                        const std::string& problem) {
@@ -46,7 +47,8 @@ std::optional<double> optional_field(bool there, const Message& value) {
   return there ? std::optional<double>(value) : std::nullopt;
 }
 
-/// `.scen`: version line, then bucket, map, width, height, start x y, goal x y, optimal length.
+/// Format of `.scen`: a version line; then lines of bucket, map, width, height, start x y, goal x y, optimal
+/// length.
 proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& height) {
   proto::Scenario scenario;
   std::istringstream lines(read_text(path));
@@ -94,7 +96,7 @@ void check_name(const std::string& name, std::set<std::string>& names, const std
                 const std::string& field) {
   if (!is_robot_name(name)) fail(path, field, fmt::format("expected {}", robot_name_rule));
   if (!names.insert(name).second)
-    fail(path, field, fmt::format("\"{}\" is the name of another robot too", name));
+    fail(path, field, fmt::format("\"{}\" is also the name of another robot", name));
 }
 
 Point2 checked_place(bool there, const proto::Position& place, const ClearanceField& field, double radius,
@@ -130,20 +132,20 @@ void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place,
   }
 }
 
-/// The map's file: `named` by the scenario, unless another one is asked for.
+/// The map's file: the command line's, or else `named`, which the scenario gives relative to itself.
 std::string map_of(const std::filesystem::path& scenario, const std::string& named,
                    const ScenarioOptions& options) {
   if (!options.map.empty()) return options.map;
   if (named.empty()) fail(scenario, "map", "is missing, expected the path of a map relative to this file");
   const std::filesystem::path file = scenario.parent_path() / named;
-  std::error_code too_long;  // as a name
+  std::error_code too_long;  // set if the name is too long for the file system
   if (!std::filesystem::exists(file, too_long))
     fail(scenario, "map",
          fmt::format("there is no {} (--map FILE names a map that lies elsewhere)", file.string()));
   return file.string();
 }
 
-/// Where the scenario names the map, what is wrong with that is told with the scenario.
+/// Reads the map. If the scenario names it, errors name the scenario too.
 OccupancyMap read_map_of(const std::filesystem::path& scenario, const std::string& map_file,
                          const ScenarioOptions& options) {
   if (!options.map.empty()) return read_map(map_file, options.warnings);
@@ -185,7 +187,7 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   if (count < 1 || count > file.robots_size()) {
     fail(path, "robots", fmt::format("{} were asked for, expected 1 to {}", count, file.robots_size()));
   }
-  // An agent knows no more than these: who comes after them would be nobody to it.
+  // An agent has a table of at most `most_robots` robots and would ignore any further ones.
   if (std::cmp_greater(count, most_robots)) {
     fail(path, "robots", fmt::format("{}, expected at most {}", count, most_robots));
   }
@@ -207,7 +209,7 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     check_name(robot.name(), names, path, at + ".name");
     RobotTask task;
     task.name = robot.name();
-    // What the command line says holds for every robot.
+    // Options of the command line apply to all robots.
     task.radius =
         checked_size(options.radius ? options.radius : optional_field(robot.has_radius(), robot.radius()),
                      radius, path, at + ".radius");

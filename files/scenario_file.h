@@ -1,4 +1,4 @@
-// Scenario files: JSON (idl/scenario.proto), and Moving AI `.scen`.
+// Scenario files: JSON (idl/scenario.proto) and Moving AI `.scen`. Metres, seconds.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,24 @@
 
 namespace coppice {
 
-/// What the command line says, over what the file says.
+/// Settings of the command line. They override those of the scenario file.
 struct ScenarioOptions {
-  std::optional<int> robots{};  ///< only the first so many
+  std::optional<int> robots{};  ///< only the first so many robots
   std::optional<double> radius{};
   std::optional<double> max_speed{};
   std::optional<std::uint32_t> seed{};
-  std::string map{};  ///< the map's file, relative to the working folder; empty: the one that the file names
+  /// The map's file, relative to the working folder; empty: the file that the scenario names.
+  std::string map{};
   MapWarnings warnings = MapWarnings::logged;
 };
 
-/// Reads a scenario and its map, fills in defaults and checks everything that a run relies on. The robots of
-/// a `.scen` stand at the centres of their cells and are called r1, r2, ... Throws InputError, which names
-/// the file and the line or field, and what was expected.
+/// Reads a scenario and its map, fills in defaults, and checks all that a run relies on. Robots of a `.scen`
+/// file stand at the centres of their cells and are named r1, r2, ... Throws InputError, which names the
+/// file, the line or field, and what was expected.
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options);
 
-/// Writes a scenario as JSON; `map_name` is the map's path relative to the file.
+/// Writes a scenario as JSON. `map_name` is the map's path relative to the file. Throws InputError if the
+/// file cannot be written.
 void write_scenario(const std::filesystem::path& path, const Scenario& scenario);
 
 }  // namespace coppice

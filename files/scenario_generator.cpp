@@ -21,7 +21,8 @@ namespace {
 
 constexpr double radius = 5;
 constexpr double speed = 20;
-constexpr double spare = 1;  // metres from obstacles, beside the radius, where starts and goals are drawn
+// Metres from obstacles, in addition to the radius, where starts and goals are drawn.
+constexpr double spare = 1;
 
 OccupancyMap filled(int width, int height, bool blocked) {
   OccupancyMap map{.width = width, .height = height, .blocked = {}};
@@ -29,7 +30,7 @@ OccupancyMap filled(int width, int height, bool blocked) {
   return map;
 }
 
-/// Makes the cells from (i, j) on free or blocked, as many as said.
+/// Sets a rectangle of cells, with its first corner at (i, j), free or blocked.
 void set(OccupancyMap& map, int i, int j, int width, int height, bool blocked) {
   for (int y = j; y < j + height; ++y) {
     for (int x = i; x < i + width; ++x)
@@ -43,7 +44,7 @@ void add_robot(Scenario& scenario, const Point2& start, const Point2& goal, doub
       {fmt::format("r{}", scenario.robots.size() + 1), start, goal, r, v, 2 * v, scenario.map.resolution});
 }
 
-/// `count` places on a lattice in a rectangle, shuffled.
+/// The points of a lattice in a rectangle, shuffled.
 std::vector<Point2> places(const Point2& lower, const Point2& upper, double apart, Random& random) {
   std::vector<Point2> result;
   for (double y = lower.y(); y <= upper.y(); y += apart) {
@@ -53,7 +54,7 @@ std::vector<Point2> places(const Point2& lower, const Point2& upper, double apar
   return result;
 }
 
-/// On a circle, each to the opposite place.
+/// Robots on a circle; each goal is opposite its start.
 void circle_swap(Scenario& scenario, int robots, Random& random) {
   const double ring = std::max(100.0, robots * 13.0 / (2 * std::numbers::pi));
   const int side = 2 * static_cast<int>(ring) + 60;
@@ -67,7 +68,7 @@ void circle_swap(Scenario& scenario, int robots, Random& random) {
   }
 }
 
-/// Two robots head-on between the ends of a corridor, with one pocket at its side.
+/// Two robots that meet head-on in a corridor with one pocket at its side.
 void pocket(Scenario& scenario, int width, Random& random) {
   const int length = 220;
   scenario.map = filled(length + 20, width + 50, true);
@@ -79,7 +80,7 @@ void pocket(Scenario& scenario, int width, Random& random) {
   add_robot(scenario, {length + 4.0, y}, {16, y});
 }
 
-/// The same, with a long way round instead of the pocket.
+/// Two robots that meet head-on in a corridor of a closed loop: the way round is long.
 void loop(Scenario& scenario, int width, Random& random) {
   const int length = 220;
   const int height = 100 + static_cast<int>(random.index(60));
@@ -91,7 +92,7 @@ void loop(Scenario& scenario, int width, Random& random) {
   add_robot(scenario, {length - 20.0, y}, {40, y});
 }
 
-/// Two halls with a passage between them; half of the robots on each side, all to the other.
+/// Two halls that a passage connects. Half of the robots start in each hall; all goals are in the other hall.
 void halls(Scenario& scenario, int robots, int width, int length, Random& random) {
   const int hall = 120;
   scenario.map = filled(2 * hall + length, 160, false);
@@ -112,7 +113,7 @@ void halls(Scenario& scenario, int robots, int width, int length, Random& random
   }
 }
 
-/// Two corridors that cross; a quarter of the robots in each arm, all to the arm opposite.
+/// Two corridors that cross. A quarter of the robots starts in each arm; all goals are in the opposite arm.
 void crossing(Scenario& scenario, int robots, Random& random) {
   constexpr int side = 420;
   constexpr int width = 24;
@@ -127,7 +128,7 @@ void crossing(Scenario& scenario, int robots, Random& random) {
     shuffle(s, random);
     return s;
   };
-  // Two abreast, 12 m behind each other, from the arms' ends inwards.
+  // Two abreast, rows 12 m apart, from the ends of the arms inwards.
   const auto place = [&](double k) {
     return Point2(8 + 12 * std::floor(k / 2), k - 2 * std::floor(k / 2) < 1 ? -6 : 6);
   };
@@ -145,7 +146,7 @@ void crossing(Scenario& scenario, int robots, Random& random) {
   }
 }
 
-/// On a generated map, anywhere to anywhere.
+/// Random starts and goals on a generated map.
 void random_goals(Scenario& scenario, MapKind kind, int robots, Random& random) {
   scenario.map = generate_map(kind, 512, 512, random);
   for (const auto& [start, goal] :
@@ -153,7 +154,7 @@ void random_goals(Scenario& scenario, MapKind kind, int robots, Random& random) 
     add_robot(scenario, start, goal);
 }
 
-/// Aisles one robot wide between shelves, open at both ends; goals in the aisles.
+/// Aisles that are one robot wide between shelves, open at both ends. Starts and goals are in the aisles.
 void warehouse(Scenario& scenario, int robots, Random& random) {
   constexpr int aisle = 12;
   constexpr int shelf = 8;
@@ -183,7 +184,7 @@ void warehouse(Scenario& scenario, int robots, Random& random) {
     add_robot(scenario, starts[static_cast<std::size_t>(k)], goals[static_cast<std::size_t>(k)]);
 }
 
-/// Goals one behind the other in a dead end; who must go in deepest is the furthest away.
+/// Goals in a row in a dead end. The robot with the deepest goal starts furthest away.
 void dead_end(Scenario& scenario, int robots, Random& random) {
   const int depth = 14 * robots + 10;
   scenario.map = filled(140 + depth, 100, true);
@@ -196,12 +197,13 @@ void dead_end(Scenario& scenario, int robots, Random& random) {
 /// Robots of very different sizes and speeds among dense obstacles.
 void mixed(Scenario& scenario, int robots, Random& random) {
   scenario.map = generate_map(MapKind::dense, 512, 512, random);
-  // Room for the largest is room for all.
+  // Starts and goals are drawn for the largest radius, so they fit every robot.
   for (const auto& [start, goal] : random_tasks(ClearanceField(scenario.map), robots, 8, 0.1, random, spare))
     add_robot(scenario, start, goal, random.uniform(2, 8), random.uniform(5, 20));
 }
 
-constexpr int most_by_chance = most_robots;  // what there is room for turns out when they are drawn
+// Drawing the starts and goals shows whether there is room for so many.
+constexpr int most_by_chance = most_robots;
 
 using Maker = std::function<void(Scenario&, int, Random&)>;
 struct Entry {

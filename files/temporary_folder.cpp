@@ -15,7 +15,7 @@ namespace coppice {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& folder, int problem) {
-  throw InputError(fmt::format("{}: takes no temporary files: {} (TMPDIR names another folder)",
+  throw InputError(fmt::format("{}: cannot hold temporary files: {} (set TMPDIR to another folder)",
                                folder.string(), std::generic_category().message(problem)));
 }
 

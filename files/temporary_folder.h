@@ -1,17 +1,18 @@
-// A folder for a while, and where such things go.
+// A temporary folder that is removed after use, and where temporary files are made.
 #pragma once
 
 #include <filesystem>
 
 namespace coppice {
 
-/// What TMPDIR names, or /tmp. Throws InputError if that is no folder that may be written to.
+/// The folder that TMPDIR names, or else /tmp, as an absolute path. Throws InputError if it is not a folder
+/// or cannot be written to.
 std::filesystem::path place_for_temporary_files();
 
-/// Removed, with all that is in it, at the end.
+/// Makes a folder, and removes it with its content at the end.
 class TemporaryFolder {
  public:
-  /// Throws InputError if none can be made.
+  /// Throws InputError if the folder cannot be made.
   TemporaryFolder();
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -17,10 +17,10 @@ namespace coppice {
 
 namespace {
 
-// The largest map as a plain picture; and a name in a file may be that of a device without an end.
+// The largest map as a plain picture fits. The limit ends the reading of a device that never ends.
 constexpr std::size_t largest_file = std::size_t{2} << 30;
 constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";  // of UTF-8
-constexpr std::size_t longest_letter = 4;                     // bytes, in UTF-32
+constexpr std::size_t longest_letter = 4;                     // bytes of a character in UTF-32
 
 bool wrote(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write) {
   std::ofstream out(file, std::ios::binary);
@@ -51,11 +51,12 @@ std::string read_file(const std::filesystem::path& path) {
 std::string read_text(const std::filesystem::path& path) {
   std::string text = read_file(path);
   if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
-  // UTF-16 and UTF-32 write letters of this program's formats with zero bytes, with and without a mark.
+  // UTF-16 and UTF-32 encode the ASCII characters of our formats with zero bytes, with and without a
+  // byte-order mark.
   const bool is_wide =
       text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") || text.find('\0') < longest_letter;
   if (is_wide)
-    throw InputError(fmt::format("{}:1: is UTF-16, UTF-32 or no text, expected UTF-8", path.string()));
+    throw InputError(fmt::format("{}:1: is UTF-16, UTF-32 or not text, expected UTF-8", path.string()));
   return text;
 }
 

@@ -19,12 +19,12 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t points_a_block = 64;
-constexpr double stretch = 2;  // seconds: some 0.5 MB of 200 robots, with what is read around it
+constexpr double stretch = 2;  // seconds; a part of 200 robots takes about 0.5 MB, with the points around it
 
-/// A point as it is on disk.
+/// A point as it is stored on disk: time, x, y, velocity x, velocity y.
 using Row = std::array<double, 5>;
 
-/// Those at or after `from` and before `until`, the one before these, and the one after them.
+/// The points at or after `from` and before `until`, and the points just before and after them.
 std::vector<TrackPoint> around(const std::vector<TrackPoint>& points, double from, double until) {
   const auto is_before = [&](double time) {
     return std::ranges::partition_point(points, [&](const TrackPoint& p) { return p.time < time; });
@@ -113,7 +113,7 @@ void TrackRecord::put_on_disk(Block& block) {
   }
   block.at = end_;
   end_ += static_cast<std::int64_t>(bytes);
-  block.points = std::vector<TrackPoint>();  // and its memory, which `= {}` would keep
+  block.points = std::vector<TrackPoint>();  // frees the memory, which `= {}` would keep
 }
 
 std::optional<TrackPoint> TrackRecord::last(std::size_t robot) const {

@@ -1,5 +1,5 @@
-// What robots drove, point by point: kept in memory, or on disk, where a fleet of 200 writes 10 MB a minute;
-// and looked at part by part, so that nobody needs it whole.
+// The tracks of robots, point by point, in memory or on disk. A fleet of 200 robots records 10 MB a minute,
+// so tracks are read part by part.
 //
 // Fleet time in seconds; metres in the map frame.
 #pragma once
@@ -21,29 +21,30 @@ struct NamedTrack {
   Track track;
 };
 
-/// All robots, always in one order, from one time until before another. Tracks reach over both ends by a
-/// point each, where there is one, so that it is known what happens there.
+/// The tracks of all robots from one time until before another, always in the same order of robots. Each
+/// track includes the last point before and the first point after that time, if any, so that the motion at
+/// both ends is known.
 struct TrackPart {
   double from = 0;
   double until = 0;
   std::vector<NamedTrack> tracks;
 
-  /// Not of the parts before and after it.
+  /// Whether the point belongs to this part, and not to the part before or after it.
   bool holds(const TrackPoint& point) const { return point.time >= from && point.time < until; }
 };
 
-/// Calls its argument with each part of a run, one after the other.
+/// Calls its argument with each part of a run, in order of time.
 using TrackParts = std::function<void(const std::function<void(const TrackPart&)>&)>;
 
-/// A few megabytes each. `tracks` outlive it.
+/// Splits tracks into parts of a few megabytes. `tracks` must outlive the result.
 TrackParts in_parts(const std::vector<NamedTrack>& tracks);
 
 class TrackRecord {
  public:
-  /// In memory.
+  /// Keeps the tracks in memory.
   TrackRecord() = default;
-  /// In a file of this folder that has no name and vanishes with the process. Where there can be none, or the
-  /// disk fills up, this is logged, and what follows stays in memory.
+  /// Keeps the tracks in an unnamed file of this folder that vanishes with the process. If the file cannot be
+  /// made, or the disk fills up, the failure is logged and further points stay in memory.
   static TrackRecord on_disk(const std::filesystem::path& folder);
   ~TrackRecord();
   TrackRecord(TrackRecord&& other) noexcept;
@@ -51,21 +52,23 @@ class TrackRecord {
   TrackRecord(const TrackRecord&) = delete;
   TrackRecord& operator=(const TrackRecord&) = delete;
 
-  /// Times grow. Robots are numbered.
+  /// Appends a point. Times must grow. Robots are numbered from 0.
   void append(std::size_t robot, const TrackPoint& point);
   std::size_t size(std::size_t robot) const { return robot < robots_.size() ? robots_[robot].size : 0; }
   std::optional<TrackPoint> last(std::size_t robot) const;
 
-  /// A robot's points at or after `from` and before `until`, the one before these, and the one after them.
+  /// A robot's points at or after `from` and before `until`, and the points just before and after them.
+  /// Throws InputError if the disk cannot be read.
   std::vector<TrackPoint> around(std::size_t robot, double from, double until) const;
-  /// Calls fn(from, until) for stretches of time that cover all points, each small beside a process's memory.
+  /// Calls fn(from, until) for intervals of time that together cover all points. The points of an interval
+  /// are small compared with a process's memory.
   void for_each_stretch(const std::function<void(double, double)>& fn) const;
 
  private:
   struct Block {
     double begin = 0;
     std::size_t size = 0;
-    std::int64_t at = -1;  ///< in the file; below 0: not there
+    std::int64_t at = -1;  ///< offset in the file, bytes; below 0: in memory
     std::vector<TrackPoint> points;
   };
   struct Robot {
@@ -78,7 +81,7 @@ class TrackRecord {
   void read(const Block& block, std::vector<TrackPoint>& points) const;
 
   int descriptor_ = -1;
-  std::int64_t end_ = 0;  ///< of the file; below 0: the disk is full
+  std::int64_t end_ = 0;  ///< size of the file, bytes; below 0: the disk is full
   std::vector<Robot> robots_;
 };
 

@@ -14,7 +14,7 @@ namespace coppice {
 
 namespace {
 
-/// The rows of a part; their order is that of the file.
+/// The rows of a part, in the order of the file.
 std::string rows_of(const TrackPart& part) {
   struct Row {
     const TrackPoint* point;

@@ -1,4 +1,4 @@
-// The trajectory of a run as CSV: every control step of every robot, fleet time.
+// The trajectory of a run as CSV: all control steps of all robots in fleet time.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace coppice {
 
-/// Header `time,robot,x,y,vx,vy`; rows by time, then by robot. Seconds, metres, metres per second, to a
-/// millionth. Throws InputError if the file cannot be written.
+/// Header `time,robot,x,y,vx,vy`; rows sorted by time, then by robot. Seconds, metres, metres per second,
+/// with six decimals. Throws InputError if the file cannot be written.
 void write_trajectory(const std::filesystem::path& path, const TrackParts& parts);
 
 }  // namespace coppice

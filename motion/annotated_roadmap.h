@@ -1,8 +1,8 @@
-// Places where robots can stand, and how one gets from place to place past the others: what a crowd is
-// sorted out on (lacam.h).
+// The roadmap on which a joint planner moves the robots of a cluster (lacam.h): vertices where robots can
+// stand, and for each edge the vertices at which a standing robot would be touched.
 //
-// A graph for one crowd differs little from that of the whole map. So it stands on that: of places that do
-// not concern the crowd it has a position and a pointer.
+// The roadmap of a cluster differs little from that of the whole map. So it refers to the map's roadmap, and
+// stores edges of its own only for vertices that differ; of the others it holds a position and a pointer.
 //
 // Metres in the map frame.
 #pragma once
@@ -24,18 +24,18 @@ class AnnotatedRoadmap {
     Vertex to = 0;
     double length = 0;
     Path path{};
-    std::vector<Vertex>
-        near{};  ///< where somebody who stands is touched by a robot on the way; `to` among them; ascending
+    std::vector<Vertex> near{};  ///< vertices at which a standing robot is touched by a robot on this edge;
+                                 ///< includes `to`; ascending
   };
 
   AnnotatedRoadmap() = default;
   AnnotatedRoadmap(AnnotatedRoadmap&&) = default;
   AnnotatedRoadmap& operator=(AnnotatedRoadmap&&) = default;
-  AnnotatedRoadmap(const AnnotatedRoadmap&) = delete;  // it points to edges of its own
+  AnnotatedRoadmap(const AnnotatedRoadmap&) = delete;  // it points to its own edges
   AnnotatedRoadmap& operator=(const AnnotatedRoadmap&) = delete;
   ~AnnotatedRoadmap() = default;
 
-  /// The same as `ground`, which outlives it and stays as it is.
+  /// Makes a copy that shares the edges of `ground`. `ground` must outlive it and must not change.
   static AnnotatedRoadmap over(const AnnotatedRoadmap& ground) {
     AnnotatedRoadmap graph;
     graph.places_ = ground.places_;
@@ -43,7 +43,7 @@ class AnnotatedRoadmap {
     return graph;
   }
 
-  /// Places are numbered 0, 1, 2, ... as they are added.
+  /// Adds a vertex. Vertices are numbered 0, 1, 2, ... in the order of their addition.
   Vertex add(const Point2& p) {
     const auto place = static_cast<Vertex>(places_.size());
     places_.push_back(p);
@@ -55,7 +55,7 @@ class AnnotatedRoadmap {
   const Point2& at(Vertex place) const { return places_[place]; }
   const std::vector<Edge>& edges(Vertex from) const { return *edges_[from]; }
 
-  /// To be changed.
+  /// The edges of a vertex, for changing them. They are copied if they were shared.
   std::vector<Edge>& own_edges(Vertex from) {
     const auto [own, fresh] = own_.try_emplace(from);
     if (fresh) own->second = *edges_[from];
@@ -63,7 +63,7 @@ class AnnotatedRoadmap {
     return own->second;
   }
 
-  /// It is kept for long, or beside much else: takes no more room than it needs.
+  /// Frees spare memory of a roadmap that is kept for long.
   void shrink_to_fit() {
     for (auto& [place, edges] : own_) {
       edges.shrink_to_fit();
@@ -75,8 +75,9 @@ class AnnotatedRoadmap {
 
  private:
   std::vector<Point2> places_;
-  std::vector<const std::vector<Edge>*> edges_;        ///< by the place that they lead from
-  std::unordered_map<Vertex, std::vector<Edge>> own_;  ///< likewise: those that are not the ground's
+  std::vector<const std::vector<Edge>*> edges_;  ///< by the vertex that they lead from
+  /// By the vertex that they lead from: edges that are not shared.
+  std::unordered_map<Vertex, std::vector<Edge>> own_;
 };
 
 }  // namespace coppice

@@ -11,8 +11,7 @@ namespace {
 
 constexpr float unknown = std::numeric_limits<float>::infinity();
 
-/// Bits of x and y by turns (Morton's order): along it one stays in a quarter of the map as long as there is
-/// anything left in it.
+/// Interleaves the bits of x and y (Morton order): consecutive numbers lie near each other on the map.
 std::uint32_t interleaved(std::uint32_t x, std::uint32_t y) {
   std::uint32_t bits = 0;
   for (std::uint32_t k = 0; k < 16; ++k) bits |= (x >> k & 1) << 2 * k | (y >> k & 1) << (2 * k + 1);

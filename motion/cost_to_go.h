@@ -1,9 +1,9 @@
-// How far it is from any place to a goal, found out as far as it is asked for: reverse resumable A* (Silver,
+// The length of the shortest way from a vertex to a goal, computed on demand: reverse resumable A* (Silver,
 // "Cooperative Pathfinding", 2005).
 //
-// A robot of a crowd asks for the places around it and for those along its way, and its goal may be at the
-// other end of the map: looking at all places for each robot would cost most of a joint plan, and most of its
-// memory to remember that it has not.
+// A robot of a cluster asks for the vertices around it and along its way, while its goal may be at the other
+// end of the map. Visiting all vertices for each robot would cost most of the time and memory of a joint
+// plan.
 //
 // Metres.
 #pragma once
@@ -18,28 +18,29 @@
 
 namespace coppice {
 
-/// By the place, its number among all: close to those of the places around it. `graph` is not empty.
+/// Numbers the vertices so that vertices that are near each other have close numbers. The result is indexed
+/// by vertex. `graph` must not be empty.
 std::vector<Vertex> numbers_by_neighbourhood(const AnnotatedRoadmap& graph);
 
 class CostToGo {
  public:
-  /// `graph`, and the `numbers` of its places (numbers_by_neighbourhood), outlive it. The search goes from
-  /// `goal` towards `start`, where the first questions are.
+  /// `graph` and `numbers` (numbers_by_neighbourhood) must outlive it. The search goes from `goal` towards
+  /// `start`, where the first queries are.
   CostToGo(const AnnotatedRoadmap& graph, std::span<const Vertex> numbers, Vertex goal, Vertex start);
 
-  /// The length of the shortest way; infinite where there is none.
+  /// The length of the shortest way from `place` to the goal; infinite if there is none.
   float from(Vertex place);
 
  private:
   struct Entry {
-    double through;  ///< at least the length of a way from `start` to the goal over this place
+    double through;  ///< lower bound of the length of a way from `start` to the goal through this vertex
     float cost;
     Vertex place;
   };
-  /// What is known of places of one neighbourhood.
+  /// Costs of vertices with neighbouring numbers.
   struct Known {
     static constexpr Vertex places = 16;
-    std::array<float, places> cost;  ///< the least so far
+    std::array<float, places> cost;  ///< the least cost so far
     std::bitset<places> settled{};
   };
   void reach(Vertex place, float cost);
@@ -51,7 +52,7 @@ class CostToGo {
   const AnnotatedRoadmap* graph_;
   std::span<const Vertex> numbers_;
   Point2 towards_;
-  std::vector<std::unique_ptr<Known>> known_;  ///< null: nothing
+  std::vector<std::unique_ptr<Known>> known_;  ///< null: no vertex of the block has been reached
   std::vector<Entry> open_;                    ///< a heap
 };
 

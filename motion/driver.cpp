@@ -13,10 +13,12 @@ namespace coppice {
 namespace {
 
 constexpr double obstacle_horizon =
-    0.25;                       // seconds; the promise keeps clear of obstacles until standstill anyway
-constexpr int directions = 16;  // of the velocities tried around the current one
-constexpr std::array shares{1.0, 0.6, 0.3};  // of the largest change of velocity in a period
-constexpr std::array speeds{1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03};  // of the wanted one, tried in turn
+    0.25;                       // seconds; the promise keeps clear of obstacles until standstill in any case
+constexpr int directions = 16;  // directions of the velocities that are tried around the current one
+// Shares of the largest change of velocity in a period that are tried.
+constexpr std::array shares{1.0, 0.6, 0.3};
+// Shares of the wanted speed, tried in order.
+constexpr std::array speeds{1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03};
 
 }  // namespace
 
@@ -51,8 +53,8 @@ Commitment Driver::commitment() const {
           .expiry = std::max(time_ + 2 * period_, stays_until_)};
 }
 
-/// `suspect`: of the neighbours; who is in the way of one velocity is in the way of most, and is looked at
-/// first.
+/// `suspect`: index of the neighbour that was in the way of the last velocity. It probably blocks the next
+/// one too, so it is checked first.
 bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
                   std::size_t& suspect) const {
   if (!clear_of_obstacles(turn_position(), velocity, radius_, limits_, period_, field)) return false;
@@ -82,7 +84,7 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
     const MovingDisc other{position, moves ? c.next_velocity : Point2::Zero(), n.radius};
     const double reach = radius_ + n.radius + horizon * (limits_.max_speed + n.limits.max_speed);
     if ((other.position - self.position).norm() > reach) continue;
-    // One that does not move out of the way leaves the whole of the change to this robot.
+    // A robot that stands leaves the whole change of velocity to this robot.
     robots.push_back(orca_half_plane(self, other, horizon, period_, moves ? 0.5 : 1.0));
   }
   return safe_velocity(preferred, limits_.max_speed, obstacles, robots);
@@ -108,7 +110,7 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   std::ranges::sort(candidates, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
   const auto first =
       std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field, suspect); });
-  // Braking in a straight line was shown to be clear when the current velocity was chosen.
+  // The choice of the current velocity has shown that braking in a straight line is clear.
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
 }
 

@@ -1,9 +1,9 @@
-// A robot's body and the control step that drives it: reciprocal velocity obstacles propose, promises
-// dispose.
+// A robot's body and its control step: reciprocal velocity obstacles propose a velocity, and promises decide
+// whether it is safe.
 //
-// Time runs in periods. During each the velocity is constant; it was chosen one period before, so that
-// everybody could hear of it (promise.h). If nothing is chosen in time the body brakes in a straight line,
-// which the choice before has shown to be free.
+// Time runs in control periods. The velocity is constant during a period. It was chosen one period earlier,
+// so that all peers could receive it (promise.h). If no velocity is chosen in time, the body brakes in a
+// straight line, which the previous choice has shown to be free.
 //
 // Metres in the map frame, seconds of fleet time, metres per second.
 #pragma once
@@ -19,34 +19,35 @@ namespace coppice {
 
 class Driver {
  public:
-  /// Seconds that a choice keeps clear of the other robots, where it can.
+  /// Seconds for which a choice keeps clear of the other robots, where it can.
   static constexpr double horizon = 2;
 
-  /// Stands at `start`, at `time`.
+  /// The robot stands at `start` at fleet time `time`.
   Driver(const Point2& start, double time, double radius, const Limits& limits, double period)
       : position_(start), time_(time), radius_(radius), limits_(limits), period_(period) {}
 
-  /// Goes on as another one had committed itself.
+  /// Continues the motion to which another driver had committed itself.
   Driver(const Commitment& commitment, double radius, const Limits& limits, double period);
 
-  /// One period passes: what was chosen is executed, and braking is what comes next unless something is
-  /// chosen.
+  /// Passes one period: executes the velocity that was chosen. The next velocity is that of braking, unless
+  /// another one is chosen.
   void advance();
 
-  /// Chooses the velocity of the period after the current one: the safe one that is nearest to what
-  /// reciprocal velocity obstacles make of `preferred`.
+  /// Chooses the velocity of the period after the current one: the safe velocity nearest to the one that
+  /// reciprocal velocity obstacles propose for `preferred`.
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
-  /// The same along a way that a joint plan has cleared: towards `wanted`, as fast as is safe, with no
-  /// avoidance of its own. False if what stands is in the way at any speed.
+  /// Chooses the velocity along a way that a joint plan has cleared: towards `wanted`, as fast as is safe,
+  /// without reciprocal avoidance. Returns false if an obstacle or a standing robot blocks the way at any
+  /// speed.
   bool follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
-  /// If it stands: binds it to stand until the time `until` at least.
+  /// If the robot stands, binds it to stand at least until the time `until`.
   void stay(double until);
-  /// The next choice is for a period in which it is bound to stand.
+  /// Whether the robot is bound to stand for more than `periods` periods from now on.
   bool bound_to_stand(int periods = 1) const { return time_ + periods * period_ + rounding < stays_until_; }
 
-  /// What the others may count on.
+  /// The motion that the other robots may rely on.
   Commitment commitment() const;
 
   double time() const { return time_; }
@@ -58,7 +59,7 @@ class Driver {
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
-  static constexpr double rounding = 1e-6;  ///< of times, seconds
+  static constexpr double rounding = 1e-6;  ///< tolerance of times, seconds
 
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;

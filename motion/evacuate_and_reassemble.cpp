@@ -9,10 +9,10 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t most_effort = 20'000'000;  // lattice vertices looked at or marked: about a second
+constexpr std::size_t most_effort = 20'000'000;  // lattice vertices examined or marked: about 1 s
 constexpr int most_attempts = 6;
-constexpr int first_with_everybody = 1;  // also those who are at their goals are sent away
-constexpr int first_shuffled = 2;        // in other orders
+constexpr int first_with_everybody = 1;  // first attempt that also evacuates robots that stand at their goals
+constexpr int first_shuffled = 2;        // first attempt with the robots in a random order
 
 }  // namespace
 
@@ -30,7 +30,7 @@ EvacuateAndReassemble::EvacuateAndReassemble(const ClearanceField& field, std::v
   if (!done_) begin_attempt();
 }
 
-/// A goal is so close to another, or to one that stays, that no two can stand there.
+/// Whether a goal is so near to another goal, or to a robot that stays, that two robots cannot stand there.
 bool EvacuateAndReassemble::somebody_has_no_room() const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (!wants_to_move(tasks_[i])) continue;
@@ -88,7 +88,7 @@ bool EvacuateAndReassemble::step() {
   return done_;
 }
 
-/// One of those that are left. False if it has no way now.
+/// Moves one of the remaining robots. False if it has no way now.
 bool EvacuateAndReassemble::go_on() {
   next_ %= pending_.size();
   const std::size_t robot = pending_[next_];
@@ -104,7 +104,7 @@ bool EvacuateAndReassemble::go_on() {
   return true;
 }
 
-/// Robots that stand on each other's second places to park: one of them stands aside.
+/// Robots stand at each other's second parking positions: moves one of them aside.
 bool EvacuateAndReassemble::make_room() {
   if (stage_ != Stage::between || ++detours_ > tasks_.size()) return false;
   for (const std::size_t robot : pending_) {

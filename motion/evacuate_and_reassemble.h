@@ -1,13 +1,14 @@
-// A joint plan (joint_plan.h) by way of places at which nobody is in anybody's way (parking.h).
+// A joint plan (joint_plan.h) that evacuates a cluster to parking positions, where no robot is in another's
+// way (parking.h), and reassembles it at the goals.
 //
-// The crowd is taken apart: one robot after the other, whoever has a way, drives to a place to park. In
-// thought the same is done from where all are to stand in the end. The plan is the first, what brings all
-// from their first places to park to the second ones, and the reverse of the second: a way may be driven back
-// while the others stand. So a branch that was filled in the wrong order is emptied, and filled anew from its
-// end.
+// One robot after the other that has a way drives to a parking position. The planner does the same in thought
+// from the final positions. The plan consists of the first evacuation, the moves from the first parking
+// positions to the second ones, and the reverse of the second evacuation: a way may be driven back while the
+// others stand. So a dead end that was filled in the wrong order is emptied and filled again, the deepest
+// position first.
 //
-// There is no such plan where robots shut each other in, at the beginning or the end, or have no place to
-// park.
+// There is no such plan where robots shut each other in, at the beginning or at the end, or have no position
+// to park.
 #pragma once
 
 #include <cstddef>
@@ -23,13 +24,13 @@ namespace coppice {
 
 class EvacuateAndReassemble {
  public:
-  /// `field` outlives it. A robot that could not even reach its goal alone is stranded, and may stand
-  /// anywhere.
+  /// `field` must outlive it. A robot that could not reach its goal even if it were alone is stranded, and
+  /// may stand anywhere.
   EvacuateAndReassemble(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
-  /// A bounded amount of work: about one robot's way. True once it has ended.
+  /// Does a bounded amount of work, about one robot's way. Returns true once the search has ended.
   bool step();
-  /// None: there is no such plan, or it takes too long to find it.
+  /// None if there is no such plan, or if the search takes too long.
   std::optional<JointPlan> take_plan() { return std::exchange(plan_, std::nullopt); }
 
  private:
@@ -47,16 +48,16 @@ class EvacuateAndReassemble {
   Lattices lattices_;
   std::vector<std::size_t> stranded_;
   Random random_;
-  int attempts_ = 0;  ///< that have ended
+  int attempts_ = 0;  ///< attempts that have ended
   Stage stage_ = Stage::from_the_beginning;
   std::optional<Parking> parking_;
   std::vector<std::size_t> pending_;
-  std::size_t next_ = 0;       ///< of those
-  std::size_t in_vain_ = 0;    ///< of those, one after the other
-  std::size_t detours_ = 0;    ///< between the places to park
-  std::vector<Point2> first_;  ///< places to park, from the beginning
+  std::size_t next_ = 0;       ///< index in `pending_`
+  std::size_t in_vain_ = 0;    ///< consecutive robots of `pending_` without a way
+  std::size_t detours_ = 0;    ///< moves aside between the parking positions
+  std::vector<Point2> first_;  ///< parking positions, by robot, of the first evacuation
   std::vector<Move> moves_;
-  std::vector<Move> back_;  ///< from the end, reversed
+  std::vector<Move> back_;  ///< moves of the evacuation from the end, to be reversed
   bool done_ = false;
   std::optional<JointPlan> plan_;
 };

@@ -1,8 +1,8 @@
 // A joint plan (joint_plan.h) for few robots of one size in narrow passages: weighted A* over their joint
-// configurations (joint_a_star.h), on one packing of places after the other.
+// configurations (joint_a_star.h), on several packed roadmaps in turn.
 //
-// Which places robots can take side by side depends on where packing begins: in a dead end that holds three
-// robots, three fit only if the first one is packed at its end. So packing begins at each of some anchors in
+// Which vertices robots can take side by side depends on where packing begins: in a dead end that holds three
+// robots, three fit only if the first vertex lies at its end. So packing begins at each of several anchors in
 // turn.
 //
 // Metres in the map frame.
@@ -22,17 +22,17 @@ namespace coppice {
 
 class FewRobots {
  public:
-  /// More have too many configurations.
+  /// Largest number of robots. More robots have too many configurations.
   static constexpr std::size_t most = 4;
 
-  /// `field` outlives it. The robots are planned for as discs of `radius`, on a lattice of `spacing`; the
-  /// obstacles stay where they are. Goals can be reached.
+  /// `field` must outlive it. All robots are planned for as discs of `radius` (metres), on a lattice of
+  /// `spacing` (metres). The obstacles do not move. Each goal must be reachable for its robot alone.
   FewRobots(const ClearanceField& field, double radius, double spacing, std::vector<JointTask> robots,
             std::vector<Disc> obstacles, std::vector<Point2> anchors);
 
-  /// A bounded amount of work. True once it has ended.
+  /// Does a bounded amount of work. Returns true once the search has ended.
   bool step();
-  /// The moves, by number of the robot; none if nothing was found. Once it has ended.
+  /// The moves, by index of the robot; none if no plan was found. Valid once the search has ended.
   const std::optional<std::vector<Move>>& moves() const { return moves_; }
 
  private:
@@ -43,7 +43,7 @@ class FewRobots {
   double spacing_;
   std::vector<JointTask> robots_;
   std::vector<Disc> obstacles_;
-  std::vector<Point2> anchors_;  ///< that are left, the next one last
+  std::vector<Point2> anchors_;  ///< the anchors still to be tried, the next one last
   std::optional<PackedRoadmap> packed_;
   AnnotatedRoadmap graph_;
   std::optional<JointAStar> search_;

@@ -1,4 +1,4 @@
-// Whether a disc may move straight on from where it is.
+// Whether a disc may move straight on from its position.
 #pragma once
 
 #include "planning/clearance_field.h"
@@ -6,12 +6,12 @@
 
 namespace coppice {
 
-/// Rounding that drives a disc into an obstacle, metres: more than a run's worth of it.
+/// Metres by which rounding may drive a disc into an obstacle in a whole run, with a margin.
 inline constexpr double driving_rounding = 1e-7;
 
-/// Whether a disc of `radius` (metres) that stands at `from` may move straight to `to` and overlap nothing.
-/// Where rounding has brought it into an obstacle by less than driving_rounding, it may move as long as it
-/// comes no nearer: or it could never leave.
+/// Whether a disc of `radius` (metres) at `from` may move straight to `to` without overlapping an obstacle. A
+/// disc that rounding has brought into an obstacle by less than `driving_rounding` may move as long as it
+/// comes no nearer; otherwise it could never leave.
 inline bool way_free(const ClearanceField& field, const Point2& from, const Point2& to, double radius) {
   if (field.segment_free(from, to, radius)) return true;
   constexpr double no_nearer = 1e-12;

@@ -9,7 +9,8 @@ namespace coppice {
 
 namespace {
 
-constexpr float weight = 2;  // of the heuristic: plans are at most so much longer than the shortest
+// Weight of the heuristic: plans are at most this many times as long as the shortest.
+constexpr float weight = 2;
 constexpr std::size_t most_remembered = 200'000;  // configurations, of about 80 bytes each
 constexpr std::size_t key_bits = 64;
 
@@ -47,7 +48,7 @@ bool JointAStar::is_goal(Key at) const {
   return true;
 }
 
-/// Whether a robot that takes the edge touches none of the others.
+/// Whether a robot that drives along the edge touches none of the others.
 bool JointAStar::is_clear(Key at, std::size_t robot, const AnnotatedRoadmap::Edge& edge) const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && std::ranges::binary_search(edge.near, place(at, i))) return false;
@@ -71,7 +72,7 @@ void JointAStar::reach(Key at, const Node& node) {
   std::ranges::push_heap(open_, std::greater{}, &Entry::estimate);
 }
 
-/// Returns how many moves it has looked at.
+/// Returns the number of moves that were examined.
 std::size_t JointAStar::expand(Key at) {
   const float cost = nodes_.at(at).cost;
   std::size_t moves = 0;
@@ -94,7 +95,8 @@ JointAStar::Outcome JointAStar::search(std::size_t moves) {
     const Entry next = open_.front();
     std::ranges::pop_heap(open_, std::greater{}, &Entry::estimate);
     open_.pop_back();
-    if (next.cost > nodes_.at(next.at).cost) continue;  // a shorter way was found since
+    // The configuration was reached by a shorter way after this entry was made.
+    if (next.cost > nodes_.at(next.at).cost) continue;
     if (is_goal(next.at)) {
       end_ = next.at;
     } else {

@@ -1,10 +1,10 @@
 // Weighted A* (Hart, Nilsson, Raphael, 1968; Pohl, 1970) over the joint configurations of a few robots: each
-// step moves one robot along one edge, all others standing. It finds a solution on the graph if there is one,
-// and proves that there is none if it may remember all configurations. For few robots in narrow passages,
-// where LaCAM (lacam.h) goes astray, all configurations are few.
+// step moves one robot along one edge while all others stand. If the graph has a solution, the search finds
+// it. If it has none, the search proves it, provided that it may store all configurations. It serves few
+// robots in narrow passages, where LaCAM (lacam.h) goes astray and the configurations are few.
 //
-// Costs are metres, summed over the robots. The heuristic is the sum of the ways that the robots have left
-// when they are alone.
+// Costs are metres, summed over the robots. The heuristic is the sum of the ways that the robots would still
+// have to drive if each were alone.
 #pragma once
 
 #include <cstddef>
@@ -21,26 +21,27 @@ namespace coppice {
 
 class JointAStar {
  public:
-  /// Whether a configuration of so many robots on so many places fits into a key.
+  /// Whether a configuration of so many robots on so many vertices fits into a key.
   static bool fits(std::size_t places, std::size_t robots);
 
-  /// `graph` outlives it; it fits. Every goal can be reached from its start when its robot is alone.
+  /// `graph` must outlive it, and fits() must hold. Each goal must be reachable from its start if its robot
+  /// is alone.
   JointAStar(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks);
 
-  /// `too_large`: it may remember no more configurations.
+  /// `too_large`: the limit of stored configurations is reached.
   enum class Outcome { searching, solved, no_solution, too_large };
-  /// Looks at about so many moves more.
+  /// Examines about `moves` further moves.
   Outcome search(std::size_t moves);
 
-  /// One robot after the other, all others standing. Only once solved.
+  /// The moves of the solution, one robot after the other while all others stand. Valid only once solved.
   std::vector<VertexMove> moves() const;
 
  private:
-  using Key = std::uint64_t;  ///< the places of the robots, `bits_` each, the first robot lowest
+  using Key = std::uint64_t;  ///< the robots' vertices, `bits_` each, the first robot in the lowest bits
   struct Node {
     float cost;
-    std::uint16_t robot = 0;  ///< that moved here from the parent
-    std::uint16_t edge = 0;   ///< that it took
+    std::uint16_t robot = 0;  ///< the robot that moved here from the parent
+    std::uint16_t edge = 0;   ///< the edge that it took
     Key parent = 0;
   };
   struct Entry {
@@ -63,7 +64,7 @@ class JointAStar {
   std::vector<VertexTask> tasks_;
   std::size_t bits_;
   std::vector<Vertex> numbers_;
-  std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
+  std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot; none if it has no goal
   std::unordered_map<Key, Node> nodes_;
   std::vector<Entry> open_;  ///< a heap
   Key start_ = 0;

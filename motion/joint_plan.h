@@ -1,7 +1,8 @@
-// A plan for a fleet that stands in its own way: moves, robots one after the other, all others standing.
+// A plan for robots that are in each other's way: moves that are made one after the other, while all other
+// robots stand.
 //
-// A plan of that form is safe whatever the pace: robots may move at the same time as long as they keep the
-// plan's order wherever their ways come near each other (precedence.h).
+// Such a plan is safe at any pace. Robots may move at the same time as long as they keep the plan's order
+// wherever their ways come near each other (precedence.h).
 //
 // Metres in the map frame.
 #pragma once
@@ -16,12 +17,12 @@ namespace coppice {
 
 struct JointTask {
   Point2 position = Point2::Zero();
-  std::optional<Point2> goal;  ///< none: anywhere
+  std::optional<Point2> goal;  ///< none: any position will do
   double radius = 0;
-  bool movable = true;  ///< false: failed; it stays where it is, and has no goal
+  bool movable = true;  ///< false: a failed robot; it stays where it is and has no goal
 };
 
-/// Where it is to stand in the end; none: anywhere.
+/// Where the robot is to stand in the end; none: any position will do.
 inline std::optional<Point2> end_of(const JointTask& task) {
   return task.movable ? task.goal : task.position;
 }
@@ -30,14 +31,14 @@ inline bool wants_to_move(const JointTask& task) {
 }
 
 struct Move {
-  std::size_t robot = 0;  ///< index among those that the plan is for
+  std::size_t robot = 0;  ///< index among the robots of the plan
   Path path;
   bool operator==(const Move&) const = default;
 };
 
 struct JointPlan {
   std::vector<Move> moves;
-  std::vector<std::size_t> stranded;  ///< robots that these moves do not bring to their goals
+  std::vector<std::size_t> stranded;  ///< robots that the moves do not bring to their goals
 };
 
 }  // namespace coppice

@@ -16,15 +16,16 @@ namespace {
 
 constexpr std::size_t configurations_a_step = 1000;
 constexpr std::size_t most_anchors = 8;
-constexpr std::size_t vertices_of_anchors = 1'000'000;  // of all their lattices: a second or so
-constexpr std::size_t first_try = 5'000;  // configurations; hardly a search that finds anything needs more
+constexpr std::size_t vertices_of_anchors = 1'000'000;  // over the lattices of all anchors; takes about 1 s
+constexpr std::size_t first_try = 5'000;  // configurations; successful searches hardly ever need more
 constexpr std::size_t most_configurations = 100'000;
-// Robots that want to go somewhere: with more, the search for refuges takes long, and hardly finds what LaCAM
-// has not.
+// Largest number of robots with a way to drive for which push and rotate is tried after a partial plan: with
+// more robots it takes long, and hardly ever finds what LaCAM has not found.
 constexpr std::ptrdiff_t intricate = 12;
-constexpr double place_spacing = 0.2;  // radii between points of the lattice that places lie on, or less
-constexpr double clinch = 2.2;         // radii between centres, and less
-constexpr double step_aside = 0.5;     // likewise
+// Spacing of the lattice on which roadmap vertices lie, in radii, at most.
+constexpr double place_spacing = 0.2;
+constexpr double clinch = 2.2;      // radii between the centres of robots in a clinch, at most
+constexpr double step_aside = 0.5;  // radii from a robot in a clinch to the vertices that are added for it
 constexpr int directions = 8;
 
 double largest_radius(std::span<const JointTask> tasks) {
@@ -46,8 +47,8 @@ JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Ra
   if (has_room_for_the_largest()) set_up_crowd({});
 }
 
-/// Whether all robots, were they as large as the largest, would have room where they are and where they are
-/// to be: a plan for such robots is one for them.
+/// Whether all robots would have room at their positions and goals if all were as large as the largest. Then
+/// a plan for such robots is also valid for the real ones.
 bool JointPlanner::has_room_for_the_largest() const {
   const double touching = 2 * radius_ + standing_gap;
   std::vector<JointTask> movable;
@@ -66,8 +67,8 @@ bool JointPlanner::has_room_for_the_largest() const {
   });
 }
 
-/// Places for everybody, and what each wants: to its goal, or to give way if it could not even get there
-/// alone.
+/// Makes a roadmap for the cluster and the robots' tasks on it. A robot that could not reach its goal even if
+/// it were alone gives way.
 void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
   crowd_.reset();
   shut_in_.clear();
@@ -102,7 +103,7 @@ void JointPlanner::set_up_crowd(std::span<const Point2> elbow_room) {
   }
 }
 
-/// There is a way, but not over these places.
+/// Repeats the set-up on a finer roadmap: a way exists, but not on the present one.
 void JointPlanner::use_finer_places(double spacing, std::span<const Point2> elbow_room) {
   crowd_.reset();
   if (spacing >= spacing_) return;
@@ -114,10 +115,10 @@ bool JointPlanner::in_a_clinch(const JointTask& task) const {
   const auto near = std::ranges::count_if(tasks_, [&](const JointTask& other) {
     return (other.position - task.position).norm() < clinch / 2 * (task.radius + other.radius);
   });
-  return near > 1;  // itself
+  return near > 1;  // greater than 1 because the robot itself is counted
 }
 
-/// Places a step away from where those began that did not get to their goals, if they could hardly move.
+/// Vertices half a radius away from the starts of robots in a clinch that did not reach their goals.
 std::vector<Point2> JointPlanner::elbow_room() const {
   std::vector<Point2> result;
   for (const std::uint32_t k : crowd_->under_way()) {
@@ -133,7 +134,7 @@ std::vector<Point2> JointPlanner::elbow_room() const {
   return result;
 }
 
-/// Where those began that did not get to their goals.
+/// The starts of the robots that did not reach their goals.
 std::vector<Point2> JointPlanner::under_way() const {
   std::vector<Point2> centres;
   for (const std::uint32_t k : crowd_->under_way()) centres.push_back(tasks_[movable_[k]].position);
@@ -174,7 +175,7 @@ bool JointPlanner::step() {
   return true;
 }
 
-/// Such a plan strands nobody without need.
+/// Tries to evacuate and reassemble the cluster. Such a plan strands no robot without need.
 bool JointPlanner::evacuate() {
   if (!evacuation_) evacuation_ = std::make_unique<EvacuateAndReassemble>(places_.field(), tasks_, random_);
   if (!evacuation_->step()) return false;
@@ -222,7 +223,7 @@ std::vector<Move> JointPlanner::moves_of(std::span<const VertexMove> moves) cons
   return result;
 }
 
-/// Of a crowd that was not sorted out, the moves to where the fewest are under way.
+/// The moves of the unsolved search to the configuration with the fewest robots away from their goals.
 JointPlan JointPlanner::best_of_crowd() const {
   JointPlan plan{.moves = moves_of(crowd_->moves()), .stranded = shut_in_};
   for (const std::uint32_t k : crowd_->left_over()) plan.stranded.push_back(movable_[k]);
@@ -230,7 +231,7 @@ JointPlan JointPlanner::best_of_crowd() const {
 }
 
 bool JointPlanner::take_up(JointPlan plan) {
-  crowd_.reset();  // of hundreds of robots it remembers megabytes, and straightening takes some of its own
+  crowd_.reset();  // frees megabytes for hundreds of robots, because straightening needs memory too
   graph_ = {};
   plan.moves = straightened(places_.field(), tasks_, std::exchange(plan.moves, {}));
   plan_ = std::move(plan);

@@ -1,20 +1,21 @@
-// Looks for a joint plan (joint_plan.h), by one method after the other:
+// Looks for a joint plan (joint_plan.h) by several methods in turn:
 //
-// LaCAM on packed places (lacam.h, places.h) sorts out crowds at once.
+// LaCAM on a packed roadmap (lacam.h, packed_roadmap.h). It solves most clusters at once.
 //
-// For four robots or fewer: weighted A* on packings that follow the passages (few_robots.h).
+// For four robots or fewer: weighted A* on packed roadmaps that follow the passages (few_robots.h).
 //
-// LaCAM on more places. Robots may stand in a clinch: side by side, so that neither can take a way to another
-// place without touching the other. So there are places a step away from robots that did not get away, and
-// places one behind the other from the ends of passages.
+// LaCAM on more vertices. Two robots may stand in a clinch: so close side by side that neither can drive to
+// another vertex without touching the other. So vertices are added beside robots that did not get away, and
+// in a row from the ends of passages.
 //
-// The crowd is taken apart and put together again (evacuation.h).
+// Evacuate and reassemble (evacuate_and_reassemble.h).
 //
-// The slower search for refuges (push_and_rotate.h). Where many want to go somewhere, what brought the most
-// robots to their goals is taken instead, and the others call again from where they stand then.
+// Push and rotate (push_and_rotate.h), which is slower. If many robots have a way to drive, the plan that
+// brought the most robots to their goals is taken instead. The other robots ask again from where they stand
+// then.
 //
-// Robots of several sizes are planned for as if all were the largest. Where they have no room for that, the
-// search for refuges comes first, and what it does not sort out is taken apart.
+// Robots of several sizes are planned for as if all were as large as the largest. If they have no room for
+// that, push and rotate comes first, and evacuate and reassemble if it strands robots.
 //
 // Metres in the map frame.
 #pragma once
@@ -38,15 +39,15 @@ namespace coppice {
 
 class JointPlanner {
  public:
-  /// `places`, and their field, outlive it. A robot that could not even reach its goal alone is stranded from
-  /// the start.
+  /// `places` and its field must outlive it. A robot that could not reach its goal even if it were alone is
+  /// stranded from the start.
   JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
 
-  /// A bounded amount of work. True once the plan is there.
+  /// Does a bounded amount of work. Returns true once the plan is complete.
   bool step();
-  /// One that strands nobody without need, or else one that strands few.
+  /// The plan. It strands no robot without need, or else few robots. Valid once step() has returned true.
   const JointPlan& plan() const { return plan_; }
-  /// It is of no more use then.
+  /// Moves the plan out. The planner must not be used afterwards.
   JointPlan take_plan() { return std::move(plan_); }
 
  private:
@@ -67,19 +68,19 @@ class JointPlanner {
 
   MapRoadmaps& places_;
   std::vector<JointTask> tasks_;
-  double radius_;   ///< of the largest robot
-  double spacing_;  ///< of the lattice that places lie on
+  double radius_;   ///< metres, of the largest robot
+  double spacing_;  ///< metres, of the lattice on which the vertices lie
   Random random_;
   AnnotatedRoadmap graph_{};
-  std::vector<std::size_t> movable_;  ///< the robots of `crowd_`
+  std::vector<std::size_t> movable_;  ///< indices of the robots of `crowd_`
   std::optional<Lacam> crowd_;
   std::unique_ptr<FewRobots> few_;
   std::size_t configurations_ = 0;
   bool second_try_ = false;
   std::unique_ptr<EvacuateAndReassemble> evacuation_;
-  bool evacuated_ = false;  ///< or that was tried in vain
+  bool evacuated_ = false;  ///< or evacuation was tried in vain
   std::unique_ptr<PushAndRotate> refuges_;
-  std::optional<JointPlan> partial_;  ///< the best of the crowds that were not sorted out
+  std::optional<JointPlan> partial_;  ///< the best plan of the searches that did not solve the cluster
   std::vector<std::size_t> shut_in_;
   JointPlan plan_;
 };

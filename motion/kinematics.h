@@ -1,5 +1,5 @@
-// How a robot's disc moves: velocity constant within each control period, changed by at most max_acceleration
-// times the period from one to the next.
+// The motion of a robot's disc: its velocity is constant within each control period, and changes by at most
+// max_acceleration times the period from one period to the next.
 //
 // Metres in the map frame, seconds, metres per second, metres per second squared.
 #pragma once
@@ -23,22 +23,22 @@ inline Point2 braked(const Point2& velocity, const Limits& limits, double period
   return speed <= drop ? Point2::Zero() : Point2(velocity * ((speed - drop) / speed));
 }
 
-/// How far a robot still travels that brakes from now on, its speed falling by a period's worth at once:
-/// the sum over the periods of (speed - k drop) period for k = 1, 2, ...
+/// Metres that a robot still travels if it brakes from now on. The first drop of speed, max_acceleration
+/// times the period, happens at once: the sum over the periods of (speed - k drop) period for k = 1, 2, ...
 inline double braking_distance(double speed, const Limits& limits, double period) {
   const double drop = limits.max_acceleration * period;
   const double periods = std::floor(speed / drop);
   return period * (periods * speed - drop * periods * (periods + 1) / 2);
 }
 
-/// Number of periods in which a robot still moves that brakes from now on: a period's worth of speed falls at
-/// once.
+/// Number of periods in which a robot still moves if it brakes from now on. The first drop of speed happens
+/// at once.
 inline int braking_periods(double speed, const Limits& limits, double period) {
   return std::max(0, static_cast<int>(std::ceil(speed / (limits.max_acceleration * period))) - 1);
 }
 
-/// The highest speed from which braking over `distance` ends in standstill (continuous-time bound, with room
-/// for the period before braking begins).
+/// The highest speed from which braking over `distance` ends in standstill. The bound holds in continuous
+/// time, with room for the period before braking begins.
 inline double speed_to_stop_within(double distance, const Limits& limits, double period) {
   const double lag = limits.max_acceleration * period;
   return std::max(0.0, std::sqrt(lag * lag + 2 * limits.max_acceleration * distance) - lag);

@@ -13,16 +13,16 @@ namespace coppice {
 namespace {
 
 constexpr float unreachable = std::numeric_limits<float>::infinity();
-// A way on which nobody has to be pushed is worth a detour of so many of its lengths; and of two ways that
-// are as good, either may be taken.
+// A way without robots to push is preferred if its detour is at most this share of the edge's length. Among
+// ways that are about equally good, the choice is random.
 constexpr double detour_for_a_free_way = 0.3;
 constexpr double indifference = 0.01;
-// Depth first it may lose itself in a corridor where who is to wait must first go far the other way: so it
-// goes on from any configuration now and then (as Okumura's Engineering LaCAM*, 2024, does).
-// Configurations.
+// A depth-first search may lose itself in a corridor where the robot that must wait has to go far the other
+// way first. So the search continues from a random configuration now and then (as in Okumura's "Engineering
+// LaCAM*", 2024). Configurations.
 constexpr std::size_t before_it_is_stuck = 1000;
 constexpr std::size_t between_looks_back = 50;
-// Robots in configurations, about 10 bytes each: some 5 MB of an agent, and no more.
+// Robots in configurations, of about 10 bytes each: at most 5 MB of an agent.
 constexpr std::size_t most_remembered = 500'000;
 
 std::uint64_t hash_of(const std::vector<Vertex>& at) {  // FNV-1a
@@ -61,7 +61,7 @@ Lacam::Lacam(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks, Rando
   open_.push_back(add(at_, 0));
 }
 
-/// `steps_` lead there from the parent.
+/// `steps_` lead from the parent to this configuration.
 std::size_t Lacam::add(const Configuration& at, std::size_t parent) {
   Node node{at, static_cast<std::uint32_t>(parent), steps_, std::vector<std::uint16_t>(at.size()), {{}}};
   for (std::uint32_t i = 0; i < at.size() && !nodes_.empty(); ++i) {
@@ -80,7 +80,7 @@ std::size_t Lacam::add(const Configuration& at, std::size_t parent) {
   return added;
 }
 
-/// Priorities grow until a robot is at its goal. Who has the furthest to go begins with the highest.
+/// A robot's priority grows until it is at its goal. The robot with the longest way begins with the highest.
 void Lacam::set_order(const Node& node) {
   order_.resize(node.at.size());
   std::iota(order_.begin(), order_.end(), 0U);
@@ -116,7 +116,7 @@ Lacam::Outcome Lacam::search(std::size_t configurations) {
   return Outcome::searching;
 }
 
-/// The next set, after which come those that force one robot more, in the order of their priorities.
+/// The next set of constraints. Sets that force one robot more are appended, in the order of the priorities.
 std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
   const std::uint32_t number = node.tried++;
   std::vector<Forced> set;
@@ -133,8 +133,8 @@ std::vector<Lacam::Forced> Lacam::next_constraints(Node& node) {
   return set;
 }
 
-/// The configuration that follows, in `at_`, and the moves that lead there; false if the forced moves cannot
-/// be made.
+/// Generates the next configuration in `at_`, and the moves that lead there. Returns false if the forced
+/// moves cannot be made.
 bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
   for (const Vertex place : at_) occupant_[place] = nobody;
   at_ = node.at;
@@ -153,7 +153,7 @@ bool Lacam::generate(const Node& node, const std::vector<Forced>& forced) {
   return true;
 }
 
-/// What a robot may do next, best first.
+/// The next moves of a robot, the best first.
 std::vector<Lacam::Candidate> Lacam::candidates(std::uint32_t robot) {
   const Vertex here = at_[robot];
   std::vector<Candidate> result;
@@ -170,8 +170,8 @@ std::vector<Lacam::Candidate> Lacam::candidates(std::uint32_t robot) {
   return result;
 }
 
-/// Whether what a robot does is out of the way of all who wait for it: it does not touch them where they are,
-/// and ends where they do not touch it.
+/// Whether a move is out of the way of all robots that wait for this one: it does not touch them where they
+/// are, and it ends where they do not touch this robot.
 bool Lacam::in_nobodys_way(Vertex here, const AnnotatedRoadmap::Edge* edge) const {
   const Vertex end = edge != nullptr ? edge->to : here;
   return std::ranges::none_of(reserved_, [&](const Reserved& other) {
@@ -184,7 +184,8 @@ bool Lacam::empty_around(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot
       edge.near, [&](Vertex place) { return occupant_[place] == nobody || occupant_[place] == robot; });
 }
 
-/// Makes everybody move who stands near the edge. Who has moved has done so even if another cannot.
+/// Makes all robots move that stand near the edge. Robots that have moved stay there even if another robot
+/// cannot move.
 bool Lacam::clear(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot) {
   const auto stays = [&](Vertex place) {
     const std::uint32_t other = occupant_[place];
@@ -200,7 +201,8 @@ bool Lacam::clear(const AnnotatedRoadmap::Edge& edge, std::uint32_t robot) {
   return empty_around(edge, robot);
 }
 
-/// PIBT: the robot takes the best move for which all in its way can make room. False if it stays where it is.
+/// PIBT: the robot takes the best move for which all robots in its way can make room. Returns false if the
+/// robot stays where it is.
 bool Lacam::push(std::uint32_t robot) {
   decided_[robot] = true;
   const Vertex here = at_[robot];

@@ -1,16 +1,17 @@
-// How a crowd gets from places to places: LaCAM (Okumura, "LaCAM: Search-Based Algorithm for Quick
+// Moves a cluster of robots between configurations: LaCAM (Okumura, "LaCAM: Search-Based Algorithm for Quick
 // Multi-Agent Pathfinding", 2023) with PIBT (Okumura, Machida, Defago, Tamura, "Priority Inheritance with
 // Backtracking for Iterative Multi-agent Path Finding", 2022) as the generator of configurations.
 //
-// A configuration says who stands at which place. From it PIBT makes the next: in the order of their
-// priorities, which grow with the time that a robot is not at its goal, each robot takes the edge that brings
-// it nearest to its goal, and whoever stands in its way has to move first. LaCAM searches through the
-// configurations, deepest first; one that comes up again is made anew under constraints on who goes where, in
-// the end under all. So it finds a solution on the graph if there is one, if it is given the time.
+// A configuration holds one roadmap vertex for each robot. PIBT makes the next configuration from it: in the
+// order of their priorities, which grow with the time that a robot is away from its goal, each robot takes
+// the edge that brings it nearest to its goal, and the robots in its way have to move first. LaCAM searches
+// the configurations depth first. If a configuration comes up again, it is expanded under constraints on
+// which robot goes where, in the end under all constraints. So LaCAM finds a solution on the graph if there
+// is one and the time suffices.
 //
-// Unlike in the papers, robots are discs and places lie close to each other: an edge has several places near
-// it, and all who stand there have to move first. The moves of a step are made one after the other, so there
-// are no conflicts between edges.
+// Unlike in the papers, robots are discs and vertices lie close to each other: an edge has several vertices
+// near it, and all robots that stand there have to move first. The moves of a step are made one after the
+// other, so there are no conflicts between edges.
 #pragma once
 
 #include <cstddef>
@@ -29,24 +30,25 @@ namespace coppice {
 
 class Lacam {
  public:
-  /// `graph` outlives it. At most 65,535 robots, of which no two start at one place, and edges of a place.
-  /// Robots that could not even alone get to their goals, shut_in(), give way as if they had none.
+  /// `graph` must outlive it. At most 65,535 robots, and at most 65,535 edges at a vertex; no two robots
+  /// start at one vertex. Robots that could not reach their goals even if they were alone, shut_in(), give
+  /// way as if they had no goal.
   Lacam(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks, Random random);
   const std::vector<std::uint32_t>& shut_in() const { return shut_in_; }
 
-  /// `too_large`: there is no room to remember more configurations; it ends.
+  /// `too_large`: the limit of stored configurations is reached; the search ends.
   enum class Outcome { searching, solved, no_solution, too_large };
-  /// Makes at most so many configurations more.
+  /// Makes at most `configurations` further configurations.
   Outcome search(std::size_t configurations);
 
-  /// Robots that are not at their goals in the configuration that it has come to; ascending.
+  /// Robots that are not at their goals in the configuration that the search has reached; ascending.
   std::vector<std::uint32_t> under_way() const;
 
   /// Robots that are not at their goals in the best configuration so far, which has the fewest of them;
-  /// ascending. None once solved.
+  /// ascending. Empty once solved.
   std::vector<std::uint32_t> left_over() const { return under_way_in(nodes_[best_].at); }
 
-  /// To the best configuration: one after the other, all others standing.
+  /// The moves to the best configuration, one robot after the other while all others stand.
   std::vector<VertexMove> moves() const;
 
  private:
@@ -55,12 +57,12 @@ class Lacam {
     std::uint32_t robot;
     Vertex to;
   };
-  /// A set of constraints: one more than in another set. The first of a node is the empty one.
+  /// A set of constraints is another set and one constraint more. The first set of a node is empty.
   struct Constraint {
     std::uint32_t others = 0;
     Forced last{};
   };
-  /// Of a robot that moves, at most once, from where the parent has it.
+  /// The step of a robot that moves. A robot moves at most once, from its vertex in the parent.
   struct Step {
     std::uint16_t robot;
     std::uint16_t edge;
@@ -68,9 +70,10 @@ class Lacam {
   struct Node {
     Configuration at;
     std::uint32_t parent;
-    std::vector<Step> steps;              ///< from the parent's configuration
-    std::vector<std::uint16_t> waits;     ///< of the robots: configurations since they were at their goals
-    std::vector<Constraint> constraints;  ///< each the last of a set: those tried, and those still to be
+    std::vector<Step> steps;           ///< from the parent's configuration
+    std::vector<std::uint16_t> waits;  ///< by robot: configurations since it was at its goal
+    /// Each is the last constraint of a set: the sets tried, then those still to be tried.
+    std::vector<Constraint> constraints;
     std::uint32_t tried = 0;
   };
   struct Candidate {
@@ -105,23 +108,23 @@ class Lacam {
   std::vector<std::uint32_t> shut_in_;  ///< ascending
   Random random_;
   std::vector<float> least_;     ///< by robot, below 1: its priority while it does not wait
-  std::vector<Vertex> numbers_;  ///< of the places
-  std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot, if it has a goal
+  std::vector<Vertex> numbers_;  ///< numbers of the vertices (numbers_by_neighbourhood)
+  std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot; none if it has no goal
   std::deque<Node> nodes_;
   std::vector<std::size_t> open_;
   std::unordered_multimap<std::uint64_t, std::size_t> known_;  ///< by the configuration's hash
   std::size_t best_ = 0;
-  std::size_t least_under_way_ = 0;  ///< in the best
+  std::size_t least_under_way_ = 0;  ///< in the best configuration
 
-  std::vector<std::uint32_t> order_;  ///< of the robots of the node at hand, highest priority first
+  std::vector<std::uint32_t> order_;  ///< robots of the current node, highest priority first
 
-  // The configuration that is being made.
+  // The configuration that is being generated.
   static constexpr std::uint32_t nobody = ~std::uint32_t{0};
   Configuration at_;
-  std::vector<std::uint32_t> occupant_;        ///< by place
+  std::vector<std::uint32_t> occupant_;        ///< by vertex
   std::vector<bool> decided_;                  ///< by robot
   std::vector<std::optional<Vertex>> forced_;  ///< by robot
-  std::vector<Reserved> reserved_;             ///< edges of those who wait for others to make room
+  std::vector<Reserved> reserved_;             ///< edges of the robots that wait for others to make room
   std::vector<Step> steps_;
 };
 

@@ -6,7 +6,7 @@ namespace coppice {
 
 namespace {
 
-/// Half a cell times the largest whole number that keeps it at most `wanted`; at least half a cell.
+/// The largest multiple of half a cell that is at most `wanted`; at least half a cell.
 double on_half_cells(double wanted, double resolution) {
   const double half = resolution / 2;
   return half * std::max(1.0, std::floor(wanted / half));

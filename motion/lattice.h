@@ -1,7 +1,7 @@
-// A square lattice over the free space of a disc: the ground that searches for several robots walk on.
+// A square lattice over the free space of a disc, on which searches for several robots run.
 //
-// Every vertex and edge is checked exactly, when it is first asked for. Lattice points are multiples of half
-// a cell, so that the middle of a corridor is met whatever its width.
+// Each vertex and edge is checked exactly when it is first used. Lattice points lie at multiples of half a
+// cell, so that they hit the middle of a corridor of any width.
 //
 // Metres in the map frame.
 #pragma once
@@ -23,10 +23,10 @@ namespace coppice {
 class Lattice {
  public:
   using Vertex = std::uint32_t;
-  using Direction = std::uint8_t;  ///< of an edge: 0 to 7, from east by north
+  using Direction = std::uint8_t;  ///< of an edge: 0 to 7, counterclockwise from +x (the signs in `steps`)
 
-  /// For a disc of `radius` on `field`, which outlives it. The spacing is `spacing` rounded down to a
-  /// multiple of half a cell.
+  /// The lattice of a disc of `radius` (metres) on `field`, which must outlive it. The spacing is `spacing`
+  /// (metres) rounded down to a multiple of half a cell.
   Lattice(const ClearanceField& field, double radius, double spacing);
 
   double spacing() const { return spacing_; }
@@ -39,8 +39,8 @@ class Lattice {
     return known_vertex_[v] != blocked;
   }
 
-  /// Calls fn(vertex, metres) for the vertices that a free edge leads to, of those that passable(vertex)
-  /// holds for.
+  /// Calls fn(vertex, metres) for each neighbour of v that a free edge leads to and for which
+  /// passable(vertex) holds.
   template <class Passable, class Fn>
   void for_each_neighbour(Vertex v, Passable&& passable, Fn&& fn) {
     const int i = static_cast<int>(v) % columns_;
@@ -54,26 +54,27 @@ class Lattice {
     }
   }
 
-  /// What is known takes two bytes a vertex. No vertex and no edge may be asked for any more.
+  /// Frees what is known of vertices and edges, 2 bytes a vertex. No vertex or edge may be queried
+  /// afterwards.
   void forget() {
     std::vector<Known>().swap(known_vertex_);
     std::vector<std::uint8_t>().swap(known_edges_);
   }
 
-  /// Metres, of an edge.
+  /// The length of an edge, metres.
   double length(Direction d) const { return d % 2 == 0 ? spacing_ : spacing_ * std::numbers::sqrt2; }
-  /// Of the edge from a vertex to one beside it.
+  /// The direction of the edge from a vertex to a neighbour.
   Direction direction(Vertex from, Vertex to) const {
     const Step step{static_cast<int>(to) % columns_ - static_cast<int>(from) % columns_,
                     static_cast<int>(to) / columns_ - static_cast<int>(from) / columns_};
     return static_cast<Direction>(std::ranges::find(steps, step) - steps.begin());
   }
-  /// Where such an edge leads.
+  /// The neighbour to which the edge in this direction leads.
   Vertex beside(Vertex from, Direction direction) const {
     return from + static_cast<Vertex>(steps[direction].dj * columns_ + steps[direction].di);
   }
 
-  /// Columns and rows on each side, of the vertices that what does not lie on the lattice is linked to.
+  /// Columns and rows on each side of a point off the lattice: it is linked to the vertices among them.
   static constexpr int usual_reach = 2;
 
   /// Calls fn(vertex) for the vertices around p, free or not: `reach` columns and rows on each side.
@@ -89,7 +90,8 @@ class Lattice {
     }
   }
 
-  /// Calls fn(vertex) for the vertices, free or not, nearer than `distance` to the segment from a to b.
+  /// Calls fn(vertex) for the vertices, free or not, that are nearer than `distance` to the segment from a to
+  /// b.
   template <class Fn>
   void for_each_near(const Point2& a, const Point2& b, double distance, Fn&& fn) const {
     const auto cell = [&](double metres, int most) {
@@ -98,7 +100,7 @@ class Lattice {
     const double least_y = std::min(a.y(), b.y()) - distance - origin_.y();
     const double most_y = std::max(a.y(), b.y()) + distance - origin_.y();
     for (int j = cell(least_y, rows_ - 1); j <= cell(most_y + spacing_, rows_ - 1); ++j) {
-      // Of the segment, only the part that is as near to the row matters.
+      // Only the part of the segment within `distance` of the row matters.
       const double row = origin_.y() + j * spacing_;
       const auto clipped = [&](double y) {
         return std::clamp(y, std::min(a.y(), b.y()), std::max(a.y(), b.y()));
@@ -119,19 +121,20 @@ class Lattice {
   }
 
  private:
-  enum Known : std::uint8_t { unknown, blocked, free_, wide };  ///< wide: all edges from it are free
+  enum Known : std::uint8_t { unknown, blocked, free_, wide };  ///< wide: all edges from the vertex are free
   struct Step {
     int di;
     int dj;
     bool operator==(const Step&) const = default;
   };
-  // The first four belong to the vertex that they start from, the others to the one that they lead to.
+  // The first four edges are stored at the vertex that they start from, the others at the vertex that they
+  // lead to.
   static constexpr std::array<Step, 8> steps{
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
   Vertex vertex(int i, int j) const { return static_cast<Vertex>(j * columns_ + i); }
   Known look_at(Vertex v) const;
-  /// Both vertices are free.
+  /// Both vertices must be free.
   bool edge_free(Vertex v, Vertex w, std::size_t direction);
 
   const ClearanceField& field_;
@@ -141,7 +144,7 @@ class Lattice {
   int columns_;
   int rows_;
   std::vector<Known> known_vertex_;
-  std::vector<std::uint8_t> known_edges_{};  ///< to E, NE, N, NW: 2 bits each; empty: nothing of any
+  std::vector<std::uint8_t> known_edges_{};  ///< to E, NE, N, NW: 2 bits each; empty: no edge is known
 };
 
 }  // namespace coppice

@@ -20,19 +20,19 @@ namespace coppice {
 
 namespace {
 
-constexpr double comfort = 0.1;        // radii between robots on packed places, beyond touching
-constexpr double reach_of_more = 1.8;  // of what other places are linked to in a straight line, likewise in
-                                       // distances between packed places
-constexpr double detour_for_comfort = 1.5;  // that a way round a corner is worth that does not touch it
+constexpr double comfort = 0.1;        // radii between robots on packed vertices, beyond touching
+constexpr double reach_of_more = 1.8;  // distance to which added vertices are linked in a straight line, in
+                                       // distances between packed vertices
+constexpr double detour_for_comfort = 1.5;  // factor of length that a way away from corners is worth
 constexpr double rounding = 1e-9;           // metres
-constexpr double around_crowd = 16;         // radii within which a crowd may make use of other places
-constexpr double stack_reach = 12;          // radii from the end of a passage, along it
-constexpr double same_place = 0.02;         // radii
-constexpr std::size_t most_stacked = 100;   // points a robot
+constexpr double around_crowd = 16;         // radii within which a cluster may use added vertices
+constexpr double stack_reach = 12;          // radii along a passage from its end
+constexpr double same_place = 0.02;         // radii within which two points count as the same vertex
+constexpr std::size_t most_stacked = 100;   // points per robot
 
 using Edge = AnnotatedRoadmap::Edge;
 
-/// Calls fn(point) for points of a path so that all of it lies within half of `spacing` of one.
+/// Calls fn(point) for points of a path such that each part of it lies within half of `spacing` of one.
 template <class Fn>
 void for_each_sample(const Path& path, double spacing, Fn&& fn) {
   for (std::size_t k = 1; k < path.size(); ++k) {
@@ -42,8 +42,8 @@ void for_each_sample(const Path& path, double spacing, Fn&& fn) {
   }
 }
 
-/// Who is near an edge: nearer to its path than `distance`. Where one of its ends is nearer, and may be so:
-/// those that the path comes nearer to still.
+/// Whether a point is near an edge: nearer to its path than `distance`. A point that is nearer than that to
+/// an end, but does not touch it, counts only if the path comes nearer still.
 struct Nearness {
   double touching;
   double distance;
@@ -57,8 +57,8 @@ struct Nearness {
   }
 };
 
-/// Adds to `edge.near` those of a grid's places, numbered from `first` on, that are; `distance` is at most
-/// two thirds of the grid's reach.
+/// Appends to `edge.near` the vertices of a grid, numbered from `first` on, that are near the edge.
+/// `distance` of `is_near` is at most two thirds of the grid's reach.
 void add_near(const NeighbourGrid<2>& grid, double reach, Vertex first, const Nearness& is_near, Edge& edge) {
   for_each_sample(edge.path, reach / 3, [&](const Point2& p) {
     grid.for_each_near(p, [&](NodeId k, const Point2& q) {
@@ -67,7 +67,7 @@ void add_near(const NeighbourGrid<2>& grid, double reach, Vertex first, const Ne
   });
 }
 
-/// An edge along the path, and who is near it by add(edge).
+/// An edge along the path. add(edge) appends the vertices near it.
 template <class Add>
 Edge edge_along(Vertex to, Path path, Add&& add) {
   const double length = length_of(path);
@@ -78,7 +78,8 @@ Edge edge_along(Vertex to, Path path, Add&& add) {
   return edge;
 }
 
-/// Passages too narrow for three robots side by side: the free space that no free disc of three radii covers.
+/// Passages that are too narrow for three robots side by side: the free space that no free disc of three
+/// radii covers.
 class NarrowPassages {
  public:
   using Vertex = Lattice::Vertex;
@@ -86,8 +87,8 @@ class NarrowPassages {
   NarrowPassages(const ClearanceField& field, double radius, double spacing)
       : field_(field), lattice_(field, radius, spacing), wide_(wide_radii * radius) {}
 
-  /// Vertices within `reach` of a centre where passages end or bend: they have no two free edges in opposite
-  /// directions.
+  /// Vertices within `reach` of a centre where passages end or bend: no two free edges lead from them in
+  /// opposite directions.
   std::vector<Vertex> ends(const Point2& centre, double reach) {
     std::vector<Vertex> ends;
     lattice_.for_each_near(centre, centre, reach, [&](Vertex v) {
@@ -99,8 +100,8 @@ class NarrowPassages {
     return ends;
   }
 
-  /// Points `apart` from each other, each the next along the passages from `end`, up to `reach` metres from
-  /// it.
+  /// Points that are at least `apart` from each other, in order along the passages from `end`, up to `reach`
+  /// metres from it.
   std::vector<Point2> stack_from(Vertex end, double apart, double reach) {
     using Entry = std::pair<double, Vertex>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -151,7 +152,7 @@ class NarrowPassages {
   std::unordered_map<Vertex, bool> narrow_{};
 };
 
-/// An edge there and one back.
+/// Adds an edge from a to b and one back.
 template <class Add>
 void add_edges(AnnotatedRoadmap& graph, Vertex a, Vertex b, Path path, Add&& add) {
   graph.own_edges(a).push_back(edge_along(b, path, add));
@@ -178,8 +179,8 @@ PackedRoadmap::PackedRoadmap(const ClearanceField& field, double radius, double 
   index_ways();
 }
 
-/// The free vertices, those nearest to obstacles first; in layers, so that along a wall one follows the
-/// other. On a large map they are a million: so they are counted, and not sorted.
+/// The free vertices in layers, those nearest to obstacles first, so that consecutive vertices follow a wall.
+/// A large map has a million: so they are counted into layers instead of sorted.
 std::vector<Lattice::Vertex> PackedRoadmap::in_layers() {
   const auto for_each_free = [&](auto&& fn) {
     for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
@@ -187,7 +188,7 @@ std::vector<Lattice::Vertex> PackedRoadmap::in_layers() {
         fn(v, static_cast<std::size_t>(2 * field_.lower_bound(lattice_.at(v)) / lattice_.spacing()));
     }
   };
-  std::vector<std::size_t> next{0};  // by layer: where it begins, and then where its next vertex goes
+  std::vector<std::size_t> next{0};  // by layer: where it begins, then where its next vertex goes
   for_each_free([&](Lattice::Vertex, std::size_t layer) {
     next.resize(std::max(next.size(), layer + 2));
     ++next[layer + 1];
@@ -198,7 +199,7 @@ std::vector<Lattice::Vertex> PackedRoadmap::in_layers() {
   return order;
 }
 
-/// The free vertices by the length of the way from the anchor to them, as far as there is one.
+/// The free vertices by the length of the way from the anchor, as far as there is one.
 std::vector<Lattice::Vertex> PackedRoadmap::from(const Point2& anchor) {
   using Entry = std::pair<double, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -233,7 +234,7 @@ void PackedRoadmap::pack(std::span<const Lattice::Vertex> order) {
     bool taken = false;
     grid.for_each_near(p, [&](NodeId, const Point2& q) {
       const double distance = (p - q).norm();
-      // Behind a thin wall somebody may stand a little closer.
+      // Robots may stand a little closer on two sides of a thin wall.
       taken |= distance < touching_ || (distance < apart_ && field_.segment_free(p, q, 0));
     });
     if (taken) continue;
@@ -243,13 +244,13 @@ void PackedRoadmap::pack(std::span<const Lattice::Vertex> order) {
   }
 }
 
-/// Of a step of so many metres from a vertex.
+/// The cost of a step of `metres` from a vertex.
 double PackedRoadmap::cost(Lattice::Vertex v, double metres) const {
   const bool tight = field_.lower_bound(lattice_.at(v)) < (1 + comfort) * radius_;
   return metres * (tight ? detour_for_comfort : 1);
 }
 
-/// Dijkstra's search from all places at once.
+/// Dijkstra's search from all roadmap vertices at once.
 void PackedRoadmap::grow_cells() {
   using Entry = std::pair<float, Lattice::Vertex>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
@@ -276,13 +277,13 @@ void PackedRoadmap::grow_cells() {
   }
 }
 
-/// In whose Voronoi cell a vertex lies that is in one.
+/// The roadmap vertex in whose Voronoi cell a lattice vertex lies. It must lie in one.
 Vertex PackedRoadmap::cell(Lattice::Vertex v) const {
   while (towards_[v] != here) v = lattice_.beside(v, towards_[v]);
   return place_at_.at(v);
 }
 
-/// The same of all vertices, or nowhere.
+/// The cells of all lattice vertices; `nowhere` for those in no cell.
 std::vector<Vertex> PackedRoadmap::cells() const {
   std::vector<Vertex> cells(lattice_.size(), nowhere);
   for (Lattice::Vertex v = 0; v < lattice_.size(); ++v) {
@@ -291,14 +292,15 @@ std::vector<Vertex> PackedRoadmap::cells() const {
   return cells;
 }
 
-/// As the search for its cell has added it up.
+/// The cost from a lattice vertex to the roadmap vertex of its cell, with the same rounding as in
+/// grow_cells().
 float PackedRoadmap::cost_to_its_place(Lattice::Vertex v) const {
   if (towards_[v] == here) return 0;
   const Lattice::Vertex next = lattice_.beside(v, towards_[v]);
   return cost_to_its_place(next) + static_cast<float>(cost(v, lattice_.length(towards_[v])));
 }
 
-/// Where cells touch nearest to both places.
+/// For each two cells that touch, the crossing with the shortest way between their roadmap vertices.
 PackedRoadmap::Crossings PackedRoadmap::crossings() {
   const std::vector<Vertex> cell_of = cells();
   Crossings crossings;
@@ -315,7 +317,7 @@ PackedRoadmap::Crossings PackedRoadmap::crossings() {
   return crossings;
 }
 
-/// The places whose cells touch.
+/// Links the roadmap vertices whose cells touch.
 void PackedRoadmap::link(const Crossings& crossings) {
   const auto add = [&](Edge& edge) { add_near(grid_, reach_, 0, {touching_, apart_}, edge); };
   for (const auto& [pair, crossing] : crossings) {
@@ -342,8 +344,8 @@ void PackedRoadmap::index_ways() {
   points_of_ways_.shrink_to_fit();
 }
 
-/// Calls fn(place, place) for the ends of all packed edges nearer to p than `distance`, some more than once,
-/// and for some beyond.
+/// Calls fn(vertex, vertex) for the ends of all packed edges nearer to p than `distance`. It may name an edge
+/// more than once, and edges beyond.
 template <class Fn>
 void PackedRoadmap::for_each_way_near(const Point2& p, double distance, Fn&& fn) const {
   if (distance + reach_ / 6 > reach_) {
@@ -353,7 +355,7 @@ void PackedRoadmap::for_each_way_near(const Point2& p, double distance, Fn&& fn)
   }
 }
 
-/// The way within a Voronoi cell from one of its vertices to its place.
+/// The way within a Voronoi cell from a lattice vertex to the cell's roadmap vertex.
 Path PackedRoadmap::way_to_its_place(Lattice::Vertex v) const {
   Path path{lattice_.at(v)};
   while (towards_[v] != here) {
@@ -363,7 +365,7 @@ Path PackedRoadmap::way_to_its_place(Lattice::Vertex v) const {
   return path;
 }
 
-/// The shortest way from anywhere to the place of one of the cells around; empty if there is none.
+/// The shortest way from p to the roadmap vertex of one of the cells around; empty if there is none.
 Path PackedRoadmap::way_to_a_place(const Point2& p, Vertex& place) {
   double least = std::numeric_limits<double>::infinity();
   std::optional<Lattice::Vertex> first;
@@ -392,7 +394,7 @@ bool PackedRoadmap::passes(std::span<const Disc> obstacles, const Path& path) co
   });
 }
 
-/// The packed edges that do not pass the obstacles.
+/// Removes the packed edges that do not pass the obstacles.
 void PackedRoadmap::leave_out(std::span<const Disc> obstacles, AnnotatedRoadmap& graph) const {
   for (const Disc& disc : obstacles) {
     const auto leads_into = [&](const Edge& edge) { return !passes({&disc, 1}, edge.path); };
@@ -448,7 +450,7 @@ AnnotatedRoadmap PackedRoadmap::with(std::span<const Point2> more, std::span<con
     const Path way = way_to_a_place(p, nearest);
     if (way.size() < 2) continue;
     link_unless_known(nearest, way);
-    for (const Edge& edge : packed_.edges(nearest)) {  // round corners
+    for (const Edge& edge : packed_.edges(nearest)) {  // links around corners
       Path further = way;
       further.insert(further.end(), edge.path.begin() + 1, edge.path.end());
       link_unless_known(edge.to, optimise_line_of_sight(field_, further, radius_));

@@ -1,11 +1,11 @@
-// Places where the robots of a crowd can stand side by side, and how one gets from place to place past the
-// others: the roadmap of motion/lacam.h.
+// A roadmap on which the robots of a cluster can stand side by side and pass each other. It is the roadmap of
+// motion/lacam.h.
 //
-// Places are packed greedily over the free space, those nearest to obstacles first: so a corridor that is
-// wide enough gets two lanes, and a door its middle. They lie so far apart that robots on all of them touch
-// nobody. Those are linked whose Voronoi cells touch, by path length: places are connected where the lattice
-// is. Each edge knows which places must be empty while somebody drives along it. To these come the places
-// where the robots stand and where they want to go.
+// Vertices are packed greedily over the free space, those nearest to obstacles first. So a corridor that is
+// wide enough gets two lanes, and a door gets a vertex in its middle. Robots on all vertices touch no other
+// robot. Vertices whose Voronoi cells (by path length) touch are linked, so the roadmap is connected wherever
+// the lattice is. Each edge lists the vertices that must be empty while a robot drives along it. The starts
+// and goals of the robots are added as further vertices.
 //
 // For robots of one radius. Metres in the map frame.
 #pragma once
@@ -29,36 +29,36 @@ namespace coppice {
 
 class PackedRoadmap {
  public:
-  /// `field` outlives it. Places lie on a lattice of `spacing` or a little less. Packing begins along the
-  /// walls and leaves some room between robots. With an `anchor` it goes from there along the passages, as
-  /// close as can be.
+  /// `field` must outlive it. Vertices lie on a lattice of `spacing` or a little less. Without an anchor,
+  /// packing begins along the walls and leaves some room between robots. With an `anchor` it goes from there
+  /// along the passages, as closely as possible.
   PackedRoadmap(const ClearanceField& field, double radius, double spacing,
                 const std::optional<Point2>& anchor = std::nullopt);
 
-  /// The packed places, of which there are size(), and `more`, which differ from each other; each of those is
-  /// linked to what is around it. What leads past `obstacles`, which stand for ever, is left out. The graph
-  /// stands on this one's.
+  /// The packed roadmap, of size() vertices, with further vertices `more`. These must differ from each other;
+  /// each is linked to the vertices around it. Edges that do not pass the `obstacles`, which never move, are
+  /// left out. The result refers to this object's roadmap, which must outlive it.
   AnnotatedRoadmap with(std::span<const Point2> more, std::span<const Disc> obstacles);
   std::size_t size() const { return packed_.size(); }
   std::size_t lattice_size() const { return lattice_.size(); }
 
-  /// Where passages around the `centres` end or bend, nearest first.
+  /// Positions around the `centres` where passages end or bend, nearest first.
   std::vector<Point2> ends(std::span<const Point2> centres) const;
-  /// Places that packing has missed around the `centres`: robots stand there one behind the other from the
-  /// ends and corners of passages on. In a passage one robot wide it matters where they stand: packing fills
-  /// it from any point, and a short branch may get its place in the mouth.
+  /// Positions around the `centres` that packing has missed: robots stand there in a row from the ends and
+  /// corners of passages on. In a passage one robot wide the positions matter: packing may fill it from any
+  /// point, and a short branch may get its only vertex in its mouth.
   std::vector<Point2> stacked(std::span<const Point2> centres) const;
 
  private:
   static constexpr Vertex nowhere = ~Vertex{0};
-  struct Crossing {  ///< from one cell into another
-    double length;   ///< from place to place
+  struct Crossing {  ///< between two touching cells
+    double length;   ///< from roadmap vertex to roadmap vertex, metres
     Lattice::Vertex a;
     Lattice::Vertex b;
   };
-  using Crossings = std::map<std::pair<Vertex, Vertex>, Crossing>;  ///< by the places
-  static constexpr Lattice::Direction here = 8;                     ///< a place
-  static constexpr Lattice::Direction nowhere_to = 9;               ///< no place can be reached
+  using Crossings = std::map<std::pair<Vertex, Vertex>, Crossing>;  ///< by the two roadmap vertices
+  static constexpr Lattice::Direction here = 8;        ///< the lattice vertex is a roadmap vertex
+  static constexpr Lattice::Direction nowhere_to = 9;  ///< no roadmap vertex can be reached
 
   std::vector<Lattice::Vertex> in_layers();
   std::vector<Lattice::Vertex> from(const Point2& anchor);
@@ -80,26 +80,28 @@ class PackedRoadmap {
 
   const ClearanceField& field_;
   double radius_;
-  double touching_;  ///< between centres
-  double apart_;     ///< the same, of packed places
-  double reach_;     ///< of the grids
+  double touching_;  ///< metres between the centres of robots that touch
+  double apart_;     ///< metres between packed vertices
+  double reach_;     ///< metres, of the grids
   Lattice lattice_;
   AnnotatedRoadmap packed_;
   std::unordered_map<Lattice::Vertex, Vertex> place_at_;
-  std::vector<Lattice::Direction> towards_;      ///< its place, within each lattice vertex's Voronoi cell
-  NeighbourGrid<2> grid_;                        ///< of the places
-  NeighbourGrid<2> points_of_ways_;              ///< the points that each edge's path is sampled at
-  std::vector<std::pair<Vertex, Vertex>> ways_;  ///< by such a point: the ends of the edge, the smaller first
+  /// By lattice vertex: direction towards the roadmap vertex of its cell.
+  std::vector<Lattice::Direction> towards_;
+  NeighbourGrid<2> grid_;                        ///< grid of the vertices
+  NeighbourGrid<2> points_of_ways_;              ///< grid of the points at which the edges' paths are sampled
+  std::vector<std::pair<Vertex, Vertex>> ways_;  ///< by such a point: the ends of its edge, the smaller first
 };
 
-/// The places of a map, packed when they are first asked for: that takes as long as many a joint plan.
+/// The packed roadmaps of a map. Each is packed when it is first requested, because packing takes as long as
+/// many joint plans.
 class MapRoadmaps {
  public:
-  /// `field` outlives it.
+  /// `field` must outlive it.
   explicit MapRoadmaps(const ClearanceField& field) : field_(field) {}
 
   const ClearanceField& field() const { return field_; }
-  /// For robots of `radius`, on a lattice of `spacing` (metres).
+  /// The roadmap for robots of `radius` on a lattice of `spacing` (metres).
   PackedRoadmap& packed(double radius, double spacing);
 
  private:

@@ -11,15 +11,18 @@ namespace coppice {
 
 namespace {
 
-// Of looking closely at places for one robot: lattice vertices, some tens of milliseconds.
+// Limit of the close examination of parking positions for one robot: lattice vertices, some tens of
+// milliseconds.
 constexpr std::size_t most_effort = 3'000'000;
-constexpr double apart = 0.5;    // radii, of places that are looked at closely
-constexpr double lane = 2.7;     // radii: two, and what a route keeps clear, and a lattice may miss
-constexpr double footprint = 5;  // of a robot's room, in squares of its radius: more than pi
+constexpr double apart = 0.5;  // radii between positions that are examined closely
+// Radii: two, plus the clearance that a route keeps, plus what a lattice may miss.
+constexpr double lane = 2.7;
+constexpr double footprint = 5;  // area that a robot covers, in squares of its radius: more than pi
 
-/// The first point of a way, or nearly, that is `distance` from where it begins; or else its end.
+/// The first point of a way, approximately, that is at least `distance` from its beginning; its end if there
+/// is none.
 Point2 point_beyond(const Path& way, double distance) {
-  constexpr int parts = 16;  // of a segment
+  constexpr int parts = 16;  // parts of a segment
   const auto is_beyond = [&](const Point2& q) { return (q - way[0]).norm() >= distance; };
   const auto end = std::ranges::find_if(way, is_beyond);
   if (end == way.end()) return way.back();
@@ -80,7 +83,7 @@ Path Parking::way_aside(std::size_t robot) {
   RouteFinder& finder = lattices_.finders.of(robots_[robot].radius);
   const std::vector<Disc> discs = others(robot);
   const auto roomy = [&](const Point2& p) { return !overlaps(p) && can_be_driven_around(p); };
-  Path way = finder.to_nearest(robots_[robot].at, discs, roomy);  // which is quickly seen
+  Path way = finder.to_nearest(robots_[robot].at, discs, roomy);  // a cheap test
   if (!way.empty()) return way;
   return finder.to_nearest(robots_[robot].at, discs, [&](const Point2& p) { return closes_nothing(p); });
 }
@@ -108,7 +111,7 @@ bool Parking::closes_nothing(const Point2& place) {
   return keeps_all_connected(place);
 }
 
-/// Where another wants to be, or drives as it leaves where it has parked.
+/// Whether the position overlaps another robot's aim, or the way out of its parking position.
 bool Parking::overlaps(const Point2& place) const {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (i == robot_ || !robots_[i].takes_part) continue;
@@ -121,7 +124,8 @@ bool Parking::overlaps(const Point2& place) const {
   return false;
 }
 
-/// By the largest, past everything that stands and everybody's aim: whichever way led there leads round it.
+/// Whether the largest robot could drive around the position, past all standing robots and all aims. Then
+/// each way over the position can be replaced by a way around it.
 bool Parking::can_be_driven_around(const Point2& place) const {
   const double room = robots_[robot_].radius + lane * largest_;
   if (!lattices_.field.is_free(place, room)) return false;
@@ -134,7 +138,7 @@ bool Parking::can_be_driven_around(const Point2& place) const {
   return true;
 }
 
-/// Who does not move any more.
+/// The robots that do not move any more.
 std::vector<Disc> Parking::standing() const {
   std::vector<Disc> discs;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -144,8 +148,8 @@ std::vector<Disc> Parking::standing() const {
   return discs;
 }
 
-/// Where the others are that have to move still, where they want to be, and where those come out that have
-/// parked.
+/// The points that must stay connected: positions of the robots that still have to move, their aims, and
+/// where parked robots come out.
 std::vector<Point2> Parking::to_be_connected() const {
   std::vector<Point2> places;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
@@ -157,7 +161,7 @@ std::vector<Point2> Parking::to_be_connected() const {
   return places;
 }
 
-/// Those that are connected past all who stand, for a robot of `radius`.
+/// Groups of points that are connected past all standing robots, for a robot of `radius`.
 std::vector<Parking::Group> Parking::groups(double radius) {
   const std::vector<Disc> discs = standing();
   RouteFinder& scout = lattices_.scouts.of(radius);
@@ -173,8 +177,9 @@ std::vector<Parking::Group> Parking::groups(double radius) {
   return all;
 }
 
-/// What is connected past those who stand is so past this place, too, for the smallest and for the largest;
-/// and it takes away no more of the free space than it covers.
+/// Whether all groups of connected points stay connected if a robot parks at the position, for the smallest
+/// and for the largest robot, and whether the position takes away no more of the free space than the robot
+/// covers.
 bool Parking::keeps_all_connected(const Point2& place) {
   if (groups_.empty()) {
     for (const double radius : {smallest_, largest_}) groups_.try_emplace(radius, groups(radius));

@@ -1,9 +1,9 @@
-// Places at which robots of a crowd close no way, and the ways there past the others: what a crowd is taken
-// apart with (evacuation.h).
+// Finds parking positions, at which robots of a cluster close no way, and the ways there past the others.
+// Evacuate and reassemble (evacuate_and_reassemble.h) uses them.
 //
-// A place will do if the largest of the robots can drive around it; or, in narrow maps, if the free space
-// around all that has parked stays in one piece with it: what the place takes away is no more than what a
-// robot covers, and everybody's place and aim remain connected. Such places are what makes an infrastructure
+// A position is suitable if the largest of the robots can drive around it. In narrow maps it is also suitable
+// if the free space around all parked robots stays in one piece: the position takes away no more space than a
+// robot covers, and all robots' positions and aims remain connected. An infrastructure with such positions is
 // well-formed (Cap, Vokrinek, Kleiner, "Complete Decentralized Method for On-Line Multi-Robot Trajectory
 // Planning in Well-formed Infrastructures", 2015).
 //
@@ -21,8 +21,7 @@
 
 namespace coppice {
 
-/// The lattices that ways are looked for on; `scouts` are the same, for what is asked in the middle of a
-/// search.
+/// The lattices on which ways are searched. `scouts` are further ones for queries in the middle of a search.
 struct Lattices {
   const ClearanceField& field;
   RouteFinders finders{field};
@@ -34,32 +33,34 @@ class Parking {
  public:
   struct Robot {
     Point2 at = Point2::Zero();
-    std::optional<Point2> aim{};  ///< where it wants to be in the end
+    std::optional<Point2> aim{};  ///< where the robot wants to be in the end; none: any position will do
     double radius = 0;
-    bool takes_part = false;  ///< else it stands there, for good
+    bool takes_part = false;  ///< false: the robot stands at `at` for good
   };
 
-  /// `lattices` outlives it.
+  /// `lattices` must outlive it.
   Parking(Lattices& lattices, std::vector<Robot> robots);
 
-  /// To its aim, if it closes no way there; else it stays, if it closes none where it is; else to the nearest
-  /// place that will do. Empty: there is none now.
+  /// The way to the robot's aim, if it closes no way there. Otherwise the robot stays where it is, if it
+  /// closes no way there; otherwise the way to the nearest suitable position. Empty: there is no such way
+  /// now.
   Path way(std::size_t robot);
-  /// The same, but to a place that is neither.
+  /// The way to the nearest suitable position.
   Path way_aside(std::size_t robot);
-  /// To its aim, whatever it closes there. Empty: somebody stands in the way.
+  /// The way to its aim, even if the robot closes ways there. Empty: another robot is in the way, or there is
+  /// no way.
   Path way_to_aim(std::size_t robot);
 
-  /// It drives that way, and parks at its end.
+  /// The robot drives that way and parks at its end.
   void park(std::size_t robot, const Path& way);
   const Point2& at(std::size_t robot) const { return robots_[robot].at; }
-  /// Who takes part and is not parked yet; ascending.
+  /// The robots that take part and are not parked yet; ascending.
   std::vector<std::size_t> left() const;
 
  private:
-  struct Group {  ///< of places that are connected
+  struct Group {  ///< of points that are connected
     std::vector<Point2> places;
-    std::size_t room;  ///< lattice vertices that they are connected with
+    std::size_t room;  ///< number of lattice vertices that they are connected with
   };
 
   void begin_search(std::size_t robot);
@@ -74,14 +75,15 @@ class Parking {
 
   Lattices& lattices_;
   std::vector<Robot> robots_;
-  double smallest_ = 0;  ///< radius of one that takes part
+  double smallest_ = 0;  ///< radius of the smallest robot that takes part
   double largest_ = 0;
-  std::vector<Path> way_out_;  ///< from where it has parked; empty: it has not
+  /// From the parking position back to the start; empty: the robot has not parked.
+  std::vector<Path> way_out_;
 
-  std::size_t robot_ = 0;                        ///< that looks for a place
-  std::vector<Point2> asked_;                    ///< places that were looked at closely
-  std::size_t asks_until_ = 0;                   ///< effort of the scouts
-  std::map<double, std::vector<Group>> groups_;  ///< by radius; empty: not looked at yet
+  std::size_t robot_ = 0;                        ///< the robot that looks for a position
+  std::vector<Point2> asked_;                    ///< positions that were examined closely
+  std::size_t asks_until_ = 0;                   ///< limit of the scouts' effort
+  std::map<double, std::vector<Group>> groups_;  ///< by radius; empty: not computed yet
 };
 
 }  // namespace coppice

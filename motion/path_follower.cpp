@@ -9,16 +9,16 @@ namespace coppice {
 
 namespace {
 
-// How far ahead of the robot the point that it heads for may lie: far enough to cut corners smoothly, near
-// enough that a robot pushed aside comes back to its path. In seconds at full speed, and at least in radii.
+// How far ahead the point lies for which the robot heads: far enough to cut corners smoothly, near enough
+// that a robot that was pushed aside comes back to its path. Seconds at full speed; at least so many radii.
 constexpr double look_ahead_seconds = 1.5;
 constexpr double least_look_ahead_radii = 2;
-// The projection onto the path is searched this far ahead of the last one, in radii: a path that comes back
-// past itself is not taken for its later part.
+// How far ahead of the last projection onto the path the next one is searched, in radii. Where a path passes
+// near itself, the robot is not projected onto the later part.
 constexpr double projection_window_radii = 8;
 constexpr int halvings = 6;
-// How far to the right of its path a robot keeps where there is room: with a little more than its radius, two
-// that meet pass each other.
+// How far to the right of its path a robot keeps if there is room. Two robots that meet, each a little more
+// than a radius off the path, pass each other.
 constexpr double lane_radii = 1.15;
 constexpr std::array lane_shares{1.0, 0.75, 0.5, 0.25};
 
@@ -37,7 +37,7 @@ double PathFollower::way_left(const Point2& position) const {
   return (path_.at(along) - position).norm() + path_.length() - along;
 }
 
-/// The nearest point of the path between the last progress and `window_end`, as a distance along it.
+/// Distance along the path to its nearest point between the last progress and `window_end`.
 double PathFollower::nearest(const Point2& position, double window_end) const {
   double best = progress_;
   double best_distance = (path_.at(progress_) - position).squaredNorm();
@@ -57,8 +57,8 @@ double PathFollower::nearest(const Point2& position, double window_end) const {
   return best;
 }
 
-/// The target, moved off the path to the right as far as is free: whoever comes along the same path the other
-/// way does so too, and they pass. The nearer the goal, the less.
+/// Shifts the target to the right of the path as far as is free: robots that drive along the path in opposite
+/// directions both do so and pass each other. The shift shrinks near the goal.
 Point2 PathFollower::keeping_right(const Point2& position, const Point2& target, double along,
                                    const ClearanceField& field) const {
   const Point2 way = target - path_.at(progress_);
@@ -74,7 +74,8 @@ Point2 PathFollower::keeping_right(const Point2& position, const Point2& target,
   return target;
 }
 
-/// Where the robot heads for on its path, and sees: half as far ahead, and half of that, until it does.
+/// The point on the path for which the robot heads: the furthest one in sight. The distance ahead is halved
+/// until the robot sees the point.
 std::optional<Point2> PathFollower::furthest_in_sight(const Point2& position, const ClearanceField& field,
                                                       double ahead) {
   for (int i = 0; i <= halvings + 1; ++i, ahead /= 2) {

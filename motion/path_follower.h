@@ -1,5 +1,5 @@
-// The preferred velocity of a robot on its path: straight towards the furthest point of the path, within
-// reach, that it sees.
+// The preferred velocity of a robot on its path: straight towards the furthest visible point of the path
+// within a look-ahead distance.
 //
 // Metres in the map frame, seconds, metres per second.
 #pragma once
@@ -16,24 +16,24 @@ namespace coppice {
 
 class PathFollower {
  public:
-  /// `path` holds at least one point; it keeps `radius` clear.
+  /// `path` must hold at least one point and keep `radius` (metres) clear of obstacles.
   PathFollower(Path path, double radius) : path_(std::move(path)), radius_(radius) {}
 
-  /// Towards the path and along it; slows down so as to stand at its end. Zero where the robot sees no point
-  /// of the path from where it is: then `lost()` holds, and a new path is needed.
+  /// The velocity towards the path and along it, slowing down so as to stand at its end. Zero if the robot
+  /// sees no point of the path: then `lost()` holds, and a new path is needed.
   Point2 preferred_velocity(const Point2& position, const ClearanceField& field, const Limits& limits,
                             double period);
 
   bool lost() const { return lost_; }
-  /// The path from the point on that the robot last headed for, or saw nearest to it.
+  /// The path from the point for which the robot last headed, or the point of the path that it last saw.
   Path rest() const;
-  /// What is left to drive from a place near the path, metres.
+  /// Metres left to drive from a position near the path.
   double remaining(const Point2& position) const {
     return (path_.at(progress_) - position).norm() + path_.length() - progress_;
   }
   /// The same from any position, also where others have led the robot away from its path.
   double way_left(const Point2& position) const;
-  double progress() const { return progress_; }  ///< how far along the path the robot has come, metres
+  double progress() const { return progress_; }  ///< metres along the path that the robot has come
   const Path& path() const { return path_.points; }
 
  private:
@@ -44,8 +44,8 @@ class PathFollower {
 
   Polyline path_;
   double radius_;
-  double progress_ = 0;  ///< how far along the path the robot has come
-  double seen_ = 0;      ///< the same, of the point that the robot last saw
+  double progress_ = 0;  ///< metres along the path that the robot has come
+  double seen_ = 0;      ///< metres along the path to the point that the robot last saw
   bool lost_ = false;
 };
 

@@ -1,4 +1,4 @@
-// A path by the distance along it.
+// A path that is parameterised by the distance along it.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace coppice {
 /// Metres in the map frame. At least one point.
 struct Polyline {
   Path points;
-  std::vector<double> along;  ///< distance of each point from the beginning
+  std::vector<double> along;  ///< distance of each point from the beginning, metres
 
   explicit Polyline(Path path) : points(std::move(path)) {
     along.push_back(0);
@@ -22,7 +22,7 @@ struct Polyline {
   }
 
   double length() const { return along.back(); }
-  /// The point so far from the beginning; the ends, where that is before or after them.
+  /// The point at `distance` metres from the beginning; clamped to the ends.
   Point2 at(double distance) const {
     const auto next = std::upper_bound(along.begin(), along.end(), distance);
     if (next == along.end()) return points.back();

@@ -10,14 +10,14 @@ namespace coppice {
 
 namespace {
 
-constexpr double piece_radii = 0.15;  // length of the pieces that ways are cut into, in radii
+constexpr double piece_radii = 0.15;  // radii, length of the pieces into which ways are cut
 
-// What the gates of one robot may take, 16 and 50 times as much as any that were seen (a maze with 50 robots,
-// a circle of 250): ways that go to and fro beside each other, just too far away to touch, would be compared
-// piece by piece, each with each.
+// Limits of the work for the gates of one robot, 16 and 50 times the largest that were measured (a maze with
+// 50 robots, a circle of 250 robots). Without them, ways that run to and fro beside each other, just too far
+// away to touch, would be compared piece by piece.
 constexpr std::size_t most_kept = 1 << 20;  // pieces: 32 MiB
 constexpr std::size_t most_looks = 30'000'000;
-constexpr double most_cells_a_side = 2048;  // larger cells then
+constexpr double most_cells_a_side = 2048;  // if there would be more, cells are larger
 
 /// A short piece of a robot's way.
 struct Piece {
@@ -31,7 +31,8 @@ double parts_of(double length, double radius) {
   return std::max(1.0, std::ceil(length / (piece_radii * radius)));
 }
 
-/// The pieces of a move, which begins `along` metres along its robot's way; `along` moves on to its end.
+/// Calls fn for the pieces of a move that begins `along` metres along its robot's way. `along` advances to
+/// its end.
 template <class Fn>
 void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
   for (std::size_t k = 1; k < move.path.size(); ++k) {
@@ -46,8 +47,8 @@ void for_each_piece(const Move& move, double radius, double& along, Fn&& fn) {
   }
 }
 
-/// The pieces of others that come near one robot's way and may still make for a gate, by the square of the
-/// plane that their middle lies in.
+/// The pieces of other robots that come near one robot's way and may still cause a gate, by grid cell of
+/// their middle.
 class PiecesAround {
  public:
   struct Entry {
@@ -64,14 +65,14 @@ class PiecesAround {
         near_(columns_ * cells_over(box.upper.y() - box.lower.y()), false),
         first_(near_.size(), none) {}
 
-  /// The robot's own way comes along here.
+  /// Marks the cells around a point of the robot's own way.
   void mark_around(const Point2& p) {
     const std::size_t cell = cell_of(p);
     for (const std::size_t row : {cell - columns_, cell, cell + columns_}) {
       for (std::size_t k = row - 1; k <= row + 1; ++k) near_[k] = true;
     }
   }
-  /// From then on nothing more is kept.
+  /// Once this holds, no further piece is kept.
   bool exhausted() const { return pieces_.size() >= most_kept || looks_ >= most_looks; }
   void add(const Piece& piece) {
     if (exhausted()) return;
@@ -82,7 +83,7 @@ class PiecesAround {
     pieces_.push_back({piece.middle, piece.end, static_cast<std::uint32_t>(piece.robot), first_[cell]});
     first_[cell] = static_cast<std::uint32_t>(pieces_.size() - 1);
   }
-  /// `p`: on the own way. Those for which `settled(piece)` holds are let go: it must hold from then on.
+  /// `p`: a point of the own way. Pieces for which `settled(piece)` holds are removed; it must keep holding.
   template <class Settled, class Fn>
   void for_each_within_a_cell(const Point2& p, Settled&& settled, Fn&& fn) {
     const std::size_t cell = cell_of(p);
@@ -105,7 +106,7 @@ class PiecesAround {
  private:
   static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-  /// With one to spare on each side, and half of one for rounding.
+  /// Includes one spare cell on each side, and half a cell for rounding.
   std::size_t cells_over(double length) const { return static_cast<std::size_t>(length / cell_) + 4; }
   std::size_t cell_of(const Point2& p) const {
     return static_cast<std::size_t>((p.y() - lower_.y()) / cell_) * columns_ +
@@ -116,7 +117,7 @@ class PiecesAround {
   Point2 lower_;
   std::size_t columns_;
   std::vector<bool> near_;            ///< by cell
-  std::vector<std::uint32_t> first_;  ///< the same: the piece that came last
+  std::vector<std::uint32_t> first_;  ///< by cell: the piece that was added last
   std::vector<Entry> pieces_;
   std::size_t looks_ = 0;
 };
@@ -166,11 +167,11 @@ double pieces_of(std::span<const Move> moves, std::span<const double> radii) {
 
 std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii) {
   const double largest = *std::ranges::max_element(radii);
-  // Half of each piece's length is what a middle may be away from the piece's points.
+  // A piece's middle is up to half of its length away from the piece's points.
   const double inflated = (2 * stray_radii + piece_radii) * largest;
   const double nearest = radii[robot] + largest + inflated;
   const Box<2> box = box_around_way(robot, moves);
-  if (!(box.lower.x() <= box.upper.x())) return {};  // it has no moves
+  if (!(box.lower.x() <= box.upper.x())) return {};  // the robot has no moves
   PiecesAround around(box, nearest);
   double along_own = 0;
   for (const Move& move : moves) {
@@ -180,8 +181,8 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
 
   std::vector<Gate> gates;
   std::vector<double> along(radii.size(), 0.0);
-  std::vector<double> needed(radii.size(), 0.0);  // of each robot, by the gates so far
-  std::vector<std::size_t> rising;                // those of which the piece at hand needs more
+  std::vector<double> needed(radii.size(), 0.0);  // by robot: metres that the gates so far require
+  std::vector<std::size_t> rising;                // robots of which the current piece requires more
   const auto settled = [&](const auto& other) { return other.end <= needed[other.robot]; };
   const auto add_gates = [&](const Piece& piece) {
     rising.clear();
@@ -202,7 +203,7 @@ std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::
       gates.push_back({piece.begin, other, along[other]});
     }
   };
-  // In the plan's order: each piece of the own way finds those of earlier moves.
+  // In the plan's order, each piece of the own way finds the pieces of earlier moves.
   const auto own_last =
       std::find_if(moves.rbegin(), moves.rend(), [&](const Move& m) { return m.robot == robot; });
   for (const Move& move : moves.first(static_cast<std::size_t>(moves.rend() - own_last))) {

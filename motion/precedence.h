@@ -1,11 +1,13 @@
-// When a robot may go on along its part of a plan of moves (joint_plan.h), so that many move at once.
+// Decides when a robot may continue along its part of a joint plan (joint_plan.h), so that many robots move
+// at once.
 //
-// Wherever a robot's way comes near a way of another robot that the plan moves earlier, the plan's order is
-// kept: a gate on its way stays closed until the other has come far enough along its own. All gates point to
-// earlier moves, so the robot with the earliest unfinished move can always go: no cycle of waits exists,
-// however late anybody runs (the temporal plan graph of Hönig et al., "Multi-Agent Path Finding with
-// Kinematic Constraints", 2016, on continuous paths; order instead of times as in Čáp, Gregoire, Frazzoli,
-// "Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying Disturbances", 2016).
+// Where a robot's way comes near a way of another robot that the plan moves earlier, the plan's order is
+// kept: a gate on the robot's way stays closed until the other robot has come far enough along its own way.
+// All gates refer to earlier moves, so the robot with the earliest unfinished move can always drive: there is
+// no cycle of waits, however late a robot is (the temporal plan graph of Hönig et al., "Multi-Agent Path
+// Finding with Kinematic Constraints", 2016, on continuous paths; order instead of times as in Čáp, Gregoire,
+// Frazzoli, "Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying Disturbances",
+// 2016).
 //
 // Metres in the map frame.
 #pragma once
@@ -18,25 +20,25 @@
 
 namespace coppice {
 
-/// A robot's moves, one after the other: its way, in legs that end where it turns by a
-/// right angle or more. Empty if it has none.
+/// The way of a robot: its moves one after the other, in legs that end where it turns by a right angle or
+/// more. Empty if the robot has no moves.
 std::vector<Path> legs_of(std::size_t robot, std::span<const Move> moves);
 
 struct Gate {
-  double at = 0;          ///< metres along the own way: not to be passed before
-  std::size_t robot = 0;  ///< this one has come
-  double needed = 0;      ///< so many metres along its own way
+  double at = 0;          ///< metres along the own way; the robot must not pass this point
+  std::size_t robot = 0;  ///< before this other robot
+  double needed = 0;      ///< has come so many metres along its own way
 };
 
-/// Nobody strays further from its way than this, in radii.
+/// Radii by which a robot may stray from its way.
 inline constexpr double stray_radii = 0.04;
 
-/// How many pieces ways are cut into, to see where they come near each other.
+/// Number of pieces into which the ways are cut in order to see where they come near each other.
 double pieces_of(std::span<const Move> moves, std::span<const double> radii);
 
-/// The gates on the way of `robot`, first to last. Ways count as near where discs that stray might touch.
-/// If that takes too long to find out, it waits for all earlier moves from there on: of 10 million pieces at
-/// most half a second and 80 MB.
+/// The gates on the way of `robot`, first to last. Two ways count as near where discs that stray could touch.
+/// If the computation reaches its limits, the robot waits for all earlier moves from there on: 10 million
+/// pieces take at most 0.5 s and 80 MB.
 std::vector<Gate> gates_of(std::size_t robot, std::span<const Move> moves, std::span<const double> radii);
 
 }  // namespace coppice

@@ -10,10 +10,10 @@ namespace coppice {
 
 namespace {
 
-// Kept between two robots beyond their radii, metres: more than all rounding between sender, bus and record.
+// Metres between two robots beyond their radii: more than all rounding between sender, bus and record.
 constexpr double margin = 0.001;
 
-/// Whether a disc moving from a0 to a1 between the times t0 and t1 stays clear of a neighbour.
+/// Whether a disc that moves from a0 to a1 between the times t0 and t1 stays clear of a neighbour.
 class NeighbourRegion {
  public:
   NeighbourRegion(const Neighbour& neighbour, double own_radius, double period)
@@ -24,7 +24,7 @@ class NeighbourRegion {
         at_expiry_(n_.commitment.position_at_expiry()) {}
 
   bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {
-    // The commitment bends at `turn` and ends at `expiry`: look at each part of the interval by itself.
+    // The commitment bends at `turn` and ends at `expiry`: each part of the interval is checked by itself.
     double begin = t0;
     Point2 from = a0;
     for (const double cut : {n_.commitment.turn, n_.commitment.expiry, t1}) {
@@ -39,8 +39,9 @@ class NeighbourRegion {
   }
 
  private:
-  /// How far a robot may be from where its velocity would have taken it: that changes by a period's worth of
-  /// acceleration at the beginning of each period, so the distance grows linearly in between.
+  /// Metres by which a robot may be away from where its velocity would have taken it. The velocity changes at
+  /// the beginning of each period by at most the acceleration times the period, so the distance grows
+  /// linearly in between.
   double drift_within(double seconds) const {
     const double begun = std::floor(seconds / period_);
     const double periods = begun * (begun + 1) / 2 + (begun + 1) * (seconds / period_ - begun);
@@ -52,13 +53,13 @@ class NeighbourRegion {
     const double committed_speed = std::max(c.velocity.norm(), c.next_velocity.norm());
     if (t1 + e <= c.expiry) {
       const Point2 from = committed(t0);
-      // One that stands may have been found to stand a hair too close: there is a way out.
+      // A standing neighbour may stand closer than `reach_` by rounding. The robot may then still move away.
       const bool stands = committed_speed == 0 && !n_.doubtful;
       const double least = stands ? std::min(reach_, (a0 - from).norm()) : reach_ + e * committed_speed;
       return closest_approach(a0, a1, from, committed(t1)) >= least;
     }
     const double since = t1 + e - c.expiry;
-    // Before its turn it may still have had its old velocity.
+    // With a clock error, the neighbour may still have its old velocity around its turn.
     const double before_turn = t0 < c.turn ? c.turn - c.stamp : std::min(e, c.turn - c.stamp);
     const double turned = e > 0 ? before_turn * (c.next_velocity - c.velocity).norm() : 0;
     const double drift = drift_within(since) + e * committed_speed + turned;
@@ -83,7 +84,7 @@ class NeighbourRegion {
   Point2 at_expiry_;
 };
 
-/// Metres that a neighbour may be from where it was at its stamp, until `end`.
+/// Metres that a neighbour may be away from its position at its stamp, until time `end`.
 double furthest_from_its_stamp(const Neighbour& n, double end) {
   const Commitment& c = n.commitment;
   const double committed = std::max(0.0, std::min(end, c.expiry) - c.stamp);

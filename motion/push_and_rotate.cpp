@@ -11,12 +11,13 @@ namespace coppice {
 namespace {
 
 constexpr int most_attempts = 12;
-constexpr int attempts_at_a_spacing = 4;  // then the lattice becomes finer
-constexpr std::size_t moves_a_robot = 8;  // in one attempt, on average: beyond, it runs in circles
-constexpr int most_depth = 12;            // of robots that wait for each other to clear a way
-constexpr double elbow_room = 2.5;        // radii between two robots that are not in each other's way
+constexpr int attempts_at_a_spacing = 4;  // after so many attempts, the lattice becomes finer
+// Moves per robot in one attempt, on average; beyond, the attempt runs in circles.
+constexpr std::size_t moves_a_robot = 8;
+constexpr int most_depth = 12;      // robots that wait for each other to clear a way
+constexpr double elbow_room = 2.5;  // radii between two robots that are not in each other's way
 constexpr std::size_t most_routes_a_step = 24;
-constexpr std::size_t most_effort = 40'000'000;  // lattice vertices looked at or marked: a few seconds
+constexpr std::size_t most_effort = 40'000'000;  // lattice vertices examined or marked: a few seconds
 
 }  // namespace
 
@@ -35,7 +36,7 @@ void PushAndRotate::begin_attempt() {
   priority_.resize(tasks_.size());
   std::iota(priority_.begin(), priority_.end(), std::size_t{0});
   if (attempts_ == 0) {
-    // Whoever has the shortest way makes room first.
+    // Robots with short ways make room first.
     std::ranges::stable_sort(priority_, std::less{}, [&](std::size_t i) { return length_of(direct_[i]); });
   } else {
     shuffle(priority_, random_);
@@ -43,8 +44,8 @@ void PushAndRotate::begin_attempt() {
   }
 }
 
-/// Gives robots that stand in a clinch elbow room: some of those that are under way step back to the nearest
-/// place with nobody close by. In a clinch, each blocks the very moves by which the other would make way.
+/// Gives robots in a clinch elbow room: some of those that are under way step back to the nearest position
+/// with no robot close by. In a clinch, each robot blocks the very moves by which the other would make way.
 void PushAndRotate::spread_out() {
   for (const std::size_t i : priority_) {
     if (!wants_to_move(i) || random_.uniform() < 0.5) continue;
@@ -61,7 +62,7 @@ void PushAndRotate::spread_out() {
   }
 }
 
-/// Keeps the attempt's result if it is the best so far, and goes on with the next.
+/// Keeps the attempt's result if it is the best so far, and begins the next attempt.
 void PushAndRotate::end_attempt() {
   JointPlan plan{moves_, {}};
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
@@ -89,7 +90,7 @@ std::vector<Disc> PushAndRotate::others(std::size_t robot) const {
   return discs;
 }
 
-/// The other robots, apart by whether they may be asked to give way.
+/// The other robots, divided by whether they may be asked to give way.
 PushAndRotate::Discs PushAndRotate::discs_around(std::size_t robot,
                                                  const std::vector<std::size_t>& fixed) const {
   Discs discs;
@@ -124,7 +125,7 @@ bool PushAndRotate::step() {
   return done_;
 }
 
-/// Moves the first robot that has a way to its goal and shuts nobody in there.
+/// Moves the first robot that has a way to its goal and shuts no robot in there.
 bool PushAndRotate::move_directly() {
   std::size_t routes = 0;
   for (const std::size_t i : priority_) {
@@ -139,7 +140,8 @@ bool PushAndRotate::move_directly() {
   return false;
 }
 
-/// Whether a robot at its goal would part another one from its own, those that are under way not counted.
+/// Whether a robot at its goal would cut another robot off from its own goal; robots under way do not count
+/// as obstacles.
 bool PushAndRotate::shuts_in(std::size_t robot) {
   std::vector<Disc> standing{{*tasks_[robot].goal, tasks_[robot].radius}};
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
@@ -153,7 +155,7 @@ bool PushAndRotate::shuts_in(std::size_t robot) {
     for (std::size_t k = i; k < tasks_.size(); ++k) {
       if (k == robot || !wants_to_move(k) || tasks_[k].radius != tasks_[i].radius) continue;
       const bool goal = own.flooded(*tasks_[k].goal);
-      // Without the others that are under way: their place now says nothing about where they will be.
+      // Robots under way are left out: their present positions do not tell where they will be.
       if (!goal) continue;
       seen[k] = true;
       if (!own.flooded(at_[k])) return true;
@@ -163,7 +165,7 @@ bool PushAndRotate::shuts_in(std::size_t robot) {
   return false;
 }
 
-/// Sends away those who stand in the way of one robot, and moves it.
+/// Sends away the robots in the way of one robot, and moves it.
 bool PushAndRotate::clear_a_way() {
   struct Candidate {
     std::size_t robot;
@@ -201,7 +203,7 @@ bool PushAndRotate::clear_a_way() {
   return false;
 }
 
-/// Evacuates everybody who stands on `way` of `robot`; those `waiting` stay where they are.
+/// Evacuates all robots that stand on `way` of `robot`. The robots in `waiting` stay where they are.
 bool PushAndRotate::clear(std::size_t robot, const Path& way, std::vector<Sweep>& keep_clear,
                           std::vector<std::size_t>& waiting, int depth) {
   if (depth > most_depth) return false;
@@ -212,7 +214,7 @@ bool PushAndRotate::clear(std::size_t robot, const Path& way, std::vector<Sweep>
     const Discs discs = discs_around(robot, waiting);
     std::vector<std::size_t> blockers = finder(robot).blockers(way, discs.movable);
     if (blockers.empty()) break;
-    // Whoever can get out by itself goes first.
+    // Robots that can leave without help go first.
     cleared = std::ranges::any_of(blockers, [&](std::size_t b) {
       return evacuate(discs.movable_robot[b], keep_clear, waiting, most_depth);
     });
@@ -229,7 +231,7 @@ bool PushAndRotate::clear(std::size_t robot, const Path& way, std::vector<Sweep>
   return cleared;
 }
 
-/// Sends a robot to a place off the sweeps to be kept clear; below the greatest depth, others may be sent
+/// Sends a robot to a position off the sweeps to be kept clear. Below the greatest depth, others may be sent
 /// away first.
 bool PushAndRotate::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
                              std::vector<std::size_t>& waiting, int depth) {
@@ -238,7 +240,8 @@ bool PushAndRotate::evacuate(std::size_t robot, std::vector<Sweep>& keep_clear,
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if (i != robot && wants_to_move(i)) avoid.push_back({direct_[i], tasks_[i].radius});
   }
-  // Where it has been already it was sent away from: to come back there is to run in circles.
+  // The robot was sent away from its earlier positions: if it came back there, the attempt would run in
+  // circles.
   for (const Point2& p : stood_[robot]) avoid.push_back({{p, p}, tasks_[robot].radius});
   if (depth == most_depth) {
     Path path = finder(robot).refuge(at_[robot], others(robot), {}, keep_clear, avoid);

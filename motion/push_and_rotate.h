@@ -1,10 +1,9 @@
 // A joint plan (joint_plan.h) for small and intricate puzzles, and for robots of several sizes.
 //
-// It is found by search: whoever can reach its goal past the others and shuts nobody in goes; where nobody
-// can, somebody's way is cleared by sending those that stand in it to refuges, which may mean to clear the
-// way of these first (as in Push and Rotate: de Wilde, ter Mors, Witteveen, 2014, in continuous space).
-// Robots at their goals give way like any other and return. Attempts that lead nowhere are begun anew with
-// other priorities.
+// The search moves each robot that can reach its goal past the others and shuts no robot in. If no robot can,
+// it clears the way of one robot by sending those in the way to refuges; their ways may have to be cleared
+// first (as in Push and Rotate: de Wilde, ter Mors, Witteveen, 2014, in continuous space). Robots at their
+// goals give way like any other and return. Attempts that fail are repeated with other priorities.
 //
 // Metres in the map frame.
 #pragma once
@@ -21,12 +20,13 @@ namespace coppice {
 
 class PushAndRotate {
  public:
-  /// `field` outlives it. A robot that could not even reach its goal alone is stranded from the start.
+  /// `field` must outlive it. A robot that could not reach its goal even if it were alone is stranded from
+  /// the start.
   PushAndRotate(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
-  /// A bounded amount of work: some tens of route searches. True once the plan is there.
+  /// Does a bounded amount of work, some tens of route searches. Returns true once the plan is complete.
   bool step();
-  /// The first plan that strands nobody without need, or else the one that strands the fewest.
+  /// The first plan that strands no robot without need, or else the plan that strands the fewest.
   const JointPlan& plan() const { return best_; }
 
  private:
@@ -37,7 +37,7 @@ class PushAndRotate {
   };
 
   RouteFinder& finder(std::size_t robot) { return finders_.of(tasks_[robot].radius); }
-  /// It can reach its goal when alone.
+  /// Whether the robot could reach its goal if it were alone.
   bool hopeful(std::size_t robot) const { return !direct_[robot].empty(); }
   bool at_goal(std::size_t robot) const { return at_[robot] == tasks_[robot].goal.value_or(at_[robot]); }
   bool wants_to_move(std::size_t robot) const { return hopeful(robot) && !at_goal(robot); }
@@ -58,15 +58,16 @@ class PushAndRotate {
   std::vector<JointTask> tasks_;
   Random random_;
   RouteFinders finders_;
-  std::vector<Path> direct_;  ///< each robot's way from its first position, alone; empty: it has none
+  /// Each robot's way from its first position if it were alone; empty: it has none.
+  std::vector<Path> direct_;
 
   int attempts_ = 0;
   bool done_ = false;
   std::vector<Point2> at_;
-  std::vector<Path> stood_;  ///< where each robot has already been in this attempt
+  std::vector<Path> stood_;  ///< the positions at which each robot has already been in this attempt
   std::vector<Move> moves_;
   std::vector<std::size_t> priority_;
-  std::vector<bool> tried_;  ///< in vain since anybody last moved
+  std::vector<bool> tried_;  ///< whether a direct move was tried in vain since a robot last moved
   std::optional<JointPlan> found_;
   JointPlan best_;
 };

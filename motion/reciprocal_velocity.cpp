@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-constexpr double precision = 1e-9;  // m/s, and m where obstacles are compared
+constexpr double precision = 1e-9;  // m/s, and m in comparisons of obstacles
 
 double cross(const Point2& a, const Point2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -22,12 +22,12 @@ Point2 right_of(const Point2& v) {
   return {v.y(), -v.x()};
 }
 
-/// Away from the forbidden side.
+/// The normal that points away from the forbidden side.
 Point2 inward(const HalfPlane& plane) {
   return left_of(plane.direction);
 }
 
-/// v / |v|; where v is too small to have a direction, the second choice, and then x.
+/// v / |v|. If v is too small to have a direction, the direction of `otherwise`, and then x.
 Point2 direction_of(const Point2& v, const Point2& otherwise) {
   constexpr double nothing = std::numeric_limits<double>::min();
   if (const double length = v.norm(); length > nothing) return v / length;
@@ -35,21 +35,22 @@ Point2 direction_of(const Point2& v, const Point2& otherwise) {
   return Point2::UnitX();
 }
 
-/// The smallest change that brings a relative velocity out of the obstacle, and where outside is.
+/// The smallest change that brings a relative velocity out of the velocity obstacle, and the outward normal
+/// there.
 struct WayOut {
   Point2 change;
   Point2 normal;
 };
 
-/// Out of the disc of velocities that lead to an overlap exactly after `time`.
+/// The way out of the disc of velocities that lead to an overlap exactly after `time`.
 WayOut out_of_disc(const Point2& offset, const Point2& velocity, double radius, double time) {
   const Point2 from_centre = velocity - offset / time;
   const Point2 normal = direction_of(from_centre, -offset);
   return {(radius / time - from_centre.norm()) * normal, normal};
 }
 
-/// Over the nearer leg of the cone of velocities that ever lead to an overlap. Straight ahead counts as
-/// right, for both discs.
+/// The way over the nearer leg of the cone of velocities that lead to an overlap at any time. Straight ahead
+/// counts as right, for both discs.
 WayOut over_leg(const Point2& offset, const Point2& velocity, double radius) {
   const double squared = offset.squaredNorm();
   const double leg = std::sqrt(squared - radius * radius);
@@ -63,14 +64,14 @@ WayOut way_out(const Point2& offset, const Point2& velocity, double radius, doub
                double time_step) {
   const double squared = offset.squaredNorm();
   if (squared <= radius * radius) return out_of_disc(offset, velocity, radius, time_step);
-  // The truncated cone ends in a disc; its cap lies between the points where the legs touch it.
+  // The truncated cone ends in a disc. Its cap lies between the points where the legs touch the disc.
   const Point2 from_centre = velocity - offset / horizon;
   const double ahead = from_centre.dot(offset);
   const bool at_cap = ahead < 0 && ahead * ahead > radius * radius * from_centre.squaredNorm();
   return at_cap ? out_of_disc(offset, velocity, radius, horizon) : over_leg(offset, velocity, radius);
 }
 
-/// What is asked of the best velocity: to be nearest to a target ...
+/// An aim of the optimisation: the velocity nearest to a target.
 struct NearestTo {
   Point2 target;
   Point2 within(double max_speed) const {
@@ -82,7 +83,7 @@ struct NearestTo {
   }
 };
 
-/// ... or furthest along a direction.
+/// An aim of the optimisation: the velocity furthest along a direction.
 struct FurthestAlong {
   Point2 direction;
   Point2 within(double max_speed) const { return max_speed * direction; }
@@ -104,7 +105,7 @@ std::optional<Point2> best_on_line(const HalfPlane& line, const Aim& aim, double
   for (std::size_t k = 0; k < count; ++k) {
     const HalfPlane plane = at(k);
     const double room = -violation(plane, line.point);
-    const double loss = cross(line.direction, plane.direction);  // of room, for each m/s along the line
+    const double loss = cross(line.direction, plane.direction);  // loss of room for each m/s along the line
     if (std::abs(loss) <= precision) {
       if (room < -precision) return std::nullopt;
       continue;
@@ -121,11 +122,11 @@ std::optional<Point2> best_on_line(const HalfPlane& line, const Aim& aim, double
 
 struct Optimum {
   Point2 velocity;
-  std::size_t held;  // the half planes before this one hold; the velocity is the best for them
+  std::size_t held;  // the half planes before this index hold; the velocity is the best for them
 };
 
-/// The best velocity within max_speed and at(0), ..., at(count - 1), or within as many of them, from the
-/// first on, as can hold together.
+/// The best velocity within max_speed and at(0), ..., at(count - 1). If these cannot hold together, the best
+/// within as many of the first ones as can.
 template <class Aim, class PlaneAt>
 Optimum best_within(const Aim& aim, double max_speed, std::size_t count, const PlaneAt& at) {
   Point2 best = aim.within(max_speed);
@@ -139,12 +140,13 @@ Optimum best_within(const Aim& aim, double max_speed, std::size_t count, const P
   return {best, count};
 }
 
-/// The velocities, up to max_speed, that violate `one` no more than `other`.
+/// The half plane of the velocities, up to max_speed, that violate `one` no more than `other`.
 HalfPlane no_worse(const HalfPlane& one, const HalfPlane& other, double max_speed) {
   const Point2 difference = inward(one) - inward(other);
   const double length = difference.norm();
   if (length <= precision) {
-    // Parallel, and `one` holds better everywhere, for `other` is looked at because it was violated more.
+    // The planes are parallel, and `one` holds better everywhere: `other` is examined because it was violated
+    // more.
     return {-max_speed * inward(one), one.direction};
   }
   const Point2 normal = difference / length;
@@ -152,8 +154,8 @@ HalfPlane no_worse(const HalfPlane& one, const HalfPlane& other, double max_spee
   return {offset * normal, right_of(normal)};
 }
 
-/// Starts from a velocity within the hard half planes and the soft ones before `first`; ends within the hard
-/// ones, with the largest violation of a soft one as small as possible.
+/// Starts from a velocity within the hard half planes and within the soft ones before `first`. Returns one
+/// within the hard half planes for which the largest violation of a soft one is as small as possible.
 Point2 least_violating(Point2 velocity, double max_speed, std::span<const HalfPlane> hard,
                        std::span<const HalfPlane> soft, std::size_t first) {
   double worst = 0;
@@ -164,14 +166,16 @@ Point2 least_violating(Point2 velocity, double max_speed, std::span<const HalfPl
     };
     const std::size_t count = hard.size() + i;
     const Optimum least = best_within(FurthestAlong{inward(soft[i])}, max_speed, count, at);
-    // The velocity so far is within them all but for rounding: where no better one is found, it is the best.
+    // The current velocity lies within all of them except for rounding. If no better one is found, it is the
+    // best.
     if (least.held == count) velocity = least.velocity;
     worst = violation(soft[i], velocity);
   }
   return velocity;
 }
 
-/// A tangent of the free region around p: what is blocked lies at or beyond `distance` along the normal.
+/// A tangent of the free region around p: blocked cells lie at or beyond `distance` (metres) along the
+/// normal.
 struct Tangent {
   Point2 normal;
   double distance;
@@ -182,7 +186,8 @@ struct Tangent {
   }
 };
 
-/// Not to reach the tangent with the disc's edge. Of a tangent that cuts the disc it would ask to back off.
+/// The half plane of velocities that keep the disc behind the tangent. If the tangent cuts the disc, this
+/// would ask the disc to back off.
 HalfPlane half_plane_of(const Tangent& tangent, double radius, double horizon) {
   return {(tangent.distance - radius) / horizon * tangent.normal, left_of(tangent.normal)};
 }
@@ -192,7 +197,8 @@ Tangent tangent_of(const HalfPlane& plane, double radius, double horizon) {
   return {normal, radius + horizon * plane.point.dot(normal)};
 }
 
-/// A blocked square near p: nearer ones come first, and among equals the one that is met first.
+/// A blocked square near p. Nearer squares come first; squares at equal distance keep the order in which they
+/// are found.
 struct Candidate {
   double squared_distance;
   std::size_t number;
@@ -223,7 +229,7 @@ void append_border(const Box<2>& bounds, const Point2& p, double radius, double 
   append(bounds.upper.y() - p.y(), Point2::UnitY());
 }
 
-/// The next square after `last`, within `range`, that none of the tangents of `planes` hides.
+/// The next square after `last`, within `range`, that no tangent of `planes` hides.
 std::optional<Candidate> next_unhidden(const ClearanceField& field, const Point2& p, double radius,
                                        double range, double horizon, const Candidate& last,
                                        std::span<const HalfPlane> planes) {
@@ -280,7 +286,8 @@ Point2 safe_velocity(const Point2& preferred, double max_speed, std::span<const 
   const std::size_t count = hard.size() + soft.size();
   const Optimum nearest = best_within(NearestTo{preferred}, max_speed, count, at);
   if (nearest.held == count) return nearest.velocity;
-  // The hard ones share standing still; rounding alone can make them seem not to.
+  // Standing still is within all hard half planes. Only rounding can make them seem to have no common
+  // velocity.
   if (nearest.held < hard.size()) return Point2::Zero();
   return least_violating(nearest.velocity, max_speed, hard, soft, nearest.held - hard.size());
 }

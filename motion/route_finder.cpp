@@ -16,13 +16,16 @@ namespace coppice {
 
 namespace {
 
-// Beyond the radii, as a share of the own one: what a robot that follows its route may stray by.
+// Share of the own radius that is kept clear beyond the radii: how far a robot that follows its route may
+// stray.
 constexpr double comfort = 0.1;
-constexpr double crossing_factor = 8;    // of the length, where a route leads through a disc that may move
-constexpr double avoided_detour = 30;    // radii that a refuge may be further away for lying in nobody's way
-constexpr double rounding = 1e-9;        // metres
-constexpr double most_vertices = 1.5e6;  // of a lattice that is to find what a coarser one did not: 40 MB
-constexpr int most_reach = 16;  // columns and rows on each side, of what an end of a route is linked to
+constexpr double crossing_factor = 8;  // factor of length where a route leads through a disc that may move
+// Radii by which a refuge may be further away if it lies in no robot's way.
+constexpr double avoided_detour = 30;
+constexpr double rounding = 1e-9;  // metres
+// Limit of a lattice that is to find what a coarser one did not: 40 MB.
+constexpr double most_vertices = 1.5e6;
+constexpr int most_reach = 16;  // columns and rows on each side to which an end of a route is linked
 
 /// The free space without the discs that stand in it.
 template <class Obstacle>
@@ -48,13 +51,13 @@ RouteFinder::RouteFinder(const ClearanceField& field, double radius, double spac
     : field_(field),
       radius_(radius),
       lattice_(field, radius, spacing),
-      labels_(lattice_.size() + 1),  // the last one is the goal
+      labels_(lattice_.size() + 1),  // the last label is the goal's
       marked_(lattice_.size(), 0),
       mark_(lattice_.size(), 0) {}
 
 void RouteFinder::begin_search() {
   if (++search_ != 0) return;
-  // The count has wrapped round: no label may look like one of this search.
+  // The counter has wrapped around: no label may seem to belong to this search.
   std::ranges::fill(marked_, 0);
   std::ranges::fill(labels_, Label{});
   search_ = 1;
@@ -69,8 +72,8 @@ void RouteFinder::mark(const Point2& a, const Point2& b, double distance, Mark w
   });
 }
 
-/// So far around that no edge between vertices without a mark comes closer than the distance: half of the
-/// longest, a diagonal, is the spacing over the root of two.
+/// Marks vertices so far around that no edge between unmarked vertices comes closer than the distance. The
+/// longest edge is a diagonal; half of it is the spacing over the root of two.
 void RouteFinder::mark_walls(std::span<const Obstacle> walls) {
   for (const Obstacle& o : walls)
     mark(o.centre, o.centre, std::hypot(o.distance, spacing() / std::numbers::sqrt2), wall);
@@ -78,7 +81,8 @@ void RouteFinder::mark_walls(std::span<const Obstacle> walls) {
 
 std::vector<RouteFinder::Obstacle> RouteFinder::obstacles(std::span<const Disc> discs, const Point2& from,
                                                           const std::optional<Point2>& to) const {
-  // Where an end lies closer to a disc than is comfortable, the way there may use up half of what is left.
+  // If an end of the route is closer to a disc than is comfortable, the route may use up half of the
+  // remaining gap.
   const auto at_end = [&](const Point2& end, const Disc& disc, double touching) {
     const double gap = (end - disc.centre).norm() - touching;
     return touching + (gap > 0 ? gap / 2 : gap);
@@ -95,9 +99,9 @@ std::vector<RouteFinder::Obstacle> RouteFinder::obstacles(std::span<const Disc> 
   return result;
 }
 
-/// Calls fn(vertex, metres) for the vertices around p that lead there in a straight line. Where none of the
-/// nearest does, it is those further away: who stands in a clinch may have but a narrow way out, between two
-/// of the nearest.
+/// Calls fn(vertex, metres) for the vertices around p that see p in a straight line. If none of the nearest
+/// does, vertices further away are tried: a robot in a clinch may have only a narrow way out between two of
+/// the nearest.
 template <class Fn>
 void RouteFinder::for_each_link(const Point2& p, std::span<const Obstacle> obstacles, Fn&& fn) {
   const SpaceWithDiscs<Obstacle> space{field_, obstacles};
@@ -111,14 +115,14 @@ void RouteFinder::for_each_link(const Point2& p, std::span<const Obstacle> obsta
   }
 }
 
-/// Calls fn(vertex, metres) for the vertices that an edge leads to.
+/// Calls fn(vertex, metres) for the neighbours to which a free edge leads.
 template <class Fn>
 void RouteFinder::for_each_neighbour(Vertex v, Fn&& fn) {
   lattice_.for_each_neighbour(
       v, [&](Vertex w) { return passable(w); }, fn);
 }
 
-/// A* to the goal's place, or Dijkstra's search to the nearest place that no mark forbids.
+/// A* to the goal's position, or Dijkstra's search for the nearest position that no mark forbids.
 Path RouteFinder::search(const Point2& from, const Goal& goal, std::span<const Obstacle> walls) {
   using Entry = std::pair<float, Vertex>;
   const auto target = static_cast<Vertex>(labels_.size() - 1);

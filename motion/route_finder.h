@@ -1,8 +1,8 @@
-// Shortest routes of one disc among obstacles and other discs that stand: the building block of plans in
-// which robots move one after the other (joint_plan.h).
+// Shortest routes of one disc among obstacles and other, standing discs. Plans in which robots move one after
+// the other (joint_plan.h) are made of them.
 //
-// A* (Hart, Nilsson, Raphael, 1968) on a square lattice over the free space (lattice.h); then shortened. What
-// does not lie on the lattice is linked to it by exact checks.
+// A* (Hart, Nilsson, Raphael, 1968) on a square lattice over the free space (lattice.h); the route is then
+// shortened. Points off the lattice are linked to it by exact checks.
 //
 // Metres in the map frame.
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace coppice {
 
-/// What a disc sweeps that moves along a path.
+/// The area that a disc covers as it moves along a path.
 struct Sweep {
   Path path;
   double radius = 0;
@@ -27,38 +27,38 @@ struct Sweep {
 
 class RouteFinder {
  public:
-  /// For a disc of `radius` on `field`, which outlives it; lattice.h says what becomes of `spacing`.
+  /// Routes of a disc of `radius` (metres) on `field`, which must outlive it. lattice.h tells how `spacing`
+  /// (metres) is rounded.
   RouteFinder(const ClearanceField& field, double radius, double spacing);
 
   double spacing() const { return lattice_.spacing(); }
-  /// Vertices that all searches have looked at, or marked.
+  /// Number of vertices that all searches have examined or marked.
   std::size_t effort() const { return effort_; }
 
-  /// From one place to another, past discs that stand. Keeps a comfortable distance where the ends allow it.
-  /// Empty if there is none on this lattice, or if a disc stands on the goal.
+  /// The route from one position to another past standing discs. It keeps a comfortable distance if the ends
+  /// allow that. Empty if there is none on this lattice, or if a disc stands on the goal.
   Path route(const Point2& from, const Point2& to, std::span<const Disc> discs);
 
-  /// The same, but through the `movable` discs where that is much shorter than around them; past the others.
+  /// The route past `discs`, but through the `movable` discs where that is much shorter than around them.
   Path route_through(const Point2& from, const Point2& to, std::span<const Disc> discs,
                      std::span<const Disc> movable);
 
-  /// To the nearest place outside of the sweeps; through the `movable` discs if need be, past the others.
-  /// Places inside of `avoid` count as further away.
+  /// The route to the nearest position outside of the sweeps, past `discs`, and through `movable` discs if
+  /// need be. Positions inside of `avoid` count as further away.
   Path refuge(const Point2& from, std::span<const Disc> discs, std::span<const Disc> movable,
               std::span<const Sweep> sweeps, std::span<const Sweep> avoid);
 
-  /// To the nearest place past discs that stand for which wanted() holds; it is asked about each once, the
-  /// nearest first.
+  /// The route past standing discs to the nearest position for which wanted() holds. wanted() is called once
+  /// for each position, the nearest first.
   Path to_nearest(const Point2& from, std::span<const Disc> discs,
                   const std::function<bool(const Point2&)>& wanted);
 
-  /// Whether places are connected past discs that stand: everything that can be reached from one place.
-  /// Returns how many vertices of the lattice that are.
+  /// Finds all vertices that can be reached from a position past standing discs. Returns their number.
   std::size_t flood(const Point2& from, std::span<const Disc> discs);
-  /// Whether the last flood came to `place`.
+  /// Whether the last flood reached `place`.
   bool flooded(const Point2& place);
 
-  /// The discs that a robot on `path` would touch, or come nearer to than route() would.
+  /// The discs that a robot on `path` would touch, or to which it would come nearer than route() does.
   std::vector<std::size_t> blockers(const Path& path, std::span<const Disc> discs) const;
 
  private:
@@ -69,15 +69,16 @@ class RouteFinder {
     Vertex parent = 0;
     float cost = 0;
   };
-  struct Obstacle {  ///< a disc, with the distance that this robot's centre keeps from its centre
+  struct Obstacle {  ///< a disc, with the distance that this robot's centre keeps from the disc's centre
     Point2 centre;
     double distance;
   };
   enum Mark : std::uint8_t { wall = 1, crossing = 2, swept = 4, avoided = 8 };
   struct Goal {
-    std::optional<Point2> place{};  ///< none: the nearest vertex that no mark forbids, and that is wanted
+    std::optional<Point2> place{};  ///< none: the nearest vertex that no mark forbids and that is wanted
     double detour_of_avoided = 0;
-    const std::function<bool(const Point2&)>* wanted = nullptr;  ///< of such a vertex; null: any
+    /// Whether such a vertex is wanted; null: any is.
+    const std::function<bool(const Point2&)>* wanted = nullptr;
   };
 
   std::uint8_t marks(Vertex v) const { return marked_[v] == search_ ? mark_[v] : 0; }
@@ -100,23 +101,22 @@ class RouteFinder {
   std::uint32_t search_ = 0;
   std::size_t effort_ = 0;
   std::vector<Label> labels_;
-  std::vector<std::uint32_t> marked_;  ///< by which search
+  std::vector<std::uint32_t> marked_;  ///< by vertex: number of the search that marked it
   std::vector<std::uint8_t> mark_;
 };
 
-/// A spacing at which lattice searches are quick and few passages are missed: metres, for a robot of
-/// `radius`.
+/// A spacing, metres, for a robot of `radius`, at which lattice searches are fast and miss few passages.
 inline double usual_spacing(double radius) {
   return 0.4 * radius;
 }
 
 struct SpacedRoute {
   Path path;     ///< empty: none on any lattice
-  double share;  ///< of the usual spacing
+  double share;  ///< share of the usual spacing
 };
 
-/// The route on the coarsest lattice that holds one, of `share` of the usual spacing, half of it, and so on
-/// down to half a cell, or to as many vertices as are looked through at once.
+/// The route on the coarsest lattice that holds one. The spacing is `share` of the usual one, then half of
+/// that, and so on, down to half a cell or to the largest number of vertices that is searched.
 SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
                            std::span<const Disc> discs, double share);
 

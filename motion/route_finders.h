@@ -1,4 +1,4 @@
-// Route finders for robots of several sizes on one field, and who can reach its goal at all.
+// Route finders for robots of several sizes on one field, and the robots' ways to their goals.
 #pragma once
 
 #include <cstddef>
@@ -13,27 +13,26 @@ namespace coppice {
 
 class RouteFinders {
  public:
-  /// `field` outlives it.
+  /// `field` must outlive it.
   explicit RouteFinders(const ClearanceField& field) : field_(field) {}
 
-  /// For a disc of `radius`, on a lattice of share() of the usual spacing.
+  /// The route finder of discs of `radius`, on a lattice of share() of the usual spacing.
   RouteFinder& of(double radius);
   double share() const { return share_; }
-  /// From now on the lattices are of this share. What of() gave is no more.
+  /// Sets the share of all lattices. References that of() has returned become invalid.
   void refine(double share);
-  /// Lattice vertices that all of them have looked at.
+  /// Number of lattice vertices that all finders have examined or marked.
   std::size_t effort() const;
 
  private:
   const ClearanceField& field_;
   double share_ = 1;
   std::map<double, RouteFinder> finders_;  ///< by radius
-  std::size_t effort_before_ = 0;          ///< on finders that are no more
+  std::size_t effort_before_ = 0;          ///< effort of finders that were removed
 };
 
-/// Each robot's way to its goal if it were alone with those that are not movable; empty: it has none, or does
-/// not want to go anywhere. The lattices become finer until all are found that there are, or as fine as they
-/// get.
+/// Each robot's way to its goal if it were alone with the robots that are not movable. Empty if it has none,
+/// or no goal. The lattices become finer until all existing ways are found, or the finest lattice is reached.
 std::vector<Path> ways_alone(const ClearanceField& field, std::span<const JointTask> tasks,
                              RouteFinders& finders);
 

@@ -7,16 +7,16 @@
 
 namespace coppice {
 
-/// A robot that stands.
+/// A standing robot.
 struct Disc {
   Point2 centre = Point2::Zero();
   double radius = 0;
 };
 
-/// Standing robots are kept this far apart beyond their radii: more than motion/promise.h keeps.
+/// Metres that plans keep between standing robots beyond their radii: more than motion/promise.h keeps.
 inline constexpr double standing_gap = 0.0011;
 
-/// Least distance between two points that move linearly from a0 to a1 and from b0 to b1 in the same time.
+/// The least distance between two points that move linearly from a0 to a1 and from b0 to b1 in the same time.
 inline double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {
   const Point2 gap = a0 - b0;
   const Point2 change = (a1 - b1) - gap;
@@ -25,12 +25,12 @@ inline double closest_approach(const Point2& a0, const Point2& a1, const Point2&
   return (gap + share * change).norm();
 }
 
-/// Distance from p to the segment from a to b.
+/// The distance from p to the segment from a to b.
 inline double point_segment_distance(const Point2& p, const Point2& a, const Point2& b) {
   return closest_approach(p, p, a, b);
 }
 
-/// Distance between a point and the nearest of a path's segments.
+/// The distance from a point to the nearest of a path's segments. `path` must not be empty.
 inline double point_path_distance(const Point2& p, const Path& path) {
   double least = (p - path.front()).norm();
   for (std::size_t k = 1; k < path.size(); ++k)

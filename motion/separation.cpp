@@ -10,9 +10,10 @@ namespace coppice {
 
 namespace {
 
-constexpr double window = 1.0;  // seconds; pairs that are far apart throughout one are passed over as a whole
+// Seconds; pairs that are far apart throughout a window are skipped as a whole.
+constexpr double window = 1.0;
 
-/// A track with a place to go on from: times are asked in growing order, none before `from`.
+/// Reads positions of a track at growing times, none before `from`.
 class Cursor {
  public:
   explicit Cursor(const Track& track, double from = -std::numeric_limits<double>::infinity())
@@ -31,7 +32,7 @@ class Cursor {
     return a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));
   }
 
-  /// The first stamp after `time`, infinity if there is none.
+  /// The first stamp after `time`; infinity if there is none.
   double stamp_after(double time) const {
     std::size_t i = next_;
     while (i < points_.size() && points_[i].time <= time) ++i;
@@ -43,7 +44,7 @@ class Cursor {
   std::size_t next_ = 0;
 };
 
-/// What a track covers in each window of time: a box around its positions.
+/// For each window of time, a box around the positions of a track.
 std::vector<Box<2>> boxes(const Track& track, double begin, std::size_t windows) {
   std::vector<Box<2>> result;
   Cursor cursor(track);
@@ -108,7 +109,7 @@ std::optional<Separation> separation_of(std::span<const Track> tracks) {
       const double radii = there[i]->radius + there[j]->radius;
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t w = 0; w < windows; ++w) {
-        // A window that can neither be an overlap nor the least of all needs no closer look.
+        // A window is skipped if it can contain neither an overlap nor the least separation.
         const double bound = distance(covered[i][w], covered[j][w]) - radii;
         if (bound > std::min(least, result.least) && bound > 0) continue;
         const double from = begin + static_cast<double>(w) * window;
@@ -131,7 +132,7 @@ std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, con
       const Point2& from = track.points[i == 0 ? 0 : i - 1].position;
       const Point2& to = track.points[i].position;
       if (i > 0 && from == to) continue;
-      // Where the segment cannot come nearer than what is known, its bound is enough.
+      // If the segment cannot come nearer than the least value so far, its bound is enough.
       if (field.lower_bound(from) - (to - from).norm() - track.radius > std::min(least, result.least))
         continue;
       least = std::min(least, field.segment_clearance(from, to) - track.radius);

@@ -1,6 +1,6 @@
 // Least separation and clearance of recorded tracks, exact in continuous time.
 //
-// Positions are linear between a track's points; a robot stands before its first and after its last point.
+// Positions are linear between a track's points. A robot stands before its first and after its last point.
 // Metres, seconds.
 #pragma once
 
@@ -28,29 +28,30 @@ struct Track {
   std::vector<TrackPoint> points;  ///< times grow
 };
 
-/// Overlaps up to this are the arithmetic's, not the robots'.
+/// Metres. Smaller overlaps are due to rounding.
 inline constexpr double overlap_tolerance = 1e-6;
 
 struct Separation {
-  double least = 0;  ///< over time and pairs: distance minus both radii
-  std::set<std::pair<std::size_t, std::size_t>> overlapping;  ///< pairs, by more than the tolerance
+  double least = 0;  ///< metres; over time and pairs: distance minus both radii
+  /// Pairs that overlapped by more than the tolerance.
+  std::set<std::pair<std::size_t, std::size_t>> overlapping;
 };
 
 /// Nothing for fewer than two tracks with points.
 std::optional<Separation> separation_of(std::span<const Track> tracks);
 
 struct ObstacleClearance {
-  double least = 0;                   ///< over time and robots: clearance minus the radius
+  double least = 0;                   ///< metres; over time and robots: clearance minus the radius
   std::set<std::size_t> overlapping;  ///< robots that overlapped an obstacle by more than the tolerance
 };
 
 /// Nothing if no track has points.
 std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, const ClearanceField& field);
 
-/// What a track is from one time until another, either of which may be infinite; nothing if it has no points.
+/// The part of a track from one time until another; either may be infinite. Empty if the track has no points.
 Track clipped(const Track& track, double from, double until);
 
-/// Of a whole, of which `part` is one more part in time.
+/// Combines the results of parts in time: adds `part` to `whole`.
 template <class Contact>
 void add_part(std::optional<Contact>& whole, std::optional<Contact> part) {
   if (!whole || !part) {

@@ -10,8 +10,8 @@ namespace coppice {
 namespace {
 
 constexpr int rounds = 3;
-constexpr std::size_t longest_window = 16;  // moves laid onto one line at once
-constexpr double comfort = 0.1;             // radii between robots, at least, where a way was straightened
+constexpr std::size_t longest_window = 16;  // moves that are laid onto one line at once
+constexpr double comfort = 0.1;  // radii that robots keep at least between them where a way was straightened
 
 class Straightener {
  public:
@@ -27,7 +27,7 @@ class Straightener {
     }
   }
 
-  /// Windows as long as possible, one after the other.
+  /// Straightens windows of moves, as long as possible, one after the other.
   void straighten(std::size_t robot) {
     const std::size_t count = own_[robot].size();
     for (std::size_t first = 0; first + 1 < count;) {
@@ -38,7 +38,7 @@ class Straightener {
     }
   }
 
-  /// Without moves that lead nowhere; those of a robot in a row as one.
+  /// The moves without those of length 0; consecutive moves of a robot are joined.
   std::vector<Move> result() {
     std::vector<Move> result;
     for (Move& move : moves_) {
@@ -55,7 +55,8 @@ class Straightener {
  private:
   const Path& path(std::size_t robot, std::size_t k) const { return moves_[own_[robot][k]].path; }
 
-  /// `window` moves of a robot from its `first` on.
+  /// Lays `window` moves of a robot, from its `first` on, onto one line. Returns false if that is not
+  /// possible.
   bool lay_straight(std::size_t robot, std::size_t first, std::size_t window) {
     const Point2 from = path(robot, first).front();
     const Point2 to = path(robot, first + window - 1).back();
@@ -79,12 +80,12 @@ class Straightener {
     return true;
   }
 
-  /// What the middle of one that is straightened keeps away from another's.
+  /// Metres that the centre of a straightened robot keeps from the centre of another.
   double room(std::size_t robot, std::size_t other) const {
     return tasks_[robot].radius * (1 + comfort) + tasks_[other].radius + standing_gap;
   }
 
-  /// Whether `robot` on the line stays clear of another one, in the plan's order.
+  /// Whether `robot` on the line stays clear of another robot, in the plan's order.
   bool clear_of(std::size_t other, std::size_t robot, std::size_t first,
                 const std::vector<Point2>& line) const {
     const double need = room(robot, other);
@@ -103,9 +104,9 @@ class Straightener {
 
   const ClearanceField& field_;
   std::span<const JointTask> tasks_;
-  std::vector<Move> moves_;                    ///< straight ones
-  std::vector<std::vector<std::size_t>> own_;  ///< each robot's moves
-  std::vector<Box<2>> around_;  ///< each robot: it leaves that no more when its ways are straightened
+  std::vector<Move> moves_;                    ///< each along one straight segment
+  std::vector<std::vector<std::size_t>> own_;  ///< by robot: indices of its moves
+  std::vector<Box<2>> around_;                 ///< by robot: a box that its straightened ways do not leave
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Straighter ways for the same joint plan: a robot's consecutive moves are laid onto one straight line where
-// everybody stays clear of everybody, at every point of the plan's order, which stays as it is.
+// Straightens the ways of a joint plan: consecutive moves of a robot are laid onto one straight line where
+// all robots stay clear of each other at each point of the plan's order, which does not change.
 //
 // Metres in the map frame.
 #pragma once
@@ -12,8 +12,8 @@
 
 namespace coppice {
 
-/// The same robots make as many moves in the same order, or fewer: those that lead nowhere are left out. They
-/// end where they did.
+/// The same robots make the same number of moves in the same order, or fewer: moves of length 0 are left out.
+/// The robots end at the same positions.
 std::vector<Move> straightened(const ClearanceField& field, std::span<const JointTask> tasks,
                                std::span<const Move> moves);
 

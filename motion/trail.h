@@ -1,5 +1,5 @@
-// The way that a robot has come since it last saw its path: back along it the robot finds that again, also
-// from a nook that no sampled path leads out of.
+// The way that a robot has come since it last saw its path. Back along this trail the robot finds its path
+// again, also from a nook that no sampled path leads out of.
 //
 // Metres in the map frame.
 #pragma once
@@ -13,7 +13,7 @@ namespace coppice {
 class Trail {
  public:
   void begin(const Point2& p) { points_.assign(1, p); }
-  /// The robot has come straight to p, along a way that keeps `radius` clear.
+  /// The robot has driven straight to p, along a way that keeps `radius` clear.
   void go_on(const Point2& p, const ClearanceField& field, double radius) {
     if (points_.empty()) return begin(p);
     if (p == points_.back()) return;
@@ -21,7 +21,7 @@ class Trail {
     points_.push_back(p);
   }
 
-  /// From the last place to the first, by straight lines that keep the radius clear.
+  /// The way from the last position to the first, along straight lines that keep the radius clear.
   Path back() const { return {points_.rbegin(), points_.rend()}; }
 
  private:

@@ -1,4 +1,4 @@
-// What the robots of a crowd want on a graph of places, and what they do there.
+// Tasks and moves of the robots of a cluster on a roadmap.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@ namespace coppice {
 
 struct VertexTask {
   Vertex start = 0;
-  std::optional<Vertex> goal{};  ///< none: anywhere
+  std::optional<Vertex> goal{};  ///< none: any vertex will do
 };
 
-/// A robot takes one of the edges that lead from a place.
+/// A robot drives along one of the edges that lead from a vertex.
 struct VertexMove {
   std::uint32_t robot;
   Vertex from;

@@ -8,13 +8,13 @@ namespace coppice {
 
 namespace {
 
-constexpr double look_ahead_radii = 0.25;  // of the point that the robot heads for
+constexpr double look_ahead_radii = 0.25;  // radii to the point for which the robot heads
 constexpr double least_look_ahead_radii = 0.0002;
-constexpr double window_radii = 2;     // of the search for the nearest point of the way
-constexpr double braking_share = 0.5;  // of the acceleration, the rest is for turning
-constexpr double there_radii = 0.01;   // this near counts as there
+constexpr double window_radii = 2;     // radii; window of the search for the nearest point of the way
+constexpr double braking_share = 0.5;  // share of the acceleration for braking; the rest is for turning
+constexpr double there_radii = 0.01;   // radii within which a robot counts as having reached a point
 
-/// Each begins where the one before ends.
+/// Joins the legs to one way. Each must begin where the previous one ends.
 Path joined(std::span<const Path> legs) {
   Path way{legs.front().front()};
   for (const Path& leg : legs) way.insert(way.end(), leg.begin() + 1, leg.end());
@@ -29,8 +29,8 @@ WayFollower::WayFollower(std::span<const Path> legs, std::vector<Gate> gates, do
   for (const Path& leg : legs) leg_ends_.push_back(way_.along[end += leg.size() - 1]);
 }
 
-/// To the nearest point of the leg within the window; never back. The next leg begins when this one's end is
-/// reached.
+/// Advances to the nearest point of the leg within the window, never back. The next leg begins when the end
+/// of this one is reached.
 void WayFollower::advance_progress(const Point2& position) {
   const double window_end = std::min(progress_ + window_radii * radius_, leg_ends_[leg_]);
   const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
@@ -61,7 +61,7 @@ bool WayFollower::finished() const {
   return progress_ == way_.length();
 }
 
-/// The speed at which an arc that strays by no more than is allowed takes the robot round the corner.
+/// The speed at which an arc that strays by no more than is allowed takes the robot around the corner.
 double WayFollower::corner_speed(std::size_t corner, const Limits& limits, double period) const {
   const double turns_at_once = limits.max_acceleration * period;
   const Point2 in = way_.points[corner] - way_.points[corner - 1];
@@ -69,7 +69,7 @@ double WayFollower::corner_speed(std::size_t corner, const Limits& limits, doubl
   const double lengths = in.norm() * out.norm();
   if (lengths == 0) return limits.max_speed;
   // The cosine of half of the turn. The arc of radius R that touches both edges strays by R (1 / cos - 1)
-  // from the corner, and begins R tan before it: half of an edge is there for each of its corners.
+  // from the corner, and begins R tan before it. Each of an edge's two corners may use half of the edge.
   const double cosine = std::sqrt(std::max(0.0, (1 + in.dot(out) / lengths) / 2));
   if (cosine < 1e-6) return turns_at_once;
   const double stray = 1 / cosine - 1;
@@ -97,7 +97,7 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
                                        const std::function<double(std::size_t)>& passed) {
   advance_progress(position);
   const double slack = there_radii * radius_;
-  double ahead = 0;  // of the next gate, metres that its robot has still to come
+  double ahead = 0;  // metres that the next gate's robot has still to drive
   for (; next_gate_ < gates_.size(); ++next_gate_) {
     ahead = gates_[next_gate_].needed - passed(gates_[next_gate_].robot);
     if (ahead > slack) break;
@@ -110,7 +110,8 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
   const Point2 gap = way_.at(std::min(progress_ + look_ahead_, stop)) - position;
   const double distance = gap.norm();
   if (stop <= progress_ - slack || distance <= 1e-9) return Point2::Zero();
-  // Never past the point that it heads for: in a passage without slack, that would lead into the wall.
+  // The robot must not drive past the point for which it heads: in a passage without slack it would hit the
+  // wall.
   const double speed =
       std::min(speed_limit(std::max(stop, progress_ + distance), limits, period), distance / period);
   return gap * (speed / distance);

@@ -1,8 +1,8 @@
-// Drives along a way exactly, up to the first gate that is closed (precedence.h).
+// Drives along a way exactly, up to the first closed gate (precedence.h).
 //
-// Unlike on a path of its own (path_follower.h), a robot that others rely on to be where a plan says strays
-// no further than a small share of its radius: it slows down before corners and heads for a point close
-// ahead.
+// Other robots rely on this robot to be where the plan says. So, unlike on a path of its own
+// (path_follower.h), it strays by no more than a small share of its radius: it slows down before corners and
+// heads for a point close ahead.
 //
 // Metres in the map frame, seconds, metres per second.
 #pragma once
@@ -20,23 +20,24 @@ namespace coppice {
 
 class WayFollower {
  public:
-  /// At least one leg; each begins where the one before ends, and is driven to its very end.
+  /// At least one leg. Each must begin where the previous one ends; the robot drives to the very end of each.
   WayFollower(std::span<const Path> legs, std::vector<Gate> gates, double radius);
 
-  /// `passed(robot)`: how far along its own way another robot has come, metres.
+  /// `passed(robot)`: metres that another robot has come along its own way.
   Point2 preferred_velocity(const Point2& position, const Limits& limits, double period,
                             const std::function<double(std::size_t)>& passed);
-  /// Whether the last preferred velocity leads past what stands: if not, it heads for a nearer point.
+  /// Tells whether the last preferred velocity was safe with respect to all that stands. If not, the robot
+  /// heads for a nearer point.
   void led_past(bool everything);
 
-  /// How far along the way the robot has come; its whole length once it is there.
+  /// Metres along the way that the robot has come; the whole length once it has finished.
   double progress() const { return progress_; }
   bool finished() const;
   struct Wait {
     std::size_t robot;
-    double metres;  ///< that it has still to come
+    double metres;  ///< that the other robot still has to come
   };
-  /// The gate that the last preferred velocity stopped before; none if the way ahead is open.
+  /// The gate at which the last preferred velocity stopped; none if the way ahead is open.
   const std::optional<Wait>& waits_for() const { return waits_for_; }
 
  private:
@@ -45,7 +46,7 @@ class WayFollower {
   double speed_limit(double stop, const Limits& limits, double period) const;
 
   Polyline way_;
-  std::vector<double> leg_ends_;  ///< distance of the ends of the legs from the way's beginning
+  std::vector<double> leg_ends_;  ///< distance of the legs' ends from the way's beginning, metres
   std::size_t leg_ = 0;
   std::vector<Gate> gates_;
   std::size_t next_gate_ = 0;

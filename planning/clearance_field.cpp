@@ -10,14 +10,14 @@
 namespace coppice {
 namespace {
 
-// Half of the 1e-9 m that touching is decided to; the other half is room for rounding.
+// Touching is decided to within 1e-9 m. This is half of that; the other half is room for rounding.
 constexpr double contact_slack = 5e-10;
 
-// Relative rounding error of the interpolated squares, generously.
+// Upper bound of the relative rounding error of the interpolated squares.
 constexpr double rounding = 1e-14;
 
-// A piece of a segment at most this long, in cells, is looked at cell by cell rather than cut further: where
-// the bound fails in its middle, cutting rarely helps; where it holds there, it mostly does.
+// Cells. A piece of a segment that is at most this long is examined cell by cell instead of being cut
+// further. If the bound fails in its middle, cutting rarely helps; if it holds there, cutting mostly helps.
 constexpr double doubtful_piece = 16;
 constexpr double short_piece = 4;
 
@@ -26,7 +26,8 @@ double needed_clearance(double radius, double cells_per_metre) {
   return std::max(radius - contact_slack, contact_slack) * cells_per_metre;
 }
 
-/// Steps to the nearest blocked cell of each column, 0 in blocked cells; the ring counts as blocked.
+/// Steps to the nearest blocked cell of the same column, 0 in blocked cells. The ring around the grid counts
+/// as blocked.
 std::vector<std::int32_t> vertical_steps(const OccupancyMap& map, std::size_t stride, std::size_t rows) {
   std::vector<std::int32_t> steps(stride * rows, 0);
   for (std::size_t j = 1; j + 1 < rows; ++j) {
@@ -34,7 +35,8 @@ std::vector<std::int32_t> vertical_steps(const OccupancyMap& map, std::size_t st
     std::int32_t* row = steps.data() + j * stride + 1;
     const std::int32_t* before = row - stride;
     for (std::size_t i = 0; i + 2 < stride; ++i)
-      row[i] = (before[i] + 1) * std::int32_t{blocked[i] == 0};  // no branch to mispredict
+      // Without a branch that the processor could mispredict.
+      row[i] = (before[i] + 1) * std::int32_t{blocked[i] == 0};
   }
   for (std::size_t j = rows - 2; j > 0; --j) {
     std::int32_t* row = steps.data() + j * stride + 1;
@@ -46,15 +48,16 @@ std::vector<std::int32_t> vertical_steps(const OccupancyMap& map, std::size_t st
 
 /// Turns steps along the columns into squared distances, one row at a time.
 ///
-/// Lengths are in half cells: centres stand at even places, edges between cells at odd ones. The nearest
-/// point of a blocked square that is not straight above or below lies on one of its upright edges, so the
-/// squares' own transform is that of points on edges, joined with the column's own value. What lies beyond a
-/// blocked cell of the row is never nearer than that one, so each run of free cells is by itself.
+/// Lengths are in half cells: centres lie at even coordinates, edges between cells at odd ones. If the
+/// nearest point of a blocked square is not straight above or below, it lies on one of the square's upright
+/// edges. So the transform of squares is the transform of points on edges, joined with the column's own
+/// value. Cells beyond a blocked cell of the row are never nearer than that cell, so each run of free cells
+/// is transformed by itself.
 class RowTransform {
  public:
   explicit RowTransform(std::size_t cells) : own_(cells), hull_(cells) {}
 
-  /// The first and the last cell of the row are blocked.
+  /// The first and the last cell of the row must be blocked.
   void operator()(std::span<std::int32_t> row) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       if (row[i] == 0) continue;
@@ -69,10 +72,10 @@ class RowTransform {
   struct Parabola {
     double place;
     double value;
-    double from;  // where it becomes the lowest
+    double from;  // from where on it is the lowest
   };
 
-  /// Free cells between two blocked ones; places count from the first of them.
+  /// A run of free cells between two blocked ones. Coordinates count from the first of them.
   void transform_run(std::span<std::int32_t> run) {
     Parabola* top = hull_.data();
     *top = {-1, 0, -std::numeric_limits<double>::infinity()};
@@ -94,7 +97,8 @@ class RowTransform {
     }
   }
 
-  /// Takes from the hull's top what the new parabola hides, and puts that on it; returns the new top.
+  /// Removes the parabolas that the new one hides from the top of the hull, and pushes the new one. Returns
+  /// the new top.
   Parabola* join_hull(Parabola* top, double place, double value) {
     while (true) {
       const double from = ((value - top->value) / (place - top->place) + place + top->place) / 2;
@@ -110,7 +114,7 @@ class RowTransform {
   std::vector<Parabola> hull_;
 };
 
-/// Distance from x to the interval [lower, lower + 1].
+/// The distance from x to the interval [lower, lower + 1].
 double outside_unit(double x, double lower) {
   return std::max({lower - x, x - lower - 1, 0.0});
 }
@@ -121,8 +125,7 @@ double square_distance_squared(const Point2& p, const Point2& corner) {
   return dx * dx + dy * dy;
 }
 
-/// The part [from, to] of [0, 1] where start + t * step lies in [lower, upper]; from > to where there is
-/// none.
+/// The part [from, to] of [0, 1] where start + t * step lies in [lower, upper]; from > to if there is none.
 struct Interval {
   double from = 0;
   double to = 1;
@@ -138,7 +141,7 @@ struct Interval {
   }
 };
 
-/// Squared distance between the segment ab and the closed unit square whose lower corner is `corner`.
+/// The squared distance between the segment ab and the closed unit square whose lower corner is `corner`.
 double square_distance_squared(const Point2& a, const Point2& b, const Point2& corner) {
   const Point2 d = b - a;
   double least = square_distance_squared(a, corner);
@@ -147,7 +150,7 @@ double square_distance_squared(const Point2& a, const Point2& b, const Point2& c
   inside.cut(a.x(), d.x(), corner.x(), corner.x() + 1);
   inside.cut(a.y(), d.y(), corner.y(), corner.y() + 1);
   if (inside.from <= inside.to) return 0;
-  // Apart, two convex polygons are nearest at a vertex of one of them.
+  // Two disjoint convex polygons are nearest at a vertex of one of them.
   least = std::min(least, square_distance_squared(b, corner));
   const double squared = d.squaredNorm();
   for (int k = 0; k < 4; ++k) {
@@ -160,15 +163,15 @@ double square_distance_squared(const Point2& a, const Point2& b, const Point2& c
 
 }  // namespace
 
-/// Part of a segment, with lower bounds on the squared clearance at its ends.
+/// A part of a segment, with lower bounds on the squared clearance at its ends.
 struct ClearanceField::Piece {
   Point2 a;
   double at_a;
   Point2 b;
   double at_b;
 
-  /// By concavity the square at a + t (b - a) is at least (1 - t) at_a + t at_b - t (1 - t) |b - a|^2, a
-  /// parabola in t; whether its least value on [0, 1] is `needed` or more.
+  /// By concavity, the squared clearance at a + t (b - a) is at least (1 - t) at_a + t at_b - t (1 - t) |b -
+  /// a|^2, a parabola in t. Returns whether its least value on [0, 1] is at least `needed`.
   bool certified(double needed) const {
     if (!(at_a >= needed && at_b >= needed)) return false;
     const double length_squared = (b - a).squaredNorm();
@@ -193,8 +196,8 @@ ClearanceField::ClearanceField(const OccupancyMap& map)
   mark_edges(map);
 }
 
-/// 64 cells at a time: one is at the edge if it is blocked and not all four at its sides are; what is outside
-/// counts as blocked.
+/// Marks the edge cells, 64 cells at a time. A cell is at an edge if it is blocked and one of its four
+/// neighbours is not. The outside counts as blocked.
 void ClearanceField::mark_edges(const OccupancyMap& map) {
   const auto width = static_cast<std::size_t>(map.width);
   const auto height = static_cast<std::size_t>(map.height);
@@ -230,8 +233,9 @@ void ClearanceField::mark_edges(const OccupancyMap& map) {
   }
 }
 
-/// Whether no tile that the segment's bounding box, wider by `margin` on all sides, touches has an edge in
-/// it: then all cells there are free if one is. Answers for open ground at once; false says nothing.
+/// Whether no tile that touches the segment's bounding box, widened by `margin` on all sides, contains an
+/// edge cell. Then all cells there are free if one of them is. This answers quickly in open space; false
+/// means that nothing is known.
 bool ClearanceField::without_edges(const Point2& a, const Point2& b, double margin) const {
   const Point2 lower = a.cwiseMin(b).array() - margin;
   const Point2 upper = a.cwiseMax(b).array() + margin;
@@ -246,7 +250,7 @@ bool ClearanceField::without_edges(const Point2& a, const Point2& b, double marg
 }
 
 inline double ClearanceField::lower_squared(const Point2& q) const {
-  // Padded cell k has its centre at q = k - 0.5; q lies among four centres, at (x, y) from the first.
+  // Padded cell k has its centre at q = k - 0.5. q lies between four centres, at (x, y) from the first.
   const double u = q.x() + 0.5;
   const double v = q.y() + 0.5;
   const auto i = static_cast<int>(u);
@@ -262,7 +266,7 @@ inline double ClearanceField::lower_squared(const Point2& q) const {
 }
 
 double ClearanceField::upper_squared(const Point2& q) const {
-  // The centre c of q's cell is a mean of q and the two centres on the side of c away from q.
+  // The centre c of q's cell is a mean of q and of the two neighbouring centres on the far side of c.
   const std::ptrdiff_t i = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.x()), frame_.width - 1);
   const std::ptrdiff_t j = std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(q.y()), frame_.height - 1);
   const double dx = q.x() - static_cast<double>(i) - 0.5;
@@ -276,7 +280,8 @@ double ClearanceField::upper_squared(const Point2& q) const {
   return upper + rounding * (1 + here);
 }
 
-/// The least squared distance between the segment ab and what is blocked, or the limit where that is less.
+/// The least squared distance between the segment ab and the blocked cells, or `limit_squared` if that is
+/// less.
 double ClearanceField::least_squared(const Point2& a, const Point2& b, double limit_squared) const {
   if (in_blocked_cell(a) || in_blocked_cell(b)) return 0;
   const double border = std::min(border_distance(a), border_distance(b));
@@ -287,7 +292,7 @@ double ClearanceField::least_squared(const Point2& a, const Point2& b, double li
   const double first_row = std::max(std::min(a.y(), b.y()) - reach, 0.0);
   for (auto j = static_cast<std::size_t>(first_row);
        static_cast<double>(j) < std::min(top + reach, extent_.y()); ++j) {
-    // Only the part of the segment within reach of the row counts for it.
+    // Only the part of the segment within reach of the row matters.
     const auto row = static_cast<double>(j);
     Interval near;
     near.cut(a.y(), d.y(), row - reach, row + 1 + reach);

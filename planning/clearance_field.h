@@ -1,19 +1,20 @@
-// Exact Euclidean clearance of a map: how far a point is from the nearest blocked cell.
+// Exact Euclidean clearance of a map: the distance from a point to the nearest blocked cell.
 //
 // The clearance of a point is its distance, in metres, to the nearest blocked cell (a closed square) or to
 // the outside of the grid, whichever is nearer; 0 inside of blocked cells. A disc of radius r at p is free
-// where clearance(p) >= r: touching is allowed, overlapping is not. A point (r = 0) on an obstacle's edge
-// is not free. Touching is decided to within 1e-9 m, for neither p nor r is exact: a disc that is told to be
-// free overlaps by less than that.
+// where clearance(p) >= r: touching is allowed, overlapping is not. A point (r = 0) on an obstacle's edge is
+// not free. Touching is decided to within 1e-9 m, because neither p nor r is exact: a disc that is reported
+// as free overlaps by less than that.
 //
-// The squared distance at the cells' centres is computed once, in time linear in the cells (Felzenszwalb and
-// Huttenlocher, "Distance Transforms of Sampled Functions", 2012, on the squares' edges). A query first asks
-// bounds interpolated from these; only where the bounds leave the answer open does it look at the cells
-// themselves. So every answer is exact: a "free" never overlaps, and no free place is refused.
+// The squared distance at the centres of the cells is computed once, in time linear in the number of cells
+// (Felzenszwalb and Huttenlocher, "Distance Transforms of Sampled Functions", 2012, on the edges of the
+// squares). A query first evaluates bounds that are interpolated from these distances. Only if the bounds do
+// not decide, it examines the cells themselves. So each answer is exact: a "free" disc never overlaps, and no
+// free position is refused.
 //
-// Why the bounds hold: with f the distance to a closed set O, f(p)^2 - |p|^2 = min over q in O of
-// |q|^2 - 2 p.q is a least of affine functions, hence concave, whatever O is. Jensen's inequality then gives
-// a lower bound between known places and an upper bound beyond them, with the weights' variance as the error.
+// The bounds hold for this reason: with f the distance to a closed set O, f(p)^2 - |p|^2 = min over q in O of
+// |q|^2 - 2 p.q is a minimum of affine functions, hence concave for any O. Jensen's inequality then gives a
+// lower bound between known points and an upper bound beyond them; the variance of the weights is the error.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +37,7 @@ class ClearanceField {
   const GridFrame& frame() const { return frame_; }
   Box<2> bounds() const { return frame_.bounds(); }
 
-  /// Never above the clearance at p, and close to it; cheap. 0 where p is not known to be free.
+  /// A cheap lower bound of the clearance at p, metres, close to it. 0 where p is not known to be free.
   double lower_bound(const Point2& p) const;
 
   /// The exact clearance at p, metres; 0 for points outside or NaN.
@@ -45,16 +46,15 @@ class ClearanceField {
   /// Whether a disc of `radius` (metres, >= 0) at p overlaps nothing. Exact. False for points outside or NaN.
   bool is_free(const Point2& p, double radius) const;
 
-  /// Whether a disc of `radius` that moves straight from a to b overlaps nothing on its way. Exact. False if
-  /// an end is outside or NaN.
+  /// Whether a disc of `radius` (metres, >= 0) that moves straight from a to b overlaps nothing on its way.
+  /// Exact. False if an end is outside or NaN.
   bool segment_free(const Point2& a, const Point2& b, double radius) const;
 
   /// The least clearance on the segment from a to b, metres; exact. 0 if an end is outside or NaN.
   double segment_clearance(const Point2& a, const Point2& b) const;
 
-  /// Calls fn(square) with a Box<2>, metres, for each blocked cell at the edge of an obstacle (with a free
-  /// cell at its side) that lies within `distance` of p, and for some beyond. What is outside of the grid has
-  /// no cells.
+  /// Calls fn(square) with a Box<2>, metres, for each blocked cell that has a free cell at its side and lies
+  /// within `distance` (metres) of p, and for some beyond. The outside of the grid has no cells.
   template <class Fn>
   void for_each_edge_near(const Point2& p, double distance, Fn&& fn) const {
     const Point2 q = to_cells(p);
@@ -73,7 +73,7 @@ class ClearanceField {
   }
 
  private:
-  // In what follows, points are in cells from the map's origin and distances in cells.
+  // Below, points are in cells from the map's origin, and distances are in cells.
   struct Piece;
 
   Point2 to_cells(const Point2& p) const { return (p - frame_.origin) * cells_per_metre_; }
@@ -96,7 +96,7 @@ class ClearanceField {
   void mark_edges(const OccupancyMap& map);
   bool without_edges(const Point2& a, const Point2& b, double margin) const;
 
-  /// Calls fn(i) for the edge cells of row j from column `first` to `last`, both inside of the grid.
+  /// Calls fn(i) for the edge cells of row j from column `first` to `last`, which must be inside of the grid.
   template <class Fn>
   void for_each_edge(std::size_t j, std::size_t first, std::size_t last, Fn&& fn) const {
     for (std::size_t word = first / 64; word <= last / 64; ++word) {
@@ -111,14 +111,14 @@ class ClearanceField {
   Point2 extent_;  ///< width and height, in cells
   double cells_per_metre_;
   std::ptrdiff_t stride_;
-  /// Squared distance from each cell's centre to the nearest blocked square or the border, in quarters of a
-  /// squared cell, which makes it a whole number; row by row, with a ring of blocked cells around the grid.
+  /// The squared distance from each cell's centre to the nearest blocked square or the border, in quarters of
+  /// a squared cell, which makes it a whole number. Row by row, with a ring of blocked cells around the grid.
   std::vector<std::int32_t> centre_squared_;
-  /// A bit for each blocked cell with a free one at its side: no other is ever the nearest. Rows begin a
-  /// word.
+  /// A bit for each blocked cell that has a free cell at its side. No other blocked cell is ever the nearest.
+  /// Each row begins a new word.
   std::vector<std::uint64_t> edges_;
   std::size_t words_per_row_;
-  /// Whether there is an edge cell among tile x tile cells.
+  /// Whether a tile of tile x tile cells contains an edge cell.
   static constexpr std::size_t tile = 64;
   std::vector<std::uint8_t> tiles_;
 };

@@ -2,12 +2,12 @@
 //
 // RRdT* (Lai, Ramos, Francis, "Balancing Global Exploration and Local-connectivity Exploitation with
 // Rapidly-exploring Random disjointed-Trees", 2019) and its use in MA-RRdT*: the next direction is drawn from
-// a von Mises-Fisher distribution around the last successful direction; the density near a direction that
-// failed is suppressed by a periodic kernel until a direction succeeds. The first direction is uniform.
+// a von Mises-Fisher distribution around the last successful direction. A periodic kernel suppresses the
+// density near failed directions until a direction succeeds. The first direction is uniform.
 //
-// Directions are unit vectors in R^D. The density is exp(kappa d.m) times the product of
-// 1 - exp(-(1 - d.f) / width^2) over the failed directions f; exact rejection sampling from the uniform
-// direction serves every dimension, and at kappa = 2 accepts a third of the draws in the plane.
+// Directions are unit vectors in R^D. The density is exp(kappa d.m) times the product of 1 - exp(-(1 - d.f) /
+// width^2) over the failed directions f. Exact rejection sampling from the uniform direction works in every
+// dimension; at kappa = 2 in the plane it accepts a third of the draws.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@
 
 namespace coppice {
 
-/// Uniform on the unit sphere of R^D.
+/// A uniform direction on the unit sphere of R^D.
 template <int D>
 Point<D> random_direction(Random& random) {
   while (true) {
@@ -29,7 +29,7 @@ Point<D> random_direction(Random& random) {
   }
 }
 
-/// Uniform in a box.
+/// A uniform point in a box.
 template <int D>
 Point<D> random_point(const Box<D>& box, Random& random) {
   Point<D> p;
@@ -44,7 +44,7 @@ class DirectedSampler {
   static constexpr double kernel_width = 0.31415926535897931;  // pi / 10, of the suppression
 
   Point<D> draw(Random& random) const {
-    // With every direction suppressed the last draw is as good as any: it fails and the weight falls.
+    // If every direction is suppressed, the last draw is used: it fails, and the weight of the tree falls.
     Point<D> d = random_direction<D>(random);
     for (int tries = 0; tries < max_tries && !accepted(d, random.uniform()); ++tries) {
       d = random_direction<D>(random);
@@ -59,22 +59,23 @@ class DirectedSampler {
   }
 
   void failed(const Point<D>& direction) {
-    failed_[failures_ % max_failures] = direction;  // the oldest makes room
+    failed_[failures_ % max_failures] = direction;  // replaces the oldest
     ++failures_;
   }
 
-  /// Forgets the chain: the next direction is uniform again.
+  /// Forgets the chain. The next direction is uniform again.
   void reset() {
     chained_ = false;
     failures_ = 0;
   }
 
  private:
-  static constexpr std::size_t max_failures = 16;  // more than a weight lasts from full to restart
+  // Failed directions that are remembered: more than a tree's weight allows before it restarts.
+  static constexpr std::size_t max_failures = 16;
   static constexpr int max_tries = 64;
 
-  /// Whether a uniform number u in [0, 1) lies below the density at d. The first factor that brings the
-  /// product below u decides; a kernel that is within 0.3 % of 1 counts as 1.
+  /// Whether a uniform number u in [0, 1) lies below the density at d. The loop ends at the first factor that
+  /// brings the product below u. A kernel within 0.3 % of 1 counts as 1.
   bool accepted(const Point<D>& d, double u) const {
     constexpr double far = 6;
     double a = chained_ ? std::exp(kappa * (d.dot(mean_) - 1)) : 1.0;

@@ -1,8 +1,8 @@
-// Points that cover a box evenly, one after the other: where the next tree is best begun.
+// Points that cover a box evenly in sequence. New trees start at them.
 //
 // An additive recurrence with the generalised golden ratio (Roberts, "The Unreasonable Effectiveness of
-// Quasirandom Sequences", 2018), from a random point on; dense in the box, so whatever needs a point anywhere
-// gets one in the end. Even points for roadmaps: Branicky, LaValle, Olson, Yang, "Quasi-Randomized Path
+// Quasirandom Sequences", 2018), from a random first point. The sequence is dense in the box, so each region
+// gets a point in the end. Even points for roadmaps: Branicky, LaValle, Olson, Yang, "Quasi-Randomized Path
 // Planning", 2001.
 #pragma once
 
@@ -17,7 +17,7 @@ template <int D>
 class EvenPoints {
  public:
   EvenPoints(const Box<D>& box, Random& random) : box_(box) {
-    // The root above 1 of x^(D+1) = x + 1, by a fixed point.
+    // The root above 1 of x^(D+1) = x + 1, by fixed-point iteration.
     double ratio = 2;
     for (int i = 0; i < 32; ++i) ratio = std::pow(1 + ratio, 1.0 / (D + 1));
     for (int d = 0; d < D; ++d) {

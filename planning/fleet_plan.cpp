@@ -10,8 +10,8 @@ namespace coppice {
 namespace {
 
 constexpr int iterations_a_search = 256;
-// A search in which no robot has succeeded for so long may have no end: worth a search of all passages, whose
-// time is in proportion to the map.
+// Iterations without a newly solved robot after which some robots may have no path. Then a search of all
+// passages is worth its time, which is proportional to the size of the map.
 constexpr std::uint64_t least_iterations = 200'000;
 constexpr std::uint64_t cells_an_iteration = 8;
 
@@ -25,7 +25,7 @@ FleetPlanner::FleetPlanner(const ClearanceField& field, std::span<const Planning
     Robot& robot = robots_.emplace_back();
     robot.problem = p;
     if (!planner_) {
-      // As long as straight lines are free, there is nothing to build.
+      // No planner is built as long as straight lines are free.
       if (field.segment_free(p.start, p.goal, p.radius)) {
         robot.straight = {p.start, p.goal};
         continue;
@@ -56,7 +56,7 @@ bool FleetPlanner::search() {
   return planner_->open_groups() > 0;
 }
 
-/// Closes the groups that are open: each has a way through a narrow passage, or none at all.
+/// Closes the open groups: each has a way through a narrow passage, or none at all.
 void FleetPlanner::settle_by_roadmap() {
   const VoronoiRoadmap roadmap(field_);
   for (Robot& robot : robots_) {

@@ -1,5 +1,5 @@
-// Paths for a whole fleet in one process: Algorithm 2 from beginning to end, then shorter paths for as long
-// as there is time; no bus and no motion.
+// Plans paths for a whole fleet in one process, without bus and motion: Algorithm 2 from beginning to end,
+// then shorter paths for as long as there is time.
 //
 // Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random Disjointed-Trees", 2023; with
 // one robot it is Algorithm 1, RRdT*. Metres.
@@ -21,30 +21,30 @@ namespace coppice {
 struct PlanningProblem {
   Point2 start;
   Point2 goal;
-  double radius = 0;  ///< a disc of it is free at start and goal
+  double radius = 0;  ///< metres; a disc of this radius must be free at start and goal
 };
 
 class FleetPlanner {
  public:
-  /// `field` outlives it.
+  /// `field` must outlive it.
   FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems, Random random);
 
-  /// Some hundred iterations. False once every robot is solved or is proved to have no path.
+  /// Runs some hundred iterations. Returns false once each robot is solved or is proved to have no path.
   bool search();
   bool solved(std::size_t robot) const;
 
-  /// Ends the search: each solved robot has a path from now on, straight off the trees.
+  /// Ends the search. From now on each solved robot has a path, straight off the trees.
   void take_first_paths();
 
-  /// Whether every path has been pulled taut: the least that there is to improve.
+  /// Whether each path has been pulled taut, the first stage of improvement.
   bool all_taut() const { return !improver_ || improver_->all_taut(); }
 
-  /// A bounded piece of improving the paths. False once nothing shorter turns up.
+  /// Does a bounded amount of work to improve the paths. Returns false once no shorter path turns up.
   bool improve() { return improver_ && improver_->step(); }
 
-  /// From start to goal, keeps the radius clear; empty: none was found.
+  /// The path from start to goal, which keeps the radius clear; empty if none was found.
   const Path& path(std::size_t robot) const;
-  /// Why there is none; empty if there is one.
+  /// The reason why there is no path; empty if there is one.
   std::string reason(std::size_t robot) const;
 
   SampleCounts counts(std::size_t robot) const;
@@ -52,7 +52,8 @@ class FleetPlanner {
   SampleCounts disjointed_counts() const { return planner_ ? planner_->disjointed_counts() : SampleCounts{}; }
   std::uint32_t frozen_trees() const { return planner_ ? planner_->frozen_trees() : 0; }
 
-  /// Edges of all trees, for a picture: whose root tree (index of the problem), or -1 for a disjointed one.
+  /// Edges of all trees, for a picture. `robot`: index of the problem whose root tree has the edge; -1: a
+  /// disjointed tree.
   struct Edge {
     Point2 from;
     Point2 to;
@@ -61,14 +62,15 @@ class FleetPlanner {
   std::vector<Edge> edges() const;
 
  private:
-  /// One robot's problem and how far it has come.
+  /// The problem of a robot and its progress.
   struct Robot {
     PlanningProblem problem;
-    std::optional<GroupIndex> group;  ///< none: the straight line is its path
+    std::optional<GroupIndex> group;  ///< none: the straight line is the path
     bool unreachable = false;
     Path straight;
-    Path through;                         ///< narrow passages, where sampling found no way
-    std::optional<std::size_t> improved;  ///< its number in the improver; none: straight, or no path
+    Path through;  ///< path through narrow passages, where sampling found none
+    /// The robot's number in the improver; none: a straight path, or no path.
+    std::optional<std::size_t> improved;
   };
 
   void settle_by_roadmap();
@@ -77,8 +79,8 @@ class FleetPlanner {
   double epsilon_ = 0;
   Random random_;
   std::vector<Robot> robots_;
-  std::optional<MaRrdtStar<ClearanceField>> planner_;  ///< for those whose straight line is not free
-  std::uint64_t fruitless_ = 0;                        ///< iterations since somebody succeeded
+  std::optional<MaRrdtStar<ClearanceField>> planner_;  ///< for the robots whose straight line is not free
+  std::uint64_t fruitless_ = 0;                        ///< iterations since a robot was solved
   std::optional<PathImprover<ClearanceField>> improver_;
 };
 

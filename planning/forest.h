@@ -1,11 +1,12 @@
-// Which inactive trees are connected: the knowledge that all groups share, by reference.
+// Records which inactive trees are connected. All groups share this knowledge by reference.
 //
-// Two inactive trees that see each other are linked, and what is linked is one *component*. A group that
-// grafted one tree of a component has all of it, so a graft is one entry in a list, and uniting two
-// components tells which groups' root trees meet by that (union-find, the shorter list into the longer).
+// Two inactive trees that see each other are linked. Linked trees form a *component*. A group that grafted
+// one tree of a component has all of it, so a graft is one entry in a list. When two components are united,
+// their lists tell the groups whose root trees meet by that (union-find, the shorter list is appended to the
+// longer).
 //
-// A link is free for robots up to some radius, so there is a *layer* of components for each radius that a
-// group has. Components of a layer only ever grow.
+// A link is free for robots up to some radius, so there is a *layer* of components for each radius of a
+// group. Components of a layer only grow.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +31,7 @@ class Forest {
     Root side;
   };
 
-  /// The layer of robots of `radius`, metres; made from the links so far if it is new.
+  /// The layer of robots of `radius`, metres. A new layer is made from the links so far.
   Layer layer(double radius) {
     for (Layer l = 0; l < layers_.size(); ++l) {
       if (layers_[l].radius == radius) return l;
@@ -42,7 +43,7 @@ class Forest {
     return layers_.size() - 1;
   }
 
-  /// The layer of the largest robots that trees or links of `radius` serve, or no_layer.
+  /// The layer of the largest robots that may use trees or links of `radius`; no_layer if there is none.
   Layer layer_within(double radius) const {
     Layer best = no_layer;
     for (Layer l = 0; l < layers_.size(); ++l) {
@@ -52,7 +53,7 @@ class Forest {
     return best;
   }
 
-  /// The component of a tree: one of its trees, that stands for all.
+  /// The component of a tree, named by one of its trees.
   TreeIndex component(Layer l, TreeIndex t) const { return find(layers_[l], t); }
   std::uint32_t trees_in(Layer l, TreeIndex component) const { return layers_[l].trees[component]; }
 
@@ -60,8 +61,8 @@ class Forest {
     layers_[l].grafts[find(layers_[l], t)].push_back(graft);
   }
 
-  /// Links two trees that see each other with robots up to `radius`. Calls met(layer, graft) for each graft
-  /// of a component that comes to belong to another one, before it does.
+  /// Links two trees that see each other for robots up to `radius`. Before a component becomes part of
+  /// another, calls met(layer, graft) for each of its grafts.
   template <class Met>
   void link(TreeIndex a, TreeIndex b, double radius, Met&& met) {
     links_.push_back({a, b, radius});
@@ -78,7 +79,7 @@ class Forest {
   };
   struct Components {
     double radius = 0;
-    mutable std::vector<TreeIndex> above;  ///< path halving: a look-up shortens the way for the next
+    mutable std::vector<TreeIndex> above;  ///< path halving: a look-up shortens the chain for the next one
     mutable std::vector<std::uint32_t> trees;
     mutable std::vector<std::vector<Graft>> grafts;
   };

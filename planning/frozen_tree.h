@@ -1,4 +1,4 @@
-// An inactive tree by itself, as it travels from the process that grew it to those that graft it.
+// An inactive tree by itself, as the broker sends it to the agents that graft it.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ namespace coppice {
 
 template <int D>
 struct FrozenTree {
-  double radius = 0;                  ///< every node and edge keeps at least this clearance, metres
+  double radius = 0;                  ///< metres; each node and edge keeps at least this clearance
   std::vector<Point<D>> nodes;        ///< node 0 is the root
-  std::vector<std::int32_t> parents;  ///< index of each node's parent, below its own; -1 for the root
+  std::vector<std::int32_t> parents;  ///< index of each node's parent, below its own index; -1 for the root
 };
 
-/// A copy of tree `t`: breadth first from its first node, so that parents come before their children.
+/// Copies tree `t` breadth first from its first node, so that parents come before their children.
 template <int D>
 FrozenTree<D> freeze_copy(const Trees<D>& trees, TreeIndex t) {
   FrozenTree<D> copy{.radius = trees.tree(t).radius, .nodes = {}, .parents = {}};

@@ -1,4 +1,4 @@
-// Points, discs and polygonal paths.
+// Points, boxes and polygonal paths.
 //
 // Units: metres in the map frame. Shapes: a point is a column vector of D doubles; the plane is D = 2.
 #pragma once
@@ -14,13 +14,13 @@ using Point = Eigen::Matrix<double, D, 1>;
 
 using Point2 = Point<2>;
 
-/// A polygonal chain, from first to last point; at least two points when it leads anywhere.
+/// A polygonal chain from its first to its last point. A path that leads somewhere has at least two points.
 template <int D>
 using PathOf = std::vector<Point<D>>;
 
 using Path = PathOf<2>;
 
-/// Axis-aligned box, both corners included.
+/// An axis-aligned box, both corners included.
 template <int D>
 struct Box {
   Point<D> lower;
@@ -33,13 +33,13 @@ Box<D> extended(const Box<D>& box, const Point<D>& p) {
   return {box.lower.cwiseMin(p), box.upper.cwiseMax(p)};
 }
 
-/// Metres between the nearest points of two boxes; 0 where they overlap.
+/// The distance between the nearest points of two boxes, metres; 0 if they overlap.
 template <int D>
 double distance(const Box<D>& a, const Box<D>& b) {
   return (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0).norm();
 }
 
-/// Sum of the lengths of the segments, in metres; 0 for fewer than two points.
+/// The sum of the lengths of the segments, metres; 0 for fewer than two points.
 template <int D>
 double length_of(const std::vector<Point<D>>& path) {
   double sum = 0;

@@ -1,5 +1,5 @@
-// Line-of-sight optimisation of a path, as at the end of MA-RRdT*: points between two that see each other are
-// left out.
+// Line-of-sight optimisation of a path, as at the end of MA-RRdT*: points between two points that see each
+// other are left out.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace coppice {
 
-/// Points in a row that are out of sight before the search for the furthest visible one ends: sight past a
-/// pillar comes back after a few points, and asking all of a long path costs quadratic time for next to
-/// nothing.
+/// Number of consecutive invisible points that ends the search for the furthest visible one. Sight past a
+/// pillar comes back after a few points; testing all points of a long path would take quadratic time for
+/// almost no gain.
 inline constexpr std::size_t line_of_sight_misses = 8;
 
-/// The path without the points that lie between two that see each other: from each point on to the furthest
-/// visible one. Ends stay; it never becomes longer.
+/// Returns the path without the points between two points that see each other: from each point it goes on to
+/// the furthest visible one. The ends stay, and the path never becomes longer. `radius`: metres.
 template <Space S>
 std::vector<Point<S::dimension>> optimise_line_of_sight(const S& space,
                                                         const std::vector<Point<S::dimension>>& path,

@@ -1,24 +1,23 @@
-// MA-RRdT*: paths for many robots from trees that they share.
+// MA-RRdT*: paths for many robots from shared trees.
 //
 // Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random Disjointed-Trees", 2023,
-// Algorithm 2; with one group it is Algorithm 1, RRdT* (after Lai, Ramos, Francis, 2019). What the paper
-// leaves open, and what was chosen, is in docs/planning.md.
+// Algorithm 2; with one group it is Algorithm 1, RRdT* (after Lai, Ramos, Francis, 2019). docs/planning.md
+// lists what the paper leaves open and what was chosen.
 //
-// A *group* is one robot's problem: two root trees, from its start and from its goal. *Disjointed* trees are
-// rooted anywhere in free space. One that comes within epsilon and in sight of a root tree becomes
-// *inactive*: it never changes again, and every group may graft it, to one of its two root trees. When the
-// two root trees of a group meet, also through what they grafted, the group is solved: it stops growing and
-// is left out of merging.
+// A *group* is the problem of one robot: two root trees, from its start and from its goal. *Disjointed* trees
+// are rooted anywhere in free space. A disjointed tree that comes within epsilon and in sight of a root tree
+// becomes *inactive*: it never changes again, and every group may graft it to one of its two root trees. When
+// the two root trees of a group meet, directly or through grafted trees, the group is solved: it stops
+// growing and takes no further part in merging.
 //
-// Grafting is by reference: inactive trees that see each other are one component, and a group that grafted
-// one tree of it has them all (forest.h), so what one group explored costs the next one next to nothing. A
-// tree is compared only until it is connected: no two trees of one component are asked again whether they see
-// each other. Costs-to-come inside of grafted trees are computed by the searches that matter, for the paths
-// (path_search.h).
+// Grafting is by reference: inactive trees that see each other form a component, and a group that grafted one
+// tree of a component has all of them (forest.h). So a group uses what other groups explored at almost no
+// cost. Visibility between two trees is tested only until they are connected. Costs-to-come inside of grafted
+// trees are computed only by the searches for paths (path_search.h).
 //
-// Which trees grow *here* is up to the caller, so the same code is the whole planner in one process, the
-// broker (disjointed trees here, root trees elsewhere) and an agent (its own root trees here, disjointed
-// trees elsewhere).
+// The caller chooses which trees grow *here*. So the same code is the whole planner in one process, the
+// broker (disjointed trees grow here, root trees elsewhere) and an agent (its root trees grow here,
+// disjointed trees elsewhere).
 //
 // Metres. No clock: `step` is one iteration. Not thread-safe.
 #pragma once
@@ -45,8 +44,8 @@
 namespace coppice {
 
 struct MaRrdtStarSettings {
-  double epsilon = 0;  ///< longest step and largest distance over which trees meet, metres, above 0
-  /// Disjointed trees that grow here at a time; 0: they grow elsewhere.
+  double epsilon = 0;  ///< metres, above 0: longest step, and largest distance over which trees meet
+  /// Number of disjointed trees that grow here at a time; 0: they grow elsewhere.
   std::size_t disjointed_trees = 16;
 };
 
@@ -68,7 +67,7 @@ class MaRrdtStar {
         even_points_(space.bounds(), random_),
         trees_(space.bounds(), settings.epsilon) {}
 
-  /// A group whose root trees grow here. Start and goal are free for `radius`.
+  /// Adds a group whose root trees grow here. Start and goal must be free for `radius`.
   GroupIndex add_group(const P& start, const P& goal, double radius) {
     const GroupIndex g = add_group(radius);
     for (const auto& [side, p] : {std::pair(Root::start, start), std::pair(Root::goal, goal)}) {
@@ -76,7 +75,7 @@ class MaRrdtStar {
       groups_[g].root_node[index(side)] = add_root_node(g, side, p, no_node);
     }
     for (const Root side : {Root::start, Root::goal}) arms_.push_back(Arm{root(g, side), g, side});
-    // On open ground the straight line is all that is needed.
+    // In open space the straight line is enough.
     if (is_open(g) && space_.segment_free(start, goal, radius)) {
       groups_[g].met = groups_[g].root_node;
       solve(g);
@@ -84,7 +83,8 @@ class MaRrdtStar {
     return g;
   }
 
-  /// A group whose root trees grow elsewhere: add_remote_node tells of their nodes, close of their success.
+  /// Adds a group whose root trees grow elsewhere: add_remote_node adds their nodes, and close tells that the
+  /// group is solved.
   GroupIndex add_remote_group(double radius) { return add_group(radius); }
 
   void add_remote_node(GroupIndex g, Root side, const P& p) {
@@ -93,34 +93,34 @@ class MaRrdtStar {
     compare_root_node(trees_.add_node(groups_[g].tree[index(side)], p), g, side);
   }
 
-  /// The group needs no more trees: solved elsewhere, or given up.
+  /// The group needs no more trees: it was solved elsewhere or given up.
   void close(GroupIndex g) {
     if (!is_open(g)) return;
     groups_[g].state = State::closed;
     leave(g);
   }
 
-  /// Takes up an inactive tree that was grown elsewhere; parents come before their children.
+  /// Adds an inactive tree that was grown elsewhere. Parents must come before their children.
   TreeIndex add_inactive_tree(const FrozenTree<D>& frozen);
 
-  /// One iteration of Algorithm 2. False if nothing grows here or every group is solved.
+  /// Runs one iteration of Algorithm 2. Returns false if no tree grows here or every group is solved.
   bool step();
 
-  /// One iteration of growing disjointed trees for robots of `radius` before there is any group. False once
-  /// the trees cover what such robots can reach: many free points in a row taught nothing, for each
-  /// saw a tree and no two that are not connected (the end of Visibility-PRM: Simeon, Laumond, Nissoux,
-  /// 2000). The trees are inactive then.
+  /// Runs one iteration of growing disjointed trees for robots of `radius` before there is any group. Returns
+  /// false once the trees cover what such robots can reach, that is, when many consecutive free points
+  /// brought nothing new: each saw a tree, and none saw two trees that are not connected (the end of
+  /// Visibility-PRM: Simeon, Laumond, Nissoux, 2000). The trees are inactive then.
   bool grow_ahead(double radius);
 
   bool solved(GroupIndex g) const { return groups_[g].state == State::solved; }
   bool is_open(GroupIndex g) const { return groups_[g].state == State::open; }
   std::size_t open_groups() const { return open_.size(); }
 
-  /// Start to goal along the trees' edges, the shortest way through the trees that met; empty while the group
-  /// is not solved.
+  /// The path from start to goal along the trees' edges, the shortest one through the trees that met. Empty
+  /// while the group is not solved.
   std::vector<P> path(GroupIndex g);
-  /// One for each group from `first` on, in less time: each along the shortest-path tree of one node, so not
-  /// the shortest.
+  /// A path for each group from `first` on, in less time: each follows the shortest-path tree of one node, so
+  /// it need not be the shortest.
   std::vector<std::vector<P>> paths(std::size_t first = 0);
   std::size_t group_count() const { return groups_.size(); }
 
@@ -139,14 +139,15 @@ class MaRrdtStar {
     return sum;
   }
   std::size_t active_trees() const;
-  /// Calls fn(position, position) for each edge of the active trees, and for each node that has none with
-  /// that twice.
+  /// Calls fn(position, position) for each edge of the active trees. For a tree of one node, both positions
+  /// are that node's.
   template <class Fn>
   void for_each_active_edge(Fn&& fn) const;
 
   /// Trees that became inactive since the last call, for publication.
   std::vector<TreeIndex> take_frozen() { return std::exchange(frozen_, {}); }
-  std::uint32_t frozen_trees() const { return frozen_trees_; }  ///< so far
+  /// Number of trees that have become inactive so far.
+  std::uint32_t frozen_trees() const { return frozen_trees_; }
   FrozenTree<D> frozen_tree(TreeIndex t) const { return freeze_copy(trees_, t); }
 
   /// Nodes that joined a group's root trees here since the last call.
@@ -157,7 +158,7 @@ class MaRrdtStar {
  private:
   enum class State : std::uint8_t { open, solved, closed };
 
-  /// Where a root tree sees a tree of the forest.
+  /// The pair of nodes at which a root tree sees a tree of the forest.
   struct Entry {
     TreeIndex tree;
     NodeId root_tree_node;
@@ -170,16 +171,16 @@ class MaRrdtStar {
     std::array<TreeIndex, 2> tree{};
     std::array<NodeId, 2> root_node{no_node, no_node};
     std::array<std::vector<Entry>, 2> entries;    ///< one for each component that the root tree grafted
-    std::array<NodeId, 2> met{no_node, no_node};  ///< the nodes by which the root trees see each other
+    std::array<NodeId, 2> met{no_node, no_node};  ///< the nodes through which the root trees see each other
     std::uint32_t grafted = 0;
     SampleCounts counts;
     std::vector<NodeId> fresh;
   };
 
-  /// Where a tree grows: the node that the next sample starts from, and how promising that is.
+  /// The growing end of a tree: the node from which the next sample starts, and its weight.
   struct Arm {
     NodeId node = no_node;
-    GroupIndex group = no_group;  ///< of a root tree
+    GroupIndex group = no_group;  ///< of a root tree; otherwise no_group
     Root side = Root::start;
     double weight = full_weight;
     DirectedSampler<D> sampler{};
@@ -189,11 +190,14 @@ class MaRrdtStar {
   static constexpr double full_weight = 10;
   static constexpr double failure_factor = 0.7;
   static constexpr double restart_weight = 0.1;
-  /// A sample that near (in epsilon) to a node of its own tree, and in sight of it, teaches nothing.
+  /// In units of epsilon. A sample nearer than this to a visible node of its own tree brings nothing new.
   static constexpr double least_spacing = 0.25;
-  static constexpr std::uint32_t few_nodes = 64;  // a tree of so many is looked through faster than the grid
-  static constexpr int free_point_tries = 1000;   // a map with less free room than that restarts later
-  // Points in a row: the larger the map, the smaller a part of it is the door that nobody saw yet.
+  // A tree of at most so many nodes is searched faster without the grid.
+  static constexpr std::uint32_t few_nodes = 64;
+  // If the map has less free space than that, the restart happens later.
+  static constexpr int free_point_tries = 1000;
+  // Consecutive points without anything new that end growing ahead, at least. The number of nodes counts too:
+  // the larger the map, the smaller a part of it is a door that no point has seen yet.
   static constexpr std::size_t least_in_vain = 300;
 
   static constexpr std::size_t index(Root side) { return static_cast<std::size_t>(side); }
@@ -228,8 +232,8 @@ class MaRrdtStar {
   void graft(GroupIndex g, Root side, const Entry& entry);
   bool connected(TreeIndex a, TreeIndex b) const;
 
-  /// What a tree of shortest paths was grown for: it serves as long as the forest stays as it is, mission
-  /// after mission.
+  /// The key of a tree of shortest paths. The tree is valid for as long as the forest does not change, for
+  /// many missions.
   struct Ways {
     Forest::Layer layer = Forest::no_layer;
     TreeIndex component = 0;
@@ -262,13 +266,13 @@ class MaRrdtStar {
   std::vector<Group> groups_;
   std::vector<GroupIndex> open_;
   std::vector<Arm> arms_;
-  std::size_t disjointed_arms_ = 0;  ///< of arms_
-  double ahead_radius_ = 0;          // of the trees that grow before there is a group
-  int in_vain_ = 0;                  // points in a row that taught nothing
+  std::size_t disjointed_arms_ = 0;  ///< number of arms_ that grow disjointed trees
+  double ahead_radius_ = 0;          // radius of the trees that grow before there is a group, metres
+  int in_vain_ = 0;                  // consecutive points that brought nothing new
   SampleCounts disjointed_counts_;
   std::vector<TreeIndex> frozen_;
   std::uint32_t frozen_trees_ = 0;
-  std::vector<NodeId> near_;  ///< what look_around saw
+  std::vector<NodeId> near_;  ///< the nodes that the last look_around() found
   SearchScratch search_;
   Ways ways_;
   SearchScratch ways_search_;

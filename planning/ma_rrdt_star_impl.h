@@ -1,5 +1,5 @@
-// The bodies of ma_rrdt_star.h, in the order of Algorithm 2: the loop, the samples, merging, grafting. Those
-// of the paths are in ma_rrdt_star_paths.h.
+// The bodies of ma_rrdt_star.h in the order of Algorithm 2: the loop, the samples, merging, grafting. The
+// bodies of the paths are in ma_rrdt_star_paths.h.
 #pragma once
 
 #include <limits>
@@ -46,8 +46,8 @@ bool MaRrdtStar<S>::iterate() {
   return true;
 }
 
-/// At random, in proportion to the weights: a uniform choice that is kept with probability weight / full
-/// weight. The arms of a group that needs no more are dropped when they come up.
+/// Picks an arm at random in proportion to the weights: a uniform choice is kept with probability weight /
+/// full weight. Arms of groups that need no more trees are removed when they are picked.
 template <Space S>
 auto MaRrdtStar<S>::pick_tree() -> Arm* {
   while (!arms_.empty()) {
@@ -68,15 +68,15 @@ bool MaRrdtStar<S>::failing(const Arm& arm) const {
   return arm.group == no_group && trees_.tree(trees_.tree_of(arm.node)).kind != TreeKind::active;
 }
 
-/// That of a group which still needs trees, at random.
+/// The radius of a random group that still needs trees.
 template <Space S>
 double MaRrdtStar<S>::radius_of_new_tree() {
   return open_.empty() ? ahead_radius_ : groups_[open_[random_.index(open_.size())]].radius;
 }
 
-/// A new disjointed tree at the next free one of evenly spread points. Near a disjointed tree it becomes a
-/// node of that one; near a root tree, or one that is grafted, it is a shared tree of one node that is
-/// grafted at once.
+/// Starts a new disjointed tree at the next free one of evenly spread points. If the point sees an active
+/// tree, it becomes a node of that tree. If it sees a root tree or an inactive tree, it becomes an inactive
+/// tree of one node.
 template <Space S>
 void MaRrdtStar<S>::restart(Arm& arm) {
   const double radius = radius_of_new_tree();
@@ -93,7 +93,7 @@ void MaRrdtStar<S>::restart(Arm& arm) {
   compare_disjointed_node(arm.node);
 }
 
-/// Whether a point sees no tree, or brings together two that are not connected yet.
+/// Whether a point sees no tree, or sees two trees that are not connected yet.
 template <Space S>
 bool MaRrdtStar<S>::teaches(const P& p, double radius) const {
   std::optional<TreeIndex> seen;
@@ -109,13 +109,13 @@ bool MaRrdtStar<S>::teaches(const P& p, double radius) const {
   return !seen;
 }
 
-/// The more nodes of shared trees a point sees close by, the less it teaches, and the less likely it is to be
-/// kept: so the density of nodes stays bounded, yet no point is excluded for ever, which would break
+/// The more nodes of shared trees a point sees close by, the less likely it is to be kept, since it brings
+/// less. So the density of nodes stays bounded, yet no point is excluded for ever, which would break
 /// completeness.
 template <Space S>
 bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
   const double reach = least_spacing * settings_.epsilon;
-  // Drawn first, so that the count may end as soon as it is decided.
+  // Drawn first, so that counting may stop as soon as the result is certain.
   const double u = random_.uniform();
   int seen = 0;
   for (const NodeId n : near_) {
@@ -130,7 +130,8 @@ bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
   return true;
 }
 
-/// A root tree cannot leave its root: it goes on from the one of its nodes that a random point chooses.
+/// A root tree cannot be restarted at another root. It continues from its node that is nearest to a random
+/// point.
 template <Space S>
 void MaRrdtStar<S>::restart_root(Arm& arm) {
   const TreeIndex t = groups_[arm.group].tree[index(arm.side)];
@@ -150,8 +151,8 @@ void MaRrdtStar<S>::restart_root(Arm& arm) {
   arm.sampler.reset();
 }
 
-/// One chained directed sample: extend the tree from its nearest node, and see which trees that brings
-/// together.
+/// Draws one chained directed sample: extends the tree from its nearest node, and merges the trees that meet
+/// by that.
 template <Space S>
 void MaRrdtStar<S>::grow(Arm& arm) {
   const TreeIndex t = trees_.tree_of(arm.node);
@@ -160,7 +161,7 @@ void MaRrdtStar<S>::grow(Arm& arm) {
   const P proposal = trees_.position(arm.node) + settings_.epsilon * direction;
   SampleCounts& counts = arm.group == no_group ? disjointed_counts_ : groups_[arm.group].counts;
 
-  // Most samples that fail do so here, before anything is looked up.
+  // Most failing samples fail here, before any look-up.
   bool known = false;
   bool joins = space_.is_free(proposal, radius);
   NodeId from = arm.node;
@@ -187,7 +188,7 @@ void MaRrdtStar<S>::grow(Arm& arm) {
   }
 }
 
-/// Of what was seen around p; `otherwise` if that is nearer, or nothing of the tree was seen.
+/// The nearest node of the tree among the nodes around p; `otherwise` if that is nearer.
 template <Space S>
 NodeId MaRrdtStar<S>::nearest_in_tree(const P& p, TreeIndex t, NodeId otherwise) const {
   NodeId best = otherwise;
@@ -207,7 +208,7 @@ bool MaRrdtStar<S>::is_known_ground(NodeId nearest, const P& p, double radius) c
          space_.segment_free(trees_.position(nearest), p, radius);
 }
 
-/// Whether the proposal can be reached from the nearest node or, behind a wall from that, from the arm's own.
+/// Whether the proposal can be reached from the nearest node or, if a wall hides it, from the arm's own node.
 template <Space S>
 bool MaRrdtStar<S>::extends_from(NodeId& from, const Arm& arm, const P& proposal, double radius) const {
   if (space_.segment_free(trees_.position(from), proposal, radius)) return true;
@@ -226,14 +227,14 @@ auto MaRrdtStar<S>::next_free_point(double radius) -> std::optional<P> {
   return std::nullopt;
 }
 
-/// Leaves in near_ the nodes within epsilon of p: those that a node there is compared with.
+/// Collects in near_ the nodes within epsilon of p. A new node at p is compared with them.
 template <Space S>
 void MaRrdtStar<S>::look_around(const P& p) {
   trees_.grid().collect_near(p, settings_.epsilon, near_);
 }
 
-/// MergeTrees for a node q of a disjointed tree: it takes in the active trees that q sees, and becomes
-/// inactive if q sees a root tree of an open group or a tree that is inactive already.
+/// MergeTrees for a node q of a disjointed tree. The tree takes in the active trees that q sees. It becomes
+/// inactive if q sees a root tree of an open group or an inactive tree.
 template <Space S>
 void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
   TreeIndex t = trees_.tree_of(q);
@@ -244,7 +245,7 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
     const Tree& other = trees_.tree(u);
     if (u == t) continue;
     if (other.kind == TreeKind::active) {
-      // A tree that became inactive just now is linked to active ones when these become inactive too.
+      // A tree that has just become inactive is linked to active ones when these become inactive too.
       if (trees_.tree(t).kind != TreeKind::active || other.radius != radius || !visible(q, n, radius))
         continue;
       trees_.add_edge(q, n);
@@ -269,8 +270,8 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
   }
 }
 
-/// MergeTrees for a node q of a root tree: the disjointed trees that it sees are grafted, and where it sees
-/// its partner, also one of the trees grafted to that, the group is solved.
+/// MergeTrees for a node q of a root tree. The disjointed trees that q sees are grafted. If q sees the
+/// partner tree, or a tree grafted to the partner, the group is solved.
 template <Space S>
 void MaRrdtStar<S>::compare_root_node(NodeId q, GroupIndex g, Root side) {
   const double radius = groups_[g].radius;
@@ -301,7 +302,7 @@ NodeId MaRrdtStar<S>::add_root_node(GroupIndex g, Root side, const P& p, NodeId 
   return q;
 }
 
-/// The nodes of its own tree that a new one may have as its parent, and rewire.
+/// The nodes of q's own tree that may become its parent, or be rewired to it.
 template <Space S>
 std::vector<NodeId> MaRrdtStar<S>::seen_in_tree(NodeId q, NodeId from) const {
   const TreeIndex t = trees_.tree_of(q);
@@ -332,7 +333,7 @@ void MaRrdtStar<S>::solve(GroupIndex g) {
   if (!is_open(g)) return;
   Group& group = groups_[g];
   group.state = State::solved;
-  // The component by which they meet is one of each side: it counts once.
+  // The component through which the root trees meet belongs to both sides, but counts once.
   std::vector<TreeIndex> components;
   for (const auto& entries : group.entries) {
     for (const Entry& entry : entries) {
@@ -349,7 +350,7 @@ void MaRrdtStar<S>::leave(GroupIndex g) {
   std::erase(open_, g);
 }
 
-/// From now on the tree never changes.
+/// The tree never changes from now on.
 template <Space S>
 void MaRrdtStar<S>::freeze(TreeIndex t) {
   if (trees_.tree(t).kind == TreeKind::inactive) return;
@@ -358,7 +359,7 @@ void MaRrdtStar<S>::freeze(TreeIndex t) {
   ++frozen_trees_;
 }
 
-/// Whether all robots that may use both trees have the one where they have the other.
+/// Whether all robots that may use both trees have grafted both as soon as they have grafted one.
 template <Space S>
 bool MaRrdtStar<S>::connected(TreeIndex a, TreeIndex b) const {
   const auto layer = forest_.layer_within(std::min(trees_.tree(a).radius, trees_.tree(b).radius));
@@ -374,8 +375,8 @@ bool MaRrdtStar<S>::has_grafted(GroupIndex g, Root side, TreeIndex t) const {
   });
 }
 
-/// Two inactive trees see each other: whoever grafted one has the other too, and whose two root trees grafted
-/// one each is solved.
+/// Two inactive trees see each other. A root tree that grafted one of them has the other too. A group whose
+/// two root trees grafted one each is solved.
 template <Space S>
 void MaRrdtStar<S>::link(TreeIndex a, TreeIndex b) {
   std::vector<GroupIndex> met;
@@ -388,8 +389,8 @@ void MaRrdtStar<S>::link(TreeIndex a, TreeIndex b) {
   for (const GroupIndex g : met) solve(g);
 }
 
-/// Grafts the component of an inactive tree to a root tree of g. Where it is grafted to the partner already,
-/// the root trees have met.
+/// Grafts the component of an inactive tree to a root tree of g. If it is already grafted to the partner, the
+/// root trees have met.
 template <Space S>
 void MaRrdtStar<S>::graft(GroupIndex g, Root side, const Entry& entry) {
   Group& group = groups_[g];

@@ -10,7 +10,8 @@
 
 namespace coppice {
 
-/// Where the two root trees entered the component by which they met; of several, the nearest to each other.
+/// The entries of the two root trees into the component through which they met. If there are several pairs,
+/// the one with the shortest estimated path.
 template <Space S>
 auto MaRrdtStar<S>::meeting(GroupIndex g) const -> std::optional<std::pair<Entry, Entry>> {
   const Group& group = groups_[g];
@@ -59,8 +60,8 @@ auto MaRrdtStar<S>::path(GroupIndex g) -> std::vector<P> {
   return joined(first, between, last);
 }
 
-/// Leaves in ways_search_ a tree of shortest paths that holds both nodes: the one that is known, or else a
-/// new one.
+/// Makes ways_search_ hold a tree of shortest paths that contains both nodes: the known one if it fits, or
+/// else a new one.
 template <Space S>
 void MaRrdtStar<S>::know_ways(const Ways& ways, NodeId from, NodeId to, double radius) {
   if (ways == ways_ && ways_search_.holds(from) && ways_search_.holds(to)) return;
@@ -71,7 +72,7 @@ void MaRrdtStar<S>::know_ways(const Ways& ways, NodeId from, NodeId to, double r
 template <Space S>
 auto MaRrdtStar<S>::paths(std::size_t first_group) -> std::vector<std::vector<P>> {
   std::vector<std::vector<P>> all(groups_.size() - first_group);
-  // Those that share a tree of shortest paths, one after the other.
+  // Groups that share a tree of shortest paths come one after the other.
   std::vector<std::tuple<Forest::Layer, TreeIndex, GroupIndex>> by_ways;
   for (auto g = static_cast<GroupIndex>(first_group); g < groups_.size(); ++g) {
     if (!solved(g)) continue;

@@ -34,7 +34,7 @@ void fill(OccupancyMap& map, int left, int top, int width, int height, std::uint
   }
 }
 
-/// A polygon whose corners lie at random distances around a centre.
+/// Adds a polygon whose corners lie at random distances around a centre.
 void add_star(OccupancyMap& map, Random& random) {
   const Point2 centre(random.uniform(0, map.width), random.uniform(0, map.height));
   const std::size_t corners = 3 + random.index(5);
@@ -60,8 +60,8 @@ void make_dense(OccupancyMap& map, Random& random) {
   while (static_cast<double>(std::ranges::count(map.blocked, 1)) < dense_share * cells) add_star(map, random);
 }
 
-/// As many pieces of at least `least` cells as fit along a side of the map, with walls around them. What is
-/// left over is spread evenly: so they fill the side.
+/// Divides a side of the map into as many pieces of at least `least` cells as fit, with walls around them.
+/// The remaining cells are spread evenly, so that the pieces fill the side.
 struct Pieces {
   Pieces(int map_side, int least, int wall_width)
       : side(map_side), wall(wall_width), count((map_side - wall_width) / (least + wall_width)) {}
@@ -75,8 +75,8 @@ struct Pieces {
   int count;
 };
 
-/// Depth-first search over a grid of corridor crossings: each new one is joined to the one that it was found
-/// from.
+/// Depth-first search over a grid of corridor crossings: each new crossing is joined to the one from which it
+/// was found.
 void make_maze(OccupancyMap& map, Random& random) {
   const Pieces columns(map.width, corridor, maze_wall);
   const Pieces rows(map.height, corridor, maze_wall);
@@ -161,7 +161,7 @@ OccupancyMap generate_map(MapKind kind, int width, int height, Random& random) {
 
 namespace {
 
-/// At most `count` tasks: starts and goals are drawn until chance finds no more.
+/// At most `count` tasks: random starts and goals are drawn up to a number of tries.
 std::vector<StartAndGoal> scattered_tasks(const ReachablePart& part, int count, double apart,
                                           double least_way, Random& random) {
   SpacedPlaces starts(part.box(), apart);
@@ -179,8 +179,8 @@ std::vector<StartAndGoal> scattered_tasks(const ReachablePart& part, int count, 
   return tasks;
 }
 
-/// Exchanges goals until each is `least_way` or more from its start, and not at it; goals that no start has
-/// come last. False if that is not to be had so.
+/// Exchanges goals until each is at least `least_way` from its start, and not at it. Goals without a start
+/// come last. Returns false if no such exchange is found.
 bool move_apart(const std::vector<Point2>& starts, std::vector<Point2>& goals, double least_way) {
   const auto far = [&](std::size_t start, std::size_t goal) {
     if (start >= starts.size()) return true;
@@ -197,7 +197,7 @@ bool move_apart(const std::vector<Point2>& starts, std::vector<Point2>& goals, d
   return true;
 }
 
-/// Tasks between these places of the part, at least as many.
+/// Tasks between the given positions of the part, which must be at least `count`.
 std::vector<StartAndGoal> tasks_between(const ReachablePart& part, std::vector<Point2> places, int count,
                                         double least_way, Random& random) {
   if (places.size() == 1) return {{places[0], *draw_place(part, places[0], least_way, {}, random)}};
@@ -211,7 +211,7 @@ std::vector<StartAndGoal> tasks_between(const ReachablePart& part, std::vector<P
   return tasks;
 }
 
-/// About: in the middle of the widest place.
+/// The clearance at the widest position of the map, approximately.
 double largest_radius(const ClearanceField& field) {
   const GridFrame& frame = field.frame();
   double most = 0;

@@ -8,7 +8,7 @@ namespace coppice {
 
 namespace {
 
-/// The optimal string alignment distance: Damerau and Levenshtein's, with no letter changed twice.
+/// The optimal string alignment distance: that of Damerau and Levenshtein, with no letter changed twice.
 std::size_t changes_between(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> least(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -26,7 +26,7 @@ std::size_t changes_between(std::string_view a, std::string_view b) {
   return least[a.size()][b.size()];
 }
 
-constexpr std::size_t longest_name = 64;  // longer texts are no slip of the fingers
+constexpr std::size_t longest_name = 64;  // longer texts are not misspelt names
 
 }  // namespace
 

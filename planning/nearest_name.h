@@ -1,4 +1,4 @@
-// What somebody may have meant who misspelt a name.
+// Guesses the name that was meant by a misspelt one.
 #pragma once
 
 #include <span>
@@ -7,8 +7,9 @@
 
 namespace coppice {
 
-/// The name that is fewest changes away (a letter more, less, another or swapped with the next), or the only
-/// one that begins so; empty if none is near: within one change in three letters.
+/// The name that is the fewest changes away (a letter added, removed, replaced, or swapped with the next), or
+/// the only name that begins with the text. Empty if no name is near: at most one change in three letters,
+/// but one change is always allowed.
 std::string nearest_name(std::string_view misspelt, std::span<const std::string> names);
 
 }  // namespace coppice

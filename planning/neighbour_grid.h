@@ -1,8 +1,8 @@
-// One uniform grid over the nodes of all trees: who is near a point, whatever tree it belongs to.
+// A uniform grid over the nodes of all trees. It finds the nodes near a point, whatever their tree.
 //
-// Cells are at least `reach` wide, so that everything within `reach` of a point lies in the 3^D cells around
-// it: a look-up costs the same for any number of trees, and merging trees moves nothing. A cell keeps places
-// and nodes together in short blocks, so that a look-up reads a few cache lines in a row.
+// Cells are at least `reach` wide, so that all nodes within `reach` of a point lie in the 3^D cells around
+// it. A look-up costs the same for any number of trees, and merging trees moves nothing. A cell stores
+// positions and nodes together in short blocks, so that a look-up reads a few consecutive cache lines.
 #pragma once
 
 #include <algorithm>
@@ -24,10 +24,11 @@ inline constexpr NodeId no_node = std::numeric_limits<NodeId>::max();
 template <int D>
 class NeighbourGrid {
  public:
-  /// `reach` in metres, above 0: the largest distance that collect_near and for_each_near are asked for.
+  /// `reach`, metres, above 0: the largest distance for collect_near and for_each_near.
   NeighbourGrid(const Box<D>& bounds, double reach) : lower_(bounds.lower), cell_(reach) {
     const Point<D> extent = (bounds.upper - bounds.lower).cwiseMax(0.0);
-    // Coarser cells only make a look-up slower; a map far larger than its reach must not exhaust the memory.
+    // A map that is far larger than the reach must not exhaust the memory. Coarser cells only make look-ups
+    // slower.
     while (cells_for(extent) > max_cells) cell_ *= 2;
     std::size_t total = 1;
     for (int d = 0; d < D; ++d) {
@@ -37,7 +38,7 @@ class NeighbourGrid {
     head_.assign(total, no_block);
   }
 
-  /// Nodes are numbered 0, 1, 2, ... in the order in which they are inserted.
+  /// Nodes are numbered 0, 1, 2, ... in the order of their insertion.
   void insert(const Point<D>& p) {
     std::uint32_t& head = head_[offset(cell_of(p))];
     if (head == no_block || blocks_[head].size == block_size) {
@@ -49,12 +50,12 @@ class NeighbourGrid {
     block.node[block.size++] = count_++;
   }
 
-  /// It is kept for long: takes no more room than it needs.
+  /// Frees spare memory of a grid that is kept for long.
   void shrink_to_fit() { blocks_.shrink_to_fit(); }
 
-  /// Leaves in `out` the nodes within the grid's reach of p.
+  /// Replaces the content of `out` by the nodes within `reach` of p, at most the grid's reach.
   void collect_near(const Point<D>& p, double reach, std::vector<NodeId>& out) const {
-    // Which of the nodes in the cells around are near is as good as random: no branch is to depend on it.
+    // The nodes in the cells around are near or not as good as at random, so the loop avoids a branch on it.
     std::size_t count = 0;
     const auto [lo, hi] = around(cell_of(p), 1);
     for_each_cell(lo, hi, [&](const Cell& cell) {
@@ -70,14 +71,15 @@ class NeighbourGrid {
     out.resize(count);
   }
 
-  /// Calls fn(node, place) for every node in the cells around p: all within `reach` of p, and some beyond.
+  /// Calls fn(node, position) for all nodes in the cells around p: all within the grid's reach of p, and some
+  /// beyond.
   template <class Fn>
   void for_each_near(const Point<D>& p, Fn&& fn) const {
     const auto [lo, hi] = around(cell_of(p), 1);
     for_each_cell(lo, hi, [&](const Cell& cell) { visit(offset(cell), fn); });
   }
 
-  /// The node nearest to p for which `wanted(node)` holds, or no_node.
+  /// The node nearest to p for which `wanted(node)` holds; no_node if there is none.
   template <class Wanted>
   NodeId nearest(const Point<D>& p, Wanted&& wanted) const {
     NodeId best = no_node;
@@ -85,7 +87,7 @@ class NeighbourGrid {
     const Cell centre = cell_of(p);
     const int rings = *std::max_element(size_.begin(), size_.end());
     for (int ring = 0; ring < rings; ++ring) {
-      // Whatever lies in this ring or beyond is at least ring - 1 cells away.
+      // Nodes in this ring or beyond are at least ring - 1 cells away.
       const double nearest_possible = std::max(0, ring - 1) * cell_;
       if (nearest_possible * nearest_possible > best_squared) break;
       for_each_in_ring(centre, ring, [&](NodeId n, const Point<D>& place) {
@@ -165,7 +167,7 @@ class NeighbourGrid {
     });
   }
 
-  /// Corners of the block of cells within `reach` cells of the centre, cut off at the grid's edge.
+  /// Corners of the block of cells within `reach` cells of the centre, clipped to the grid.
   std::pair<Cell, Cell> around(const Cell& centre, int reach) const {
     Cell lo;
     Cell hi;
@@ -180,7 +182,7 @@ class NeighbourGrid {
   double cell_;
   Cell size_{};
   NodeId count_ = 0;
-  std::vector<std::uint32_t> head_;  ///< of each cell's blocks, the fullest last
+  std::vector<std::uint32_t> head_;  ///< by cell: its first block; only this one may have room
   std::vector<Block> blocks_;
 };
 

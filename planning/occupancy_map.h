@@ -1,9 +1,9 @@
-// A grid of square cells, each blocked or free: the map as it is known.
+// A map: a grid of square cells, each blocked or free.
 //
 // Frame: cell (i, j) covers origin + [i, i+1] x [j, j+1] times the resolution. In Moving AI maps the
-// resolution is 1 m, the origin is (0, 0) and y grows downwards, so j is the line of the file; in ROS maps
-// y grows upwards, so row 0 is the image's last line. Blocked cells are closed squares, and all that lies
-// outside of the grid is blocked.
+// resolution is 1 m, the origin is (0, 0) and y grows downwards, so j is the line of the file. In ROS maps y
+// grows upwards, so row 0 is the image's last line. Blocked cells are closed squares. All that lies outside
+// of the grid is blocked.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 
 namespace coppice {
 
-/// Which way y grows on a picture of the map; of no consequence for planning.
+/// The direction in which y grows in a picture of the map. It does not affect planning.
 enum class YAxis : std::uint8_t { down, up };
 
-/// Where the cells of a grid lie.
+/// The positions of a grid's cells.
 struct GridFrame {
   int width = 0;                   ///< cells along x
   int height = 0;                  ///< cells along y

@@ -1,5 +1,5 @@
-// Cells of a map as bits, cell k in bit k % 8 of octet k / 8: as maps go over the network, into recordings,
-// and to the page.
+// Packs the cells of a map as bits: cell k is bit k % 8 of octet k / 8. The network, recordings and the page
+// use this format.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace coppice {
 
-/// `Octets`: a std::string, or a vector of octets. A cell is set where it is not 0.
+/// `Octets`: a std::string, or a vector of octets. Cells that are not 0 become set bits.
 template <class Octets>
 Octets packed_cells(const std::vector<std::uint8_t>& cells) {
   Octets bits((cells.size() + 7) / 8, 0);
@@ -19,7 +19,7 @@ Octets packed_cells(const std::vector<std::uint8_t>& cells) {
   return bits;
 }
 
-/// As many as are asked for, and as the bits hold.
+/// Unpacks `count` cells, or as many as the bits hold.
 template <class Octets>
 std::vector<std::uint8_t> unpacked_cells(const Octets& bits, std::size_t count) {
   std::vector<std::uint8_t> cells(std::min(count, bits.size() * 8));

@@ -1,11 +1,11 @@
-// Shorter paths for a whole fleet, a little at a time, for as long as there is time.
+// Improves the paths of a whole fleet a little at a time, for as long as there is time.
 //
-// First every path is pulled taut within its homotopy class (path_shortening.h). Then all places that the
-// trees have found are linked to a roadmap, which all robots of one radius share, and searched for a shorter
-// way round; then the roadmap becomes denser by evenly spread places, until that brings next to nothing. At
-// any time each robot's best path so far is at hand.
+// First each path is pulled taut within its homotopy class (path_shortening.h). Then all positions that the
+// trees have found are linked to a roadmap, which all robots of one radius share, and the roadmap is searched
+// for shorter ways. Then evenly spread vertices make the roadmap denser, until that gains almost nothing.
+// Each robot's best path so far is available at any time.
 //
-// Metres. No clock: `step` is a bounded piece of work, some tens to hundreds of microseconds.
+// Metres. No clock: `step` is a bounded amount of work, some tens to hundreds of microseconds.
 #pragma once
 
 #include <algorithm>
@@ -30,8 +30,9 @@ class PathImprover {
   static constexpr int D = S::dimension;
   using P = Point<D>;
 
-  /// `space` outlives it. `epsilon`: the trees' step, which their places are apart by. `most_places`: no more
-  /// are drawn; on open ground each takes one to two kilobytes, nearly all of it links.
+  /// `space` must outlive it. `epsilon`: the step of the trees, which is the distance between their nodes,
+  /// metres. `most_places`: largest number of roadmap vertices; in open space each takes 1 to 2 kB, nearly
+  /// all of it for links.
   PathImprover(const S& space, double epsilon, Random random, std::size_t most_places = 40'000)
       : space_(space),
         reach_(reach_steps * epsilon),
@@ -39,23 +40,23 @@ class PathImprover {
         random_(random),
         even_points_(space.bounds(), random_) {}
 
-  /// A place where a ball of `radius` is free.
+  /// Adds a roadmap vertex. A ball of `radius` must be free there.
   void add_place(const P& p, double radius) { places_.push_back({p, radius}); }
-  /// All that trees have found.
+  /// Adds all nodes of the trees.
   void add_places(const Trees<D>& trees) {
     for (NodeId n = 0; n < trees.node_count(); ++n)
       add_place(trees.position(n), trees.tree(trees.tree_of(n)).radius);
   }
   std::size_t places() const { return places_.size(); }
-  /// A robot with its first path; its number. Before the first step, with this or any of the radii of earlier
-  /// robots.
+  /// Adds a robot with its first path and returns its number. Allowed before the first step; after
+  /// forget_robots() only with radii of earlier robots.
   std::size_t add_robot(std::vector<P> path, double radius) {
     robots_.push_back({std::move(path), radius, 0, 0});
     return robots_.size() - 1;
   }
 
-  /// Begins anew with other robots, on the roadmaps as they are: if these had become as dense as is worth
-  /// while, they are searched once.
+  /// Starts again with other robots on the present roadmaps. If these are already as dense as is worth while,
+  /// they are searched once.
   void forget_robots() {
     robots_.clear();
     stage_ = Stage::pull_taut;
@@ -66,10 +67,10 @@ class PathImprover {
 
   const std::vector<P>& path(std::size_t robot) const { return robots_[robot].path; }
 
-  /// Whether every path has been pulled taut.
+  /// Whether each path has been pulled taut.
   bool all_taut() const { return stage_ != Stage::pull_taut; }
 
-  /// False once nothing shorter turns up.
+  /// Does a bounded amount of work. Returns false once no shorter path turns up.
   bool step() {
     switch (stage_) {
       case Stage::pull_taut:
@@ -93,15 +94,16 @@ class PathImprover {
   struct Robot {
     std::vector<P> path;
     double radius;
-    std::uint32_t start;  ///< in its roadmap
+    std::uint32_t start;  ///< vertex of the robot's roadmap
     std::uint32_t goal;
   };
 
-  static constexpr double reach_steps = 1.5;  // as far as the next node but one
+  static constexpr double reach_steps = 1.5;  // in units of epsilon: as far as the next node but one
   static constexpr std::size_t places_a_step = 64;
   static constexpr std::size_t least_batch =
-      400;                                    // new places of a round; later rounds add half as many again
-  static constexpr double worthwhile = 1e-3;  // of the fleet's length: a round that gains less is in vain
+      400;  // new places of a round; later rounds add half as many again
+  // Share of the fleet's total length; a round that gains less is in vain.
+  static constexpr double worthwhile = 1e-3;
   static constexpr int rounds_in_vain = 4;
   static constexpr int steps_to_edge = 8;  // each as long as the radius
   static constexpr double straight = 1 + 1e-9;
@@ -136,7 +138,7 @@ class PathImprover {
     return true;
   }
 
-  /// A few of the places to every roadmap that they serve.
+  /// Links a few vertices to each roadmap that they serve.
   bool link_places() {
     const std::size_t end = std::min(places_.size(), linked_ + places_a_step);
     for (; linked_ < end; ++linked_) {
@@ -151,7 +153,7 @@ class PathImprover {
     return true;
   }
 
-  /// One robot's search; after the last, another round or the end.
+  /// Searches for one robot. After the last robot, begins another round or ends.
   bool search() {
     while (next_ < robots_.size() && is_straight(robots_[next_])) ++next_;
     if (next_ < robots_.size()) {
@@ -170,7 +172,8 @@ class PathImprover {
     return !dense_;
   }
 
-  /// Evenly spread places for the next round; false if the roadmaps are as dense as they get.
+  /// Draws evenly spread vertices for the next round. Returns false if the roadmaps are as dense as they may
+  /// get.
   bool draw_places() {
     const std::size_t batch = std::max(least_batch, places_.size() / 2);
     if (places_.size() + batch > most_places_) return false;
@@ -188,9 +191,9 @@ class PathImprover {
     return true;
   }
 
-  /// From within an obstacle to its edge, in a random direction (OBPRM: Amato, Bayazit, Dale, Jones, Vallejo,
-  /// 1998): shortest paths run there, and many of these places lie in narrow gaps. False if there is none
-  /// near.
+  /// Moves a point in an obstacle to the obstacle's edge in a random direction (OBPRM: Amato, Bayazit, Dale,
+  /// Jones, Vallejo, 1998). Shortest paths run there, and many of these points lie in narrow gaps. Returns
+  /// false if there is no edge near.
   bool move_to_edge(P& p, double radius) {
     const P direction = random_direction<D>(random_);
     for (int k = 1; k <= steps_to_edge; ++k) {
@@ -207,7 +210,7 @@ class PathImprover {
     return false;
   }
 
-  // A path on the roadmap is not taut: one that is a little longer than the best may still become shorter.
+  // A path on the roadmap is not taut: if it is a little longer than the best, it may still become shorter.
   static constexpr double promising = 1.1;
 
   const S& space_;
@@ -219,8 +222,8 @@ class PathImprover {
   std::vector<Robot> robots_;
   std::map<double, Roadmap<S>> roadmaps_;  ///< by radius
   Stage stage_ = Stage::pull_taut;
-  std::size_t next_ = 0;    ///< robot
-  std::size_t linked_ = 0;  ///< places
+  std::size_t next_ = 0;    ///< index of the next robot
+  std::size_t linked_ = 0;  ///< number of vertices that are linked
   bool dense_ = false;
   double before_ = 0;
   int round_ = 0;

@@ -1,8 +1,8 @@
 // Paths through the forest of inactive trees.
 //
-// Grafting by reference keeps no cost-to-come for the nodes of a grafted tree; they are computed here, along
-// the searches that matter: A* (Hart, Nilsson, Raphael, 1968) with the straight-line distance for one path,
-// or one tree of shortest paths (Dijkstra, 1959) for many.
+// Grafting by reference keeps no cost-to-come for the nodes of a grafted tree. The searches here compute
+// them: A* (Hart, Nilsson, Raphael, 1968) with the straight-line distance for one path, or one tree of
+// shortest paths (Dijkstra, 1959) for many.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,10 @@
 
 namespace coppice {
 
-/// Memory that searches share, so that each only touches what it visits.
+/// Memory that searches share, so that each search touches only what it visits.
 struct SearchScratch {
   struct Label {
-    std::uint32_t search = 0;  ///< which search wrote this label
+    std::uint32_t search = 0;  ///< number of the search that wrote this label
     NodeId parent = no_node;
     double cost = 0;
     std::uint32_t depth = 0;  ///< in a tree of shortest paths
@@ -28,7 +28,7 @@ struct SearchScratch {
   std::vector<Label> labels;
   std::uint32_t search = 0;
 
-  /// The last search came to this node.
+  /// Whether the last search reached this node.
   bool holds(NodeId n) const { return n < labels.size() && search > 0 && labels[n].search == search; }
 };
 
@@ -77,7 +77,7 @@ std::vector<NodeId> shortest_path(const Trees<D>& trees, NodeId from, NodeId to,
   return chain;
 }
 
-/// Leaves in the scratch the tree of shortest paths from `from` to all nodes that usable trees lead to.
+/// Stores in the scratch the tree of shortest paths from `from` to all nodes that usable trees lead to.
 template <int D, class Usable>
 void grow_shortest_path_tree(const Trees<D>& trees, NodeId from, Usable&& usable, SearchScratch& scratch) {
   using Entry = std::pair<double, NodeId>;
@@ -103,7 +103,7 @@ void grow_shortest_path_tree(const Trees<D>& trees, NodeId from, Usable&& usable
   }
 }
 
-/// The way between two nodes of the tree that grow_shortest_path_tree left in the scratch.
+/// The way between two nodes of the tree that grow_shortest_path_tree stored in the scratch.
 inline std::vector<NodeId> path_in_tree(const SearchScratch& scratch, NodeId from, NodeId to) {
   const auto& labels = scratch.labels;
   std::vector<NodeId> up{from};

@@ -1,10 +1,10 @@
-// Shortening a path within its homotopy class, until it lies nearly taut around the obstacles.
+// Shortens a path within its homotopy class, until it lies nearly taut around the obstacles.
 //
-// Line of sight only leaves points out, so the path still turns at nodes that happened to be sampled. Here
-// corners are cut: of the two edges that meet at a point, as much is replaced by the straight line between
-// them as is free. What touches an obstacle turns into a chain of short chords around it. (Shortcuts between
-// points on edges, rather than between nodes: Geraerts and Overmars, "Creating High-quality Paths for Motion
-// Planning", 2007.)
+// Line of sight only leaves points out, so the path still turns at randomly sampled nodes. Here corners are
+// cut: as much of the two edges that meet at a point as possible is replaced by a straight line between them.
+// A path that touches an obstacle becomes a chain of short chords around it. (Shortcuts between points on
+// edges, rather than between nodes: Geraerts and Overmars, "Creating High-quality Paths for Motion Planning",
+// 2007.)
 #pragma once
 
 #include <algorithm>
@@ -18,13 +18,14 @@ namespace coppice {
 
 namespace shortening {
 
-inline constexpr int most_rounds = 12;      // each round gains less; the last ones nothing worth its time
-inline constexpr double worthwhile = 1e-3;  // of the length: a round that gains less is the last
-inline constexpr int halvings = 6;          // of the cut, until it fits
-inline constexpr double least_turn = 1e-3;  // of the two edges' length: what a corner's detour must exceed
+inline constexpr int most_rounds = 12;      // each round gains less; further rounds are not worth their time
+inline constexpr double worthwhile = 1e-3;  // share of the length; a round that gains less is the last
+inline constexpr int halvings = 6;          // of the cut, until it is free
+// Share of the two edges' length that a corner's detour must exceed.
+inline constexpr double least_turn = 1e-3;
 
-/// Cuts the corner at `corner` between `before` and `after`: the two ends of the largest chord that fits
-/// among cuts of 1, 1/2, 1/4, ... of the shorter edge; false if none does.
+/// Cuts the corner at `corner` between `before` and `after`. `from` and `to` become the ends of the largest
+/// free chord among cuts of 1, 1/2, 1/4, ... of the shorter edge. Returns false if none is free.
 template <Space S>
 bool cut_corner(const S& space, const Point<S::dimension>& before, const Point<S::dimension>& corner,
                 const Point<S::dimension>& after, double radius, Point<S::dimension>& from,
@@ -65,7 +66,7 @@ std::vector<Point<S::dimension>> cut_corners(const S& space, const std::vector<P
 
 }  // namespace shortening
 
-/// A path with the same ends, free for `radius`, never longer. Metres.
+/// Returns a path with the same ends that is free for `radius` and never longer. Metres.
 template <Space S>
 std::vector<Point<S::dimension>> shorten(const S& space, std::vector<Point<S::dimension>> path,
                                          double radius) {

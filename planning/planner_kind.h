@@ -10,8 +10,8 @@ namespace coppice {
 
 enum class PlannerKind : std::uint8_t {
   ma_rrdt_star,  ///< Algorithm 2: disjointed trees are shared by all robots
-  rrdt_star,     ///< Algorithm 1: each robot for itself, with disjointed trees of its own
-  rrt_star,      ///< the baseline: each robot its own RRT*
+  rrdt_star,     ///< Algorithm 1: each robot plans alone, with disjointed trees of its own
+  rrt_star,      ///< the baseline: each robot grows its own RRT*
 };
 
 inline constexpr std::array<std::string_view, 3> planner_names{"ma-rrdt", "rrdt", "rrt-star"};

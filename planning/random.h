@@ -1,8 +1,8 @@
-// The source of every random choice: passed in, so that the same seed gives the same run.
+// The source of all random choices. It is passed in, so that the same seed gives the same run.
 //
 // xoshiro256++ (Blackman and Vigna, "Scrambled Linear Pseudorandom Number Generators", 2021), seeded by
-// SplitMix64. The distributions are here and not the standard library's, for those differ between libraries
-// and a seed must give the same bytes everywhere.
+// SplitMix64. The distributions are defined here because those of the standard library differ between
+// libraries, and a seed must give the same bytes everywhere.
 #pragma once
 
 #include <bit>
@@ -42,7 +42,7 @@ class Random {
   /// Uniform in [lower, upper).
   double uniform(double lower, double upper) { return lower + (upper - lower) * uniform(); }
 
-  /// Uniform in {0, ..., n-1}; n above 0. The bias, below n / 2^64, is of no consequence here.
+  /// Uniform in {0, ..., n-1}; n above 0. The bias, below n / 2^64, is negligible here.
   std::size_t index(std::size_t n) {
     __extension__ using Wide = unsigned __int128;
     return static_cast<std::size_t>((static_cast<Wide>(next()) * n) >> 64);

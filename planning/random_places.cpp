@@ -6,7 +6,7 @@ namespace coppice {
 
 namespace {
 
-constexpr int most_draws = 1000;  // before all places are looked at
+constexpr int most_draws = 1000;  // draws before all positions are examined
 
 bool is_taken(const Point2& p, std::span<const KeepOut> taken) {
   return std::ranges::any_of(taken, [&](const KeepOut& t) { return (t.centre - p).norm() < t.distance; });

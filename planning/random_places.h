@@ -1,4 +1,4 @@
-// Random places for robots, apart from one another, within the part of a map that they reach.
+// Random positions for robots, apart from one another, within the part of a map that they can reach.
 #pragma once
 
 #include <optional>
@@ -11,22 +11,22 @@
 
 namespace coppice {
 
-/// What a new place keeps away from: nearer than `distance` to `centre` it may not be.
+/// A disc to avoid: a new position must be at least `distance` (metres) from `centre`.
 struct KeepOut {
   Point2 centre;
   double distance = 0;
 };
 
-/// A place of the part other than `from` that keeps out of `taken`, at least `least_way` from `from`; where
-/// all free places are nearer than that, at least half as far off, or a quarter, and so on. Each such place
-/// is equally likely. Nothing only if all places but `from` are taken.
+/// A position of the part other than `from` that is outside of all discs of `taken` and at least `least_way`
+/// metres from `from`. If all free positions are nearer, at least half as far, or a quarter, and so on. Each
+/// such position is equally likely. Nothing only if all positions except `from` are taken.
 std::optional<Point2> draw_place(const ReachablePart& part, const Point2& from, double least_way,
                                  std::span<const KeepOut> taken, Random& random);
 
-/// Places that are apart by `distance` or more.
+/// A set of positions that are at least `distance` (metres) apart.
 class SpacedPlaces {
  public:
-  /// They lie in `box`.
+  /// All positions must lie in `box`.
   SpacedPlaces(const Box<2>& box, double distance) : grid_(box, distance), distance_(distance) {}
   bool has_room(const Point2& p) const;
   void add(const Point2& p) { grid_.insert(p); }
@@ -36,8 +36,8 @@ class SpacedPlaces {
   double distance_;
 };
 
-/// Places of the part that are apart by `distance` or more, found row by row: no other place fits between
-/// them. Where rows fill well, that is close to the most.
+/// Positions of the part that are at least `distance` apart, found row by row so that no other position fits
+/// between them. Where rows fill well, the number is close to the largest possible one.
 std::vector<Point2> packed_places(const ReachablePart& part, double distance);
 
 }  // namespace coppice

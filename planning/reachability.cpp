@@ -9,10 +9,10 @@ namespace coppice {
 
 namespace {
 
-/// Steps to other lattice points than the neighbours along the axes; the others are these turned.
+/// Steps to lattice points other than the neighbours along the axes. The other steps are rotations of these.
 constexpr std::array<std::pair<int, int>, 7> jumps{{{1, 1}, {1, 2}, {2, 1}, {1, 3}, {3, 1}, {2, 3}, {3, 2}}};
-// Further from obstacles than this, in cells beside the radius, all points that a jump leads to are joined by
-// neighbours along the axes.
+// Cells beyond the radius. Where the clearance exceeds that, all points to which a jump leads are connected
+// through neighbours along the axes.
 constexpr double least_room_without_jumps = 2.6;
 
 bool is_centre(std::uint32_t point, std::uint32_t columns) {
@@ -63,7 +63,7 @@ Point2 ReachablePart::at(std::uint32_t point) const {
   return frame.origin + frame.resolution * (half_cells / 2);
 }
 
-/// Calls fn(point) for the lattice points around p that the disc comes to from p straight.
+/// Calls fn(point) for the lattice points around p that the disc can reach from p in a straight line.
 template <class Fn>
 void ReachablePart::for_each_joined(const Point2& p, Fn&& fn) const {
   if (!field_->is_free(p, radius_)) return;
@@ -83,7 +83,7 @@ bool ReachablePart::contains(const Point2& p) const {
   return joined;
 }
 
-/// Reaches all that can be reached from these points; returns how many new places that makes.
+/// Reaches all points that can be reached from these. Returns the number of new positions.
 std::size_t ReachablePart::flood(std::vector<std::uint32_t> frontier) {
   std::size_t points = 0;
   std::size_t centres = 0;
@@ -96,14 +96,15 @@ std::size_t ReachablePart::flood(std::vector<std::uint32_t> frontier) {
           std::ranges::count_if(frontier, [&](std::uint32_t point) { return is_centre(point, columns()); }));
       spread(frontier, near_obstacles);
     }
-    // Only then, for most of what a jump leads to is reached without one.
+    // Jumps come last, because most of the points to which they lead are reached without them.
     for (const std::uint32_t point : std::exchange(near_obstacles, {})) jump(point, frontier);
   }
   return centres > 0 ? centres : points;
 }
 
-/// From the frontier to its neighbours along the axes, which are the next one. The outermost lattice points
-/// lie on the border of the map: no disc fits there, and none has a neighbour beyond.
+/// Extends the frontier to its neighbours along the axes, which become the next frontier. The outermost
+/// lattice points lie on the border of the map, where no disc fits, so no point of the frontier lacks a
+/// neighbour.
 void ReachablePart::spread(std::vector<std::uint32_t>& frontier, std::vector<std::uint32_t>& near_obstacles) {
   const double room = radius_ + least_room_without_jumps * field_->frame().resolution;
   std::vector<std::uint32_t> next;

@@ -1,4 +1,4 @@
-// Where a disc can go: the places that it surely reaches, from which starts and goals are drawn.
+// The positions that a disc can certainly reach. Starts and goals are drawn from them.
 #pragma once
 
 #include <cstddef>
@@ -9,30 +9,31 @@
 
 namespace coppice {
 
-/// The part of a map that a disc can move in without leaving it.
+/// A part of a map within which a disc can move.
 ///
-/// A flood fill over the lattice of half cells: cells' centres, corners, and the middles of their sides.
-/// Between neighbours along the axes a disc passes where it fits at both, for no blocked cell is nearer in
-/// between. Near obstacles it also goes straight to points up to three half cells off. This never takes a
-/// closed passage for an open one. It is exact for discs up to a cell wide, and for passages along the axes.
-/// Time linear in the part, memory a bit for each lattice point and four bytes for each place.
+/// It is computed by a flood fill over the lattice of half cells: centres and corners of cells, and the
+/// middles of their sides. A disc passes between neighbours along the axes if it fits at both, because no
+/// blocked cell is nearer in between. Near obstacles it also moves straight to points up to three half cells
+/// away. The fill never takes a closed passage for an open one. It is exact for discs up to a cell wide, and
+/// for passages along the axes. The time is linear in the size of the part; the memory is a bit for each
+/// lattice point and 4 bytes for each position.
 class ReachablePart {
  public:
-  /// All that a disc of `radius` reaches from `from`; no places if it does not fit there. `field` outlives
-  /// the part.
+  /// The part that a disc of `radius` (metres) reaches from `from`; empty if the disc does not fit there.
+  /// `field` must outlive the part.
   static ReachablePart around(const ClearanceField& field, double radius, const Point2& from);
-  /// The part with the most places; the first of several.
+  /// The part with the most positions; the first of several.
   static ReachablePart largest(const ClearanceField& field, double radius);
 
   double radius() const { return radius_; }
-  /// Places: the centres of the part's cells, row by row. A part without any, whose passages are an even
-  /// number of cells wide, has all its lattice points instead.
+  /// Positions are the centres of the part's cells, row by row. A part without any, whose passages are an
+  /// even number of cells wide, has all its lattice points as positions.
   std::size_t size() const { return places_.size(); }
   bool empty() const { return places_.empty(); }
   Point2 place(std::size_t k) const { return at(places_[k]); }
-  /// Around all places. There is at least one.
+  /// The bounding box of all positions. The part must not be empty.
   const Box<2>& box() const { return box_; }
-  /// Whether the disc comes to p.
+  /// Whether the disc can reach p.
   bool contains(const Point2& p) const;
 
  private:

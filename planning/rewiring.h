@@ -1,5 +1,5 @@
-// RRT*'s choice of parent and rewiring (Karaman, Frazzoli, "Sampling-based Algorithms for Optimal Motion
-// Planning", 2011, Algorithm 6), for a node that has just joined its tree.
+// The choice of parent and the rewiring of RRT* (Karaman, Frazzoli, "Sampling-based Algorithms for Optimal
+// Motion Planning", 2011, Algorithm 6), for a node that has just joined its tree.
 //
 // Metres.
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace coppice {
 
-/// What is below n becomes cheaper with it.
+/// Updates the costs of all nodes below n after n has become cheaper.
 template <int D>
 void propagate_cost(Trees<D>& trees, NodeId n) {
   std::vector<NodeId> changed{n};
@@ -29,8 +29,8 @@ void propagate_cost(Trees<D>& trees, NodeId n) {
   }
 }
 
-/// The cheapest parent for q among the nodes of its tree that it sees (at least one), then the nodes whose
-/// way through q is shorter. Every edge stays, for the path's search.
+/// Chooses the cheapest parent for q among the visible nodes of its tree (`seen`, at least one), then rewires
+/// the nodes for which the way through q is shorter. All edges stay, for the search for paths.
 template <int D>
 void choose_parent_and_rewire(Trees<D>& trees, NodeId q, std::span<const NodeId> seen) {
   const auto distance = [&](NodeId n) { return (trees.position(n) - trees.position(q)).norm(); };

@@ -1,10 +1,10 @@
-// A roadmap over the places that the trees have found, and the short paths through it.
+// A roadmap over the positions that the trees have found, and the short paths through it.
 //
-// A tree knows one way between two of its nodes, so a path along it may take the wrong side of everything.
-// Here all places that see each other within a reach are linked (a probabilistic roadmap: Kavraki, Svestka,
-// Latombe, Overmars, 1996, on places that MA-RRdT* has paid for), and searched by Lazy Theta* (Nash, Koenig,
-// Tovey, 2010): A* whose nodes may have any earlier node as parent that they see, so that lengths are nearly
-// those of taut paths and the right homotopy class wins.
+// A tree has one way between two of its nodes, so a path along it may pass obstacles on the wrong side. Here
+// all vertices that see each other within a reach are linked (a probabilistic roadmap: Kavraki, Svestka,
+// Latombe, Overmars, 1996, on positions that MA-RRdT* has already checked). The search is Lazy Theta* (Nash,
+// Koenig, Tovey, 2010): A* in which a node's parent may be any earlier node that it sees. So lengths are
+// nearly those of taut paths, and the right homotopy class wins.
 //
 // Metres.
 #pragma once
@@ -29,7 +29,8 @@ class Roadmap {
   static constexpr int D = S::dimension;
   using P = Point<D>;
 
-  /// For balls of `radius`. Places are linked within `reach`, above 0, and less as they become many.
+  /// A roadmap for balls of `radius`. Vertices are linked within `reach` (above 0), and within less as their
+  /// number grows.
   Roadmap(const S& space, double radius, double reach)
       : space_(space),
         radius_(radius),
@@ -40,7 +41,8 @@ class Roadmap {
   double radius() const { return radius_; }
   std::size_t size() const { return places_.size(); }
 
-  /// A place where a ball of the radius is free; linked to all earlier ones that it sees. Its number.
+  /// Adds a vertex at which a ball of the radius is free, and links it to all earlier vertices that it sees
+  /// within the reach. Returns its number.
   std::uint32_t add(const P& p) {
     const auto q = static_cast<std::uint32_t>(places_.size());
     places_.push_back(p);
@@ -57,8 +59,8 @@ class Roadmap {
     return q;
   }
 
-  /// From one place to another: the points of a path that is free for the radius and about as short as the
-  /// roadmap has one; empty if the roadmap does not connect them within `shorter_than` metres.
+  /// A path from one vertex to another that is free for the radius and about as short as the roadmap allows.
+  /// Empty if the roadmap does not connect them within `shorter_than` metres.
   std::vector<P> path(std::uint32_t from, std::uint32_t to,
                       double shorter_than = std::numeric_limits<double>::infinity()) {
     begin_search();
@@ -94,9 +96,10 @@ class Roadmap {
   }
 
  private:
-  /// Linked within this times (log n / n)^(1/D), n places have some log n links each, and the roadmap still
-  /// comes as near to the shortest paths as one likes (PRM*: Karaman, Frazzoli, "Sampling-based Algorithms
-  /// for Optimal Motion Planning", 2011). A little more than that needs fewer places.
+  /// If vertices are linked within this times (log n / n)^(1/D), each of n vertices has about log n links,
+  /// and the paths still converge to the shortest ones (PRM*: Karaman, Frazzoli, "Sampling-based Algorithms
+  /// for Optimal Motion Planning", 2011). The factor 1.4 increases the reach, so that fewer vertices are
+  /// needed.
   static double reach_of_prm_star(const Box<D>& box) {
     const double ball = std::pow(std::numbers::pi, D / 2.0) / std::tgamma(D / 2.0 + 1);
     return 1.4 * 2 * std::pow((1 + 1.0 / D) * (box.upper - box.lower).prod() / ball, 1.0 / D);
@@ -130,7 +133,8 @@ class Roadmap {
     return l;
   }
 
-  /// The parent was taken on trust: a node that does not see it falls back on the best neighbour.
+  /// The node was given its parent without a check of visibility. If it does not see the parent, it takes the
+  /// best neighbour instead.
   void see_parent(std::uint32_t n) {
     Label& here = label(n);
     if (space_.segment_free(places_[here.parent], places_[n], radius_)) return;

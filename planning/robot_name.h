@@ -1,4 +1,4 @@
-// What a robot may be called: its name stands in files, topics and logs.
+// Rules for the name of a robot, which appears in files, topics and logs.
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
-// RRT*: one tree from the start, for one robot. The baseline that MA-RRdT* is measured against: MA-RRT* is
-// one of these for each robot, with nothing shared.
+// RRT*: one tree from the start, for one robot. It is the baseline for MA-RRdT*: MA-RRT* is one RRT* for each
+// robot, with nothing shared.
 //
 // Karaman, Frazzoli, "Sampling-based Algorithms for Optimal Motion Planning", 2011, Algorithm 6, until the
-// first node that sees the goal within a step. On the same trees, neighbour grid and collision checks as
+// first node that sees the goal within a step. It uses the same trees, neighbour grid and collision checks as
 // MA-RRdT*. Metres.
 #pragma once
 
@@ -23,7 +23,8 @@ class RrtStar {
   static constexpr int D = S::dimension;
   using P = Point<D>;
 
-  /// From `start` to `goal`, both free for a ball of `radius`, in steps of at most `epsilon`.
+  /// From `start` to `goal`, both free for a ball of `radius`, in steps of at most `epsilon`. `space` must
+  /// outlive it.
   RrtStar(const S& space, const P& start, const P& goal, double radius, double epsilon, Random random)
       : space_(space),
         goal_(goal),
@@ -38,7 +39,7 @@ class RrtStar {
 
   bool solved() const { return last_ != no_node; }
 
-  /// One sample. False once the goal is reached.
+  /// Draws one sample. Returns false once the goal is reached.
   bool step() {
     if (solved()) return false;
     const P sample = random_.uniform() < goal_bias ? goal_ : random_point(space_.bounds(), random_);

@@ -1,5 +1,6 @@
-// A random order, each equally likely (Knuth, "The Art of Computer Programming", vol. 2, 3.4.2, algorithm P).
-// Not std::shuffle, whose choices differ between libraries: a seed must give the same bytes everywhere.
+// Shuffles a range; all orders are equally likely (Knuth, "The Art of Computer Programming", vol. 2, 3.4.2,
+// algorithm P). std::shuffle is not used because its choices differ between libraries, and a seed must give
+// the same bytes everywhere.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// What a planner asks of the space that it plans in: bounds, and whether a ball of some radius fits.
+// The interface of a space for planners: bounds, and whether a ball of some radius is free. Metres.
 #pragma once
 
 #include <concepts>

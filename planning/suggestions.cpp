@@ -6,15 +6,15 @@ namespace coppice {
 
 namespace {
 
-// Both tried on mazes, rooms and dense obstacles with 10 and 50 robots (docs/performance.md): epsilon is
-// about four times the mean clearance of the places where the robot fits, and there are four trees for each
-// square of it.
+// The values were tried on mazes, rooms and dense obstacles with 10 and 50 robots (docs/performance.md).
+// Epsilon is about four times the mean clearance of the positions where the robot fits. There are four trees
+// for each square of side epsilon.
 constexpr double mean_clearances = 4.4;
 constexpr double trees_a_square = 4;
-// On large maps with few robots, more trees would grow where nobody drives.
+// On large maps with few robots, more trees would grow where no robot drives.
 constexpr std::size_t least_trees = 16;
 constexpr std::size_t most_trees = 800;
-constexpr int samples_a_side = 20;  // of the map; enough for a mean to some per cent
+constexpr int samples_a_side = 20;  // of the map; enough for the mean to within some per cent
 
 }  // namespace
 
@@ -32,7 +32,8 @@ double suggested_epsilon(const ClearanceField& field, double radius) {
       ++count;
     }
   }
-  // Where no sample fits, free space is sparse and narrow: a step of the robot's own size.
+  // If the robot fits at no sample, free space is sparse and narrow. Then the step is in proportion to the
+  // robot's own size.
   const double mean = count > 0 ? sum / count : radius / 2;
   return std::clamp(mean_clearances * mean, field.frame().resolution, extent.norm());
 }

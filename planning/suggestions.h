@@ -1,5 +1,5 @@
-// How long a step the trees take and how many grow at a time, from the map: the best values follow the width
-// of the free space.
+// Suggests the step of the trees and the number of trees that grow at a time. The best values depend on the
+// width of the free space.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,12 @@
 
 namespace coppice {
 
-/// Epsilon for robots of `radius`, metres: in proportion to the width of the room that the places where such
-/// a robot fits leave around it (measured: docs/planning.md).
+/// Epsilon for robots of `radius`, metres. It is proportional to the mean clearance of the positions where
+/// such a robot fits (measured: docs/planning.md).
 double suggested_epsilon(const ClearanceField& field, double radius);
 
-/// Disjointed trees that grow at a time: in proportion to the map's size in steps, within bounds.
+/// Number of disjointed trees that grow at a time: proportional to the map's area in squares of epsilon,
+/// within bounds.
 std::size_t suggested_trees(const ClearanceField& field, double epsilon);
 
 }  // namespace coppice

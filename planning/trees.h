@@ -1,12 +1,11 @@
-// The nodes and edges of all trees: disjointed ones that still grow, inactive ones, and the groups' root
-// trees.
+// The nodes and edges of all trees: active disjointed trees, inactive ones, and the groups' root trees.
 //
-// A tree is a set of nodes; merging two is a union of sets (union-find, small to large) and moves nothing.
-// Edges are undirected and known to be free for a ball of the smaller of the two trees' radii. The edges of a
+// A tree is a set of nodes. Merging two trees is a union of sets (union-find, small to large) and moves
+// nothing. Edges are undirected, and free for a ball of the smaller of the two trees' radii. The edges of a
 // disjointed tree connect all of its nodes; some may close a cycle, which only gives shorter paths. A root
-// tree keeps, besides, each node's parent and cost-to-come, as RRT* needs them.
+// tree also stores each node's parent and cost-to-come, as RRT* needs them.
 //
-// Metres throughout.
+// Metres.
 #pragma once
 
 #include <cassert>
@@ -23,7 +22,7 @@ namespace coppice {
 using TreeIndex = std::uint32_t;
 using GroupIndex = std::uint32_t;
 
-/// The two ends of a group's problem, each the root of one of its trees.
+/// The two ends of a group's problem. Each is the root of one of its trees.
 enum class Root : std::uint8_t { start, goal };
 
 constexpr Root partner_of(Root side) {
@@ -32,7 +31,7 @@ constexpr Root partner_of(Root side) {
 
 enum class TreeKind : std::uint8_t {
   active,    ///< disjointed, still grows
-  inactive,  ///< disjointed, met a root tree: never changes again, every group may graft it
+  inactive,  ///< disjointed, met a root tree; it never changes again, and every group may graft it
   root,      ///< rooted at a group's start or goal
 };
 
@@ -40,8 +39,8 @@ struct Tree {
   TreeKind kind = TreeKind::active;
   Root side = Root::start;  ///< of a root tree
   GroupIndex group = 0;     ///< of a root tree
-  double radius = 0;        ///< every node and edge keeps at least this clearance
-  NodeId first = no_node;   ///< list of its nodes
+  double radius = 0;        ///< metres; each node and edge keeps at least this clearance
+  NodeId first = no_node;   ///< first of the list of its nodes
   NodeId last = no_node;
   std::uint32_t size = 0;
 };
@@ -87,7 +86,7 @@ class Trees {
     add_half_edge(b, a, length);
   }
 
-  /// Makes one tree of two active ones of one radius. Returns its index.
+  /// Merges two active trees of the same radius. Returns the index of the result.
   TreeIndex merge(TreeIndex a, TreeIndex b) {
     assert(a != b && trees_[a].kind == TreeKind::active && trees_[b].kind == TreeKind::active);
     if (trees_[a].size < trees_[b].size) std::swap(a, b);
@@ -106,7 +105,7 @@ class Trees {
 
   Tree& tree(TreeIndex t) { return trees_[t]; }
   const Tree& tree(TreeIndex t) const { return trees_[t]; }
-  /// Whether `t` still names a tree, and not one that was merged into another.
+  /// Whether `t` names a tree that has not been merged into another.
   bool is_tree(TreeIndex t) const { return union_[t] == t; }
   std::size_t tree_count() const { return trees_.size(); }
 
@@ -138,9 +137,9 @@ class Trees {
 
   NeighbourGrid<D> grid_;
   std::vector<Tree> trees_;
-  mutable std::vector<TreeIndex> union_;  // path halving: a look-up shortens the way for the next
+  mutable std::vector<TreeIndex> union_;  // path halving: a look-up shortens the chain for the next one
   std::vector<Point<D>> position_;
-  mutable std::vector<TreeIndex> member_of_;  // the same
+  mutable std::vector<TreeIndex> member_of_;  // updated by look-ups, too
   std::vector<std::uint32_t> first_edge_;
   std::vector<NodeId> next_in_tree_;
   std::vector<NodeId> parent_;

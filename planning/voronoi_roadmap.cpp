@@ -26,10 +26,11 @@ using Vertex = Voronoi::vertex_type;
 using Corner = boost::polygon::point_data<int>;
 using Wall = boost::polygon::segment_data<int>;
 
-// In what follows, points are in cells from the map's origin.
+// Below, points are in cells from the map's origin.
 
-/// Where obstacles meet free cells, the map's outside being an obstacle: straight pieces that meet at their
-/// ends only, as the diagram needs them. So a piece also ends where obstacles touch at a corner.
+/// Traces the walls, where obstacles meet free cells; the outside of the map is an obstacle. Walls are
+/// straight pieces that meet only at their ends, as the diagram requires. So a piece also ends where two
+/// obstacles touch at a corner.
 class WallTracer {
  public:
   explicit WallTracer(const ClearanceField& field)
@@ -65,7 +66,7 @@ class WallTracer {
            blocked_[static_cast<std::size_t>(j) * static_cast<std::size_t>(width_) +
                     static_cast<std::size_t>(i)];
   }
-  /// Whether obstacles touch at the lower corner of a cell only.
+  /// Whether obstacles touch only at the lower corner of the cell.
   bool is_pinched(int i, int j) const {
     const bool here = is_blocked(i, j);
     return is_blocked(i - 1, j - 1) == here && is_blocked(i - 1, j) != here && is_blocked(i, j - 1) != here;
@@ -97,7 +98,8 @@ double cross(const Point2& a, const Point2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Where the line from a to b crosses the ray from the zero point in direction u; an end, if that is aside.
+/// The point where the line from a to b crosses the ray from the origin in direction u; the nearer end if it
+/// does not.
 Point2 crossing(const Point2& a, const Point2& b, const Point2& u) {
   const double at_a = cross(u, a);
   const double at_b = cross(u, b);
@@ -109,9 +111,9 @@ Point2 crossing(const Point2& a, const Point2& b, const Point2& u) {
 struct Line {
   Point2 origin;
   Point2 along;  ///< of length 1
-  Point2 away;   ///< of length 1, to that side
+  Point2 away;   ///< of length 1, towards that side
 
-  /// Seen from where p is.
+  /// The line as seen from p.
   Line(const Wall& wall, const Point2& p)
       : origin(point(wall.low())), along((point(wall.high()) - origin).normalized()) {
     away = Point2(-along.y(), along.x());
@@ -121,7 +123,7 @@ struct Line {
   Point2 global(const Point2& p) const { return origin + p.x() * along + p.y() * away; }
 };
 
-/// Places that are as far from a corner, its focus, as from a wall.
+/// The points that are as far from a corner, the focus, as from a wall.
 struct Parabola {
   Line line;
   Point2 focus;  ///< in the line's coordinates
@@ -133,14 +135,14 @@ struct Parabola {
     return line.global({x, (dx * dx / focus.y() + focus.y()) / 2});
   }
 
-  /// Where the tangents at two places meet.
+  /// The point where the tangents at two points of the parabola meet.
   Point2 tangents_meet(double x0, double x1) const {
     const double product = (x0 - focus.x()) * (x1 - focus.x());
     return line.global({(x0 + x1) / 2, (product / focus.y() + focus.y()) / 2});
   }
 
-  /// Where the ray from its focus in direction u crosses it, between two places on it; one of these, if that
-  /// is aside.
+  /// The point where the ray from the focus in direction u crosses the parabola between two points on it; one
+  /// of these points if it does not.
   Point2 crossing(const Point2& from, const Point2& to, const Point2& u) const {
     const auto [least, most] = std::minmax({line.local(from).x(), line.local(to).x()});
     const double away = 1 - u.dot(line.away);
@@ -148,29 +150,29 @@ struct Parabola {
     return at(std::clamp(x, least, most));
   }
 
-  /// From one place on it to another, along tangents: these lead nowhere nearer to the corner or to the wall
-  /// than the arc does. Straight lines between places of the arc would.
+  /// From one point of the parabola to another along tangents. Tangents come no nearer to the corner or the
+  /// wall than the arc does; straight lines between points of the arc would.
   std::vector<Point2> arc(const Point2& from, const Point2& to) const {
     const double x0 = line.local(from).x();
     const double x1 = line.local(to).x();
-    const double top = focus.x();  // where it is nearest to both
+    const double top = focus.x();  // the point nearest to both
     if ((x0 - top) * (x1 - top) >= 0) return {from, tangents_meet(x0, x1), to};
     return {from, tangents_meet(x0, top), tangents_meet(top, x1), to};
   }
 };
 
-/// Where a disc that goes straight away from what is nearest comes onto the diagram.
+/// The point where a disc that moves straight away from the nearest obstacle reaches the diagram.
 struct Foot {
   const Edge* edge = nullptr;
   Point2 place = Point2::Zero();
 };
 
-/// Between what keeps a disc apart; not between a wall and its own end.
+/// Whether the edge separates two different obstacles, and not a wall and its own end.
 bool is_passage(const Edge& edge) {
   return edge.is_primary() && edge.is_finite();
 }
 
-/// Calls fn(edge) for each passage that borders on a cell.
+/// Calls fn(edge) for each passage at the border of a cell.
 template <class Fn>
 void for_each_passage(const Cell& cell, Fn&& fn) {
   const Edge* const first = cell.incident_edge();
@@ -195,12 +197,12 @@ class VoronoiRoadmap::Diagram {
     return static_cast<std::size_t>(vertex - voronoi_.vertices().data());
   }
 
-  /// Along an edge, from a place on it to another.
+  /// The way along an edge from one point on it to another.
   std::vector<Point2> along(const Edge& edge, const Point2& from, const Point2& to) const {
     return edge.is_linear() ? std::vector{from, to} : parabola_of(edge).arc(from, to);
   }
 
-  /// No edge: p is in no cell.
+  /// No edge in the result: p is in no cell.
   Foot retract(const Point2& p) const {
     const Cell* const cell = cell_of(p);
     if (cell == nullptr) return {};
@@ -209,12 +211,12 @@ class VoronoiRoadmap::Diagram {
 
  private:
   const Wall& wall_of(const Cell& cell) const { return walls_[cell.source_index()]; }
-  /// Of a cell around a wall's end.
+  /// The corner of a cell around a wall's end.
   Point2 corner_of(const Cell& cell) const {
     const bool is_low = cell.source_category() == boost::polygon::SOURCE_CATEGORY_SEGMENT_START_POINT;
     return point(is_low ? wall_of(cell).low() : wall_of(cell).high());
   }
-  /// Of an edge between a corner and a wall.
+  /// The parabola of an edge between a corner and a wall.
   Parabola parabola_of(const Edge& edge) const {
     const Cell& cell = *edge.cell();
     const Cell& other = *edge.twin()->cell();
@@ -229,7 +231,7 @@ class VoronoiRoadmap::Diagram {
   Voronoi voronoi_;
 };
 
-/// One of those whose wall or corner is nearest to p; a wall rather than its end.
+/// A cell whose wall or corner is nearest to p; a wall is preferred to its end.
 const Cell* VoronoiRoadmap::Diagram::cell_of(const Point2& p) const {
   const Cell* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
@@ -250,7 +252,7 @@ const Cell* VoronoiRoadmap::Diagram::cell_of(const Point2& p) const {
   return nearest;
 }
 
-/// Of the edges on p's side of the wall, the one straight above p.
+/// The edge on p's side of the wall that is straight above p.
 Foot VoronoiRoadmap::Diagram::retract_from_wall(const Cell& cell, const Point2& p) const {
   const Line line(wall_of(cell), p);
   const double x = line.local(p).x();
@@ -261,7 +263,7 @@ Foot VoronoiRoadmap::Diagram::retract_from_wall(const Cell& cell, const Point2& 
     const Point2 b = line.local(point(*edge.vertex1()));
     const double aside = std::max(std::min(a.x(), b.x()) - x, x - std::max(a.x(), b.x()));
     if (a.y() + b.y() <= 0 || aside >= least) return;
-    least = std::max(aside, 0.0);  // of those that hold x, any
+    least = std::max(aside, 0.0);  // any edge above x will do
     const double share = a.x() == b.x() ? 0 : std::clamp((x - a.x()) / (b.x() - a.x()), 0.0, 1.0);
     const Point2 straight = a + share * (b - a);
     foot = {&edge, edge.is_linear() ? line.global(straight) : parabola_of(edge).at(straight.x())};
@@ -269,7 +271,7 @@ Foot VoronoiRoadmap::Diagram::retract_from_wall(const Cell& cell, const Point2& 
   return foot;
 }
 
-/// Of the edges around the corner, the one that is in the direction of p.
+/// The edge around the corner that lies in the direction of p.
 Foot VoronoiRoadmap::Diagram::retract_from_corner(const Cell& cell, const Point2& p) const {
   const Point2 corner = corner_of(cell);
   const Point2 u = (p - corner).normalized();
@@ -287,7 +289,7 @@ Foot VoronoiRoadmap::Diagram::retract_from_corner(const Cell& cell, const Point2
   return foot;
 }
 
-/// Dijkstra's search along the diagram's edges on which the disc is free.
+/// Dijkstra's search along the edges of the diagram on which the disc is free.
 class VoronoiRoadmap::Search {
  public:
   Search(const ClearanceField& field, const Diagram& diagram, double radius)
@@ -319,9 +321,9 @@ class VoronoiRoadmap::Search {
 
  private:
   struct Known {
-    double length = std::numeric_limits<double>::infinity();  ///< from the start's foot
+    double length = std::numeric_limits<double>::infinity();  ///< metres from the start's foot
     const Vertex* before = nullptr;
-    Path leg;  ///< from there, or from the start's foot
+    Path leg;  ///< from `before`, or from the start's foot
   };
 
   Point2 cells(const Point2& p) const { return (p - field_.frame().origin) / field_.frame().resolution; }
@@ -333,7 +335,7 @@ class VoronoiRoadmap::Search {
     }
     return true;
   }
-  /// In metres; empty: the disc is not free there.
+  /// The way along an edge, metres; empty if the disc is not free there.
   Path leg(const Edge& edge, const Point2& from, const Point2& to) const {
     Path path = diagram_.along(edge, from, to);
     for (Point2& p : path) p = metres(p);
@@ -364,13 +366,13 @@ class VoronoiRoadmap::Search {
     }
   }
 
-  /// From the start to a vertex, and on along `end`.
+  /// The way from the start to a vertex, and on along `end`.
   Path joined(const Path& first, const Vertex* vertex, const Path& end) const {
     std::vector<const Path*> legs{&end};
     for (; vertex != nullptr; vertex = known_[diagram_.index(vertex)].before)
       legs.push_back(&known_[diagram_.index(vertex)].leg);
     Path path = first;
-    std::ranges::reverse(legs);  // clang 14 knows no views of GCC's library
+    std::ranges::reverse(legs);  // clang 14 cannot compile the views of GCC's library
     for (const Path* leg : legs) path.insert(path.end(), leg->begin() + 1, leg->end());
     return path;
   }

@@ -1,4 +1,4 @@
-// Whole numbers as people write them.
+// Parses whole numbers.
 #pragma once
 
 #include <charconv>
@@ -8,7 +8,8 @@
 
 namespace coppice {
 
-/// The number, in decimal digits and nothing else, if it is from `least` to `most`.
+/// The number if `text` consists only of decimal digits (with a sign for negative values) and the value is
+/// from `least` to `most`.
 template <class T>
 std::optional<T> whole_number(std::string_view text, T least, T most) {
   T value{};

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double hour = 3600;
 
-/// Until the next of events that happen `rate` times an hour; infinity for none.
+/// The time until the next event of a Poisson process with `rate` events an hour, seconds; infinity for rate
+/// 0.
 double gap(double rate, Random& random) {
   return rate > 0 ? -std::log(1 - random.uniform()) * hour / rate : std::numeric_limits<double>::infinity();
 }
@@ -39,7 +40,7 @@ AgentFaults draw_faults(const Faults& faults, const std::string& robot, double h
     drawn.pauses.push_back(t);
   for (const Faults::Kill& kill : faults.kills) {
     if (kill.robot != robot) continue;
-    if (kill.for_good) {  // and not before, which would be for good as well
+    if (kill.for_good) {  // removes earlier kills, which would be for good as well
       drawn.kills.clear();
       drawn.restart_after = std::numeric_limits<double>::infinity();
     }

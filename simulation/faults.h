@@ -1,4 +1,4 @@
-// What goes wrong in a simulated run, and when: a schedule that follows from the seed.
+// The faults of a simulated run and their times: a schedule that follows from the seed.
 //
 // Seconds of virtual time, which is fleet time.
 #pragma once
@@ -13,46 +13,46 @@
 namespace coppice {
 
 struct Faults {
-  BusFaults bus;  ///< its partitions put each agent on a side of its own draw; service and broker are on one
-  double kill_rate = 0;   ///< agents killed, for each robot and hour
-  double pause_rate = 0;  ///< agents that stop and go on later, for each robot and hour
-  double pause = 1;       ///< seconds
-  double clock_skew = 0;  ///< seconds by which an agent's clock may be wrong, either way
+  BusFaults bus;  ///< each agent is on a random side of the partitions; service and broker are on side 0
+  double kill_rate = 0;   ///< agents killed per robot and hour
+  double pause_rate = 0;  ///< pauses per robot and hour
+  double pause = 1;       ///< duration of a pause, seconds
+  double clock_skew = 0;  ///< seconds by which an agent's clock may be wrong, in either direction
   struct Kill {
     std::string robot;
     double time = 0;
-    bool for_good = false;  ///< it is not started anew
+    bool for_good = false;  ///< the agent is not restarted
   };
-  std::vector<Kill> kills{};  ///< beyond those that are drawn
-  /// Seconds after which the process of a killed agent is started anew; infinity: never.
+  std::vector<Kill> kills{};  ///< in addition to the random ones
+  /// Seconds after which the process of a killed agent is restarted; infinity: never.
   double restart_after = std::numeric_limits<double>::infinity();
 };
 
-/// What happens to one agent.
+/// The faults of one agent.
 struct AgentFaults {
-  int side = 0;  ///< of partitions
+  int side = 0;  ///< side of the partitions
   double clock_offset = 0;
-  std::vector<double> kills{};  ///< in order
+  std::vector<double> kills{};  ///< ascending
   double restart_after = std::numeric_limits<double>::infinity();
-  std::vector<double> pauses{};  ///< when they begin; in order
+  std::vector<double> pauses{};  ///< beginnings of the pauses; ascending
   double pause = 0;
 
-  /// The end of the pause that holds `time`, or `time`.
+  /// The end of the pause that contains `time`, or else `time`.
   double awake_from(double time) const;
-  /// The first kill from `time` on; infinity if none.
+  /// The first kill at or after `time`; infinity if there is none.
   double killed_after(double time) const;
 };
 
-/// What came of it in a run.
+/// The faults that occurred in a run.
 struct SufferedFaults {
   std::size_t lost = 0;  ///< samples that did not arrive, or had to be sent again
   std::size_t kills = 0;
   std::size_t restarts = 0;
   std::size_t pauses = 0;
-  std::size_t rejected = 0;  ///< messages that no reader takes: always a mistake of the sender
+  std::size_t rejected = 0;  ///< messages that no reader accepts, which is always an error of the sender
 };
 
-/// For a run of at most `horizon` seconds.
+/// Draws the faults of an agent for a run of at most `horizon` seconds.
 AgentFaults draw_faults(const Faults& faults, const std::string& robot, double horizon, Random& random);
 
 }  // namespace coppice

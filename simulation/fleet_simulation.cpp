@@ -8,14 +8,15 @@ namespace coppice {
 
 namespace {
 
-constexpr double bus_delay = 0.001;      // seconds; a DDS sample takes a tenth of that, a busy machine more
+constexpr double bus_delay = 0.001;  // seconds; a DDS sample takes a tenth of that, more on a busy machine
 constexpr double step_duration = 0.001;  // seconds between two steps of one role
 constexpr double watch_period = 0.1;
 constexpr double longest_foreseen = 3600;  // seconds
-constexpr double ending = 10;              // seconds, about, until all stand when the time is over
+constexpr double ending = 10;              // seconds, about, until all robots stand after the end of the time
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A lifelong run lasts for as long as it is told to: its tracks need not be moved as they grow.
+/// The points of a track of a lifelong run, whose duration is known. Reserving them avoids copies of growing
+/// tracks.
 std::size_t points_foreseen(const SimulationSettings& settings) {
   if (settings.lifelong <= 0) return 0;
   const double seconds = std::min({settings.lifelong, settings.timeout, longest_foreseen});
@@ -74,7 +75,7 @@ double FleetSimulation::Participant<R>::next_event(double clock_offset) const {
   return std::max(earliest, std::min(role.next_wake() - clock_offset, port.next_delivery()));
 }
 
-/// Until it is killed; or until it is started anew.
+/// The next step if it comes before the next kill; otherwise the restart after that kill (infinity: none).
 double FleetSimulation::Agent::next_event() const {
   const double back = next_kill + faults.restart_after;
   if (!process) return back;
@@ -93,7 +94,8 @@ void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock
     keeper.heard(*arrival.message);
     participant.role.on(std::move(arrival));
   }
-  if (participant.role.next_wake() - clock_offset > now_) return;  // as next_event has it, to the bit
+  // Exactly the same arithmetic as in next_event.
+  if (participant.role.next_wake() - clock_offset > now_) return;
   for (auto& said : participant.role.step(local)) {
     Outgoing outgoing(std::move(said));
     keeper.said(outgoing.message);
@@ -119,7 +121,7 @@ void FleetSimulation::turn(Agent& agent) {
   agent.body = run->body();
 }
 
-/// Every period that has passed since the last turn, as the body drives by itself.
+/// Records all periods since the last step, with the motion of a body that is driven no further.
 void FleetSimulation::record(Agent& agent, double until) {
   if (!agent.body) return;
   Driver& body = *agent.body;

@@ -1,12 +1,12 @@
-// All roles of a fleet in one process, on the simulated bus and a virtual clock: the same seed gives the same
-// run, bit for bit.
+// Runs all roles of a fleet in one process, on the simulated bus and a virtual clock. The same seed gives the
+// same run, bit for bit.
 //
-// The roles are the ones that run over DDS, unchanged. Each may step once a millisecond of virtual time,
-// about what its planning takes on a real machine, and has all the time that it needs for that.
+// The roles are those that run over DDS, unchanged. Each may step once per millisecond of virtual time, about
+// the time of its planning on a real machine, and takes as much real time as it needs.
 //
-// Agents may be killed or paused, have wrong clocks, and hear of each other late or not at all (faults.h). A
-// robot whose agent does not decide brakes in a straight line. The simulation keeps its own record of where
-// the bodies were, also of those whose agent can no longer tell.
+// Agents may be killed or paused, have wrong clocks, and receive messages late or not at all (faults.h). A
+// robot whose agent does not decide brakes in a straight line. The simulation keeps its own record of the
+// bodies' positions, also for agents that can no longer report them.
 #pragma once
 
 #include <functional>
@@ -30,7 +30,7 @@ struct SimulationSettings {
   double timeout = 3600;  ///< virtual seconds
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   double plan_budget = 1;  ///< virtual seconds
-  double lifelong = 0;     ///< virtual seconds in which who arrives gets a new goal
+  double lifelong = 0;     ///< virtual seconds in which robots that arrive get new goals
   Faults faults{};
 };
 
@@ -40,20 +40,21 @@ class FleetSimulation {
   FleetSimulation(const FleetSimulation&) = delete;
   FleetSimulation& operator=(const FleetSimulation&) = delete;
 
-  /// Before run(): who is told all that is said, lost or not, and at what virtual time.
+  /// Sets a listener that receives all published messages, lost or not, with their virtual time. Call it
+  /// before run().
   void set_listener(std::function<void(const Message&, double)> listener) { listener_ = std::move(listener); }
 
-  /// Runs to the end; `watch` is called about every tenth of a virtual second and may ask to stop by
-  /// returning false.
+  /// Runs to the end. `watch` is called about every 0.1 s of virtual time; it stops the run by returning
+  /// false.
   void run(const std::function<bool(const PlannerService&, double)>& watch);
 
   const PlannerService& service() const { return service_.role; }
 
-  /// Where the bodies were, in fleet time by the true clock.
+  /// Positions of the bodies, in fleet time by the true clock.
   const std::vector<NamedTrack>& tracks() const { return tracks_; }
-  /// What went wrong so far.
+  /// The faults that have occurred so far.
   SufferedFaults suffered() const;
-  /// And not started anew.
+  /// Whether the robot's agent is killed and not restarted yet.
   bool killed(const RobotName& robot) const;
 
  private:
@@ -61,29 +62,29 @@ class FleetSimulation {
   struct Participant {
     R role;
     SimulatedBus::Port& port;
-    double earliest = 0;  ///< of its next step
+    double earliest = 0;  ///< earliest time of its next step
     double next_event(double clock_offset = 0) const;
   };
 
   struct Agent {
     RobotName name;
-    std::size_t index = 0;                             ///< of its track
+    std::size_t index = 0;                             ///< index of its track
     std::unique_ptr<Participant<RobotAgent>> process;  ///< null: killed
     AgentFaults faults;
     double next_kill = 0;  ///< infinity: none
     std::size_t restarts = 0;
-    std::unique_ptr<KeptInMemory> kept;  ///< if it may be started anew
+    std::unique_ptr<KeptInMemory> kept;  ///< saved state for a restart
     std::optional<Keeper<StateKeeper, KeptInMemory>> keeper{};
-    std::optional<Driver> body{};  ///< as it was when the agent last had its turn
+    std::optional<Driver> body{};  ///< as it was after the agent's last step
     double next_event() const;
   };
 
-  /// When an agent is to have its turn: most have none at most of the times at which something happens.
+  /// The next time at which an agent has something to do. Most agents have nothing to do at most events.
   struct Wake {
     std::size_t agent = 0;
-    double alone = 0;  ///< its next event, as of its last turn, if nothing is sent to it that wakes it
-    double kill = std::numeric_limits<double>::infinity();  ///< of its process
-    const SimulatedBus::Port* port = nullptr;               ///< of its process; null: killed
+    double alone = 0;  ///< the agent's next event, as of its last step, unless a message wakes it
+    double kill = std::numeric_limits<double>::infinity();  ///< the next kill of its process
+    const SimulatedBus::Port* port = nullptr;               ///< port of its process; null: killed
   };
 
   template <class R, class K>
@@ -98,12 +99,12 @@ class FleetSimulation {
 
   SimulatedBus bus_;
   std::shared_ptr<MapContexts> map_contexts_ = std::make_shared<MapContexts>();
-  std::function<void(const Message&, double)> listener_;  ///< empty: nobody
+  std::function<void(const Message&, double)> listener_;  ///< empty: no listener
   double now_ = 0;
   Participant<PlannerService> service_;
   Participant<TreeBroker> broker_;
   std::vector<Agent> agents_;
-  std::vector<Wake> wakes_;  ///< of these
+  std::vector<Wake> wakes_;  ///< by agent
   std::vector<NamedTrack> tracks_;
 };
 

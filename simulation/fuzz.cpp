@@ -18,15 +18,16 @@ namespace {
 
 constexpr double longest_run = 3600;  // fleet seconds
 constexpr double radius = 5;          // metres, of robots on random maps
-constexpr double spare = 1;           // metres from obstacles, beside the radius, where they start and go
+// Metres from obstacles, in addition to the radius, where starts and goals are drawn.
+constexpr double spare = 1;
 constexpr double max_speed = 20;
-constexpr double longest_cut = 50;  // seconds: one that is cut off all alone for a minute counts as failed
-// Two that do not reach each other are safe for as long as they like, if others are alive who reach both;
-// after two minutes they give up.
+constexpr double longest_cut = 50;  // seconds; a robot that is cut off alone for 60 s counts as failed
+// Seconds. Two robots that do not reach each other stay safe for any time if other robots that reach both are
+// alive. After 120 s they give up.
 constexpr double longest_cut_of_a_link = 110;
 constexpr std::size_t robots_a_cut_link = 4;
 
-/// Any of the kinds that try coordination, or a random map with random tasks.
+/// A random kind of the scenarios that test coordination, or a random map with random tasks.
 Scenario draw_scenario(std::uint32_t seed, Random& random) {
   const auto& kinds = scenario_kinds();
   constexpr std::array maps{MapKind::blank, MapKind::dense, MapKind::maze, MapKind::room};
@@ -52,7 +53,7 @@ Scenario draw_scenario(std::uint32_t seed, Random& random) {
   return scenario;
 }
 
-/// Each kind of fault in about half of the cases.
+/// Draws each kind of fault in about half of the cases.
 Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
   const auto sometimes = [&](double most) { return random.uniform() < 0.5 ? random.uniform(0, most) : 0.0; };
   Faults faults;
@@ -71,7 +72,7 @@ Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
   if (random.uniform() < 0.3) {
     const double from = random.uniform(0, 20);
     faults.bus.partitions.push_back({from, from + random.uniform(0.5, longest_cut)});
-    // Who is alone in its piece and dies there may be anywhere (docs/safety.md).
+    // A robot that is alone on its side and fails there may be anywhere (docs/safety.md).
     const bool may_be_alone = scenario.robots.size() < 10;
     for (Faults::Kill& kill : faults.kills) {
       if (may_be_alone && kill.time > from) kill.time += faults.bus.partitions.back().until;
@@ -80,7 +81,7 @@ Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
   return faults;
 }
 
-/// Between robots of which none has two of these.
+/// Draws cut links between robots; no robot has two of them.
 std::vector<CutLink> draw_cut_links(const Scenario& scenario, const Faults& faults, Random& random) {
   const std::size_t robots = scenario.robots.size();
   const bool others_may_all_be_dead = faults.kill_rate > 0 && robots < 10;
@@ -105,8 +106,7 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
       faults.bus.duplicate, faults.bus.reorder ? ", reordered" : "", faults.pause_rate, faults.pause,
       faults.clock_skew);
   if (faults.kill_rate > 0)
-    text +=
-        fmt::format(", {:.0f} kills/h, started anew {:.2f} s later", faults.kill_rate, faults.restart_after);
+    text += fmt::format(", {:.0f} kills/h, restarted {:.2f} s later", faults.kill_rate, faults.restart_after);
   for (const Partition& cut : faults.bus.partitions)
     text += fmt::format(", in two pieces from {:.2f} to {:.2f} s", cut.from, cut.until);
   for (const CutLink& cut : faults.bus.cut_links)
@@ -117,32 +117,34 @@ std::string in_words(const Scenario& scenario, const Faults& faults) {
   return text;
 }
 
-/// How the robots stand in the end: the failed do not move, and who arrived is where it wants to be.
+/// The robots' tasks from their final positions: failed robots do not move, and robots that arrived are at
+/// their goals.
 std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const FleetSimulation& simulation) {
   std::vector<JointTask> ends;
   for (const NamedTrack& track : tracks) {
     const RobotTask& task = simulation.service().task(track.robot);
     const auto& points = track.track.points;
-    const Point2 end = points.empty() ? task.start : points.back().position;  // killed before it had a body
+    // No points: killed before it had a body.
+    const Point2 end = points.empty() ? task.start : points.back().position;
     const bool killed = simulation.killed(track.robot);
     ends.push_back({end, killed ? std::nullopt : std::optional(task.goal), task.radius, !killed});
   }
   return ends;
 }
 
-/// Whether a robot that is alive could have arrived, past the failed, from where it is.
+/// Whether a living robot could have arrived from its position, past the failed robots.
 bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span<const JointTask> ends) {
   std::vector<Disc> failed;
   for (const JointTask& end : ends) {
     if (!end.movable) failed.push_back({end.position, end.radius});
   }
-  // A gap that only a finer lattice finds is no way that anybody would miss.
+  // A gap that only a finer lattice finds is too narrow to count.
   RouteFinder finder(field, robot.radius, usual_spacing(robot.radius) / 2);
   return !finder.route(robot.position, *robot.goal, failed).empty();
 }
 
-/// The same, with the others that live in its way as well. The failed may close the only place where two of
-/// them could have changed their order.
+/// Whether each robot could have arrived, with other living robots in its way as well. Failed robots may
+/// close the only place where two robots could have exchanged their order.
 std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::vector<JointTask>& ends) {
   MapRoadmaps places(field);
   JointPlanner planner(places, ends, Random(1));
@@ -160,8 +162,9 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
   Scenario scenario = draw_scenario(seed, random);
   Faults faults = draw_kinds_of_faults(scenario, random);
   if (restarts) {
-    Random of_restarts(seed + 1);  // what the seed gives without them stays as it is
-    // Once in ten seconds to a minute one of them: more often than joint plans take, nobody would end.
+    Random of_restarts(seed + 1);  // a source of its own, so that the other faults of the seed stay the same
+    // One restart in the fleet every 10 to 60 s. If restarts were more frequent than joint plans take, no run
+    // would end.
     faults.kill_rate = of_restarts.uniform(60, 360) / static_cast<double>(scenario.robots.size());
     faults.restart_after = of_restarts.uniform(0.1, 8);
     for (Faults::Kill& kill : faults.kills) kill.for_good = true;
@@ -171,7 +174,7 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
   const double lifelong = random.uniform() < 0.2 ? 300 : 0;
   std::string what = in_words(scenario, faults);
   if (lifelong > 0) what += fmt::format(", new goals for {:.0f} s", lifelong);
-  // Shorter paths cost most of a simulation's time and have little to do with faults.
+  // The search for shorter paths takes most of a simulation's time and has little to do with faults.
   const double plan_budget = random.uniform() < 0.2 ? 1 : 0.05;
   return {seed,
           std::move(what),
@@ -200,7 +203,7 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
     if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
     const bool shut_in = somebody_died && !(*sorted_out)[i];
-    // What it knew of the failed died with its own process, and with all others.
+    // What the robot knew of the failed robots was lost with its own process and with all others.
     const bool ignorant = somebody_died && simulation.suffered().restarts > 0 &&
                           robot.reason().find("its agent was started in mid-run, and") != std::string::npos;
     std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;

@@ -1,8 +1,9 @@
-// Cases for a fleet to survive: a scenario and faults, both drawn from a seed, and what must hold in the end.
+// Random tests of a fleet: a scenario and faults, both drawn from a seed, and the conditions that must hold
+// at the end.
 //
-// A case fails if an invariant is broken (invariants.h), or if a robot is stuck: it is not killed, has not
-// arrived, no failed robot closes its way, and, if somebody died, a joint plan from where they all are in the
-// end would bring it to its goal.
+// A case fails if an invariant is broken (invariants.h), or if a robot is stuck. A robot is stuck if it was
+// not killed, has not arrived, has a way past the failed robots and, if a robot failed, a joint plan from the
+// final positions would bring it to its goal.
 #pragma once
 
 #include <cstdint>
@@ -22,18 +23,19 @@ struct FuzzCase {
   SimulationSettings settings;
 };
 
-/// The same seed gives the same case. `restarts`: and agents are killed and started anew.
+/// The same seed gives the same case. `restarts`: agents are also killed and restarted.
 FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts = false);
 
 struct FuzzResult {
-  std::vector<std::string> failures;  ///< empty: survived
-  /// Stuck, but no joint plan was found that brings it past the failed, or nobody knows where these are.
+  std::vector<std::string> failures;  ///< empty: the case is passed
+  /// Robots that did not arrive, but for which no joint plan past the failed robots was found, or for which
+  /// no process knew where those are.
   std::vector<std::string> shut_in;
   double robot_hours = 0;
   SufferedFaults suffered;
 };
 
-/// `simulation` has run the case to its end.
+/// `simulation` must have run the case to its end.
 FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation);
 
 }  // namespace coppice

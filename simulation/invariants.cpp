@@ -11,7 +11,7 @@ namespace {
 
 constexpr double rounding = 1e-6;
 
-/// The first thing that a robot by itself did wrong.
+/// The first invariant that a robot has broken by itself.
 std::optional<std::string> broken_by(const RobotTask& task, const Track& track, double period) {
   const auto& points = track.points;
   if (points.empty()) return std::nullopt;

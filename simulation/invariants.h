@@ -1,4 +1,4 @@
-// What must hold in every run, whatever went wrong in it: checked on the record alone.
+// Invariants of every run, whatever faults occurred. They are checked on the recorded tracks alone.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace coppice {
 
-/// Each thing that does not hold, a line each; empty: all is well. Robots begin at their starts, keep clear
-/// of each other and of every obstacle (in continuous time), keep their limits on speed and acceleration, and
-/// never jump. `period`: seconds between two points of a track.
+/// Returns a line for each broken invariant; empty if all hold. Robots begin at their starts, keep clear of
+/// each other and of obstacles (in continuous time), keep their limits of speed and acceleration, and never
+/// jump. `period`: seconds between two points of a track.
 std::vector<std::string> broken_invariants(const Scenario& scenario, const std::vector<NamedTrack>& tracks,
                                            double period);
 

@@ -16,7 +16,7 @@ auto with_topic(const Message& message, Fn&& fn) {
   return std::visit([&]<class M>(const M&) { return fn(Topic<M>{}); }, message);
 }
 
-// A reliable sample that was lost is asked for again about so often, seconds.
+// Seconds after which a lost reliable sample is sent again.
 constexpr double resend_period = 0.1;
 
 bool read_by(const Message& message, Role role) {
@@ -83,7 +83,7 @@ void SimulatedBus::send(const Port& sender, Port& receiver, const std::shared_pt
     sent += resend_period;
   }
   double due = sent + delay_of_a_sample();
-  // One after the other, where samples take differently long.
+  // Samples that take different times still arrive in the order of sending.
   if (reliability == Reliability::reliable || (faults_.jitter > 0 && !faults_.reorder)) {
     std::vector<double>& last = receiver.last_due_[static_cast<std::size_t>(reliability)];
     if (last.size() <= sender.index_) last.resize(ports_.size(), 0.0);

@@ -1,8 +1,8 @@
-// The bus of the simulation: in memory, on a virtual clock, the same for the same seed.
+// The bus of the simulation: in memory, on a virtual clock, deterministic for a seed.
 //
-// It delivers by the table of topics: best-effort samples may be lost, reliable ones arrive in the end, late
-// joiners get what transient-local topics keep. Every sample takes `delay` seconds; what goes wrong beyond
-// that is BusFaults.
+// It delivers according to the table of topics: best-effort samples may be lost, reliable ones arrive in the
+// end, and late joiners receive what transient-local topics keep. Each sample takes `delay` seconds.
+// BusFaults adds further faults.
 #pragma once
 
 #include <array>
@@ -24,13 +24,13 @@
 
 namespace coppice {
 
-/// A time in which the participants of one side and of the other do not reach each other, seconds.
+/// An interval in which the participants of two sides do not reach each other, seconds.
 struct Partition {
   double from = 0;
   double until = 0;
 };
 
-/// A time in which two agents do not reach each other, though all others reach both, seconds.
+/// An interval in which two agents do not reach each other, although all others reach both, seconds.
 struct CutLink {
   RobotName a;
   RobotName b;
@@ -39,10 +39,10 @@ struct CutLink {
 };
 
 struct BusFaults {
-  double loss = 0;       ///< share of the samples, below 1; reliable ones are sent again
-  double delay = 0;      ///< seconds, of every sample
-  double jitter = 0;     ///< seconds by which a delay may be longer or shorter
-  double duplicate = 0;  ///< share of the samples that arrive twice
+  double loss = 0;    ///< share of the samples that are lost, below 1; reliable ones are sent again
+  double delay = 0;   ///< seconds that each sample takes in addition; not for samples kept for late joiners
+  double jitter = 0;  ///< seconds by which the additional delay may be longer or shorter
+  double duplicate = 0;  ///< share of the best-effort samples that arrive twice
   bool reorder = false;  ///< best-effort samples of one sender may overtake each other
   std::vector<Partition> partitions{};
   std::vector<CutLink> cut_links{};
@@ -50,16 +50,16 @@ struct BusFaults {
 
 class SimulatedBus {
  public:
-  /// One participant's end. Stays valid for as long as the bus lives.
+  /// The connection of one participant. It stays valid for as long as the bus lives.
   class Port {
    public:
     void publish(Outgoing message) { bus_.publish(*this, std::move(message)); }
-    /// All that is due by the bus's time.
+    /// Takes all messages that are due by the bus's time.
     std::vector<Arrival> take();
-    /// When the next message is due that wakes who waits for it, which best-effort samples do not; infinity
-    /// if none is under way.
+    /// The time of the next reliable message, which wakes its receiver; infinity if there is none.
+    /// Best-effort samples do not wake.
     double next_delivery() const { return next_delivery_; }
-    /// Its process is failed: nothing reaches it any more, and what it kept for late joiners is gone.
+    /// The process has ended: it receives nothing more, and what it kept for late joiners is gone.
     void close();
 
    private:
@@ -74,30 +74,31 @@ class SimulatedBus {
     };
     SimulatedBus& bus_;
     std::size_t index_;
-    RobotName robot_;  ///< empty: of another role
+    RobotName robot_;  ///< empty: another role
     int side_;
     bool closed_ = false;
-    std::vector<Delivery> inbox_;  ///< under way, in the order of sending
+    std::vector<Delivery> inbox_;  ///< messages under way, in the order of sending
     double next_delivery_ = std::numeric_limits<double>::infinity();
     std::array<std::vector<double>, 2> last_due_;  ///< by reliability and sender
   };
 
-  /// `delay`: seconds from publishing to delivery where nothing goes wrong, above 0.
+  /// `delay`: seconds from publishing to delivery without faults, above 0.
   explicit SimulatedBus(double delay, BusFaults faults = {}, Random random = Random(0))
       : delay_(delay), faults_(std::move(faults)), random_(random) {}
 
-  /// `robot`: of an agent. `side`: of the partitions.
+  /// `robot`: the name, for an agent. `side`: the side of the partitions.
   Port& attach(Role role, const RobotName& robot = {}, int side = 0);
 
-  /// Nobody of another role joins from now on: what no one of this role reads is not kept.
+  /// From now on only participants of this role join. Messages that this role does not read are not kept.
   void keep_for(Role late) { late_ = late; }
 
-  /// Virtual time, seconds; never runs back.
+  /// Virtual time, seconds; it must not decrease.
   void set_time(double now) { now_ = now; }
 
-  /// Samples that did not reach a reader at the first attempt.
+  /// Number of samples that did not reach a reader at the first attempt.
   std::size_t lost() const { return lost_; }
-  /// Messages that no reader would take (validation.h): whoever says such things falls silent to all others.
+  /// Number of messages that no reader would accept (validation.h). A sender of such messages would seem
+  /// silent to all others.
   std::size_t rejected() const { return rejected_; }
 
  private:
@@ -114,16 +115,16 @@ class SimulatedBus {
   double now_ = 0;
   std::size_t lost_ = 0;
   std::size_t rejected_ = 0;
-  std::optional<Role> late_;  ///< none: anybody may join
+  std::optional<Role> late_;  ///< none: participants of any role may join
   std::vector<std::unique_ptr<Port>> ports_;
   std::array<std::vector<Port*>, 7> by_role_;
   NameIndex robots_;
-  std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`; the last that it attached
+  std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`: its latest port
   struct Kept {
     std::size_t sender;
     std::shared_ptr<const Message> message;
   };
-  /// What transient-local topics keep, by topic and key, in the order of first publication.
+  /// Messages that transient-local topics keep, by topic and key, in the order of first publication.
   std::vector<std::pair<std::string, std::vector<Kept>>> kept_;
   std::unordered_map<std::string, std::size_t> kept_index_;
 };

@@ -1,5 +1,5 @@
-// What a broker keeps, so that another one can take its place: the map, every inactive tree on it, and that
-// somebody has found the map covered by them.
+// The saved state of a broker, from which a successor continues: the map, all inactive trees on it, and
+// whether a broker has found the map covered by them.
 #pragma once
 
 #include <set>
@@ -13,7 +13,7 @@ namespace coppice {
 
 class ForestRecord {
  public:
-  /// Goes on after what was kept before.
+  /// Continues from saved messages.
   void recall(std::span<const Message> kept);
   Keep heard(const Message& message);
   Keep said(const Message& message) { return heard(message); }

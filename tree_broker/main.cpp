@@ -1,4 +1,4 @@
-// tree_broker --domain D: grows the shared trees of a fleet until it is told to stop.
+// tree_broker --domain D: grows the shared trees of a fleet until it is stopped.
 
 #include <random>
 #include <utility>
@@ -29,7 +29,7 @@ int run(const ProcessOptions& options, std::uint64_t seed) {
   ForestRecord record;
   if (journal) record.recall(journal->messages());
   Keeper keeper(std::move(record), journal ? &*journal : nullptr);
-  // Every start of a broker is another broker: its trees are its own.
+  // Each start gets a new id, because each start of a broker names its own trees.
   std::random_device device;
   const std::uint64_t id = (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
   DdsBus bus(options.network, Role::broker, "tree_broker");

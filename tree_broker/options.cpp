@@ -14,7 +14,7 @@ void add_broker_options(CLI::App& app, BrokerOptions& options) {
                       "Coppice tree broker: grows the disjointed trees that every robot may use");
   add_process_options(app, options.process);
   app.option_defaults()->group("Planning");
-  app.add_option("--seed", options.seed, "of every random choice")
+  app.add_option("--seed", options.seed, "seed of all random choices")
       ->check(whole_number_between<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()));
 }
 

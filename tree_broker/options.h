@@ -12,7 +12,7 @@ struct BrokerOptions {
   std::uint64_t seed = 1;
 };
 
-/// `options` outlives the parsing.
+/// `options` must outlive the parsing.
 void add_broker_options(CLI::App& app, BrokerOptions& options);
 
 }  // namespace coppice

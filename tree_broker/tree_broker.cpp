@@ -12,16 +12,16 @@ namespace coppice {
 
 namespace {
 
-constexpr int iterations_a_step = 500;   // about half a millisecond: roots that come near are seen soon
+constexpr int iterations_a_step = 500;   // about 0.5 ms, so that new root nodes are seen soon
 constexpr WallTime status_period = 0.5;  // seconds
 constexpr std::size_t most_waiting_trees = 10'000;
-constexpr WallTime lease = 1.5;                    // seconds without a status: who leads counts as gone
-constexpr std::size_t most_others = 1000;          // brokers at a time: what others say is not to fill memory
-constexpr WallTime first_listening = 1;            // seconds: who leads says so twice
-constexpr WallTime longest_news = 2;               // seconds until all trees that others publish have come
+constexpr WallTime lease = 1.5;            // seconds without a status after which a leader counts as gone
+constexpr std::size_t most_others = 1000;  // other brokers at a time; the limit bounds the memory
+constexpr WallTime first_listening = 1;    // seconds; a leader publishes its status twice in this time
+constexpr WallTime longest_news = 2;       // seconds until all trees that other brokers publish have arrived
 constexpr WallTime active_trees_period = 0.1;      // seconds
-constexpr std::size_t most_active_edges = 20'000;  // that are shown
-constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees: a fleet that needs more has no path
+constexpr std::size_t most_active_edges = 20'000;  // edges that are published for display
+constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees; a fleet that needs more has no path
 
 }  // namespace
 
@@ -53,7 +53,8 @@ void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
   forest_.reset();
   groups_.clear();
   if (!message.radii.empty()) {
-    // The trees of large robots serve the small ones too: those need more only where no large one fits.
+    // The trees of large robots also serve small ones. Small robots need further trees only where no large
+    // robot fits.
     std::vector<double> radii = message.radii;
     std::ranges::sort(radii);
     forest_ = std::make_unique<Forest>(map_->map, radii.back(), Random(seed_));
@@ -63,7 +64,7 @@ void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
   for (const auto& [robot, mission] : std::exchange(waiting_missions_, {})) receive(mission, arrived);
 }
 
-/// One that another broker grew, or this one before it was started anew.
+/// A tree that another broker grew, or this one before its restart.
 void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
   if (!forest_ || map_->map_id != tree.map_id) {
     if (waiting_trees_.size() >= most_waiting_trees || waiting_nodes_ + tree.nodes.size() > most_nodes) {
@@ -85,7 +86,7 @@ void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
   forest_->unsaid.push_back(tree.tree);
 }
 
-/// Those of other maps are of runs that are over.
+/// Processes the trees that arrived before the map. Trees of other maps belong to runs that are over.
 void TreeBroker::take_up_waiting_trees(WallTime now) {
   if (!forest_) return;
   waiting_nodes_ = 0;
@@ -101,13 +102,13 @@ void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
   }
   if (status.broker != id_)
     others_[status.broker] = {status.leads ? std::optional(status.leading_since) : std::nullopt, arrived};
-  // With all trees of one that has covered the map this broker has, too.
+  // A broker that has all trees of one that covered the map has covered it, too.
   const bool covers = forest_ && status.covered_map == map_->map_id;
   if (covers && forest_->inactive.size() >= status.trees_published) forest_->uncovered.clear();
 }
 
-/// Of several that lead, because they did not hear of each other, the one that has done so for longest goes
-/// on.
+/// Several brokers may lead because they did not hear of each other. The one that has led for longest
+/// continues.
 std::optional<TreeBroker::Leader> TreeBroker::leader_among_others() const {
   std::optional<Leader> leader;
   for (const auto& [id, other] : others_) {
@@ -118,7 +119,8 @@ std::optional<TreeBroker::Leader> TreeBroker::leader_among_others() const {
   return leader;
 }
 
-/// That one may have begun anew, without what its predecessor knew and only this broker has heard.
+/// The new leader may have started without trees that its predecessor published and that only this broker has
+/// received.
 void TreeBroker::follow(const Leader& leader, WallTime now) {
   const std::uint64_t before = std::exchange(followed_, leader.second);
   if (before == 0 || before == followed_ || !forest_) return;
@@ -126,7 +128,7 @@ void TreeBroker::follow(const Leader& leader, WallTime now) {
   forest_->recalled.insert(forest_->unsaid.begin(), forest_->unsaid.end());
 }
 
-/// Every mission that is not over is a group; a newer one of the same robot ends the older.
+/// Each mission that is not over is a group. A newer mission of a robot ends the older one.
 void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   if (!map_ || map_->map_id != mission.map_id) {
     if (waiting_missions_.size() < most_robots || waiting_missions_.contains(mission.robot)) {
@@ -146,12 +148,12 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   }
   const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
   groups_[mission.robot] = {run, mission.number, group, 0};
-  // The roots are known from here: where both see the forest, as the agent will find too, no tree need grow.
+  // Both roots are known. If both see the forest, as the agent will find too, no tree need grow.
   forest_->planner.add_remote_node(group, Root::start, mission.start);
   forest_->planner.add_remote_node(group, Root::goal, mission.goal);
 }
 
-/// The one of that mission; null if it is over, or another one is under way.
+/// The group of that mission; null if the mission is over, or if another one is under way.
 TreeBroker::Group* TreeBroker::group_of(const RobotName& robot, WallTime run, std::uint32_t mission) {
   const auto known = groups_.find(robot);
   if (known == groups_.end()) return nullptr;
@@ -167,7 +169,7 @@ void TreeBroker::receive(const RootNodes& batch, WallTime) {
     return;
   }
   for (std::size_t i = 0; i < batch.nodes.size(); ++i) {
-    // A batch that is delivered again brings nothing new.
+    // A batch that is delivered again contains nothing new.
     if (batch.first_index + i < group->nodes_received) continue;
     const RootNodes::Node& node = batch.nodes[i];
     forest_->planner.add_remote_node(group->index, node.side == Side::start ? Root::start : Root::goal,
@@ -188,7 +190,8 @@ void TreeBroker::end_group(const RobotName& robot) {
   groups_.erase(known);
 }
 
-/// Nothing was heard later than now, and nothing is due later than it ever is.
+/// Keeps times plausible after the clock was set back: nothing was received later than now, and nothing is
+/// due later than one period from now.
 void TreeBroker::reckon_with_a_clock_set_back(WallTime now) {
   for (auto& [id, other] : others_) other.heard_at = std::min(other.heard_at, now);
   listens_until_ = std::min(listens_until_, now + first_listening);
@@ -224,7 +227,8 @@ std::vector<Message> TreeBroker::step(WallTime now) {
   return out;
 }
 
-/// All that this broker has not published itself: what has grown, and what it took over.
+/// Publishes all trees that this broker has not published itself: those that it grew and those that it took
+/// over.
 void TreeBroker::publish_trees(std::vector<Message>& out) {
   for (const TreeIndex tree : forest_->planner.take_frozen()) {
     forest_->unsaid.push_back({id_, frozen_++});
@@ -234,12 +238,14 @@ void TreeBroker::publish_trees(std::vector<Message>& out) {
   forest_->recalled.clear();
 }
 
-/// Trees that the one who leads does not publish: its predecessor was killed before another heard of them.
+/// Publishes trees that the leader does not publish: its predecessor was killed before another broker
+/// received them.
 void TreeBroker::publish_recalled(std::vector<Message>& out) {
   for (const TreeId& id : std::exchange(forest_->recalled, {})) out.emplace_back(describe(id));
 }
 
-/// For the groups that wait for trees; when there are none, ahead. False: nothing to do.
+/// Grows for the groups that wait for trees; if there are none, grows ahead. Returns false if there is
+/// nothing to do.
 bool TreeBroker::grow() {
   Planner& planner = forest_->planner;
   if (planner.trees().node_count() >= most_nodes) return false;
@@ -255,7 +261,8 @@ InactiveTreeMessage TreeBroker::describe(const TreeId& id) const {
   for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
     const std::int32_t parent = frozen.parents[i];
     const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];
-    // The bound may lie a hair below what the exact check, made when the edge was added, has shown.
+    // The clearance of the segment may be slightly below the radius by rounding. The check when the edge was
+    // added was exact.
     const double clearance = std::max(frozen.radius, forest_->field.segment_clearance(from, frozen.nodes[i]));
     message.nodes.push_back({frozen.nodes[i], parent, clearance});
   }

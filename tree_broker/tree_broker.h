@@ -1,11 +1,11 @@
-// The tree broker: grows the disjointed trees of the whole fleet and publishes each once it is inactive.
+// The tree broker grows the disjointed trees of the whole fleet and publishes each tree once it is inactive.
 //
-// It grows ahead as soon as it has the map, so that a mission finds trees in place. Then it learns of the
-// groups from the missions, of their root trees from `root_nodes`, and of their success from `agent_status`.
+// It grows ahead as soon as it has the map, so that a mission finds trees. Then it learns of groups from the
+// missions, of their root trees from `root_nodes`, and of their success from `agent_status`.
 //
-// Several brokers may serve one fleet: one leads, the others stand by. Each knows every inactive tree, its
-// own and those that it hears of; who leads and falls silent is followed by another, which publishes all of
-// them anew, for those who come later.
+// Several brokers may serve one fleet: one leads, the others stand by. Each knows all inactive trees, its own
+// and those of others. If the leader falls silent, another broker follows it and publishes all trees again,
+// for processes that come later.
 //
 // A state machine: messages and the time go in, messages come out; no clock, thread or I/O.
 #pragma once
@@ -29,40 +29,41 @@ namespace coppice {
 
 class TreeBroker {
  public:
-  /// `id` tells this broker's trees from those of every other one; `seed` is of every random choice.
+  /// `id` distinguishes this broker's trees from those of others. `seed` determines all random choices.
   TreeBroker(std::uint64_t id, std::uint64_t seed) : id_(id), seed_(seed) {}
 
-  /// What a broker knew whose place it takes (journal.h): the map and trees, and that these cover the map.
-  /// Before anything else; it then listens for a second to who leads by now.
+  /// Restores the saved state of a predecessor (journal.h): the map, its trees, and whether these cover the
+  /// map. Call it first. The broker then listens for 1 s for a leader.
   void recall(std::span<const Message> known, WallTime now);
 
   void on(const Arrival& arrival);
-  /// What the process's bus has counted, for the status.
+  /// Takes the bus's counters, for the status.
   void note(const BusCounts& counts, WallTime) { counts_ = counts; }
-  /// Grows for about a millisecond if there is something to grow; returns what is to be published.
+  /// Runs at most 500 iterations, about 0.5 ms, if there is something to grow. Returns the messages to
+  /// publish.
   std::vector<Message> step(WallTime now);
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
-  /// It grows trees, and publishes them; otherwise another one does.
+  /// Whether this broker grows and publishes trees; otherwise another one does.
   bool leads() const { return leads_since_.has_value(); }
 
  private:
   using Planner = MaRrdtStar<ClearanceField>;
 
-  /// The trees of one map; a new map begins with none.
+  /// The trees of one map. A new map begins with none.
   struct Forest {
-    /// With steps that suit robots of `radius`.
+    /// A forest whose steps suit robots of `radius`.
     Forest(const OccupancyMap& map, double radius, Random random);
     ClearanceField field;
     double epsilon;
     Planner planner;
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
     std::map<TreeId, TreeIndex> inactive{};
-    std::vector<TreeId> unsaid{};  ///< inactive, and not published by this broker yet
-    std::set<TreeId> recalled{};   ///< of these, those that nobody has published since
+    std::vector<TreeId> unsaid{};  ///< inactive trees that this broker has not published yet
+    std::set<TreeId> recalled{};   ///< trees of `unsaid` that no broker has published since the restart
   };
-  using Leader = std::pair<WallTime, std::uint64_t>;  ///< since when, and who
-  /// Another broker that was heard of a moment ago.
+  using Leader = std::pair<WallTime, std::uint64_t>;  ///< since when it leads, and its id
+  /// Another broker whose status is recent.
   struct Other {
     std::optional<WallTime> leads_since{};
     WallTime heard_at = 0;
@@ -96,22 +97,22 @@ class TreeBroker {
   std::uint64_t id_;
   std::uint64_t seed_;
   std::optional<MapMessage> map_;
-  std::map<RobotName, Mission> waiting_missions_;   ///< for a map that is not there yet
-  std::vector<InactiveTreeMessage> waiting_trees_;  ///< likewise
-  std::size_t waiting_nodes_ = 0;                   ///< of these
+  std::map<RobotName, Mission> waiting_missions_;   ///< missions for a map that has not arrived yet
+  std::vector<InactiveTreeMessage> waiting_trees_;  ///< trees for a map that has not arrived yet
+  std::size_t waiting_nodes_ = 0;                   ///< number of nodes of `waiting_trees_`
   std::unique_ptr<Forest> forest_;
   std::map<RobotName, Group> groups_;
   std::map<std::uint64_t, Other> others_;
-  std::uint32_t frozen_ = 0;    ///< by this broker
-  std::uint64_t followed_ = 0;  ///< the broker that leads while this one stands by; 0: none
+  std::uint32_t frozen_ = 0;    ///< number of trees that this broker has frozen
+  std::uint64_t followed_ = 0;  ///< id of the broker that leads while this one stands by; 0: none
   std::optional<WallTime> leads_since_;
   WallTime listens_until_ = 0;
   BusCounts counts_{};
-  std::uint32_t impossible_ = 0;  ///< messages that were too many
+  std::uint32_t impossible_ = 0;  ///< number of messages that exceeded a limit or were not valid
   WallTime next_wake_ = 0;
   WallTime next_status_ = 0;
   WallTime next_active_trees_ = 0;
-  bool shows_active_trees_ = false;  ///< what it said last of them holds some
+  bool shows_active_trees_ = false;  ///< whether the last message about active trees held any
 };
 
 }  // namespace coppice

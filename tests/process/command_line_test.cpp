@@ -184,7 +184,8 @@ TEST(CommandLine, AnUnusableFolderForTemporaryFilesIsTold) {
          {coppice("run " + rooms()), "'" + test::program("planner_service") + "' --domain 7 " + rooms()}) {
       const test::Outcome outcome = test::shell("TMPDIR='" + place + "' " + command);
       EXPECT_EQ(outcome.exit_code, 2) << command;
-      EXPECT_EQ(count_of(place + ": takes no temporary files: " + why, outcome.output), 1) << outcome.output;
+      EXPECT_EQ(count_of(place + ": cannot hold temporary files: " + why, outcome.output), 1)
+          << outcome.output;
     }
   }
 }
@@ -222,9 +223,9 @@ TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
       {"", "--state /proc/nope", "/proc/nope: cannot be made"},
       {"", "--logs /proc/nope", "/proc/nope: cannot be made"},
       {"", "--plan-budget 1e10", "--plan-budget"},
-      {"", "--report /tmp/coppice-one --trajectory /tmp/../tmp/coppice-one", "is to be two files"},
-      {"", "--report " + rooms(), "is to be two files"},
-      {"", "--record /tmp/coppice-one --report /tmp/coppice-one", "is to be two files"},
+      {"", "--report /tmp/coppice-one --trajectory /tmp/../tmp/coppice-one", "is named for two files"},
+      {"", "--report " + rooms(), "is named for two files"},
+      {"", "--record /tmp/coppice-one --report /tmp/coppice-one", "is named for two files"},
       {"ROS_DISCOVERY_SERVER=nonsense", "", "\"nonsense\" names no discovery servers"},
       {"", "--discovery host.invalid:7400", "\"host.invalid:7400\" names no discovery servers"},
       {"", "--discovery 127.0.0.1:7400 --security /none", "--security goes without discovery servers"},

@@ -170,8 +170,9 @@ TEST_F(WrongKindOfFile, FieldsAreToldWithLineAndWhatIsAllowed) {
   expect_one_line("coppice", "run " + start,
                   {"d.json:2: robots[0].start: expected {\"x\": ..., \"y\": ...}, found a list"});
   const std::string field = file("e.json", "{\"map\": \"a.map\",\n\n\"robtos\": []}");
-  expect_one_line("coppice", "run " + field,
-                  {"e.json:3: \"robtos\" is no field (did you mean robots?), expected one of map, radius"});
+  expect_one_line(
+      "coppice", "run " + field,
+      {"e.json:3: \"robtos\" is not a field (did you mean robots?), expected one of map, radius"});
 }
 
 TEST(Mistakes, AnOutputThatCannotBeMadeIsToldAtOnce) {

@@ -150,7 +150,7 @@ TEST(ScenarioFile, JsonIsReadStrictly) {
       {"{\"radius\": 1} {}", "fleet.json:1: "},
       {std::string("{\"radius\": 1}\0{}", 16), "fleet.json:1: a zero byte"},
       {"{\"raduis\": 1}",
-       "\"raduis\" is no field (did you mean radius?), expected one of map, radius, max_speed"},
+       "\"raduis\" is not a field (did you mean radius?), expected one of map, radius, max_speed"},
       {"{\"map\": 5}", "map: expected a text in quotes, found 5"},
       {"{\"map\": \"\xff\"}", "fleet.json:1: map: "},
       {"{\"robots\": {}}", "robots: expected a list [...], found an object"},
@@ -160,7 +160,7 @@ TEST(ScenarioFile, JsonIsReadStrictly) {
       {start + "\"start\": {\"x\": 1,\n\"y\": \"12\"}}]}",
        "fleet.json:5: robots[0].start.y: expected a number, found a text"},
       {start + "\"start\": {\"x\": 1, \"z\": 1}}]}",
-       "robots[0].start: \"z\" is no field, expected one of x, y"},
+       "robots[0].start: \"z\" is not a field, expected one of x, y"},
       {std::string(1'000'000, '['), "fleet.json:1: "},
       {"{\"robots\": " + std::string(1'000'000, '['), "fleet.json:1: robots[0]: "}};
   for (const auto& [json, expected] : cases) {
@@ -182,7 +182,7 @@ TEST(ScenarioFile, AByteOrderMarkIsPassedOverAndUtf16IsRefused) {
   for (const std::string& begin : {std::string("\xff\xfe{\0", 4), std::string("\xfe\xff\0{", 4),
                                    std::string("{\0\n\0", 4), std::string("\0{\0\n", 4)}) {
     const std::string error = error_of(begin);
-    EXPECT_NE(error.find("fleet.json:1: is UTF-16, UTF-32 or no text, expected UTF-8"), std::string::npos)
+    EXPECT_NE(error.find("fleet.json:1: is UTF-16, UTF-32 or not text, expected UTF-8"), std::string::npos)
         << error;
   }
 }
