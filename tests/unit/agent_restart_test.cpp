@@ -1,4 +1,5 @@
-// Agents whose process was killed, and those who take their place: as state machines, message by message.
+// Tests of a restarted agent as a state machine, message by message: the process was killed and a successor
+// takes over.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -13,7 +14,7 @@
 namespace coppice {
 namespace {
 
-/// Alone, stepped whenever it wants.
+/// A single agent that is stepped whenever it asks to be.
 struct AgentRun {
   AgentRun() = default;
   AgentRun(const AgentRun&) = delete;
@@ -28,7 +29,7 @@ struct AgentRun {
     keeper.heard(message);
     agent.on(arrival_of(message, now));
   }
-  /// Another, that stands at its start, is heard until `b_dies`.
+  /// Runs the agent. A second robot that stands at its start is heard until `b_dies`.
   void run(double from, double until, double b_dies = 0) {
     for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
       if (now < b_dies) hear(standing_b(now), now);
@@ -64,7 +65,7 @@ Mission mission_of_a(double epoch) {
           .clock = {epoch, 1}};
 }
 
-/// Of a robot that drives.
+/// Runs the agent of a driving robot and stops at `time`.
 void run_until_killed_at(double time, AgentRun& before) {
   before.hear(map_message(), 0);
   before.hear(mission_of_a(0), 0);
@@ -80,7 +81,7 @@ std::vector<TrackMessage::Point> track_in(const std::vector<Message>& said) {
   return track;
 }
 
-TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
+TEST(AgentRestart, ARestartedAgentGoesOnFromWhereItsRobotStopped) {
   AgentRun before;
   run_until_killed_at(3, before);
   const RobotState last = of<RobotState>(before.said).back();
@@ -97,7 +98,7 @@ TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
   EXPECT_TRUE(first.velocity.isZero(0));
   EXPECT_LT((first.position - last.position).norm(), 20 * 20 / (2 * 40) + 3);
 
-  // The record goes from the start to the goal without a gap, as fast as a robot may.
+  // The track goes from the start to the goal without a gap and within the robot's limits.
   const std::vector<TrackMessage::Point> track = track_in(after.said);
   EXPECT_EQ(track.front().position, Point2(20, 60));
   EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
@@ -106,7 +107,7 @@ TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
     ASSERT_LT((track[k].position - track[k - 1].position - 0.05 * track[k - 1].velocity).norm(), 1e-9);
     ASSERT_LE((track[k].velocity - track[k - 1].velocity).norm(), 40 * 0.05 + 1e-9);
   }
-  // What it had said before it was killed, it says again just so.
+  // The successor repeats what the agent said before it was killed.
   const auto said_before = of<TrackMessage>(before.said);
   ASSERT_FALSE(said_before.empty());
   for (const TrackMessage& batch : said_before) {
@@ -117,7 +118,7 @@ TEST(RobotAgentAnew, GoesOnFromWhereItsBodyBrakedTo) {
   EXPECT_EQ(status.path_time, of<AgentStatus>(before.said).back().path_time);
 }
 
-TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
+TEST(AgentRestart, AnAgentThatIsKilledRepeatedlyArrives) {
   auto life = std::make_unique<AgentRun>();
   run_until_killed_at(1.5, *life);
   double now = 2;
@@ -133,8 +134,8 @@ TEST(RobotAgentAnew, KilledAgainAndAgainItArrives) {
   EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
 }
 
-// What it had not said yet of its track shows that it stands.
-TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
+// The part of the track that was not sent yet shows that the robot stands.
+TEST(AgentRestart, AnAgentKilledAtTheEndOfTheRunReportsWhereItsRobotStands) {
   AgentRun before;
   run_until_killed_at(4, before);
   for (double now = 4; of<AgentStatus>(before.said).back().phase != Phase::arrived; now += 0.01)
@@ -156,7 +157,7 @@ TEST(RobotAgentAnew, OneThatIsKilledAsTheRunEndsTellsWhereItStands) {
   EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
 }
 
-TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
+TEST(AgentRestart, AnAgentKilledTwiceRemembersItsPartInAJointPlan) {
   RobotState state = state_of("a", 1, {20, 60});
   state.round = {7, "b", {20, 60}, 30};
   state.stage = Stage::executing;
@@ -173,7 +174,7 @@ TEST(RobotAgentAnew, KilledTwiceItStillKnowsThatItHadAPartInAJointPlan) {
   EXPECT_EQ(saved_state_of(kept)->stage, Stage::free);
 }
 
-TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
+TEST(AgentRestart, TheTrackLeavesOutThePauseThatThePredecessorLeftOut) {
   AgentRun first;
   run_until_killed_at(3, first);
   ASSERT_GT(of<RobotState>(first.said).back().velocity.norm(), 5);  // it brakes, and then it stands
@@ -195,7 +196,7 @@ TEST(RobotAgentAnew, LeavesOutOfItsTrackTheSleepThatItsPredecessorLeftOut) {
   }
 }
 
-TEST(RobotAgentAnew, ItsTrackBeginsWithItsFirstState) {
+TEST(AgentRestart, TheTrackBeginsWithTheFirstState) {
   AgentRun before;
   before.hear(map_message(), 7.03);
   before.hear(mission_of_a(0), 7.03);
@@ -209,7 +210,7 @@ TEST(RobotAgentAnew, ItsTrackBeginsWithItsFirstState) {
   EXPECT_EQ(track_in(after.said).front(), track_in(before.said).front());
 }
 
-/// Two robots are in the run: b dies at 1 s, a's agent is killed at 3 and started anew at 5 s.
+/// Two robots are in the run. Robot b dies at 1 s; the agent of a is killed at 3 s and restarted at 5 s.
 AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on, bool b_is_cancelled = false) {
   Mission a = mission_of_a(0);
   Mission b = a;
@@ -235,18 +236,18 @@ AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on, bool b_is_can
   return of<AgentStatus>(after.said).back();
 }
 
-TEST(RobotAgentAnew, WhoFellSilentBeforeIsInItsJournal) {
+TEST(AgentRestart, TheJournalHoldsPeersThatFellSilentBeforeTheRestart) {
   EXPECT_EQ(last_status_of_one_alone(true).phase, Phase::arrived);
 }
 
-TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
+TEST(AgentRestart, TheJournalForgetsTheSilenceOfAPeerThatIsHeardAgain) {
   AgentRun run;
   run_until_killed_at(0.5, run);
   RobotState b = run.standing_b(0.6);
   b.passed_on = true;
   run.keeper.said(b);
   ASSERT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
-  run.hear(run.standing_b(0.55), 0.7);  // overtaken on its way
+  run.hear(run.standing_b(0.55), 0.7);  // it was overtaken on its way
   EXPECT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
   run.hear(run.standing_b(0.8), 0.8);
   EXPECT_TRUE(saved_state_of(run.store.messages)->silent.empty());
@@ -256,20 +257,20 @@ TEST(RobotAgentAnew, WhoWasHeardOfAgainIsNotInItsJournalAsSilent) {
   EXPECT_EQ(saved_state_of(run.store.messages)->silent[0].state.stamp, 0.8);
 }
 
-TEST(RobotAgentAnew, OneThatCannotKnowWhereAnotherDiedStandsAndSaysSo) {
+TEST(AgentRestart, AnAgentThatCannotKnowWhereAPeerFailedStandsAndSaysSo) {
   const AgentStatus status = last_status_of_one_alone(false);
   EXPECT_EQ(status.phase, Phase::gave_up);
   EXPECT_EQ(status.reason,
             "its agent was started in mid-run, and nobody who is alive knows where all others are");
 }
 
-TEST(RobotAgentAnew, ACancelledMissionDoesNotTellWhereAnotherDied) {
+TEST(AgentRestart, ACancelledMissionDoesNotTellWhereAPeerFailed) {
   EXPECT_EQ(last_status_of_one_alone(false, true).phase, Phase::gave_up);
   EXPECT_EQ(last_status_of_one_alone(true, true).phase, Phase::arrived);
 }
 
-// Whom it meets last may be the only one who knows where somebody died.
-TEST(RobotAgentAnew, IsNewForAWhileAfterItHasMetTheLast) {
+// The last peer that the agent meets may be the only one that knows where a robot failed.
+TEST(AgentRestart, TheAgentCountsAsNewForAWhileAfterItMetTheLastPeer) {
   Mission mine = mission_of_a(0);
   mine.fleet_size = 2;
   Mission of_b = mine;
@@ -291,7 +292,7 @@ TEST(RobotAgentAnew, IsNewForAWhileAfterItHasMetTheLast) {
   EXPECT_LT(last, 27);
 }
 
-TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
+TEST(AgentRestart, TheSavedStateOfAnotherRunIsNotUsed) {
   AgentRun before;
   run_until_killed_at(3, before);
   AgentRun after;
@@ -303,7 +304,7 @@ TEST(RobotAgentAnew, WhatItKeptOfAnotherRunIsNoUse) {
 }
 
 // The service's clock was set back, or it is another host's.
-TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
+TEST(AgentRestart, TheAgentKeepsARunThatIsEarlierThanTheRunInItsJournal) {
   AgentRun before;
   before.hear(map_message(), 1000);
   before.hear(mission_of_a(1000), 1000);
@@ -322,7 +323,7 @@ TEST(RobotAgentAnew, KeepsARunThatIsEarlierThanItsJournals) {
   EXPECT_EQ(saved->body.position(), last.position);
 }
 
-TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
+TEST(AgentRestart, TheKeeperStoresNothingOfARunThatItSkips) {
   StateKeeper keeper("a");
   Mission of_another = mission_of_a(100);
   of_another.robot = "b";
@@ -333,8 +334,8 @@ TEST(RobotAgentAnew, KeepsNoRunThatItPassesOver) {
   EXPECT_EQ(keeper.heard(mission_of_a(100)), Keep::nothing);
 }
 
-// The next service's clock is behind that of the last one.
-TEST(RobotAgentAnew, OneThatGoesOnLivingServesAnEarlierRunOnceItsOwnIsOver) {
+// The clock of the next service is behind the clock of the last one.
+TEST(AgentRestart, ALivingAgentServesAnEarlierRunOnceItsOwnRunIsOver) {
   AgentRun agent;
   agent.hear(map_message(), 1000);
   agent.hear(mission_of_a(1000), 1000);
@@ -361,7 +362,7 @@ TEST(RobotAgentAnew, OneThatGoesOnLivingServesAnEarlierRunOnceItsOwnIsOver) {
   EXPECT_EQ(saved->mission.clock.epoch, 900);
 }
 
-TEST(RobotAgentAnew, AfterTheRunItRecordsNoMore) {
+TEST(AgentRestart, TheAgentRecordsNoTrackAfterTheRun) {
   AgentRun agent;
   run_until_killed_at(20, agent);
   Mission over = of<Mission>(agent.store.messages).back();
@@ -376,7 +377,7 @@ TEST(RobotAgentAnew, AfterTheRunItRecordsNoMore) {
   EXPECT_LT(agent.store.messages.size(), kept + 20);
 }
 
-TEST(RobotAgentAnew, OneThatGoesOnLivingServesTheNextRunToo) {
+TEST(AgentRestart, ALivingAgentServesTheNextRun) {
   AgentRun agent;
   run_until_killed_at(20, agent);  // it has arrived
   agent.hear(mission_of_a(100), 100);

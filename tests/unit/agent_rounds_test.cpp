@@ -1,4 +1,4 @@
-// An agent's part in rounds, message by message.
+// Tests of an agent's part in coordination rounds, message by message.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ RobotState last_of(const RobotName& robot, const std::vector<Message>& messages,
   return last;
 }
 
-TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
+TEST(RobotAgent, TheAgentJoinsARoundThatItHearsOfAndWaits) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
@@ -33,23 +33,22 @@ TEST(RobotAgent, JoinsAKnotThatItHearsOfAndHolds) {
   EXPECT_EQ(last.stage, Stage::waiting);
   EXPECT_TRUE(last.velocity.isZero(0));
 
-  // The plan is there: it drives as executing, and only that.
+  // Once the plan is there, the robot drives exactly its moves.
   agent.on(arrival_of(
       JointPlanMessage{other.round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}},
       2));
-  const auto after =
-      run(agent, 2, 70);  // in between b falls silent, and counts as failed beyond doubt in the end
+  const auto after = run(agent, 2, 70);  // meanwhile b falls silent and is declared failed in the end
   double nearest = 100;
   for (const RobotState& state : of<RobotState>(after)) {
     if (state.robot == "a") nearest = std::min(nearest, (state.position - Point2(20, 70)).norm());
   }
   EXPECT_LT(nearest, 0.2);
-  // What was heard of b last is passed on, as it was.
+  // The agent relays the last state of b unchanged.
   other.passed_on = true;
   EXPECT_EQ(last_of("b", after), other);
 }
 
-/// b, in a round that it leads, says so for a while; what the agent of a says last.
+/// Robot b announces a round that it leads from `from` to `until`. Returns the last state that agent a sends.
 RobotState after_b_says(Stage stage, RobotAgent& agent, double from, double until, RobotState last = {}) {
   for (double now = from; now < until; now += 0.1) {
     RobotState other = state_of("b", now, {20, 20});
@@ -61,7 +60,7 @@ RobotState after_b_says(Stage stage, RobotAgent& agent, double from, double unti
   return last;
 }
 
-TEST(RobotAgent, SaysWhoMakesTheJointPlanThatItWaitsFor) {
+TEST(RobotAgent, TheAgentNamesTheLeaderWhoseJointPlanItWaitsFor) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
@@ -76,8 +75,8 @@ TEST(RobotAgent, SaysWhoMakesTheJointPlanThatItWaitsFor) {
   EXPECT_EQ(status.wait_cause, "it stands until b has made a joint plan");
 }
 
-// Nothing would lead it out again, and those around it would stand, too.
-TEST(RobotAgent, OneThatWasStoppedTakesNoPartInKnots) {
+// Nothing would lead the robot out of the round again, and its neighbours would stand, too.
+TEST(RobotAgent, AStoppedAgentTakesNoPartInRounds) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   Mission mission;
@@ -96,9 +95,9 @@ TEST(RobotAgent, OneThatWasStoppedTakesNoPartInKnots) {
   EXPECT_EQ(last_of("a", run(agent, 3, 4)).stage, Stage::free);
 }
 
-// Found by crossing 40, seeds 13 and 14, with a third of the samples lost: members whose leader had planned
-// for long left the round when its next state came before its plan did.
-TEST(RobotAgent, APlanThatComesLaterThanItsLeaderDrivesIsTakenUp) {
+// Found by crossing 40, seeds 13 and 14, with a third of the samples lost: a leader had planned for long, and
+// its next state came before its plan. The members then left the round.
+TEST(RobotAgent, TheAgentAcceptsAPlanThatArrivesAfterItsLeaderDrives) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
@@ -113,8 +112,8 @@ TEST(RobotAgent, APlanThatComesLaterThanItsLeaderDrivesIsTakenUp) {
   EXPECT_EQ(last.stage, Stage::executing);
 }
 
-// One for which no plan comes at all is free again.
-TEST(RobotAgent, WhoIsInNoPlanOfItsKnotLetsGo) {
+// A robot for which no plan comes becomes free again.
+TEST(RobotAgent, TheAgentLeavesARoundWhoseJointPlanOmitsIt) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
@@ -124,7 +123,7 @@ TEST(RobotAgent, WhoIsInNoPlanOfItsKnotLetsGo) {
   EXPECT_EQ(last.stage, Stage::free);
 }
 
-TEST(RobotAgent, AKnotBeyondItsReachIsNotItsOwn) {
+TEST(RobotAgent, TheAgentIgnoresARoundWhoseReachItIsOutside) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
@@ -138,8 +137,8 @@ TEST(RobotAgent, AKnotBeyondItsReachIsNotItsOwn) {
   EXPECT_EQ(last.round.epoch, 0u);
 }
 
-// A slow one comes on slowly: in an empty hall it calls nobody together.
-TEST(RobotAgent, ASlowOneThatIsAloneCallsNoKnot) {
+// A slow robot progresses slowly. In an empty hall it must not call a round for that.
+TEST(RobotAgent, ASlowRobotThatIsAloneCallsNoRound) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   scenario.robots[0].max_speed = 0.15;
@@ -155,7 +154,7 @@ TEST(RobotAgent, ASlowOneThatIsAloneCallsNoKnot) {
   EXPECT_GT(driven, 1);
 }
 
-TEST(RoundId, EpochsCountRoundSoThatThereIsALaterOneToEach) {
+TEST(RoundId, EpochsWrapAroundAndEveryEpochHasALaterOne) {
   const auto id = [](std::uint32_t epoch, const char* leader) { return RoundId{epoch, leader}; };
   EXPECT_TRUE(id(2, "b").overrides(id(1, "a")));
   EXPECT_TRUE(id(1, "a").overrides(id(1, "b")));

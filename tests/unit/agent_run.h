@@ -1,4 +1,4 @@
-// An agent by itself, with the time in the test's hands.
+// Steps a single agent by hand.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace coppice {
 
-/// A lone agent, stepped whenever it wants, each time so late, for so many seconds.
+/// Steps a single agent whenever it asks to be stepped, each time `late` seconds late. Returns what it sends.
 inline std::vector<Message> run(RobotAgent& agent, double from, double until, double late = 0) {
   std::vector<Message> all;
   for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake() + late)) {

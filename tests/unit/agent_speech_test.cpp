@@ -1,4 +1,4 @@
-// What an agent says to whom, and how often.
+// Tests of what an agent sends to which peers, and how often.
 #include <algorithm>
 #include <map>
 #include <vector>
@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-/// Of one that has heard "a" a period ago.
+/// The state of a robot that heard "a" one control period ago.
 RobotState standing(const char* robot, std::uint32_t sequence, double now, const Point2& place) {
   RobotState state = state_of(robot, now, place);
   state.sequence = sequence;
@@ -19,7 +19,7 @@ RobotState standing(const char* robot, std::uint32_t sequence, double now, const
   return state;
 }
 
-TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
+TEST(RobotAgent, TheStatusReportsTheAgeOfReceivedStates) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, 0));
@@ -44,8 +44,8 @@ TEST(RobotAgent, SaysHowOldTheStatesAreThatItGoesBy) {
   EXPECT_EQ(status.load.periods_missed, 0u);
 }
 
-// Its states come seldom, by design (interest.h), and say nothing of how well robots hear each other.
-TEST(RobotAgent, HowOldTheStateOfADistantRobotIsDoesNotCount) {
+// States of distant robots come rarely by design (send_interval.h). Their age says nothing about the network.
+TEST(RobotAgent, TheAgeOfADistantRobotsStateDoesNotCount) {
   Scenario scenario = two_robots();
   scenario.robots[1].goal = {20, 20};
   PlannerService service(scenario, {}, 0);
@@ -65,8 +65,8 @@ TEST(RobotAgent, HowOldTheStateOfADistantRobotIsDoesNotCount) {
   EXPECT_EQ(status.load.state_age_max, 0);
 }
 
-/// Two agents that hear each other, stepped whenever they want, each time so late; what "a" says in that
-/// time.
+/// Steps two agents that hear each other whenever they ask, each time `late` seconds late. Returns what "a"
+/// sends.
 std::vector<RobotState> said_to_one_other(RobotAgent& a, RobotAgent& b, double from, double until,
                                           double late) {
   std::vector<RobotState> said;
@@ -85,16 +85,16 @@ std::vector<RobotState> said_to_one_other(RobotAgent& a, RobotAgent& b, double f
   return said;
 }
 
-/// How often each state was said.
+/// The number of times that each state was sent.
 std::map<std::uint32_t, int> copies_of(const std::vector<RobotState>& said) {
   std::map<std::uint32_t, int> copies;
   for (const RobotState& state : said) ++copies[state.sequence];
   return copies;
 }
 
-TEST(RobotAgent, OneThatIsTooBusyForItsDecisionsSaysThemOnceButNeverLessOftenThanItPromised) {
+TEST(RobotAgent, AnOverloadedAgentSendsEachDecisionOnceOrAsOftenAsPromised) {
   Scenario scenario = two_robots();
-  scenario.robots[0].max_speed = scenario.robots[1].max_speed = 1;  // under way all the time
+  scenario.robots[0].max_speed = scenario.robots[1].max_speed = 1;  // so that it drives all the time
   PlannerService service(scenario, {}, 0);
   RobotAgent a("a");
   RobotAgent b("b");
@@ -104,14 +104,14 @@ TEST(RobotAgent, OneThatIsTooBusyForItsDecisionsSaysThemOnceButNeverLessOftenTha
     for (RobotAgent* agent : {&a, &b}) agent->on(arrival_of(message, 0));
   }
   const auto usually = said_to_one_other(a, b, 0, 5, 0);
-  EXPECT_GE(copies_of(usually).rbegin()->second, 3);  // one listener, no loss known of
+  EXPECT_GE(copies_of(usually).rbegin()->second, 3);  // one listener and no known loss
   const auto hardly = said_to_one_other(a, b, 5, 10, 0.12);
   EXPECT_EQ(copies_of(hardly).rbegin()->second, 1);
   EXPECT_EQ(hardly.back().copies, 1);
   const auto again = said_to_one_other(a, b, 10, 15, 0);
   EXPECT_GE(copies_of(again).rbegin()->second, 3);
 
-  // No state that follows another is said less often than that one has promised.
+  // A state is sent at least as often as the state before it promised.
   std::vector<RobotState> all = usually;
   all.insert(all.end(), hardly.begin(), hardly.end());
   all.insert(all.end(), again.begin(), again.end());
@@ -122,7 +122,7 @@ TEST(RobotAgent, OneThatIsTooBusyForItsDecisionsSaysThemOnceButNeverLessOftenTha
   }
 }
 
-/// What an agent says that nobody hears from 3 s to 6 s.
+/// The states of an agent that nobody hears from 3 s to 6 s.
 std::vector<RobotState> said_by_one_unheard() {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
@@ -137,8 +137,8 @@ std::vector<RobotState> said_by_one_unheard() {
   return said;
 }
 
-// It may have missed who died meanwhile.
-TEST(RobotAgent, OneThatNobodyHeardAsksForNewsWhenItIsHeardAgain) {
+// It may have missed that a peer failed meanwhile.
+TEST(RobotAgent, AnUnheardAgentAsksForNewsWhenItIsHeardAgain) {
   const std::vector<RobotState> said = said_by_one_unheard();
   const auto asks = [&](double from, double until) {
     return std::ranges::count_if(
@@ -149,8 +149,8 @@ TEST(RobotAgent, OneThatNobodyHeardAsksForNewsWhenItIsHeardAgain) {
   EXPECT_EQ(asks(8, 12), 0);
 }
 
-// Who buries it counts on that.
-TEST(RobotAgent, OneThatAsksForNewsSaysEverythingAsOftenAsItPromised) {
+// A peer that declares this robot failed relies on the promised number of copies.
+TEST(RobotAgent, AnAgentThatAsksForNewsKeepsItsPromiseOfCopies) {
   const std::vector<RobotState> said = said_by_one_unheard();
   const auto copies = copies_of(said);
   int promised = 0;
@@ -162,12 +162,12 @@ TEST(RobotAgent, OneThatAsksForNewsSaysEverythingAsOftenAsItPromised) {
   EXPECT_GT(promised, 0);
 }
 
-// Nobody answers to that.
-TEST(RobotAgent, WhoWasAwayIsToldOfTheDeadAsOftenAsItTakesThatItHearsIt) {
+// Nobody acknowledges relayed states.
+TEST(RobotAgent, AReturningPeerIsToldOfFailedRobotsOftenEnoughToHear) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent a("a");
   for (const Message& m : map_and_missions(service)) a.on(arrival_of(m, 0));
-  std::map<int, int> told;  // in which step how often
+  std::map<int, int> told;  // step -> number of relayed states
   for (int k = 1; k < 240; ++k) {
     const double now = 0.05 * k;
     const auto hear = [&](const char* robot, const Point2& place) {
@@ -182,7 +182,7 @@ TEST(RobotAgent, WhoWasAwayIsToldOfTheDeadAsOftenAsItTakesThatItHearsIt) {
     }
   }
   ASSERT_GE(told.size(), 3u);
-  for (const auto& [step, times] : told) EXPECT_GE(times, 3) << step;  // one listener, no loss known of
+  for (const auto& [step, times] : told) EXPECT_GE(times, 3) << step;  // one listener and no known loss
 }
 
 }  // namespace

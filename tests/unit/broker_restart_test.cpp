@@ -1,4 +1,4 @@
-// Tree brokers that stand by, and those that are started anew: as state machines, message by message.
+// Tests of standby and restarted tree brokers as state machines, message by message.
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -20,7 +20,7 @@ MapMessage rooms() {
   return {"rooms", generate_map(MapKind::room, 400, 400, random), {5}};
 }
 
-/// Brokers that hear each other at once, stepped each millisecond.
+/// Brokers that hear each other at once and are stepped each millisecond.
 struct Brokers {
   void run(double seconds) {
     for (const double until = now + seconds; now < until; now += 0.001) {
@@ -46,7 +46,7 @@ struct Brokers {
   std::vector<std::vector<Message>> said = std::vector<std::vector<Message>>(3);
 };
 
-TEST(Brokers, TheSecondStandsByAndTakesOverWithinTwoSecondsWithAllTrees) {
+TEST(BrokerRestart, TheStandbyBrokerTakesOverWithinTwoSecondsWithAllTrees) {
   Brokers fleet;
   fleet.brokers.emplace_back(TreeBroker(9, 1));
   fleet.brokers[0]->on(arrival_of(rooms(), fleet.now));
@@ -64,20 +64,20 @@ TEST(Brokers, TheSecondStandsByAndTakesOverWithinTwoSecondsWithAllTrees) {
   fleet.brokers[0].reset();
   fleet.run(2);
   ASSERT_TRUE(fleet.brokers[1]->leads());
-  EXPECT_EQ(fleet.trees_of(1), trees);  // they cover the map: no more are needed
-  // It went on where the other was: most of the map was covered.
+  EXPECT_EQ(fleet.trees_of(1), trees);  // they cover the map, so no more trees are needed
+  // The second broker continued where the first one was: most of the map was covered.
   EXPECT_LT(2 * of<BrokerStatus>(fleet.said[1]).back().nodes_valid,
             of<BrokerStatus>(fleet.said[0]).back().nodes_valid);
   EXPECT_EQ(of<BrokerStatus>(fleet.said[1]).back().trees_published, fleet.trees_of(1).size());
   EXPECT_EQ(of<BrokerStatus>(fleet.said[1]).back().covered_map, "rooms");
 }
 
-TEST(Brokers, OfTwoThatLeadTheOneThatDidSoFirstGoesOn) {
+TEST(BrokerRestart, OfTwoLeadingBrokersTheOneThatLedFirstGoesOn) {
   Brokers fleet;
   for (const std::uint64_t id : {9u, 4u}) {
     fleet.brokers.emplace_back(TreeBroker(id, id));
     fleet.brokers.back()->on(arrival_of(map_message(), fleet.now));
-    fleet.brokers.back()->step(fleet.now);  // neither hears of the other yet
+    fleet.brokers.back()->step(fleet.now);  // the brokers have not heard each other yet
     fleet.now += 0.01;
     EXPECT_TRUE(fleet.brokers.back()->leads());
   }
@@ -86,7 +86,7 @@ TEST(Brokers, OfTwoThatLeadTheOneThatDidSoFirstGoesOn) {
   EXPECT_FALSE(fleet.brokers[1]->leads());
 }
 
-TEST(Brokers, OneThatIsStartedAnewPublishesWhatItKept) {
+TEST(BrokerRestart, ARestartedBrokerPublishesTheTreesInItsJournal) {
   Kept<ForestRecord> kept;
   Brokers fleet;
   fleet.brokers.emplace_back(TreeBroker(9, 1));
@@ -101,18 +101,18 @@ TEST(Brokers, OneThatIsStartedAnewPublishesWhatItKept) {
   fleet.brokers.emplace_back(TreeBroker(10, 3));
   fleet.brokers[1]->recall(kept.store.messages, fleet.now);
   fleet.run(0.9);
-  EXPECT_FALSE(fleet.brokers[1]->leads());  // another one may
+  EXPECT_FALSE(fleet.brokers[1]->leads());  // another broker may lead
   fleet.run(0.2);
   EXPECT_TRUE(fleet.brokers[1]->leads());
-  EXPECT_EQ(fleet.trees_of(1), fleet.trees_of(0));  // they cover the map: no more are needed
+  EXPECT_EQ(fleet.trees_of(1), fleet.trees_of(0));  // they cover the map, so no more trees are needed
 
-  // Another map: what was kept of this one is of no use.
+  // Trees of one map are of no use for another map.
   kept.keeper.heard(MapMessage{"other", wall_with_door(), {5}});
   EXPECT_EQ(kept.store.messages.size(), 1u);
 }
 
-// Started again at once, and without what it kept: it leads before the other one misses its predecessor.
-TEST(Brokers, TreesThatOnlyTheOneThatStandsByKnowsArePublished) {
+// A broker that restarts at once without its journal leads before the standby broker misses its predecessor.
+TEST(BrokerRestart, TreesThatOnlyTheStandbyBrokerKnowsArePublished) {
   Brokers fleet;
   for (const std::uint64_t id : {9u, 4u}) {
     fleet.brokers.emplace_back(TreeBroker(id, id));
@@ -134,7 +134,7 @@ TEST(Brokers, TreesThatOnlyTheOneThatStandsByKnowsArePublished) {
   EXPECT_TRUE(std::ranges::includes(fleet.trees_of(1), trees));
 }
 
-TEST(Brokers, ATreeThatOnlyOneThatCameBackKnowsIsPublished) {
+TEST(BrokerRestart, ATreeThatOnlyAReturningBrokerKnowsIsPublished) {
   Brokers fleet;
   fleet.brokers.emplace_back(TreeBroker(9, 1));
   fleet.brokers[0]->on(arrival_of(rooms(), fleet.now));

@@ -1,4 +1,4 @@
-// Coppice as a part of another project.
+// Tests of Coppice as a part of another CMake project.
 
 #include <filesystem>
 #include <regex>
@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-/// The compiler's command for the consumer's own source.
+/// The compiler command for the consumer's own source.
 std::string command_of_consumer(const std::filesystem::path& build) {
   const std::string commands = test::contents(build / "compile_commands.json");
   std::smatch found;
@@ -21,7 +21,7 @@ std::string command_of_consumer(const std::filesystem::path& build) {
   return found[1];
 }
 
-TEST(BuildFiles, AnotherProjectAddsThisFolderAndGetsNoOptionOfOurs) {
+TEST(BuildFiles, ACMakeProjectAddsCoppiceWithoutInheritingItsOptions) {
   const test::TemporaryFolder folder;
   const std::filesystem::path build = folder.path() / "build";
   const std::string ours = COPPICE_SOURCE_DIR;
@@ -39,7 +39,7 @@ TEST(BuildFiles, AnotherProjectAddsThisFolderAndGetsNoOptionOfOurs) {
   EXPECT_NE(tests.find("Total Tests: 0"), std::string::npos) << tests;
 }
 
-TEST(BuildFiles, NameNoFolderOfTheProjectAtTheTop) {
+TEST(BuildFiles, NoBuildFileNamesATopLevelFolderOfCMake) {
   int files = 0;
   auto entry = std::filesystem::recursive_directory_iterator(COPPICE_SOURCE_DIR);
   for (; entry != std::filesystem::recursive_directory_iterator(); ++entry) {

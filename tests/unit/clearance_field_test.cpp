@@ -1,4 +1,4 @@
-// The clearance field on maps small enough to work out by hand.
+// Tests of the clearance field on maps that are small enough to check by hand.
 #include "planning/clearance_field.h"
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace coppice {
 namespace {
 
-/// One string a row, '#' is blocked; the first string is row 0.
+/// One string for each row; '#' is blocked. The first string is row 0.
 OccupancyMap drawn(const std::vector<std::string>& rows) {
   OccupancyMap map;
   map.width = static_cast<int>(rows.front().size());
@@ -23,7 +23,7 @@ OccupancyMap drawn(const std::vector<std::string>& rows) {
   return map;
 }
 
-/// Free cells `width` across and 60 along x, between rows of blocked cells.
+/// A corridor `width` cells wide and 60 cells long in x, between rows of blocked cells.
 OccupancyMap corridor(int width) {
   std::vector<std::string> rows(static_cast<std::size_t>(width) + 2, std::string(60, '.'));
   rows.front() = rows.back() = std::string(60, '#');
@@ -33,20 +33,20 @@ OccupancyMap corridor(int width) {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-TEST(ClearanceField, MeasuresToTheNearestPointOfASquare) {
+TEST(ClearanceField, ClearanceIsTheDistanceToTheNearestPointOfACell) {
   const ClearanceField field(
       drawn({"...........", "...........", "...........", "...........", "...........", ".....#.....",
              "...........", "...........", "...........", "...........", "..........."}));
-  EXPECT_NEAR(field.clearance({5.3, 3.0}), 2.0, 1e-12);             // straight above
-  EXPECT_NEAR(field.clearance({3.0, 3.0}), std::sqrt(8.0), 1e-12);  // from a corner
-  EXPECT_NEAR(field.clearance({8.0, 5.5}), 2.0, 1e-12);             // at its side
-  EXPECT_EQ(field.clearance({5.5, 5.5}), 0.0);                      // within
-  EXPECT_EQ(field.clearance({6.0, 5.5}), 0.0);                      // on its edge
-  EXPECT_NEAR(field.clearance({6.0 + 1e-3, 5.5}), 1e-3, 1e-12);     // just off it
-  EXPECT_NEAR(field.clearance({0.25, 7.0}), 0.25, 1e-12);           // the border is nearer
+  EXPECT_NEAR(field.clearance({5.3, 3.0}), 2.0, 1e-12);             // straight above the square
+  EXPECT_NEAR(field.clearance({3.0, 3.0}), std::sqrt(8.0), 1e-12);  // from a corner of the square
+  EXPECT_NEAR(field.clearance({8.0, 5.5}), 2.0, 1e-12);             // beside the square
+  EXPECT_EQ(field.clearance({5.5, 5.5}), 0.0);                      // inside the square
+  EXPECT_EQ(field.clearance({6.0, 5.5}), 0.0);                      // on the edge of the square
+  EXPECT_NEAR(field.clearance({6.0 + 1e-3, 5.5}), 1e-3, 1e-12);     // just off the edge
+  EXPECT_NEAR(field.clearance({0.25, 7.0}), 0.25, 1e-12);           // the border of the map is nearer
 }
 
-TEST(ClearanceField, TheOutsideIsBlocked) {
+TEST(ClearanceField, TheOutsideOfTheMapIsBlocked) {
   const ClearanceField field(drawn(std::vector<std::string>(20, std::string(30, '.'))));
   EXPECT_NEAR(field.clearance({15, 10}), 10.0, 1e-12);
   EXPECT_NEAR(field.clearance({28, 10}), 2.0, 1e-12);
@@ -58,7 +58,7 @@ TEST(ClearanceField, TheOutsideIsBlocked) {
   EXPECT_FALSE(field.segment_free({5, 5}, {35, 5}, 1));
 }
 
-TEST(ClearanceField, ADiscThatJustFitsACorridorPassesInItsMiddleOnly) {
+TEST(ClearanceField, ADiscAsWideAsACorridorPassesOnlyAlongTheMiddle) {
   const ClearanceField field(corridor(10));
   EXPECT_TRUE(field.is_free({30, 6}, 5));
   EXPECT_TRUE(field.segment_free({5, 6}, {55, 6}, 5));
@@ -69,7 +69,7 @@ TEST(ClearanceField, ADiscThatJustFitsACorridorPassesInItsMiddleOnly) {
   EXPECT_NEAR(field.segment_clearance({20, 6}, {40, 4}), 3.0, 1e-12);
 }
 
-TEST(ClearanceField, ATightCorridorStaysPassableInAFineMapWithAShiftedOrigin) {
+TEST(ClearanceField, ATightCorridorStaysPassableInAFineMapWithAnOrigin) {
   OccupancyMap map = corridor(10);
   map.resolution = 0.05;
   map.origin = Point2(-1.37, 103.61);
@@ -102,7 +102,7 @@ TEST(ClearanceField, APointMayNeitherEnterNorTouchAnObstacle) {
   EXPECT_TRUE(field.segment_free({2.6, 1.5}, {4.5, 1.5}, 0));
 }
 
-TEST(ClearanceField, SegmentsDeepInAnObstacleOrThroughItAreNotFree) {
+TEST(ClearanceField, SegmentsInsideOrThroughAnObstacleAreNotFree) {
   std::vector<std::string> rows(40, std::string(40, '.'));
   for (std::size_t j = 10; j < 30; ++j) rows[j].replace(10, 20, std::string(20, '#'));
   const ClearanceField field(drawn(rows));
@@ -114,7 +114,7 @@ TEST(ClearanceField, SegmentsDeepInAnObstacleOrThroughItAreNotFree) {
   EXPECT_TRUE(field.segment_free({5, 5}, {35, 5}, 5));
 }
 
-TEST(ClearanceField, WhatIsNoPlaceOrNoRadiusIsNotFree) {
+TEST(ClearanceField, PointsAndRadiiThatAreNotFiniteAreNotFree) {
   const ClearanceField field(drawn(std::vector<std::string>(20, std::string(20, '.'))));
   for (const Point2& p : {Point2(nan, 10), Point2(10, nan), Point2(infinity, 10), Point2(10, -infinity)}) {
     EXPECT_FALSE(field.is_free(p, 1));
@@ -137,7 +137,7 @@ TEST(ClearanceField, AMapWithoutAFreeCellIsNowhereFree) {
   EXPECT_FALSE(single.is_free({0.5, 0.5}, 0.51));
 }
 
-TEST(ClearanceField, GoesThroughTheEdgesOfObstaclesNearAPoint) {
+TEST(ClearanceField, TheFieldVisitsTheEdgesOfObstaclesNearAPoint) {
   std::vector<std::string> rows(100, std::string(100, '.'));
   for (std::size_t j = 60; j < 70; ++j) rows[j].replace(60, 10, "##########");
   OccupancyMap map = drawn(rows);
@@ -152,7 +152,7 @@ TEST(ClearanceField, GoesThroughTheEdgesOfObstaclesNearAPoint) {
     });
     return count;
   };
-  EXPECT_EQ(count_near({25, 25}, 100), 36);  // the square's rim, not its inside
+  EXPECT_EQ(count_near({25, 25}, 100), 36);  // the cells at the rim of the square, without the inner cells
   EXPECT_EQ(count_near({25.25, 32.25}, 4), 0);
   EXPECT_GE(count_near({25.25, 32.25}, 5), 1);
   EXPECT_EQ(count_near({60, 25}, 100), 0);

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-TEST(ClockOffset, IsUnknownUntilMessagesWentBothWays) {
+TEST(ClockOffset, TheOffsetIsUnknownUntilMessagesWentBothWays) {
   ClockOffset clock;
   EXPECT_TRUE(std::isinf(clock.error(12)));
   clock.hear(10, 12);
@@ -18,10 +18,10 @@ TEST(ClockOffset, IsUnknownUntilMessagesWentBothWays) {
   EXPECT_TRUE(clock.known());
 }
 
-TEST(ClockOffset, BoundsHoldTheTruthWhateverTheDelays) {
+TEST(ClockOffset, TheBoundsHoldTheOffsetForAllDelays) {
   Random random(1);
   for (int trial = 0; trial < 200; ++trial) {
-    const double offset = random.uniform(-5, 5);  // own minus other
+    const double offset = random.uniform(-5, 5);  // own clock minus the other clock
     const double least_delay = random.uniform(0.001, 0.3);
     ClockOffset clock;
     for (int k = 0; k < 50; ++k) {
@@ -36,7 +36,7 @@ TEST(ClockOffset, BoundsHoldTheTruthWhateverTheDelays) {
   }
 }
 
-TEST(ClockOffset, AnEchoThatIsRepeatedIsWorthWhatItsAgeLeavesOfIt) {
+TEST(ClockOffset, ARepeatedEchoLoosensTheBoundsWithItsAge) {
   ClockOffset fresh;
   fresh.hear(10, 10);
   fresh.hear_echo(10, 10, 10);
@@ -47,7 +47,7 @@ TEST(ClockOffset, AnEchoThatIsRepeatedIsWorthWhatItsAgeLeavesOfIt) {
   EXPECT_DOUBLE_EQ(late.error(60), 50 * clock_drift / 2);
 }
 
-TEST(ClockOffset, LoosensWithTimeAndFollowsAClockThatIsSetAnew) {
+TEST(ClockOffset, TheBoundsLoosenWithTimeAndFollowAClockThatIsSet) {
   ClockOffset clock;
   clock.hear(10, 10.01);
   clock.hear_echo(10, 10.01, 10.02);
@@ -55,7 +55,7 @@ TEST(ClockOffset, LoosensWithTimeAndFollowsAClockThatIsSetAnew) {
   clock.hear(999, 1010);
   EXPECT_NEAR(clock.error(1010), at_first + 1000 * clock_drift, 1e-5);
 
-  clock.hear(2000, 1011);  // the other's clock jumped ahead
+  clock.hear(2000, 1011);  // the other clock jumped ahead
   EXPECT_FALSE(clock.known());
   clock.hear_echo(1011, 2000.01, 1011.02);
   EXPECT_NEAR(clock.estimate(), -989, 0.1);

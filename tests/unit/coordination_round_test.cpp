@@ -1,4 +1,4 @@
-// What a robot's part in rounds does without an agent around it.
+// Tests of a robot's part in coordination rounds without an agent.
 #include "robot_agent/coordination_round.h"
 
 #include <memory>
@@ -18,8 +18,8 @@ std::shared_ptr<const JointPlanMessage> plan(std::uint32_t epoch) {
       JointPlanMessage{.round = calls(epoch).round, .members = {{"a", 1, false}}, .moves = {}});
 }
 
-// Epochs count round: 1 comes after the last one.
-TEST(CoordinationRound, WhoWasStartedAnewJoinsWhatIsLaterThanWhatItForgot) {
+// Epochs wrap around: epoch 1 comes after the last one.
+TEST(CoordinationRound, ARestartedRobotJoinsRoundsThatAreLaterThanItsLastOne) {
   constexpr std::uint32_t last = 4294967295;
   for (const bool by_plan : {false, true}) {
     CoordinationRound round("a");
@@ -41,7 +41,7 @@ TEST(CoordinationRound, WhoWasStartedAnewJoinsWhatIsLaterThanWhatItForgot) {
   }
 }
 
-TEST(CoordinationRound, WhatFailedOnTheWayToOneGoalSaysNothingOfTheNext) {
+TEST(CoordinationRound, FailuresOnTheWayToOneGoalDoNotCountForTheNextGoal) {
   CoordinationRound round("a");
   const FleetMember here{.robot = "a", .radius = 1, .stands = true, .round = {}};
   for (int k = 0; k < 3; ++k) round.call_everybody(here, k);
@@ -51,8 +51,8 @@ TEST(CoordinationRound, WhatFailedOnTheWayToOneGoalSaysNothingOfTheNext) {
   EXPECT_FALSE(round.stranded());
 }
 
-/// a is to go where b stands, once b has driven its 25 metres to the right. b says nothing but that its part
-/// is over, after so many. Where a comes to within ten seconds.
+/// Robot a must drive to where b stands, after b has driven 25 m to the right. Robot b reports only how far
+/// it came before its part ended. Returns where a comes within 10 s.
 Point2 where_a_comes(CoordinationRound& round, double b_has_come) {
   const ClearanceField field(test::open_map(100, 100));
   MapRoadmaps places(field);
@@ -87,16 +87,16 @@ Point2 where_a_comes(CoordinationRound& round, double b_has_come) {
   return a.position;
 }
 
-TEST(CoordinationRound, WhoHasMadeItsMovesLetsTheNextOneGo) {
+TEST(CoordinationRound, ARobotThatFinishedItsMovesOpensItsGates) {
   CoordinationRound round("a");
   EXPECT_LT((where_a_comes(round, 25) - Point2(20, 20)).norm(), 0.1);
   EXPECT_EQ(round.stage(), Stage::free);
-  EXPECT_NEAR(round.progress(), 10, 0.1) << "those who did not hear it yet are to know that it is done";
+  EXPECT_NEAR(round.progress(), 10, 0.1) << "peers that missed the state must learn that the moves are done";
   round.leave();
   EXPECT_NEAR(round.progress(), 10, 0.1);
 }
 
-TEST(CoordinationRound, WhoLeavesWithMovesToMakeOpensNoGateButANewKnot) {
+TEST(CoordinationRound, ARobotThatLeavesBeforeItsLastMoveCausesANewRound) {
   CoordinationRound round("a");
   EXPECT_GT((where_a_comes(round, 3) - Point2(20, 20)).norm(), 2);
   EXPECT_EQ(round.stage(), Stage::waiting);

@@ -1,4 +1,4 @@
-// Costs that are found as they are asked for, against Bellman and Ford's method over all edges.
+// Costs that are computed on demand, compared with the Bellman-Ford algorithm over all edges.
 #include "motion/cost_to_go.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-/// Points strewn at random, each linked to those around it by ways up to twice as long as straight ones.
+/// Random points. Each is linked to nearby points by paths that are up to twice as long as the straight line.
 AnnotatedRoadmap strewn(int count, Random& random) {
   AnnotatedRoadmap graph;
   for (int k = 0; k < count; ++k) graph.add(100 * Point2(random.uniform(), random.uniform()));
@@ -39,7 +39,7 @@ std::vector<double> costs(const AnnotatedRoadmap& graph, Vertex goal) {
   return cost;
 }
 
-TEST(CostToGo, IsTheLengthOfTheShortestWayInWhateverOrderItIsAsked) {
+TEST(CostToGo, TheCostIsTheShortestPathLengthInAnyOrderOfQueries) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const AnnotatedRoadmap graph = strewn(200, random);

@@ -1,4 +1,4 @@
-// Samples from bytes that no honest process sends.
+// Tests of samples that no correct process sends.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -20,11 +20,12 @@ long peak_memory() {  // KiB
   return usage.ru_maxrss;
 }
 
-// Each zero might be the beginning of a member: room for all of them is a hundred times as many bytes.
-TEST(Serialized, ASequenceOfMoreThanItsTypeHoldsIsGivenNoRoom) {
+// Each zero might begin a member. Memory for all of them would be a hundred times as many bytes.
+TEST(Serialized, ASequenceLongerThanItsTypeAllowsAllocatesNoMemory) {
   std::vector<std::uint8_t> bytes =
       serialized(JointPlanMessage{.round = {1, "a"}, .members = {}, .moves = {}});
-  // Behind the kind and the encapsulation: the leader, the epoch, place and reach.
+  // The offset of the members: behind the kind, the encapsulation, the leader, the epoch, the centre and the
+  // reach.
   constexpr std::size_t length_of_members = 1 + 4 + 40;
   ASSERT_TRUE(deserialized(bytes).has_value());
   constexpr std::size_t zeros = 17'000'000;

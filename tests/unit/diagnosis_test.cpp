@@ -1,4 +1,4 @@
-// What `coppice doctor` says of a machine, for machines of every kind.
+// Tests of what `coppice doctor` reports for machines of several kinds.
 #include "coppice/diagnosis.h"
 
 #include <functional>
@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-/// One with nothing to complain of, for eight robots.
+/// A machine that suits eight robots, without any fault.
 Machine sound() {
   return {.versions = "1",
           .cores = 2,
@@ -33,7 +33,7 @@ Finding finding(const Machine& machine, const FleetPlan& plan, const std::string
   return {};
 }
 
-TEST(Diagnosis, ASoundMachineIsFine) {
+TEST(Diagnosis, AMachineWithoutFaultsPasses) {
   const auto findings = diagnose(sound(), {});
   for (const Finding& f : findings) {
     EXPECT_EQ(f.verdict, Verdict::ok) << f.check << ": " << f.found;
@@ -42,7 +42,7 @@ TEST(Diagnosis, ASoundMachineIsFine) {
   EXPECT_EQ(exit_code(findings), 0);
 }
 
-TEST(Diagnosis, EachFaultIsFoundByItsCheckAloneAndComesWithAdvice) {
+TEST(Diagnosis, EachFaultFailsExactlyItsCheckAndComesWithAdvice) {
   struct Case {
     std::string check;
     Verdict verdict;
@@ -95,7 +95,7 @@ TEST(Diagnosis, DiscoveryServersNeedNoMulticast) {
     EXPECT_EQ(finding(machine, {.discovery = way}, "multicast").verdict, Verdict::fail) << way;
 }
 
-TEST(Diagnosis, ServersThatNobodyCanFindAreNamedWithWhereTheyAreSaid) {
+TEST(Diagnosis, AnUnknownDiscoveryServerIsNamedWithItsSource) {
   const Finding lost = finding(sound(), {.discovery = "nonsense"}, "discovery");
   EXPECT_NE(lost.found.find("\"nonsense\""), std::string::npos) << lost.found;
   EXPECT_NE(lost.advice.find("ROS_DISCOVERY_SERVER"), std::string::npos) << lost.advice;
@@ -109,7 +109,7 @@ TEST(Diagnosis, ServersThatNobodyCanFindAreNamedWithWhereTheyAreSaid) {
   EXPECT_NE(one.found.find("no address: there"), std::string::npos) << one.found;
 }
 
-TEST(Diagnosis, WhatIsNeededGrowsWithTheRobots) {
+TEST(Diagnosis, TheRequirementsGrowWithTheNumberOfRobots) {
   Machine machine = sound();
   machine.memory_available = 1ull << 30;
   machine.threads_left = 1000;
@@ -122,7 +122,7 @@ TEST(Diagnosis, WhatIsNeededGrowsWithTheRobots) {
   EXPECT_EQ(finding(machine, {.robots = 200}, "threads").verdict, Verdict::ok);
 }
 
-TEST(Diagnosis, TheDomainThatIsAdvisedIsFine) {
+TEST(Diagnosis, TheAdvisedDomainPassesTheCheck) {
   for (const int robots : {1, 100, 900}) {
     Machine machine = sound();
     machine.free_ports = 2000;
@@ -136,7 +136,7 @@ TEST(Diagnosis, TheDomainThatIsAdvisedIsFine) {
   }
 }
 
-TEST(Diagnosis, TheTableHasALineForEachCheckAndOneForEachAdvice) {
+TEST(Diagnosis, TheTableHasALineForEachCheckAndForEachAdvice) {
   Machine machine = sound();
   machine.loopback_works = false;
   const std::string table = table_of(diagnose(machine, {}));
@@ -145,7 +145,7 @@ TEST(Diagnosis, TheTableHasALineForEachCheckAndOneForEachAdvice) {
   EXPECT_NE(table.find("-> ip link set lo up"), std::string::npos) << table;
 }
 
-TEST(TimeScale, IsRealTimeForAsManyAsTheProcessorsDriveAndFallsFasterThanTheyGrow) {
+TEST(TimeScale, TheDefaultTimeScaleFallsOnceTheProcessorsAreTooFew) {
   EXPECT_EQ(usual_time_scale(1, 2), 1);
   EXPECT_EQ(usual_time_scale(50, 2), 1);
   EXPECT_NEAR(usual_time_scale(200, 2), 0.125, 1e-12);

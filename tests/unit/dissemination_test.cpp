@@ -1,4 +1,4 @@
-// Who hears of whom how often, and what silence means over a distance.
+// Tests of how often each peer is sent a state, and of what silence means at a distance.
 #include <cmath>
 #include <map>
 
@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-TEST(Interest, TheFurtherTheRarer) {
+TEST(Dissemination, TheSendIntervalGrowsWithTheDistance) {
   EXPECT_EQ(send_interval(-1, 40), 1);
   EXPECT_EQ(send_interval(16, 40), 1);
   EXPECT_EQ(send_interval(1e6, 40), longest_interval);
@@ -26,7 +26,7 @@ TEST(Interest, TheFurtherTheRarer) {
   }
 }
 
-TEST(Interest, InATurnOfItsStrideEverybodyIsSpokenToOnce) {
+TEST(Dissemination, APeerIsDueOnceInEachSendInterval) {
   for (const char* robot : {"a", "r17", "a robot with a long name"}) {
     for (int interval = 1; interval <= longest_interval; interval *= 2) {
       int ticks = 0;
@@ -37,7 +37,7 @@ TEST(Interest, InATurnOfItsStrideEverybodyIsSpokenToOnce) {
   }
 }
 
-TEST(Interest, TheNextTurnIsTheFirstOneAfterThisThatIsARobots) {
+TEST(Dissemination, TheNextTickIsTheFirstDueTickAfterTheGivenOne) {
   const std::uint32_t phase = phase_of("r17");
   for (int interval = 1; interval <= longest_interval; interval *= 2) {
     for (std::uint32_t tick = 1000; tick < 1000u + longest_interval; ++tick) {
@@ -54,7 +54,7 @@ struct How {
   std::vector<RobotName> misses{};
 };
 
-/// Robot "a" at the left end of a row of others, a hundred metres apart from each other.
+/// Robot "a" stands at the left end of a row of robots that are 100 m apart.
 class Row {
  public:
   explicit Row(int others)
@@ -93,7 +93,7 @@ class Row {
   Fleet fleet_{"a"};
 };
 
-TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
+TEST(Dissemination, WitnessesHearEveryStateAndOtherPeersHearSome) {
   Row row(40);
   std::map<RobotName, int> heard;
   const int ticks = 10 * longest_interval;
@@ -113,7 +113,7 @@ TEST(Interest, TheNearestWitnessEverythingAndAllOthersHearFromTimeToTime) {
   EXPECT_LT(all, 9 * ticks);
 }
 
-TEST(Interest, CopiesAreForWitnessesAndForWhomItKnows) {
+TEST(Dissemination, CopiesGoToWitnessesAndToSynchronisedPeers) {
   Row row(40);
   std::vector<RobotName> all;
   for (int k = 1; k <= 40; ++k) all.push_back(Row::name(k));
@@ -131,7 +131,7 @@ TEST(Interest, CopiesAreForWitnessesAndForWhomItKnows) {
   EXPECT_EQ(row.fleet().who_hears_copies(all).size(), 20u);
 }
 
-TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
+TEST(Dissemination, APeerWithoutAnEchoGetsOneWithTheNextState) {
   Row row(60);
   double now = 0;
   std::uint32_t tick = 0;
@@ -144,14 +144,14 @@ TEST(Interest, WhoLacksAnEchoGetsOneWithTheNextState) {
     const auto echoes = row.fleet().address(tick, nullptr, {}, now).echoes;
     return std::ranges::count(echoes, Row::name(2), &Echo::robot) == 1;
   };
-  for (int k = 0; k < 400; ++k) echoed_in_turn(false);  // is_synchronised
+  for (int k = 0; k < 400; ++k) echoed_in_turn(false);  // the clocks are synchronised
   int unasked = 0;
   for (int k = 0; k < 40; ++k) unasked += echoed_in_turn(false);
   EXPECT_LT(unasked, 10);
   for (int k = 0; k < 40; ++k) EXPECT_TRUE(echoed_in_turn(true));
 }
 
-TEST(Interest, WhoMissesOneThatIsHeardHereIsToldSoSoonAndNotTooOften) {
+TEST(Dissemination, APeerThatMissesAHeardRobotIsToldSoonAndRarely) {
   Row row(60);
   double now = 0;
   std::uint32_t tick = 0;
@@ -173,12 +173,12 @@ TEST(Interest, WhoMissesOneThatIsHeardHereIsToldSoSoonAndNotTooOften) {
   for (int k = 0; k < 40; ++k) told += tells({"r40", "r41"});
   EXPECT_GE(told, 4);
   EXPECT_LE(told, 6);
-  // Of whom nothing is heard here either there is nothing to tell.
+  // Nothing is told of robots that are not heard here either.
   for (int k = 0; k < 128; ++k) EXPECT_FALSE(tells({"r55", "r99"}));
 }
 
-// Who stands speaks at every fourth tick, and hears that one more often.
-TEST(Interest, AnAnswerWaitsForTheNextState) {
+// A standing robot sends at every fourth tick, and hears the peer more often than that.
+TEST(Dissemination, AnAnswerIsSentWithTheNextState) {
   Row row(60);
   int told = 0;
   for (std::uint32_t tick = 1; tick < 2000; ++tick) {
@@ -197,7 +197,7 @@ TEST(Interest, AnAnswerWaitsForTheNextState) {
   EXPECT_GT(told, 1000 / 12 - 5);
 }
 
-TEST(Interest, NobodyIsAskedBeforeThisRobotHasAMission) {
+TEST(Dissemination, NoPeerIsAskedBeforeTheRobotHasAMission) {
   Fleet fleet("a");
   for (const char* robot : {"b", "c"}) {
     RobotState state = state_of(robot, 0, {10, 10});
@@ -207,7 +207,7 @@ TEST(Interest, NobodyIsAskedBeforeThisRobotHasAMission) {
   EXPECT_TRUE(fleet.address(0, nullptr, {}, 0).agents.empty());
 }
 
-TEST(Interest, AsksForAllWhoAreMissing) {
+TEST(Dissemination, TheRobotAsksForAllMissingPeers) {
   Row row(5);
   for (std::uint32_t tick = 0; tick < 200; ++tick) {
     const double now = tick * period;
@@ -224,8 +224,8 @@ TEST(Interest, AsksForAllWhoAreMissing) {
   }
 }
 
-// Strides are powers of two: whoever hears one state of so many still hears of all.
-TEST(Interest, AsksForManyInTurn) {
+// Send intervals are powers of two. A peer that hears every n-th state still hears of all missing robots.
+TEST(Dissemination, TheRobotAsksForManyMissingPeersInTurn) {
   for (const int robots : {21, 25, 35}) {
     Row row(robots);
     std::map<RobotName, int> asked_for;
@@ -244,8 +244,8 @@ TEST(Interest, AsksForManyInTurn) {
   }
 }
 
-// What is heard of it comes over longer ways than from it.
-TEST(Interest, WhomOthersHearRarelyIsNotDeadMeanwhile) {
+// The route over other robots is longer than the direct one.
+TEST(Dissemination, APeerThatOthersHearRarelyIsNotDeclaredFailed) {
   const double heartbeat = longest_interval * period;
   for (const int silent : {8, 1}) {
     Row row(8);
@@ -266,7 +266,7 @@ TEST(Interest, WhomOthersHearRarelyIsNotDeadMeanwhile) {
   }
 }
 
-TEST(Interest, WhoIsFarAwayMayBeSilentForLong) {
+TEST(Dissemination, ADistantPeerMayStaySilentForLong) {
   Row row(3);
   const double heartbeat = longest_interval * period;
   for (double now = 0; now < 100; now += period) {
@@ -284,13 +284,13 @@ TEST(Interest, WhoIsFarAwayMayBeSilentForLong) {
   EXPECT_FALSE(row.failed(3));
 }
 
-TEST(Interest, OneThatThoseCloseByNoLongerHearIsDeadFarAwayToo) {
+TEST(Dissemination, APeerThatItsNeighboursNoLongerHearIsDeclaredFailedFarAway) {
   Row row(3);
   double now = 0;
   const auto go_on_until = [&](double end, bool passed_on) {
     for (; now < end; now += period) {
       for (const int k : {1, 2}) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
-      row.hear(3, 10, now + 0.002, {}, {.passed_on = passed_on});  // the network may bring it twice
+      row.hear(3, 10, now + 0.002, {}, {.passed_on = passed_on});  // the network may deliver it twice
       row.judge(now);
     }
   };

@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-TEST(EvenPoints, VisitEveryPartOfTheBoxSoon) {
+TEST(EvenPoints, ThePointsVisitEveryPartOfTheBoxSoon) {
   const Box<2> box{{-3, 10}, {5, 14}};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
@@ -19,12 +19,12 @@ TEST(EvenPoints, VisitEveryPartOfTheBoxSoon) {
       const auto cell = [](double s) { return std::min(15, static_cast<int>(16 * s)); };
       ++visits[static_cast<std::size_t>(16 * cell(share.y()) + cell(share.x()))];
     }
-    // Random points would leave four or five of them empty.
+    // Random points would leave four or five of the cells empty.
     for (const int count : visits) EXPECT_TRUE(count >= 1 && count <= 8);
   }
 }
 
-TEST(EvenPoints, InSpaceToo) {
+TEST(EvenPoints, ThePointsVisitEveryPartOfAThreeDimensionalBox) {
   Random random(1);
   EvenPoints<3> points({{0, 0, 0}, {1, 1, 1}}, random);
   std::array<int, 64> visits{};

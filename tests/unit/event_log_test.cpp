@@ -1,4 +1,4 @@
-// What an agent logs of itself.
+// Tests of what an agent logs.
 #include "robot_agent/event_log.h"
 
 #include <gtest/gtest.h>
@@ -27,9 +27,9 @@ AgentStatus status(Phase phase) {
   return {.robot = "a", .mission = 1, .phase = phase, .reason = {}, .run = 100};
 }
 
-class OfOneRobot : public testing::Test {
+class EventLogTest : public testing::Test {
  protected:
-  OfOneRobot() { event_log.heard(mission); }
+  EventLogTest() { event_log.heard(mission); }
   std::vector<std::string> said(const Message& message, double fleet_time) {
     return texts(event_log.said(message, 100 + fleet_time));
   }
@@ -37,7 +37,7 @@ class OfOneRobot : public testing::Test {
   EventLog event_log{"a"};
 };
 
-TEST_F(OfOneRobot, MissionPathAndArrivalAreALineEach) {
+TEST_F(EventLogTest, AMissionAPathAndAnArrivalAreALineEach) {
   EXPECT_EQ(said(status(Phase::planning), 0),
             Lines{"mission 1: from (1.00, 2.00) to (30.00, 40.00), radius 0.5 m, 2 m/s"});
   EXPECT_EQ(said(PathMessage{"a", 1, {{0, 0}, {30, 40}}, 100}, 0.5), Lines{"path of 50.0 m"});
@@ -51,7 +51,7 @@ TEST_F(OfOneRobot, MissionPathAndArrivalAreALineEach) {
   EXPECT_TRUE(said(there, 26.5).empty());
 }
 
-TEST_F(OfOneRobot, AWaitIsTold) {
+TEST_F(EventLogTest, AWaitIsLoggedWithItsCause) {
   said(status(Phase::driving), 0);
   AgentStatus waits = status(Phase::driving);
   waits.came_on_at = 10;
@@ -68,13 +68,13 @@ TEST_F(OfOneRobot, AWaitIsTold) {
   EXPECT_EQ(said(goes_on, 110.5), Lines{"goes on after 100.5 s"});
 }
 
-TEST_F(OfOneRobot, OneThatIsStuckIsWarnedOf) {
+TEST_F(EventLogTest, ARobotWithoutAPathIsLoggedAsAWarning) {
   AgentStatus stuck = status(Phase::no_path);
   stuck.reason = "the goal cannot be reached";
   EXPECT_EQ(said(stuck, 1).back(), "! the goal cannot be reached");
 }
 
-TEST(EventLog, AnAgentWithoutAMissionSaysSo) {
+TEST(EventLog, AnAgentWithoutAMissionLogsWhy) {
   EventLog event_log("r9");
   AgentStatus waits{.robot = "r9"};
   EXPECT_TRUE(event_log.said(waits, 1).empty());
@@ -83,7 +83,7 @@ TEST(EventLog, AnAgentWithoutAMissionSaysSo) {
   EXPECT_TRUE(event_log.said(waits, 3).empty());
 }
 
-TEST_F(OfOneRobot, MissedControlPeriodsAreToldOnceAMinute) {
+TEST_F(EventLogTest, MissedControlPeriodsAreLoggedOnceAMinute) {
   said(status(Phase::driving), 0);
   std::vector<std::string> all;
   AgentStatus busy = status(Phase::driving);
@@ -96,7 +96,7 @@ TEST_F(OfOneRobot, MissedControlPeriodsAreToldOnceAMinute) {
   EXPECT_EQ(all[0], "! missed 50 of 200 control periods in 10 s: it gets too little processor time");
 }
 
-TEST_F(OfOneRobot, AFewMissedControlPeriodsAreNotToldOf) {
+TEST_F(EventLogTest, FewMissedControlPeriodsAreNotLogged) {
   said(status(Phase::driving), 0);
   AgentStatus fine = status(Phase::driving);
   for (int k = 1; k <= 100; ++k) {
@@ -106,13 +106,13 @@ TEST_F(OfOneRobot, AFewMissedControlPeriodsAreNotToldOf) {
   }
 }
 
-TEST(Words, AreBoundedAtWholeCharacters) {
+TEST(EventLogWords, ReasonsAreCutAtWholeCharacters) {
   EXPECT_EQ(bounded("short"), "short");
   std::string text(longest_reason - 1, 'x');
   EXPECT_EQ(bounded(text + "\u00e4\u00e4"), text);
 }
 
-TEST(Words, ListNamesAsPeopleCount) {
+TEST(EventLogWords, NamesAreListedInNumericalOrder) {
   EXPECT_EQ(listed({}), "nobody");
   EXPECT_EQ(listed({"r10", "r9"}), "r9 and r10");
   EXPECT_EQ(listed({"r10", "r9", "r1", "r2"}), "r1, r2 and 2 more");

@@ -1,4 +1,4 @@
-// Who counts as silent, and where one may stand that has fallen silent.
+// Tests of which peers count as silent, and of where a silent robot may stand.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-TEST(Silence, WhatItMayHaveDecidedTakesItFurtherAlongItsHeading) {
+TEST(FailureDetector, UnheardDecisionsExtendTheZoneAlongTheHeading) {
   const Limits limits{20, 40};
   const Commitment c{.stamp = 0,
                      .position = {0, 0},
@@ -23,7 +23,7 @@ TEST(Silence, WhatItMayHaveDecidedTakesItFurtherAlongItsHeading) {
                      .expiry = 0.1};
   const std::vector<Point2> rests = rests_after(c, limits, period, 3, 1.25);
   EXPECT_EQ(rests.front(), rest_after(c, limits, period));
-  // Three more periods at full speed, before it brakes: 3 m.
+  // Three more periods at full speed before it brakes: 3 m.
   EXPECT_NEAR(rests.back().x() - rests.front().x(), 3, 1e-9);
   for (std::size_t k = 1; k < rests.size(); ++k) {
     EXPECT_GT(rests[k].x(), rests[k - 1].x());
@@ -32,12 +32,12 @@ TEST(Silence, WhatItMayHaveDecidedTakesItFurtherAlongItsHeading) {
   EXPECT_EQ(rests_after(c, limits, period, 0, 1.25).size(), 1u);
 }
 
-TEST(Silence, OneThatStandsStaysWhereItIs) {
+TEST(FailureDetector, AStandingRobotStaysWhereItIs) {
   const Commitment standing{.position = {3, 4}, .expiry = 1};
   EXPECT_EQ(rests_after(standing, {20, 40}, period, 10, 1).size(), 1u);
 }
 
-TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
+TEST(FailureDetector, APeerThatOthersHearIsNotDeclaredFailed) {
   Listener a;
   double now = 0;
   const auto go_on_until = [&](double end, bool c_hears_b) {
@@ -49,7 +49,7 @@ TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
   a.hear("b", now);
   go_on_until(1, true);
   EXPECT_FALSE(a.cut_off());
-  go_on_until(20, true);  // from b itself there is nothing any more
+  go_on_until(20, true);  // b itself is not heard any more
   EXPECT_FALSE(a.failed("b"));
   EXPECT_TRUE(a.cut_off());
   go_on_until(25, false);
@@ -57,7 +57,7 @@ TEST(Silence, WhomOthersHearIsNotDeadAndNobodyMovesPastIt) {
   EXPECT_FALSE(a.cut_off());
 }
 
-TEST(Silence, WhoIsHeardByNobodyStands) {
+TEST(FailureDetector, ARobotThatNobodyHearsStands) {
   Listener a;
   for (double now = 0; now < 8; now += period) {
     a.hear("b", now, {{"a", std::min(now, 5.0) - 0.01, now}});
@@ -67,8 +67,8 @@ TEST(Silence, WhoIsHeardByNobodyStands) {
   }
 }
 
-// It may only be cut off, and drives on until it misses the others.
-TEST(Silence, OfOneThatIsSilentAloneAllItMayReachIsKeptClearForAMinute) {
+// The peer may only be cut off. It then drives on until it misses the others.
+TEST(FailureDetector, TheReachableSetOfASinglySilentPeerIsKeptClearForAMinute) {
   Listener a;
   a.hear("b", 1);
   const double braking = 20 * 20 / (2 * 40.0);
@@ -86,7 +86,7 @@ TEST(Silence, OfOneThatIsSilentAloneAllItMayReachIsKeptClearForAMinute) {
   }
 }
 
-TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
+TEST(FailureDetector, APeerThatWasNeverHeardIsDeclaredFailedAfterTheBarrier) {
   Listener a;
   for (double now = 0; now < 9.5; now += period) {
     a.hear("c", now);
@@ -100,8 +100,8 @@ TEST(Silence, WhomNobodyHeardEverIsDeadAfterTheMuster) {
   EXPECT_TRUE(a.failed("b"));
 }
 
-// Who does not know another yet speaks to it often, however far away it is.
-TEST(Silence, WhoIsFarAwayAndNeverCameHoldsNobodyUpForLonger) {
+// A robot sends often to a peer that it does not know yet, at any distance.
+TEST(FailureDetector, ADistantPeerThatNeverCameDelaysNobodyLonger) {
   Listener a;
   a.hear_mission("b", {9000, 9000});
   for (double now = 0; now < 11; now += period) {
@@ -111,7 +111,7 @@ TEST(Silence, WhoIsFarAwayAndNeverCameHoldsNobodyUpForLonger) {
   EXPECT_TRUE(a.failed("b"));
 }
 
-TEST(Silence, WhereALivingRobotStandsNoDeadOneDoesAndAPlanMayLeadOutFromCloseToIt) {
+TEST(FailureDetector, TheZoneExcludesLivingRobotsAndAPlanMayLeadOutOfIt) {
   Listener a;
   a.hear("b", 0, {}, {0, 10});
   for (double now = 0; now < 5; now += period) {
@@ -134,7 +134,7 @@ TEST(Silence, WhereALivingRobotStandsNoDeadOneDoesAndAPlanMayLeadOutFromCloseToI
   EXPECT_NEAR((left.back().centre - (last + Point2(0, 9.99))).norm(), 10, 0.01) << "as near as it can stand";
 }
 
-/// Where "b" may stand that died as it drove upwards, while "c" stands there.
+/// The zone of "b", which failed while it drove upwards, while "c" stands at `c`.
 std::vector<Disc> places_of_b(const Point2& c) {
   Listener a;
   a.hear("b", 0, {}, {0, 10});
@@ -145,9 +145,9 @@ std::vector<Disc> places_of_b(const Point2& c) {
   return a.failed_seen_from({20, 20}, 5);
 }
 
-// It could be touched off the places that were kept clear: by half a metre where somebody stood before it, by
-// millimetres between two.
-TEST(Silence, NoPlaceWhereADeadRobotMayStandIsLeftOut) {
+// The robot could be touched between the discs that were kept clear: by 0.5 m where a robot stood before it,
+// and by millimetres between two discs.
+TEST(FailureDetector, TheZoneCoversEveryPositionOfAFailedRobot) {
   const std::vector<Disc> all = places_of_b({20, 100});
   for (std::size_t k = 1; k < all.size(); ++k) {
     const double apart = (all[k].centre - all[k - 1].centre).norm();
@@ -163,7 +163,7 @@ TEST(Silence, NoPlaceWhereADeadRobotMayStandIsLeftOut) {
   }
 }
 
-TEST(Silence, WhoStandsBesideADeadRobotMakesItNoMorePlaces) {
+TEST(FailureDetector, ARobotBesideAFailedOneAddsNoDiscsToItsZone) {
   const std::vector<Disc> all = places_of_b({20, 100});
   for (const double along : {-1.0, 0.0, 0.3, 1.2}) {
     Listener a;
@@ -177,7 +177,7 @@ TEST(Silence, WhoStandsBesideADeadRobotMakesItNoMorePlaces) {
   }
 }
 
-TEST(Silence, WhereADeadRobotOfImpossibleSpeedMayStandIsSoonSaid) {
+TEST(FailureDetector, TheZoneOfARobotOfImpossibleSpeedIsComputedQuickly) {
   Listener a;
   RobotState absurd{.robot = "b",
                     .stamp = 0,

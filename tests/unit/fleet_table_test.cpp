@@ -1,4 +1,4 @@
-// What `coppice top` shows of a fleet.
+// Tests of what `coppice top` shows of a fleet.
 #include "monitor/fleet_table.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace coppice {
 namespace {
 
-struct AFleetTable : testing::Test {
+struct FleetTableTest : testing::Test {
   template <class M>
   void hear(M message, WallTime at = 100) {
     view.on(std::make_shared<const Message>(std::move(message)), at);
@@ -26,13 +26,13 @@ struct AFleetTable : testing::Test {
   FleetView view;
 };
 
-TEST_F(AFleetTable, SaysThatNothingWasHeard) {
+TEST_F(FleetTableTest, TheTableSaysThatNothingWasHeard) {
   const FleetTable table = fleet_table(view, RobotOrder::name, 100);
   EXPECT_EQ(table.summary, std::vector<std::string>{"no robot has been heard yet"});
   EXPECT_TRUE(table.rows.empty());
 }
 
-TEST_F(AFleetTable, IsSortedByWhatOneLooksFor) {
+TEST_F(FleetTableTest, TheRowsAreSortedInTheChosenOrder) {
   add("r10", Phase::driving, {90, 0}, 9);
   add("r2", Phase::arrived, {100, 0}, 10);
   add("r1", Phase::no_path, {20, 0}, 2);
@@ -46,7 +46,7 @@ TEST_F(AFleetTable, IsSortedByWhatOneLooksFor) {
   EXPECT_EQ(names(RobotOrder::missed), (Names{"r10", "r1", "r2"}));
 }
 
-TEST_F(AFleetTable, ShowsEachRobotInALine) {
+TEST_F(FleetTableTest, TheTableShowsEachRobotInARow) {
   add("r1", Phase::driving, {20.25, 3}, 9.5);
   hear(AgentStatus{.robot = "r1", .mission = 1, .phase = Phase::driving, .driven_length = 12.5});
   const FleetTable table = fleet_table(view, RobotOrder::name, 110);
@@ -57,14 +57,14 @@ TEST_F(AFleetTable, ShowsEachRobotInALine) {
   EXPECT_NE(table.summary[0].find("fleet time 10.0 s"), std::string::npos) << table.summary[0];
 }
 
-TEST_F(AFleetTable, TellsTheLengthOfTheWayThatIsLeft) {
+TEST_F(FleetTableTest, TellsTheLengthOfTheWayThatIsLeft) {
   add("r1", Phase::driving, {20, 0}, 9.5);
   hear(PathMessage{"r1", 1, {{20, 0}, {20, 30}, {100, 30}, {100, 0}}});  // around something
   const FleetTable table = fleet_table(view, RobotOrder::name, 110);
   EXPECT_NE(table.rows.at(0).find(" 140.0 "), std::string::npos) << table.rows.at(0);
 }
 
-TEST_F(AFleetTable, SaysWhatARobotWaitsForInItsAgentsWords) {
+TEST_F(FleetTableTest, SaysWhatARobotWaitsForInItsAgentsWords) {
   add("r1", Phase::driving, {20, 3}, 9.5);
   hear(AgentStatus{.robot = "r1",
                    .mission = 1,
@@ -77,7 +77,7 @@ TEST_F(AFleetTable, SaysWhatARobotWaitsForInItsAgentsWords) {
             "12 s: it waits for r7, which goes first by the joint plan");
 }
 
-TEST(RobotOrder, IsFoundByItsName) {
+TEST(RobotOrder, AnOrderIsFoundByItsName) {
   EXPECT_EQ(robot_order("to-goal"), RobotOrder::to_goal);
   EXPECT_EQ(robot_order("size"), std::nullopt);
 }

@@ -1,4 +1,4 @@
-// What a monitor makes of the messages of a fleet.
+// Tests of what a monitor knows after the messages of a fleet.
 #include "monitor/fleet_view.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ RobotState state_of(const RobotName& robot, double stamp, const Point2& place) {
           .promise = {stamp + 1, {0, 4}, stamp + 2}};
 }
 
-struct AFleetView : testing::Test {
+struct FleetViewTest : testing::Test {
   template <class M>
   void hear(M message, WallTime at = 100) {
     view.on(std::make_shared<const Message>(std::move(message)), at);
@@ -36,12 +36,12 @@ struct AFleetView : testing::Test {
   FleetView view;
 };
 
-TEST_F(AFleetView, KnowsRobotsInTheOrderInWhichTheyCame) {
+TEST_F(FleetViewTest, RobotsAreListedInTheOrderOfTheirFirstMessages) {
   hear(state_of("b", 1, {0, 0}));
   hear(mission_of("a", 1));
   hear(AgentStatus{.robot = "c"});
   hear(state_of("b", 2, {5, 5}), 102);
-  hear(state_of("b", 1.5, {9, 9}), 103);  // late
+  hear(state_of("b", 1.5, {9, 9}), 103);  // it comes late
   ASSERT_EQ(view.robots().size(), 3u);
   EXPECT_EQ(view.robots()[0].name, "b");
   EXPECT_EQ(view.robots()[1].name, "a");
@@ -50,14 +50,14 @@ TEST_F(AFleetView, KnowsRobotsInTheOrderInWhichTheyCame) {
   EXPECT_EQ(robot("b").heard, 102);
 }
 
-TEST_F(AFleetView, TakesWhatOthersPassOnForNobodysWord) {
+TEST_F(FleetViewTest, ARelayedStateAddsNoRobot) {
   RobotState state = state_of("b", 1, {0, 0});
   state.passed_on = true;
   hear(state);
   EXPECT_TRUE(view.robots().empty());
 }
 
-TEST_F(AFleetView, FollowsAPromiseAndThenExpectsTheRobotToStand) {
+TEST_F(FleetViewTest, ARobotFollowsItsPromiseAndThenStands) {
   const RobotState state = state_of("a", 10, {1, 1});
   EXPECT_EQ(position_at(state, 9), Point2(1, 1));
   EXPECT_EQ(position_at(state, 10.5), Point2(2, 1));
@@ -65,7 +65,7 @@ TEST_F(AFleetView, FollowsAPromiseAndThenExpectsTheRobotToStand) {
   EXPECT_EQ(position_at(state, 99), Point2(3, 5));
 }
 
-TEST_F(AFleetView, TakesItsAgentsWordForWhyARobotWaits) {
+TEST_F(FleetViewTest, TakesItsAgentsWordForWhyARobotWaits) {
   RobotState state = state_of("a", 10, {1, 1});
   state.phase = Phase::driving;
   hear(state);
@@ -81,7 +81,7 @@ TEST_F(AFleetView, TakesItsAgentsWordForWhyARobotWaits) {
 }
 
 /// As in recordings that were made before agents gave it.
-TEST_F(AFleetView, TellsAWaitByTheStateOfARobotWhoseAgentGivesNoCause) {
+TEST_F(FleetViewTest, TellsAWaitByTheStateOfARobotWhoseAgentGivesNoCause) {
   RobotState state = state_of("a", 12, {1, 1});
   state.phase = Phase::driving;
   state.waits_for = "b";
@@ -102,25 +102,26 @@ TEST_F(AFleetView, TellsAWaitByTheStateOfARobotWhoseAgentGivesNoCause) {
   EXPECT_FALSE(wait_of(robot("a"), 17));
 }
 
-TEST_F(AFleetView, ForgetsAWayAndRootTreesWithTheirMission) {
+TEST_F(FleetViewTest, ANewMissionClearsPathAndRootTrees) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});
   hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}, {Side::start, {1, 0}, 0}}});
-  hear(RootNodes{"a", 1, 1, {{Side::start, {1, 0}, 0}, {Side::goal, {2, 0}, -1}}});  // one again
-  hear(RootNodes{"a", 1, 7, {{Side::goal, {9, 9}, -1}}});                            // some are missing
+  hear(RootNodes{
+      "a", 1, 1, {{Side::start, {1, 0}, 0}, {Side::goal, {2, 0}, -1}}});  // one node is a repetition
+  hear(RootNodes{"a", 1, 7, {{Side::goal, {9, 9}, -1}}});                 // the nodes before it are missing
   EXPECT_EQ(robot("a").root_nodes.size(), 3u);
   const auto revision = robot("a").path_revision;
   hear(mission_of("a", 2));
   EXPECT_TRUE(robot("a").path.empty());
   EXPECT_TRUE(robot("a").root_nodes.empty());
   EXPECT_NE(robot("a").path_revision, revision);
-  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});  // of the mission before
+  hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});  // it belongs to the mission before
   EXPECT_TRUE(robot("a").path.empty());
   hear(mission_of("a", 1));
   EXPECT_EQ(robot("a").mission->number, 2u);
 }
 
-TEST_F(AFleetView, BeginsAnewWithAnotherRunOrMap) {
+TEST_F(FleetViewTest, AnotherRunOrMapClearsTheView) {
   hear(map_named("m"));
   hear(InactiveTreeMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
   hear(InactiveTreeMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
@@ -132,17 +133,17 @@ TEST_F(AFleetView, BeginsAnewWithAnotherRunOrMap) {
   EXPECT_EQ(view.run(), run);
   hear(mission_of("b", 1, {200, 1}));
   EXPECT_GT(view.run(), run);
-  ASSERT_EQ(view.robots().size(), 1u);  // b: a is of the run before
+  ASSERT_EQ(view.robots().size(), 1u);  // this is b; a belongs to the run before
   EXPECT_EQ(view.inactive_trees().size(), 1u);
-  hear(mission_of("a", 1, {100, 1}));  // of that, too
+  hear(mission_of("a", 1, {100, 1}));  // this run, too, is over
   EXPECT_EQ(view.robots().size(), 1u);
   hear(map_named("other"));
   EXPECT_TRUE(view.inactive_trees().empty());
   EXPECT_TRUE(view.robots().empty());
 }
 
-// The clock was set back, or a recording is replayed again from a later place.
-TEST_F(AFleetView, FollowsARunThatBeganEarlierOnceItsOwnIsOver) {
+// The clock was set back, or a recording is replayed from the beginning.
+TEST_F(FleetViewTest, AnEarlierRunIsShownOnceTheLaterOneIsOver) {
   hear(mission_of("a", 1, {200, 1}), 210);
   RobotState state = state_of("a", 10, {1, 1});
   state.run = 200;
@@ -159,7 +160,7 @@ TEST_F(AFleetView, FollowsARunThatBeganEarlierOnceItsOwnIsOver) {
   EXPECT_EQ(view.robots()[0].name, "b");
 }
 
-TEST_F(AFleetView, ShowsAPathThatCameBeforeItsMission) {
+TEST_F(FleetViewTest, APathThatArrivesBeforeItsMissionIsShown) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 2, {{0, 0}, {1, 1}}});
   hear(mission_of("a", 2));
@@ -168,7 +169,7 @@ TEST_F(AFleetView, ShowsAPathThatCameBeforeItsMission) {
   EXPECT_TRUE(robot("a").path.empty());
 }
 
-TEST_F(AFleetView, ShowsNothingOfTheRunBefore) {
+TEST_F(FleetViewTest, MessagesOfThePreviousRunAreNotShown) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}, 50});
   hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}}, 50});
@@ -182,16 +183,16 @@ TEST_F(AFleetView, ShowsNothingOfTheRunBefore) {
   EXPECT_EQ(robot("a").path.size(), 2u);
 }
 
-TEST_F(AFleetView, ShowsActiveTreesOfABrokerThatIsThere) {
+TEST_F(FleetViewTest, ActiveTreesAreShownWhileTheirBrokerIsAlive) {
   hear(map_named("m"));
   hear(BrokerStatus{.broker = 7}, 100);
   hear(ActiveTreesMessage{7, "m", {{{0, 0}, {1, 1}}}}, 100);
   ASSERT_TRUE(view.active_trees() != nullptr);
-  hear(BrokerStatus{.broker = 8}, 110);  // of the other nothing has been heard for long
+  hear(BrokerStatus{.broker = 8}, 110);  // the other broker has been silent for long
   EXPECT_TRUE(view.active_trees() == nullptr);
 }
 
-TEST_F(AFleetView, CountsTheFleet) {
+TEST_F(FleetViewTest, TheFiguresCountTheFleet) {
   hear(mission_of("a", 1));
   hear(mission_of("b", 3));
   hear(state_of("a", 0, {0, 0}));
@@ -202,7 +203,7 @@ TEST_F(AFleetView, CountsTheFleet) {
   status.load = {.periods = 100, .periods_missed = 10, .state_age_p50 = 0.1, .state_age_p99 = 0.5};
   status.load.processor_seconds = 1;
   hear(status, 100);
-  EXPECT_LT(view.figures(100).processors, 0);  // not known yet
+  EXPECT_LT(view.figures(100).processors, 0);  // they are not known yet
   status.load.periods = 200;
   status.load.periods_missed = 60;
   status.load.processor_seconds = 2;
@@ -221,7 +222,7 @@ TEST_F(AFleetView, CountsTheFleet) {
   EXPECT_NEAR(figures.missed_share, 0.25, 1e-12);
 }
 
-TEST_F(AFleetView, FindsTheLeastSeparationOfMany) {
+TEST_F(FleetViewTest, TheLeastSeparationOfManyRobotsIsFound) {
   double least = 1e9;
   std::vector<Point2> places;
   for (int k = 0; k < 60; ++k) {

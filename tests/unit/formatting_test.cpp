@@ -1,4 +1,4 @@
-// Every source is formatted as .clang-format says.
+// Checks that each source is formatted as .clang-format says.
 
 #include <string>
 

@@ -1,4 +1,4 @@
-// Foxglove's protocol: what a client is told, what it may say, and that what is shown lies where it should.
+// Tests of the Foxglove protocol: the messages to and from a client, and the positions in a scene.
 
 #include "monitor/foxglove.h"
 
@@ -80,7 +80,7 @@ struct FoxgloveTest : testing::Test {
                 std::to_string(channel(topic)) + "}]}",
             true);
   }
-  /// The only message of a subscription alone.
+  /// The only message of the only subscription.
   template <class M>
   M only(const std::vector<Outbound>& out) {
     EXPECT_EQ(out.size(), 1u);
@@ -97,12 +97,12 @@ struct FoxgloveTest : testing::Test {
   }
 };
 
-TEST_F(FoxgloveTest, GreetsWithItsInformationAndItsChannels) {
+TEST_F(FoxgloveTest, AClientIsGreetedWithServerInformationAndChannels) {
   const auto out = after(0);
   ASSERT_EQ(out.size(), 2u);
   EXPECT_TRUE(out[0].text && out[1].text);
   EXPECT_NE(out[0].bytes->find(R"("op":"serverInfo")"), std::string::npos);
-  EXPECT_NE(out[0].bytes->find(R"("capabilities":[])"), std::string::npos) << "nothing but to look";
+  EXPECT_NE(out[0].bytes->find(R"("capabilities":[])"), std::string::npos) << "clients may only read";
   const auto advertised = from_json<socket::Advertise>(*out[1].bytes);
   EXPECT_EQ(advertised.op(), "advertise");
   ASSERT_EQ(advertised.channels_size(), 9);
@@ -118,7 +118,7 @@ TEST_F(FoxgloveTest, GreetsWithItsInformationAndItsChannels) {
   EXPECT_TRUE(after(1).empty());
 }
 
-TEST_F(FoxgloveTest, SendsOnlyWhatIsSubscribedTo) {
+TEST_F(FoxgloveTest, AClientGetsOnlySubscribedChannels) {
   small_fleet();
   after(0);
   EXPECT_TRUE(after(0.5).empty());
@@ -132,7 +132,7 @@ TEST_F(FoxgloveTest, SendsOnlyWhatIsSubscribedTo) {
   EXPECT_TRUE(after(0.5).empty());
 }
 
-TEST_F(FoxgloveTest, NonsenseIsAnsweredByErrorsAndChangesNothing) {
+TEST_F(FoxgloveTest, InvalidRequestsAreAnsweredByErrorsAndChangeNothing) {
   small_fleet();
   after(0);
   subscribe(1, "/poses");
@@ -153,18 +153,18 @@ TEST_F(FoxgloveTest, NonsenseIsAnsweredByErrorsAndChangesNothing) {
   EXPECT_EQ(data_of(out[7]).subscription, 1u);
 }
 
-TEST_F(FoxgloveTest, DeepNonsenseIsNonsense) {
+TEST_F(FoxgloveTest, DeeplyNestedJsonIsRefused) {
   after(0);
   const std::string deep(60'000, '[');
   feed.on(deep, true);
   feed.on(R"({"op":"subscribe","x":)" + deep, true);
   feed.on(R"({"op":"subscribe","subscriptions":)" + deep + std::string(60'000, ']') + "}", true);
   const auto out = after(0.5);
-  EXPECT_GE(out.size(), 2u) << "lists of nothing in lists are nothing";
+  EXPECT_GE(out.size(), 2u) << "nested empty lists may be accepted as empty";
   for (const Outbound& one : out) EXPECT_TRUE(one.text);
 }
 
-TEST_F(FoxgloveTest, SubscriptionsAndComplaintsAreBounded) {
+TEST_F(FoxgloveTest, SubscriptionsAndErrorsAreBounded) {
   small_fleet();
   after(0);
   for (std::uint32_t id = 0; id < 100; ++id)
@@ -175,7 +175,7 @@ TEST_F(FoxgloveTest, SubscriptionsAndComplaintsAreBounded) {
   EXPECT_EQ(std::ranges::count_if(out, std::not_fn(&Outbound::text)), 1);
 }
 
-TEST_F(FoxgloveTest, DownwardMapsAreTurnedSoThatTheyLookAsTheirFiles) {
+TEST_F(FoxgloveTest, AMapWithYDownIsShownAsItsFileIs) {
   small_fleet();
   after(0);
   subscribe(1, "/map");
@@ -184,7 +184,8 @@ TEST_F(FoxgloveTest, DownwardMapsAreTurnedSoThatTheyLookAsTheirFiles) {
   EXPECT_DOUBLE_EQ(grid.pose().position().y(), -3);
   EXPECT_EQ(grid.column_count(), 4u);
   ASSERT_EQ(grid.data().size(), 48u);
-  // Rows from below: the file's last one is the first. Blocked are (0, 0) and (1, 2).
+  // Grid rows begin at the bottom: the last row of the file is the first. Cells (0, 0) and (1, 2) are
+  // blocked.
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 4; ++column) {
       const bool wall = (row == 2 && column == 0) || (row == 0 && column == 1);
@@ -197,10 +198,11 @@ TEST_F(FoxgloveTest, DownwardMapsAreTurnedSoThatTheyLookAsTheirFiles) {
   const auto pose = only<fox::PosesInFrame>(after(0)).poses(0);
   EXPECT_DOUBLE_EQ(pose.position().x(), 1);
   EXPECT_DOUBLE_EQ(pose.position().y(), -1.5) << "one second at 1 m/s from 0.5, downwards";
-  EXPECT_NEAR(2 * std::atan2(pose.orientation().z(), pose.orientation().w()), 0, 1e-9) << "it stands by now";
+  EXPECT_NEAR(2 * std::atan2(pose.orientation().z(), pose.orientation().w()), 0, 1e-9)
+      << "the robot stands by now";
 }
 
-TEST_F(FoxgloveTest, HeadingsTurnWithTheMap) {
+TEST_F(FoxgloveTest, HeadingsAreMirroredWithTheMap) {
   for (const YAxis y_axis : {YAxis::down, YAxis::up}) {
     test::SeenFleet one;
     one.map(y_axis);
@@ -217,7 +219,7 @@ TEST_F(FoxgloveTest, HeadingsTurnWithTheMap) {
   }
 }
 
-TEST_F(FoxgloveTest, LargeMapsAreShownInLargerCellsThatHideNoWall) {
+TEST_F(FoxgloveTest, ALargeMapIsShownInLargerCellsThatKeepEveryWall) {
   constexpr int side = 3000;
   MapMessage map{"large", {.width = side, .height = side, .resolution = 0.5}};
   map.map.blocked.resize(side * side);
@@ -230,7 +232,7 @@ TEST_F(FoxgloveTest, LargeMapsAreShownInLargerCellsThatHideNoWall) {
   EXPECT_DOUBLE_EQ(grid.pose().position().y(), -1500);
 }
 
-TEST_F(FoxgloveTest, RobotsAreCylindersWithAnArrowAndALifetime) {
+TEST_F(FoxgloveTest, ARobotIsACylinderWithAnArrowAndALifetime) {
   small_fleet();
   after(0);
   subscribe(1, "/robots");
@@ -246,10 +248,10 @@ TEST_F(FoxgloveTest, RobotsAreCylindersWithAnArrowAndALifetime) {
   EXPECT_EQ(robot.arrows_size(), 1);
   EXPECT_EQ(robot.texts(0).text(), "a");
   fleet.state("a", {1, 1});
-  EXPECT_EQ(only<fox::SceneUpdate>(after(0.5)).entities(0).arrows_size(), 0) << "it stands";
+  EXPECT_EQ(only<fox::SceneUpdate>(after(0.5)).entities(0).arrows_size(), 0) << "the robot stands";
 }
 
-TEST_F(FoxgloveTest, ScenesGrowAndForgetWithMissionsAndRuns) {
+TEST_F(FoxgloveTest, ScenesGrowAndAreClearedWithMissionsAndRuns) {
   small_fleet();
   after(0);
   subscribe(1, "/paths");
@@ -286,7 +288,7 @@ TEST_F(FoxgloveTest, ScenesGrowAndForgetWithMissionsAndRuns) {
   EXPECT_EQ(scene.entities_size(), 1) << "the map's trees stay";
 }
 
-TEST_F(FoxgloveTest, PhasesAreLoggedOnceEach) {
+TEST_F(FoxgloveTest, EachPhaseIsLoggedOnce) {
   small_fleet();
   after(0);
   subscribe(1, "/log");
@@ -302,7 +304,7 @@ TEST_F(FoxgloveTest, PhasesAreLoggedOnceEach) {
   EXPECT_EQ(only<fox::Log>(after(0.5)).message(), "has stopped at its goal");
 }
 
-TEST_F(FoxgloveTest, TheLayoutNamesWhatThereIs) {
+TEST_F(FoxgloveTest, TheLayoutNamesExistingChannelsAndFields) {
   const std::string layout =
       test::contents(std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy/foxglove-layout.json");
   const std::regex topic(R"re("(/[a-z_]+)(\.([a-z0-9_]+))?")re");
@@ -326,8 +328,8 @@ TEST_F(FoxgloveTest, TheTimeSeriesGoesOnFromItsLastPoint) {
   EXPECT_DOUBLE_EQ(point.time(), fleet.now - 100);
 }
 
-/// Viewers hold the points of lines as floats.
-TEST_F(FoxgloveTest, LinesAreDrawnFromTheMapsOriginOn) {
+/// Viewers store the points of lines as floats.
+TEST_F(FoxgloveTest, LinesAreRelativeToTheOriginOfTheMap) {
   const Point2 origin(500000, 5400000);
   fleet.map(YAxis::up, origin);
   fleet.mission("a");

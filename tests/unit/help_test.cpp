@@ -1,4 +1,4 @@
-// What help says: every program and command is walked, so that no option is forgotten.
+// Tests of the help texts. All programs and commands are visited, so that no option is missed.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-/// Shows each command of each program, with its full name.
+/// Calls `visit` for each command of each program with its full name.
 void visit_commands(const std::function<void(const CLI::App&, const std::string&)>& visit) {
   visit_programs([&](const CLI::App& program) {
     visit(program, program.get_name());
@@ -22,7 +22,7 @@ void visit_commands(const std::function<void(const CLI::App&, const std::string&
   });
 }
 
-/// With single spaces, however it was wrapped.
+/// The text with single spaces instead of line breaks.
 std::string unwrapped(const std::string& text) {
   std::istringstream words(text);
   std::string line;
@@ -58,7 +58,7 @@ TEST(Help, EveryOptionAndCommandIsDescribed) {
   });
 }
 
-TEST(Help, DefaultsAreThoseThatHold) {
+TEST(Help, TheShownDefaultsAreTheUsedOnes) {
   visit_programs([&](const CLI::App& program) {
     if (program.get_name() != "coppice") return;
     const auto default_of = [&](const std::string& command, const std::string& option) {
@@ -73,7 +73,7 @@ TEST(Help, DefaultsAreThoseThatHold) {
   });
 }
 
-TEST(Help, LinesFitATerminal) {
+TEST(Help, EveryLineFitsATerminal) {
   visit_commands([&](const CLI::App& command, const std::string& name) {
     std::istringstream lines(command.help());
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << name << ": " << line;
@@ -93,7 +93,7 @@ TEST(Help, CommandsThatPrintTheTableExplainIt) {
   });
 }
 
-/// The fields of a message, with those of the messages in it.
+/// Collects the fields of a message and of the messages in it.
 void collect_fields(const google::protobuf::Descriptor& message, const std::string& place,
                     std::set<std::string>& fields) {
   for (int k = 0; k < message.field_count(); ++k) {
@@ -113,7 +113,7 @@ TEST(ReportTerms, EveryFieldOfTheReportIsExplained) {
   EXPECT_EQ(explained, fields);
 }
 
-TEST(ReportTerms, TheDocumentationSaysWhatHelpSays) {
+TEST(ReportTerms, TheDocumentationMatchesTheHelp) {
   const std::string page = test::contents(test::source_folder() / "docs/report.md");
   for (const auto terms : {table_terms(), report_terms()}) {
     for (const Term& term : terms) {
@@ -123,7 +123,7 @@ TEST(ReportTerms, TheDocumentationSaysWhatHelpSays) {
   }
 }
 
-TEST(ReportTerms, EveryWordOfTheTableIsExplained) {
+TEST(ReportTerms, EveryTermOfTheTableIsExplained) {
   proto::Report report;
   report.set_outcome("arrived");
   report.set_missions(3);

@@ -1,4 +1,4 @@
-// Each invariant is found broken where it is.
+// Tests that each violation of an invariant is found.
 #include "simulation/invariants.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ Scenario open_ground() {
   return scenario;
 }
 
-/// Driven to the right at 2 m/s, a period of 0.05 s between points.
+/// The track of a robot that drives to the right at 2 m/s, with a point each 0.05 s.
 NamedTrack straight(const char* robot, const Point2& from, int periods) {
   NamedTrack named{robot, {.radius = 5, .points = {}}};
   for (int k = 0; k < periods; ++k) {
@@ -28,11 +28,11 @@ std::string first_broken(const std::vector<NamedTrack>& tracks) {
   return broken.empty() ? "" : broken.front();
 }
 
-TEST(Invariants, HoldInAGoodRun) {
+TEST(Invariants, AGoodRunBreaksNoInvariant) {
   EXPECT_EQ(first_broken({straight("a", {20, 20}, 50), straight("b", {20, 60}, 50)}), "");
 }
 
-TEST(Invariants, EachIsFoundBroken) {
+TEST(Invariants, EachBrokenInvariantIsFound) {
   const NamedTrack good = straight("b", {20, 60}, 50);
   EXPECT_EQ(first_broken({straight("a", {21, 20}, 50), good}), "a did not begin at its start");
   NamedTrack jumps = straight("a", {20, 20}, 50);

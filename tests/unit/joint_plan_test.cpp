@@ -45,7 +45,8 @@ JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   return plan;
 }
 
-/// How many steps a planner takes for a few robots that stand in a clinch among many elsewhere, on rooms.
+/// The number of steps that a planner takes for a few robots in a deadlock on the rooms map, with many robots
+/// elsewhere.
 int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   Random random(4);
   const OccupancyMap map = generate_map(MapKind::room, 452, 452, random);
@@ -67,48 +68,49 @@ int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   return steps;
 }
 
-// Side by side in a door: neither has a straight way to any place that does not touch the other.
-TEST(JointPlan, SideBySideInADoor) {
+// Neither robot has a straight path to a vertex that does not touch the other.
+TEST(JointPlan, TwoRobotsSideBySideInADoorAreResolvedQuickly) {
   EXPECT_LT(steps_for_a_clinch({{{12.989584488505946, 132.49301147580744}, Point2(17.5, 131.5), 5},
                                 {{22.99, 131.15}, Point2(21.5, 405.5), 5},
                                 {{20, 116}, Point2(23.5, 121.5), 5}}),
             10);
 }
 
-// In a column along a wall: all ways to places further off pass too near to the next one.
-TEST(JointPlan, InAColumnAlongAWall) {
+// All paths to vertices further away pass too near to the next robot.
+TEST(JointPlan, AColumnAlongAWallIsResolvedQuickly) {
   EXPECT_LT(steps_for_a_clinch({{{265.15224320524447, 240.93877724581463}, Point2(358.5, 366.5), 5},
                                 {{262.97262513854434, 231.05468795430218}, Point2(129.5, 162.5), 5},
                                 {{265.01492254613294, 250.97791153388519}, Point2(415.5, 342.5), 5}}),
             10);
 }
 
-TEST(JointPlan, AloneItIsOneMove) {
+TEST(JointPlan, ASingleRobotGetsOneMove) {
   const JointPlan plan = solve(open_map(100, 100), {{{10, 10}, Point2(90, 90), 5}});
   EXPECT_EQ(plan.moves.size(), 1u);
   EXPECT_TRUE(plan.stranded.empty());
   EXPECT_NEAR(length_of(plan.moves.front().path), std::hypot(80, 80), 2);
 }
 
-TEST(JointPlan, HeadOnInACorridorOneGoesBack) {
+TEST(JointPlan, OneOfTwoRobotsHeadOnInACorridorGoesBack) {
   const JointPlan plan =
       solve(corridor(14), {{{180, 60}, Point2(320, 60), 5}, {{200, 60}, Point2(40, 60), 5}});
   EXPECT_TRUE(plan.stranded.empty());
   double driven = 0;
   for (const Move& move : plan.moves) driven += length_of(move.path);
-  EXPECT_LT(driven, 140 + 160 + 200);  // one of them goes back by less than 100 m, and comes again
+  EXPECT_LT(driven, 140 + 160 + 200);  // one robot goes back by less than 100 m and comes again
 }
 
-TEST(JointPlan, PocketLetsOnePass) {
+TEST(JointPlan, APocketLetsOneRobotPass) {
   OccupancyMap map = open_map(200, 60);
   block(map, 0, 0, 200, 60);
-  block(map, 0, 20, 200, 34, false);   // a corridor, closed at both ends
+  block(map, 0, 20, 200, 34, false);   // a corridor that is closed at both ends
   block(map, 90, 34, 110, 50, false);  // with a pocket
   const JointPlan plan = solve(map, {{{10, 27}, Point2(190, 27), 5}, {{190, 27}, Point2(10, 27), 5}});
   EXPECT_TRUE(plan.stranded.empty());
 }
 
-/// A corridor 14 wide and closed at its ends, with pockets 16 wide whose left walls are at `pockets`.
+/// A corridor 14 m wide that is closed at its ends. It has pockets 16 m wide whose left walls are at
+/// `pockets`.
 OccupancyMap corridor_with_pockets(int length, std::initializer_list<int> pockets, int depth) {
   OccupancyMap map = open_map(length, 60);
   block(map, 0, 0, length, 60);
@@ -117,8 +119,8 @@ OccupancyMap corridor_with_pockets(int length, std::initializer_list<int> pocket
   return map;
 }
 
-// Of a pocket that is hardly deep enough, the place that packing gives it is in the way of who passes.
-TEST(JointPlan, APocketLetsOnePassWhereverItIs) {
+// In a pocket that is hardly deep enough, the packed vertex is in the way of the robot that passes.
+TEST(JointPlan, APocketAtAnyPositionLetsOneRobotPass) {
   for (const int depth : {10, 11, 16}) {
     for (int x = 40; x <= 180; ++x) {
       const OccupancyMap map = corridor_with_pockets(240, {x}, depth);
@@ -129,7 +131,7 @@ TEST(JointPlan, APocketLetsOnePassWhereverItIs) {
   }
 }
 
-TEST(JointPlan, TwoPocketsLetTwoPassTwo) {
+TEST(JointPlan, TwoPocketsLetTwoRobotsPassTwo) {
   for (const int depth : {12, 16, 24}) {
     const OccupancyMap map = corridor_with_pockets(340, {120, 220}, depth);
     const JointPlan plan = solve(map, {{{159.84, 15}, Point2(310, 17), 5, true},
@@ -140,8 +142,8 @@ TEST(JointPlan, TwoPocketsLetTwoPassTwo) {
   }
 }
 
-// Each blocks the moves by which the other would make way: first somebody must step back.
-TEST(JointPlan, ClinchAtThePocketsMouth) {
+// Each robot blocks the moves by which the other would make way. One must step back first.
+TEST(JointPlan, ADeadlockAtThePocketsMouthIsResolved) {
   OccupancyMap map = open_map(240, 64);
   block(map, 0, 0, 240, 64);
   block(map, 10, 10, 230, 24, false);
@@ -151,7 +153,7 @@ TEST(JointPlan, ClinchAtThePocketsMouth) {
   EXPECT_TRUE(plan.stranded.empty());
 }
 
-TEST(JointPlan, NoPocketStrandsThem) {
+TEST(JointPlan, BothRobotsAreStrandedWithoutAPocket) {
   OccupancyMap map = open_map(200, 60);
   block(map, 0, 0, 200, 60);
   block(map, 0, 20, 200, 34, false);
@@ -159,8 +161,8 @@ TEST(JointPlan, NoPocketStrandsThem) {
   EXPECT_EQ(plan.stranded.size(), 2u);
 }
 
-// Two can never pass each other; that keeps none of the others from its goal.
-TEST(JointPlan, ALargeCrowdIsSortedOutAsFarAsItGoes) {
+// Two robots can never pass each other. The others still reach their goals.
+TEST(JointPlan, ALargeClusterIsSolvedExceptForTheImpossiblePart) {
   OccupancyMap map = open_map(300, 300);
   block(map, 0, 0, 300, 60);
   block(map, 10, 20, 290, 34, false);
@@ -178,10 +180,10 @@ TEST(JointPlan, ALargeCrowdIsSortedOutAsFarAsItGoes) {
   JointPlanner planner(places, tasks, Random(1));
   int steps = 1;
   while (!planner.step()) ++steps;
-  EXPECT_LT(steps, 1000);  // and nobody looks for refuges, which takes thousands
+  EXPECT_LT(steps, 1000);  // a search for parking vertices would take thousands
 }
 
-TEST(JointPlan, FiveAgainstFiveInACorridor) {
+TEST(JointPlan, FiveRobotsPassFiveInACorridor) {
   for (const int width : {14, 24}) {
     std::vector<JointTask> tasks;
     for (int k = 0; k < 5; ++k) {
@@ -192,20 +194,20 @@ TEST(JointPlan, FiveAgainstFiveInACorridor) {
   }
 }
 
-TEST(JointPlan, DeadEndIsFilledFromItsEnd) {
+TEST(JointPlan, ADeadEndIsFilledFromItsEnd) {
   OccupancyMap map = open_map(240, 100);
   block(map, 100, 0, 240, 100);
   block(map, 100, 40, 230, 54, false);
   std::vector<JointTask> tasks;
-  // The one that goes in deepest is the furthest away; two stand in the dead end already, the wrong way
-  // round.
+  // The robot that goes in deepest is the furthest away. Two stand in the dead end already, in the wrong
+  // order.
   for (int k = 0; k < 4; ++k) tasks.push_back({{90.0 - 20 * k, 20.0}, Point2(180.0 + 12 * k, 47.0), 5});
   tasks.push_back({{150, 47}, Point2(160, 47), 5});
   tasks.push_back({{168, 47}, Point2(148, 47), 5});
   EXPECT_TRUE(solve(map, tasks).stranded.empty());
 }
 
-TEST(JointPlan, CircleSwapOfFifty) {
+TEST(JointPlan, FiftyRobotsSwapOnACircle) {
   std::vector<JointTask> tasks;
   for (int k = 0; k < 50; ++k) {
     const double angle = 2 * std::numbers::pi * k / 50;
@@ -215,16 +217,16 @@ TEST(JointPlan, CircleSwapOfFifty) {
   EXPECT_TRUE(solve(open_map(512, 512), tasks).stranded.empty());
 }
 
-TEST(JointPlan, TheDeadStayWhereTheyAre) {
+TEST(JointPlan, FailedRobotsStayWhereTheyAre) {
   const JointPlan plan =
       solve(corridor(14), {{{100, 60}, Point2(320, 60), 5}, {{200, 60}, std::nullopt, 5, false}});
   EXPECT_EQ(plan.stranded.size(), 1u);
   EXPECT_TRUE(plan.moves.empty());
 }
 
-// It need not return, as who stands at its goal must.
-TEST(JointPlan, WhoWantsToGoNowhereLeavesTheGoalOfAnother) {
-  for (const double radius : {5.0, 6.0}) {  // of one size, and not: searches of their own
+// It need not return, unlike a robot that stands at its goal.
+TEST(JointPlan, ARobotWithoutAGoalLeavesTheGoalOfAnother) {
+  for (const double radius : {5.0, 6.0}) {  // equal and different sizes use different searches
     const JointPlan plan =
         solve(corridor(14), {{{100, 60}, Point2(200, 60), 5}, {{200, 60}, std::nullopt, radius}});
     EXPECT_TRUE(plan.stranded.empty()) << radius;
@@ -234,7 +236,7 @@ TEST(JointPlan, WhoWantsToGoNowhereLeavesTheGoalOfAnother) {
   EXPECT_EQ(plan.stranded.size(), 1u);
 }
 
-TEST(JointPlan, RoomsAndMaze) {
+TEST(JointPlan, TwentyRobotsArriveInRoomsAndMaze) {
   for (const MapKind kind : {MapKind::room, MapKind::maze}) {
     Random random(3);
     const OccupancyMap map = generate_map(kind, 512, 512, random);

@@ -23,7 +23,7 @@ std::vector<JointTask> tasks_of(const std::vector<FleetMember>& members,
   return joint_tasks(members, obstacles, ClearanceField(test::open_map(200, 200)));
 }
 
-/// Apart from each other, and each where its robot has arrived.
+/// Checks that the goals are apart, and that each is within its robot's arrival tolerance.
 void expect_room_for_all(const std::vector<FleetMember>& members, const std::vector<JointTask>& tasks) {
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     if (i < members.size()) {
@@ -51,7 +51,7 @@ TEST(JointTasks, GoalsThatTouchAreMovedApart) {
   expect_room_for_all(members, tasks_of(members));
 }
 
-TEST(JointTasks, WhoHasArrivedStaysIfOthersHaveRoom) {
+TEST(JointTasks, AnArrivedRobotStaysIfOthersHaveRoom) {
   const std::vector<FleetMember> members{member({100.3, 100}, Point2(100, 100), true),
                                          member({20, 20}, Point2(110.2, 100))};
   const std::vector<JointTask> tasks = tasks_of(members);
@@ -59,19 +59,19 @@ TEST(JointTasks, WhoHasArrivedStaysIfOthersHaveRoom) {
   expect_room_for_all(members, tasks);
 }
 
-TEST(JointTasks, WhoHasArrivedMovesIfAnotherHasNoRoomElse) {
+TEST(JointTasks, AnArrivedRobotMovesIfAnotherHasNoOtherRoom) {
   const std::vector<FleetMember> members{member({90.3, 100}, Point2(90, 100), true),
                                          member({110, 100}, Point2(110, 100), true),
                                          member({20, 20}, Point2(100, 100))};
   expect_room_for_all(members, tasks_of(members));
 }
 
-TEST(JointTasks, AnObstacleThatCoversAGoalInPartIsKeptClearOf) {
+TEST(JointTasks, TheGoalKeepsClearOfAnObstacleThatCoversItInPart) {
   const std::vector<FleetMember> members{member({20, 20}, Point2(100, 100))};
   expect_room_for_all(members, tasks_of(members, {{{109.8, 100}, std::nullopt, 5, false}}));
 }
 
-TEST(JointTasks, WhoHasGivenUpOrWantsToLeaveTheMapMayBeSentAnywhere) {
+TEST(JointTasks, ARobotWithoutAReachableGoalMayBeSentAnywhere) {
   EXPECT_FALSE(tasks_of({member({20, 20}, std::nullopt)})[0].goal);
   EXPECT_FALSE(tasks_of({member({20, 20}, Point2(1000, 20))})[0].goal);
 }

@@ -1,4 +1,4 @@
-// What survives a process on disk, and what a full, foreign or torn file does.
+// Tests of journals: what survives a process, and what a full, foreign or torn file causes.
 #include "runtime/journal.h"
 
 #include <csignal>
@@ -27,9 +27,9 @@ struct InAFolder : testing::Test {
   test::TemporaryFolder folder;
   std::filesystem::path file = folder.path() / "journal";
 };
-using AJournal = InAFolder;
+using JournalTest = InAFolder;
 
-TEST_F(AJournal, HoldsWhatWasAppendedInOrderAndGoesOn) {
+TEST_F(JournalTest, AppendedMessagesAreHeldInOrderAndMoreCanFollow) {
   {
     Journal journal(file);
     EXPECT_TRUE(journal.messages().empty());
@@ -47,7 +47,7 @@ TEST_F(AJournal, HoldsWhatWasAppendedInOrderAndGoesOn) {
   EXPECT_EQ(held_by(file), std::vector<Message>{tree});
 }
 
-TEST_F(AJournal, CutAnywhereHoldsTheRecordsBeforeAndTakesMore) {
+TEST_F(JournalTest, AJournalCutAnywhereHoldsTheRecordsBeforeTheCut) {
   {
     Journal journal(file);
     journal.append(status);
@@ -67,7 +67,7 @@ TEST_F(AJournal, CutAnywhereHoldsTheRecordsBeforeAndTakesMore) {
   EXPECT_EQ(most, 2u);
 }
 
-TEST_F(AJournal, AChangedByteEndsIt) {
+TEST_F(JournalTest, AChangedByteEndsTheJournal) {
   {
     Journal journal(file);
     journal.append(status);
@@ -79,7 +79,7 @@ TEST_F(AJournal, AChangedByteEndsIt) {
   EXPECT_EQ(held_by(file), std::vector<Message>{status});
 }
 
-TEST_F(AJournal, WhatNoTypeHoldsIsNoMessage) {
+TEST_F(JournalTest, BytesThatFitNoTypeAreNoMessage) {
   const std::vector<std::uint8_t> whole = serialized(BrokerStatus{.broker = 1});
   ASSERT_TRUE(deserialized(whole).has_value());
   std::vector<std::uint8_t> bytes = whole;
@@ -100,7 +100,7 @@ std::string problem_with_opening(const std::filesystem::path& path) {
   return {};
 }
 
-TEST_F(AJournal, RefusesForeignFilesFoldersAndFilesInUseAndNamesThem) {
+TEST_F(JournalTest, ForeignFilesFoldersAndFilesInUseAreRefusedByName) {
   folder.write("notes", "of something else that nobody must lose");
   EXPECT_NE(problem_with_opening(folder.path() / "notes").find("notes: is not a journal"), std::string::npos);
   EXPECT_EQ(test::contents(folder.path() / "notes"), "of something else that nobody must lose");
@@ -111,7 +111,7 @@ TEST_F(AJournal, RefusesForeignFilesFoldersAndFilesInUseAndNamesThem) {
   EXPECT_NE(problem_with_opening(file).find("in use"), std::string::npos);
 }
 
-/// In a process of its own, whose files cannot grow beyond so many bytes.
+/// Runs `fn` in a process of its own whose files cannot grow beyond `limit` bytes.
 template <class Fn>
 void where_files_end_at(std::size_t bytes, Fn&& fn) {
   const pid_t child = fork();
@@ -127,25 +127,25 @@ void where_files_end_at(std::size_t bytes, Fn&& fn) {
   EXPECT_TRUE(WIFEXITED(result) && WEXITSTATUS(result) == 0);
 }
 
-/// Holds the status, and had no room for the tree.
+/// Makes a journal that holds the status and had no room for the tree.
 void make_incomplete(const std::filesystem::path& file) {
   Journal(file).append(status);
   where_files_end_at(std::filesystem::file_size(file) + 20, [&] {
     Journal journal(file);
-    journal.append(tree);  // would be torn
+    journal.append(tree);  // it would be torn
     if (journal.complete()) _exit(1);
     journal.append(status);
   });
 }
 
-TEST_F(AJournal, WhereThereIsNoRoomKeepsWhatItHasAndSaysThatItIsIncomplete) {
+TEST_F(JournalTest, AFullDiskLeavesAnIncompleteJournal) {
   make_incomplete(file);
   Journal journal(file);
   EXPECT_FALSE(journal.complete());
   EXPECT_EQ(journal.messages(), std::vector<Message>{status});
 }
 
-TEST_F(AJournal, BegunAnewWhereThereIsNoRoomIsIncompleteAndNotNew) {
+TEST_F(JournalTest, AJournalThatFailsToBeginAgainIsIncomplete) {
   const std::uintmax_t first_line = [&] {
     const Journal journal(file);
     return std::filesystem::file_size(file);
@@ -157,14 +157,14 @@ TEST_F(AJournal, BegunAnewWhereThereIsNoRoomIsIncompleteAndNotNew) {
   EXPECT_TRUE(journal.empty());
 }
 
-TEST_F(AJournal, ThatIsIncompleteIsCompleteOnceItHasBegunAnew) {
+TEST_F(JournalTest, AnIncompleteJournalIsCompleteOnceItBeginsAgain) {
   make_incomplete(file);
   Journal(file).keep(Keep::begin_anew, tree);
   EXPECT_TRUE(Journal(file).complete());
   EXPECT_EQ(held_by(file), std::vector<Message>{tree});
 }
 
-TEST_F(AJournal, GoesOnInSpiteOfGapsThatAreAccepted) {
+TEST_F(JournalTest, AJournalGoesOnAfterItsGapsAreAccepted) {
   make_incomplete(file);
   {
     Journal journal(file);
@@ -176,14 +176,14 @@ TEST_F(AJournal, GoesOnInSpiteOfGapsThatAreAccepted) {
   EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
 }
 
-TEST_F(AJournal, LetsItsProcessDoOtherThingsWhileItIsOpened) {
+TEST_F(JournalTest, TheProcessDoesOtherWorkWhileItsJournalOpens) {
   for (int k = 0; k < 3; ++k) Journal(file).append(track);
   int turns = 0;
   const Journal journal(file, [&] { ++turns; });
   EXPECT_EQ(turns, 3);
 }
 
-TEST_F(AJournal, IsNamedAfterItsProcessAndItsFolderIsMade) {
+TEST_F(JournalTest, AJournalIsNamedAfterItsProcessAndItsFolderIsMade) {
   EXPECT_FALSE(journal_in("", "r1").has_value());
   const auto journal = journal_in((folder.path() / "new" / "state").string(), "../r/1");
   ASSERT_TRUE(journal.has_value());

@@ -1,4 +1,4 @@
-// What a process keeps, and whoever takes its place would find again.
+// What a process stores for its successor.
 #pragma once
 
 #include <utility>

@@ -1,4 +1,4 @@
-// Crowds on a graph of places, checked move by move against the graph's own lists.
+// Tests of clusters on a graph of vertices. Each move is checked against the graph's own lists.
 #include "motion/lacam.h"
 
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 namespace coppice {
 namespace {
 
-/// Places in a grid, linked to their neighbours; nobody touches anybody at another place.
+/// Vertices in a grid that are linked to their neighbours. Robots at different vertices never touch.
 AnnotatedRoadmap grid(int columns, int rows) {
   AnnotatedRoadmap graph;
   for (int j = 0; j < rows; ++j) {
@@ -21,7 +21,7 @@ AnnotatedRoadmap grid(int columns, int rows) {
   return graph;
 }
 
-/// Makes the moves and checks that each finds its edge clear; returns who stands where in the end.
+/// Makes the moves and checks that each finds its edge clear. Returns the final vertex of each robot.
 std::vector<Vertex> made(const AnnotatedRoadmap& graph, const std::vector<VertexTask>& tasks,
                          const std::vector<VertexMove>& moves) {
   std::vector<Vertex> at;
@@ -47,26 +47,26 @@ void expect_solved(const AnnotatedRoadmap& graph, const std::vector<VertexTask>&
   }
 }
 
-TEST(Lacam, TwoChangePlaces) {
+TEST(Lacam, TwoRobotsChangeVertices) {
   expect_solved(grid(2, 2), {{0, 3}, {3, 0}});
 }
 
-TEST(Lacam, AFullBoardButOnePlaceIsAPuzzleThatItSolves) {
-  // Eight on nine places, one row turned round; only one robot has anywhere to go at a time.
+TEST(Lacam, AGridWithOneFreeVertexIsSolvedLikeASlidingPuzzle) {
+  // Eight robots on nine vertices, with one row reversed. Only one robot can move at a time.
   expect_solved(grid(3, 3), {{0, 1}, {1, 2}, {2, 5}, {3, 0}, {4, 4}, {5, 8}, {6, 3}, {7, 6}});
 }
 
-TEST(Lacam, WhoWantsNothingGivesWay) {
+TEST(Lacam, ARobotWithoutAGoalGivesWay) {
   expect_solved(grid(5, 2), {{0, 4}, {2, std::nullopt}, {7, std::nullopt}});
 }
 
-TEST(Lacam, NoSolutionIsFoundOut) {
+TEST(Lacam, AProblemWithoutASolutionIsProved) {
   const AnnotatedRoadmap graph = grid(6, 1);
   Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
   EXPECT_EQ(lacam.search(100'000), Lacam::Outcome::no_solution);
 }
 
-TEST(Lacam, WhoIsShutInGivesWay) {
+TEST(Lacam, ARobotThatCannotReachItsGoalGivesWay) {
   AnnotatedRoadmap graph = grid(5, 2);
   const Vertex cell = graph.add(Point2(9, 9));
   Lacam lacam(graph, {{0, 4}, {2, cell}, {7, 6}}, Random(1));
@@ -77,15 +77,15 @@ TEST(Lacam, WhoIsShutInGivesWay) {
   EXPECT_EQ(at[2], 6u);
 }
 
-TEST(Lacam, EffortIsBounded) {
+TEST(Lacam, TheSearchStopsAtItsLimit) {
   const AnnotatedRoadmap graph = grid(6, 1);
   Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
   EXPECT_EQ(lacam.search(3), Lacam::Outcome::searching);
   EXPECT_EQ(lacam.under_way(), (std::vector<std::uint32_t>{0, 1}));
 }
 
-// Each place touches those beside it: two robots never stand next to each other, nor pass a third.
-TEST(Lacam, PlacesThatTouchAreNotTakenTogether) {
+// Each vertex touches its neighbours: two robots never stand next to each other nor pass a third.
+TEST(Lacam, VerticesThatTouchAreNotOccupiedTogether) {
   AnnotatedRoadmap graph = grid(9, 3);
   for (Vertex a = 0; a < graph.size(); ++a) {
     for (AnnotatedRoadmap::Edge& edge : graph.own_edges(a)) {

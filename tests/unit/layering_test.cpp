@@ -1,4 +1,4 @@
-// The layers hold: who may include what, by reading every source. The rules are the two tables below.
+// Checks that sources include only what their layer may include. The rules are the two tables below.
 
 #include <fstream>
 #include <optional>
@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::string_literals;
 
-// An include is written as in the source, with its quotes or brackets; patterns match it as a whole.
+// An include is written as in the source, with its quotes or brackets. A pattern matches the whole include.
 constexpr std::string_view standard = R"(<[a-z_0-9]+>)";
 constexpr std::string_view proto = R"("[a-z_]+\.pb\.h")";
 
@@ -92,7 +92,7 @@ bool matches(std::string_view text, const std::string& pattern) {
   return std::regex_match(text.begin(), text.end(), std::regex(pattern));
 }
 
-/// What is wrong with `file` including `include`, or nothing.
+/// Why `file` must not include `include`; nothing if it may.
 std::optional<std::string> problem(const std::string& file, const std::string& include) {
   for (const Reserved& rule : reserved) {
     if (matches(include, rule.include) && !matches(file, rule.file)) return rule.reason;
@@ -127,7 +127,7 @@ TEST(Layering, EveryIncludePointsDown) {
   EXPECT_GT(seen, 200u) << "the sources were not found";
 }
 
-TEST(Layering, WrongDirectionsAreSeen) {
+TEST(Layering, WrongIncludesAreFound) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"planning/trees.h", "\"motion/driver.h\""},
       {"planning/trees.h", "<thread>"},

@@ -1,4 +1,4 @@
-// The links of tests that run on bad networks do what they are told.
+// Tests of the simulated links of network tests.
 
 #include "tests/network/link.h"
 
@@ -20,7 +20,7 @@ struct Passed {
   int doubled = 0;
 };
 
-/// `many` frames, one each millisecond.
+/// Passes `many` frames, one each millisecond.
 Passed pass_many(Link& link, std::uint64_t seed = 1) {
   std::mt19937_64 random(seed);
   Passed passed;
@@ -42,7 +42,7 @@ Link link_of(const std::string& rule) {
   return link;
 }
 
-TEST(Link, RulesAreReadInTheWordsOfNetem) {
+TEST(Link, RulesAreParsedInTheWordsOfNetem) {
   const LinkRule rule =
       parse_link_rule(" loss 20%  delay 100ms 50ms duplicate 0.5% rate 10mbit limit 7 multicast off down");
   EXPECT_DOUBLE_EQ(rule.loss, 0.2);
@@ -60,7 +60,7 @@ TEST(Link, RulesAreReadInTheWordsOfNetem) {
     EXPECT_THROW(parse_link_rule(wrong), std::invalid_argument) << wrong;
 }
 
-TEST(Link, LosesAndDoublesItsShare) {
+TEST(Link, ALinkLosesAndDuplicatesItsShare) {
   Link link = link_of("loss 20% duplicate 10%");
   const Passed passed = pass_many(link);
   EXPECT_NEAR(static_cast<double>(link.counts().lost), 0.2 * many, 250);  // 4 standard deviations
@@ -68,7 +68,7 @@ TEST(Link, LosesAndDoublesItsShare) {
   EXPECT_EQ(passed.delays.size(), many - link.counts().lost + link.counts().doubled);
 }
 
-TEST(Link, DelaysEvenlyAroundTheMean) {
+TEST(Link, DelaysAreSpreadEvenlyAroundTheMean) {
   Link link = link_of("delay 100ms 50ms");
   const auto delays = pass_many(link).delays;
   const auto [least, most] = std::ranges::minmax(delays);
@@ -79,7 +79,7 @@ TEST(Link, DelaysEvenlyAroundTheMean) {
   EXPECT_NEAR(std::accumulate(delays.begin(), delays.end(), 0.0) / many, 0.1, 0.001);
 }
 
-TEST(Link, TheSameSeedDoesTheSame) {
+TEST(Link, TheSameSeedGivesTheSameDelays) {
   const auto delays = [](std::uint64_t seed) {
     Link link = link_of("loss 30% delay 10ms 5ms");
     return pass_many(link, seed).delays;
@@ -88,8 +88,8 @@ TEST(Link, TheSameSeedDoesTheSame) {
   EXPECT_NE(delays(3), delays(4));
 }
 
-TEST(Link, ARateHoldsFramesUpOneAfterTheOther) {
-  Link link = link_of("rate 8mbit delay 5ms");  // a millisecond for 1000 bytes
+TEST(Link, ARateDelaysFramesOneAfterTheOther) {
+  Link link = link_of("rate 8mbit delay 5ms");  // 1 ms for 1000 bytes
   std::mt19937_64 random(1);
   for (int k = 1; k <= 10; ++k) {
     const auto out = link.pass(1000, false, 0, random);
@@ -99,7 +99,7 @@ TEST(Link, ARateHoldsFramesUpOneAfterTheOther) {
   EXPECT_NEAR(link.pass(1000, false, 1, random).at(0), 1.006, 1e-9);
 }
 
-TEST(Link, WhatDoesNotFitIsDropped) {
+TEST(Link, FramesBeyondTheLimitAreDropped) {
   Link link = link_of("delay 1s limit 3");
   std::mt19937_64 random(1);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(link.pass(100, false, 0, random).size(), 1u);
@@ -109,7 +109,7 @@ TEST(Link, WhatDoesNotFitIsDropped) {
   EXPECT_EQ(link.pass(100, false, 0, random).size(), 1u);
 }
 
-TEST(Link, DownOrWithoutMulticastNothingOfThatPasses) {
+TEST(Link, NothingPassesALinkThatIsDownAndNoMulticastIfItIsOff) {
   std::mt19937_64 random(1);
   Link down = link_of("down");
   EXPECT_TRUE(down.pass(100, false, 0, random).empty());
@@ -119,15 +119,15 @@ TEST(Link, DownOrWithoutMulticastNothingOfThatPasses) {
   EXPECT_EQ(quiet.counts().multicast, 1u);
 }
 
-TEST(Link, KnowsMulticastFromWhatFindsAddresses) {
+TEST(Link, MulticastIsToldFromAddressResolution) {
   std::array<unsigned char, 60> frame{};
   EXPECT_FALSE(is_multicast(frame.data(), frame.size()));
-  frame[0] = 0x01;  // 01:00:5e, IPv4's groups
+  frame[0] = 0x01;  // 01:00:5e, the IPv4 groups
   frame[1] = 0x00;
   frame[2] = 0x5e;
   EXPECT_TRUE(is_multicast(frame.data(), frame.size()));
   EXPECT_FALSE(is_multicast(frame.data(), 10)) << "no frame";
-  std::fill_n(frame.begin(), 6, 0xff);  // ARP asks everybody
+  std::fill_n(frame.begin(), 6, 0xff);  // ARP asks all hosts
   EXPECT_FALSE(is_multicast(frame.data(), frame.size()));
   frame[0] = frame[1] = 0x33;
   frame[12] = 0x86;
@@ -135,7 +135,7 @@ TEST(Link, KnowsMulticastFromWhatFindsAddresses) {
   frame[20] = 17;  // UDP
   EXPECT_TRUE(is_multicast(frame.data(), frame.size()));
   frame[20] = 58;
-  frame[54] = 135;  // a neighbour's solicitation
+  frame[54] = 135;  // a neighbour solicitation
   EXPECT_FALSE(is_multicast(frame.data(), frame.size()));
 }
 

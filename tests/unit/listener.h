@@ -1,4 +1,4 @@
-// A robot that hears others, or does not, and judges who of them has fallen silent.
+// A robot that hears its peers or not, and judges which of them have fallen silent.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace coppice {
 
-/// A robot "a" that may hear "b" and "c".
+/// Robot "a", which may hear "b" and "c".
 class Listener {
  public:
   explicit Listener(std::vector<RobotName> others = {"b", "c"}, const RobotName& self = "a")
@@ -39,7 +39,7 @@ class Listener {
   void hear(const RobotState& state) {
     fleet_.hear(std::make_shared<const RobotState>(state), state.stamp + 0.001);
   }
-  /// What somebody says to be the last state of `robot`; false if it was not taken up.
+  /// A peer relays a last state of `robot`. Returns false if it was not accepted.
   bool hear_passed_on(const RobotName& robot, double stamp, double now, const Point2& position) {
     RobotState state = state_of(robot, stamp, position);
     state.passed_on = true;
@@ -49,7 +49,7 @@ class Listener {
   std::size_t others() const { return fleet_.others().size(); }
   bool echoed(double now) const { return fleet_.echoed(now); }
   Point2 place(const RobotName& robot) const { return fleet_.find(robot)->position; }
-  /// Everybody else is silent.
+  /// Runs until `end`. All robots except `heard` are silent.
   void go_on_until(double end, const std::vector<RobotName>& heard) {
     for (; now_ < end; now_ += period) {
       for (const RobotName& robot : heard) hear(robot, now_);
@@ -59,7 +59,7 @@ class Listener {
   void judge(double now) { fleet_.detect_failures(now, {80, 80}, {}, field_); }
   bool failed(const RobotName& robot) const { return fleet_.find(robot)->failed; }
   bool is_suspected_near(const Point2& p) const { return fleet_.is_suspected_near(p, 0); }
-  /// Metres around `robot` that are kept clear; none: 0.
+  /// The distance around `robot` that is kept clear, in metres; 0 if none is.
   double kept_clear_around(const RobotName& robot, double now) {
     AgeCount ages;
     std::vector<Neighbour> near;

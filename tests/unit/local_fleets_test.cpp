@@ -12,7 +12,7 @@ namespace {
 /// A machine as the kernel shows it.
 class Machine {
  public:
-  /// Joins a domain as DDS does. `is_visible`: whether the process may be looked into.
+  /// Joins a domain as DDS does. `is_visible`: whether the process may be inspected.
   void join(int domain, int participant, const std::vector<std::string>& arguments, bool is_visible = true) {
     LocalProcess process{arguments, {}};
     for (const int port : {domain_port(domain), participant_port(domain, participant),
@@ -46,7 +46,7 @@ std::string refusal(DdsSettings settings, const std::vector<LocalFleet>& fleets)
   return {};
 }
 
-TEST(LocalFleets, AFleetIsFoundByThePortsOfItsRoles) {
+TEST(LocalFleets, AFleetIsFoundByThePortsOfItsProcesses) {
   Machine machine;
   machine.open(53);
   machine.join(37, 0, {"/usr/bin/tree_broker", "--domain", "37"});
@@ -72,7 +72,7 @@ TEST(LocalFleets, TheServersOfTheEnvironmentAreThoseOfTheFleet) {
   EXPECT_EQ(fleets[0].discovery, "10.0.0.1:11811");
 }
 
-TEST(LocalFleets, WhoOnlyLooksOnIsNoFleet) {
+TEST(LocalFleets, ObserversAloneAreNoFleet) {
   Machine machine;
   machine.join(0, 0, {"coppice", "monitor"});
   machine.join(4, 0, {"coppice", "record", "a.mcap"});
@@ -83,7 +83,7 @@ TEST(LocalFleets, WhoOnlyLooksOnIsNoFleet) {
   EXPECT_EQ(machine.fleets()[0].domain, 5);
 }
 
-TEST(LocalFleets, AFleetOfAnotherUserCounts) {
+TEST(LocalFleets, TheFleetOfAnotherUserCounts) {
   Machine machine;
   machine.join(12, 0, {}, false);
   const auto fleets = machine.fleets();
@@ -96,13 +96,13 @@ TEST(LocalFleets, AFleetOfAnotherUserCounts) {
   EXPECT_EQ(network.domain, 13) << "one that is known to be a fleet goes first";
 }
 
-TEST(LocalFleets, APortThatAnyProgramMayGetIsNoDomain) {
+TEST(LocalFleets, AnEphemeralPortIsNoDomain) {
   Machine machine;
   machine.open(domain_port(120));
   EXPECT_TRUE(machine.fleets().empty());
 }
 
-// From the 120th participant on their ports are those of the next domain.
+// From the 120th participant on, the ports are those of the next domain.
 TEST(LocalFleets, ManyProcessesOfOneDomainAreNotTakenForAnother) {
   for (const bool is_visible : {true, false}) {
     Machine machine;
@@ -113,7 +113,7 @@ TEST(LocalFleets, ManyProcessesOfOneDomainAreNotTakenForAnother) {
   }
 }
 
-TEST(LocalFleets, OfSeveralTheUserChooses) {
+TEST(LocalFleets, TheUserChoosesBetweenSeveralFleets) {
   Machine machine;
   machine.join(3, 0, {"robot_agent"});
   machine.join(8, 0, {"robot_agent", "--discovery=127.0.0.1:11811;127.0.0.1:11812"});
@@ -128,7 +128,7 @@ TEST(LocalFleets, OfSeveralTheUserChooses) {
       "with --security");
 }
 
-TEST(LocalFleets, ASecuredFleetIsLookedAtWithCredentials) {
+TEST(LocalFleets, ASecuredFleetIsObservedWithCredentials) {
   Machine machine;
   machine.join(9, 0, {"robot_agent", "--security", "keys/agent"});
   EXPECT_EQ(refusal({}, machine.fleets()),
@@ -139,14 +139,14 @@ TEST(LocalFleets, ASecuredFleetIsLookedAtWithCredentials) {
   EXPECT_EQ(network.domain, 9);
 }
 
-TEST(LocalFleets, WhereNoneIsAliveTheDefaultIsTold) {
+TEST(LocalFleets, TheDefaultDomainIsToldIfNoFleetIsAlive) {
   DdsSettings network;
   EXPECT_EQ(choose_fleet(network, {}, "coppice top"),
             "no fleet is alive on this machine: waits on domain 0 (--domain)");
   EXPECT_EQ(network.domain, 0);
 }
 
-TEST(LocalFleets, WordsForAShellAreQuotedWhereTheyMustBe) {
+TEST(LocalFleets, WordsForAShellAreQuotedWhereNecessary) {
   const std::vector<std::string> words{"a-b/c.d", "two words", "it's", ""};
   EXPECT_EQ(shell_words(words), R"(a-b/c.d 'two words' 'it'\''s' '')");
 }

@@ -1,4 +1,4 @@
-// What is passed on of the logs of a run's processes.
+// Tests of which log lines of a run's processes are passed on.
 #include "coppice/log_watch.h"
 
 #include <fstream>
@@ -32,7 +32,7 @@ TEST_F(LogWatchTest, WarningsAndErrorsArePassedOnWithTheRobotsName) {
   EXPECT_TRUE(watch.news(4).empty());
 }
 
-TEST_F(LogWatchTest, LinesOfJsonArePassedOnAsTheyAre) {
+TEST_F(LogWatchTest, LinesOfJsonArePassedOnUnchanged) {
   const std::string warning = R"({"time":"t","level":"warning","name":"robot_agent r1","message":"m"})";
   log("robot-r1", R"({"time":"t","level":"info","name":"robot_agent r1","message":"level warning"})"
                   "\n" +
@@ -40,7 +40,7 @@ TEST_F(LogWatchTest, LinesOfJsonArePassedOnAsTheyAre) {
   EXPECT_EQ(watch.news(1), Lines{"r1: " + warning});
 }
 
-TEST_F(LogWatchTest, OfManyLinesInAShortTimeTheFirstArePassedOnAndTheRestCounted) {
+TEST_F(LogWatchTest, TheFirstOfManyLinesArePassedOnAndTheRestIsCounted) {
   for (int k = 0; k < 100; ++k) log("robot-r1", "2026-11-26 20:55:23.123 warning robot_agent r1: again\n");
   EXPECT_EQ(watch.news(1).size(), 3u);
   log("tree_broker", "2026-11-26 20:55:23.123 warning tree_broker: another\n");

@@ -1,4 +1,4 @@
-// How much of what a robot decided may have reached nobody.
+// Tests of how many decisions of a robot may have reached no peer.
 #include "robot_agent/loss.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-/// The count after states of these beats came, in this order.
+/// The loss count after the states with these numbers arrived in this order.
 LossCount counted(const std::vector<std::uint32_t>& numbers) {
   LossCount loss;
   Received received;
@@ -24,10 +24,10 @@ std::vector<std::uint32_t> numbers_up_to(std::uint32_t end, auto&& came) {
   return numbers;
 }
 
-TEST(Loss, StatesLostToAllBecomeRareWithTheirNumberAndThatOfTheWitnesses) {
+TEST(Loss, UnheardStatesBecomeRarerWithCopiesAndWitnesses) {
   const LossCount two_thirds = counted(numbers_up_to(3000, [](auto k) { return k % 6 < 2; }));
-  // But more than half is never taken as what goes on.
-  EXPECT_EQ(two_thirds.unheard_states(1), 19);  // 0.5^20 is the first below one in a million
+  // A loss of more than half is never assumed to last.
+  EXPECT_EQ(two_thirds.unheard_states(1), 19);  // 0.5^20 is the first power below one in a million
   EXPECT_EQ(two_thirds.unheard_states(10), 1);
   EXPECT_EQ(two_thirds.unheard_states(20), 0);
 
@@ -39,8 +39,8 @@ TEST(Loss, StatesLostToAllBecomeRareWithTheirNumberAndThatOfTheWitnesses) {
   EXPECT_EQ(none.unheard_states(3), 0);
 }
 
-TEST(Loss, WhatIsSaidOftenEnoughIsNeverLostOnAllWays) {
-  for (const std::uint32_t lost : {0u, 1u, 3u, 5u}) {  // of ten
+TEST(Loss, EnoughCopiesReachAtLeastOneListener) {
+  for (const std::uint32_t lost : {0u, 1u, 3u, 5u}) {  // of ten states
     const LossCount loss =
         counted(numbers_up_to(3000, [&](auto k) { return (k * 7 + k / 10) % 10 >= lost; }));
     for (std::size_t listeners = 1; listeners <= 6; ++listeners) {
@@ -55,22 +55,22 @@ TEST(Loss, WhatIsSaidOftenEnoughIsNeverLostOnAllWays) {
     }
   }
   const LossCount none = counted(numbers_up_to(3000, [](auto) { return true; }));
-  EXPECT_EQ(none.copies_for(3), 1);  // which costs nothing in a fleet of any size
+  EXPECT_EQ(none.copies_for(3), 1);  // so that no copies are sent in a fleet without loss
 }
 
-TEST(Loss, ARestartOrAPauseIsNoLossNorIsWhatComesLateOrTwice) {
+TEST(Loss, RestartsPausesAndLateOrDoubleStatesAreNoLoss) {
   std::vector<std::uint32_t> numbers = numbers_up_to(10000, [](auto) { return true; });
   for (std::size_t k = 0; k + 7 < numbers.size(); k += 7) {
     std::swap(numbers[k], numbers[k + 5]);
     numbers[k + 6] = numbers[k + 3];
-    numbers[k + 3] += 3;  // comes in its place, the other once more
+    numbers[k + 3] += 3;  // arrives instead, and the other one a second time
   }
   for (std::uint32_t k = 0; k < 100; ++k) numbers.push_back(k);
   for (std::uint32_t k = 5000; k < 5100; ++k) numbers.push_back(k);
   EXPECT_EQ(counted(numbers).unheard_states(1), 2);
 }
 
-TEST(Loss, WhoIsHeardOfFromTimeToTimeOnlyTellsNothingAboutLoss) {
+TEST(Loss, APeerThatIsHeardRarelySaysNothingAboutLoss) {
   for (const std::uint32_t stride : {2u, 4u, 8u, 16u}) {
     const LossCount loss = counted(numbers_up_to(5000, [&](auto k) { return k % stride == 0; }));
     EXPECT_EQ(loss.unheard_states(1), LossCount().unheard_states(1));

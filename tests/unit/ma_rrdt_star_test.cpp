@@ -12,7 +12,7 @@ namespace {
 
 using Planner = MaRrdtStar<ClearanceField>;
 
-/// A map from its picture: '#' is blocked; each character is a block of `scale` x `scale` cells.
+/// A map from its picture: '#' is blocked. Each character is a block of `scale` x `scale` cells.
 OccupancyMap picture(const std::vector<std::string>& rows, int scale = 1) {
   OccupancyMap map;
   map.width = static_cast<int>(rows.front().size()) * scale;
@@ -26,7 +26,7 @@ OccupancyMap picture(const std::vector<std::string>& rows, int scale = 1) {
   return map;
 }
 
-/// Two rooms with a door between them, 20 m wide.
+/// Two rooms with a door 20 m wide between them.
 OccupancyMap two_rooms() {
   return picture({"..........#.........", "..........#.........", "..........#.........",
                   "....................", "..........#.........", "..........#........."},
@@ -46,7 +46,7 @@ void expect_valid_path(const Path& path, const Point2& start, const Point2& goal
   for (std::size_t i = 1; i < path.size(); ++i) EXPECT_TRUE(field.segment_free(path[i - 1], path[i], radius));
 }
 
-TEST(MaRrdtStar, StraightWayNeedsNoDisjointedTree) {
+TEST(MaRrdtStar, AStraightPathNeedsNoDisjointedTree) {
   const ClearanceField field(picture({"....", "....", "...."}, 50));
   Planner planner(field, {.epsilon = 20, .disjointed_trees = 16}, Random(1));
   const GroupIndex g = planner.add_group({10, 10}, {180, 140}, 5);
@@ -72,7 +72,7 @@ TEST(MaRrdtStar, EveryGroupFindsAPathThroughTheDoor) {
   }
 }
 
-TEST(MaRrdtStar, SameSeedSamePaths) {
+TEST(MaRrdtStar, TheSameSeedGivesTheSamePaths) {
   const ClearanceField field(two_rooms());
   std::vector<Path> paths;
   for (int k = 0; k < 2; ++k) {
@@ -84,7 +84,7 @@ TEST(MaRrdtStar, SameSeedSamePaths) {
   EXPECT_EQ(paths[0], paths[1]);
 }
 
-TEST(MaRrdtStar, SolvedGroupGrowsNoMore) {
+TEST(MaRrdtStar, ASolvedGroupGrowsNoFurther) {
   const ClearanceField field(two_rooms());
   Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(3));
   const GroupIndex quick = planner.add_group({20, 20}, {60, 20}, 8);
@@ -98,7 +98,7 @@ TEST(MaRrdtStar, SolvedGroupGrowsNoMore) {
   EXPECT_EQ(planner.grafted_trees(quick), grafted);
 }
 
-TEST(MaRrdtStar, NothingToDoOnceAllAreSolved) {
+TEST(MaRrdtStar, ThePlannerHasNothingToDoOnceAllGroupsAreSolved) {
   const ClearanceField field(picture({"...."}, 50));
   Planner planner(field, {.epsilon = 20, .disjointed_trees = 4}, Random(1));
   EXPECT_FALSE(planner.step());
@@ -106,7 +106,7 @@ TEST(MaRrdtStar, NothingToDoOnceAllAreSolved) {
   EXPECT_FALSE(planner.step());
 }
 
-TEST(MaRrdtStar, TreesThatOneGroupPaidForServeTheNext) {
+TEST(MaRrdtStar, TreesGrownForOneGroupServeTheNext) {
   const ClearanceField field(two_rooms());
   Planner planner(field, {.epsilon = 40, .disjointed_trees = 16}, Random(5));
   planner.add_group({20, 20}, {380, 20}, 8);
@@ -119,8 +119,8 @@ TEST(MaRrdtStar, TreesThatOneGroupPaidForServeTheNext) {
   EXPECT_LE(planner.disjointed_counts().valid - before.valid, before.valid / 2 + 5);
 }
 
-// The broker's and the agent's halves, with the messages between them replaced by calls.
-TEST(MaRrdtStar, GrowsInTwoPlacesAsInOne) {
+// The halves of broker and agent, with calls instead of the messages between them.
+TEST(MaRrdtStar, BrokerAndAgentTogetherFindAPath) {
   const ClearanceField field(two_rooms());
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Planner broker(field, {.epsilon = 40, .disjointed_trees = 16}, Random(seed));
@@ -144,7 +144,7 @@ TEST(MaRrdtStar, GrowsInTwoPlacesAsInOne) {
   }
 }
 
-TEST(MaRrdtStar, SmallRobotsUseTheTreesOfLargeOnesAndNotTheOtherWayRound) {
+TEST(MaRrdtStar, SmallRobotsUseTreesOfLargeRobotsButNotViceVersa) {
   const ClearanceField field(two_rooms());
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(seed));
@@ -157,7 +157,7 @@ TEST(MaRrdtStar, SmallRobotsUseTheTreesOfLargeOnesAndNotTheOtherWayRound) {
   }
 }
 
-TEST(MaRrdtStar, FrozenTreeListsParentsBeforeChildrenAndKeepsClear) {
+TEST(MaRrdtStar, AFrozenTreeListsParentsFirstAndKeepsItsClearance) {
   const ClearanceField field(two_rooms());
   Planner planner(field, {.epsilon = 30, .disjointed_trees = 16}, Random(2));
   planner.add_group({20, 20}, {380, 20}, 8);
@@ -178,7 +178,7 @@ TEST(MaRrdtStar, FrozenTreeListsParentsBeforeChildrenAndKeepsClear) {
   }
 }
 
-TEST(MaRrdtStar, RootTreesKeepCostsAsSumsOfEdges) {
+TEST(MaRrdtStar, CostsInRootTreesAreSumsOfEdgeLengths) {
   const ClearanceField field(two_rooms());
   Planner planner(field, {.epsilon = 15, .disjointed_trees = 0}, Random(4));
   const GroupIndex g = planner.add_group({20, 20}, {380, 20}, 8);
@@ -197,7 +197,7 @@ TEST(MaRrdtStar, RootTreesKeepCostsAsSumsOfEdges) {
   EXPECT_GT(checked, 10);
 }
 
-/// Boxes in space: the 3-D counterpart of a map, for the planner that assumes nothing of the plane.
+/// Boxes in space: the 3-D counterpart of a map, for a planner that does not assume a plane.
 struct BoxWorld {
   static constexpr int dimension = 3;
   Box<3> box{{0, 0, 0}, {100, 100, 100}};
@@ -223,7 +223,7 @@ struct BoxWorld {
   }
 };
 
-TEST(MaRrdtStar, PlansInThreeDimensions) {
+TEST(MaRrdtStar, ThePlannerPlansInThreeDimensions) {
   // Two walls, each with a window at another corner.
   BoxWorld world;
   world.obstacles = {{{30, 0, 0}, {35, 100, 75}},

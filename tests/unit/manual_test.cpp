@@ -1,4 +1,4 @@
-// Manual pages and completion hold all that the programs parse.
+// Checks that manual pages and completion hold all that the programs parse.
 
 #include <map>
 #include <set>
@@ -16,7 +16,7 @@
 namespace coppice {
 namespace {
 
-/// What bash offers after the words, of which the last may be begun or empty.
+/// What bash offers after the words, of which the last may be incomplete or empty.
 std::set<std::string> offered(const std::string& program, const std::string& words) {
   const test::TemporaryFolder folder;
   visit_programs([&](const CLI::App& app) { folder.write(app.get_name(), bash_completion(app)); });
@@ -40,7 +40,7 @@ std::set<std::string> options_of(const CLI::App& app) {
   return names;
 }
 
-TEST(Completion, OffersEveryCommandAndEveryOption) {
+TEST(Completion, CompletionOffersEveryCommandAndEveryOption) {
   visit_programs([](const CLI::App& app) {
     const std::string& program = app.get_name();
     EXPECT_EQ(offered(program, "--"), options_of(app)) << program;
@@ -55,7 +55,7 @@ TEST(Completion, OffersEveryCommandAndEveryOption) {
   });
 }
 
-TEST(Completion, OffersTheValuesOfAnOption) {
+TEST(Completion, CompletionOffersTheValuesOfAnOption) {
   const std::set<std::string> levels{"trace", "debug", "info", "warning", "error", "critical", "off"};
   EXPECT_EQ(offered("coppice", "run --log-level \"\""), levels);
   EXPECT_EQ(offered("robot_agent", "--log-level \"\""), levels);
@@ -70,7 +70,7 @@ TEST(Completion, OffersTheValuesOfAnOption) {
   EXPECT_EQ(offered("coppice", "run robo"), (std::set<std::string>{"robot_agent"})) << "a file";
 }
 
-TEST(ManualPages, HoldEveryOptionOfEveryCommand) {
+TEST(ManualPages, ThePagesHoldEveryOptionOfEveryCommand) {
   visit_programs([](const CLI::App& app) {
     std::map<std::string, std::string> pages;
     for (const ManualPage& page : manual_pages(app)) pages[page.name] = page.text;
@@ -87,7 +87,7 @@ TEST(ManualPages, HoldEveryOptionOfEveryCommand) {
   });
 }
 
-TEST(ManualPages, AreReadWithoutAWarning) {
+TEST(ManualPages, ThePagesAreReadWithoutAWarning) {
   const test::TemporaryFolder folder;
   visit_programs([&](const CLI::App& app) {
     for (const ManualPage& page : manual_pages(app)) {

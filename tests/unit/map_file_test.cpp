@@ -26,7 +26,7 @@ std::string error_of(const std::filesystem::path& path) {
   return {};
 }
 
-TEST(MapFile, ReadsMovingAi) {
+TEST(MapFile, MovingAiMapsAreRead) {
   const TemporaryFolder folder;
   const OccupancyMap map =
       read_map(folder.write("a.map", "type octile\nheight 2\nwidth 7\nmap\n.GS@OTW\n@......\n"));
@@ -37,7 +37,7 @@ TEST(MapFile, ReadsMovingAi) {
   EXPECT_EQ(map.blocked, expected);
 }
 
-TEST(MapFile, ReadsCarriageReturnsAndAMissingLastLineEnd) {
+TEST(MapFile, CarriageReturnsAndAMissingLastLineEndAreAccepted) {
   const TemporaryFolder folder;
   const OccupancyMap map =
       read_map(folder.write("a.map", "type octile\r\nheight 2\r\nwidth 2\r\nmap\r\n.@\r\n@."));
@@ -64,7 +64,7 @@ TEST(MapFile, EveryMistakeNamesTheLine) {
   EXPECT_NE(error_of(folder.write("a.txt", "")).find("unknown kind of map"), std::string::npos);
 }
 
-TEST(MapFile, WhatIsWrittenIsReadBack) {
+TEST(MapFile, AWrittenMapIsReadBack) {
   const TemporaryFolder folder;
   OccupancyMap map;
   map.width = 3;
@@ -74,8 +74,8 @@ TEST(MapFile, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(read_map(folder.path() / "b.map"), map);
 }
 
-// White is free, black is blocked, grey is unknown; the picture's last row is row 0 of the map.
-TEST(MapFile, ReadsRosPgm) {
+// White is free, black is blocked, grey is unknown. The last row of the picture is row 0 of the map.
+TEST(MapFile, RosPgmMapsAreRead) {
   const TemporaryFolder folder;
   std::string pgm = "P5\n# made by a test\n3 2\n255\n";
   for (const int shade : {254, 0, 205, 254, 254, 0}) pgm += static_cast<char>(shade);
@@ -90,7 +90,7 @@ TEST(MapFile, ReadsRosPgm) {
   EXPECT_EQ(map.blocked, (std::vector<std::uint8_t>{0, 0, 1, 0, 1, 1}));
 }
 
-TEST(MapFile, NegateTurnsShadesRound) {
+TEST(MapFile, NegateInvertsTheShades) {
   const TemporaryFolder folder;
   folder.write("site.pgm", "P2\n2 1\n255\n255 0\n");
   const std::string yaml =
@@ -101,7 +101,7 @@ TEST(MapFile, NegateTurnsShadesRound) {
             (std::vector<std::uint8_t>{1, 0}));
 }
 
-TEST(MapFile, ReadsRosPng) {
+TEST(MapFile, RosPngMapsAreRead) {
   const TemporaryFolder folder;
   const std::vector<std::uint8_t> shades{254, 0, 205, 254};
   png_image image{};
@@ -136,7 +136,7 @@ constexpr int palette = 3;
 constexpr int grey_alpha = 4;
 constexpr int colour_alpha = 6;
 
-/// A picture with one row, of the samples as they stand in the file; `chunks` stand before them.
+/// A picture with one row of samples as they stand in the file. `chunks` come before them.
 std::string png_row(std::uint32_t width, int depth, int kind, const std::string& samples,
                     const std::string& chunks = {}) {
   const std::string row = '\0' + samples;  // no filter
@@ -150,7 +150,7 @@ std::string png_row(std::uint32_t width, int depth, int kind, const std::string&
          png_chunk("IDAT", packed) + png_chunk("IEND", "");
 }
 
-/// Whether the cells of a picture are free, '.', or not, '#'.
+/// The cells of a picture: '.' is free, '#' is not.
 std::string cells_of(const std::string& picture, const std::string& fields = {},
                      const std::string& name = "site.png") {
   const TemporaryFolder folder;
@@ -166,7 +166,7 @@ std::string octets(const std::vector<int>& values) {
   return {values.begin(), values.end()};
 }
 
-TEST(MapFile, SamplesOfAPngPictureCountAsTheyAre) {
+TEST(MapFile, PngSamplesCountWithoutGammaCorrection) {
   const std::string shades = octets({254, 205, 0, 206});
   const std::string gamma = png_chunk("gAMA", big_endian(100000));
   EXPECT_EQ(cells_of(png_row(4, 8, grey, shades)), ".##.");
@@ -177,15 +177,15 @@ TEST(MapFile, SamplesOfAPngPictureCountAsTheyAre) {
   EXPECT_EQ(cells_of(png_row(4, 16, grey, octets({254, 254, 205, 205, 0, 0, 206, 206}), gamma)), ".##.");
 }
 
-TEST(MapFile, AShadeIsTheMeanOfTheColours) {
+TEST(MapFile, TheShadeIsTheMeanOfTheColours) {
   EXPECT_EQ(cells_of(png_row(4, 8, colour, octets({254, 254, 254, 0, 255, 0, 255, 255, 0, 0, 0, 0}))),
             ".###");
-  // (205 + 205 + 206) / 3 is a third above what is unknown.
+  // (205 + 205 + 206) / 3 is a third above the shade of an unknown cell.
   EXPECT_EQ(cells_of(png_row(2, 8, colour, octets({205, 205, 206, 204, 205, 206}))), ".#");
   EXPECT_EQ(cells_of(png_row(2, 16, colour, octets({254, 0, 254, 0, 254, 0, 0, 0, 255, 255, 0, 0}))), ".#");
 }
 
-TEST(MapFile, FewBitsAndPalettesAreSpreadOverAllShades) {
+TEST(MapFile, LowBitDepthsAndPalettesAreScaledToAllShades) {
   EXPECT_EQ(cells_of(png_row(4, 1, grey, octets({0b10100000}))), ".#.#");
   EXPECT_EQ(cells_of(png_row(4, 2, grey, octets({0b11100100}))), ".###");
   EXPECT_EQ(cells_of(png_row(4, 4, grey, octets({0xfd, 0xc0}))), "..##");  // 221; 204
@@ -194,7 +194,7 @@ TEST(MapFile, FewBitsAndPalettesAreSpreadOverAllShades) {
   EXPECT_EQ(cells_of(png_row(4, 2, palette, octets({0b00011011}), colours)), ".###");
 }
 
-TEST(MapFile, WhatIsTransparentIsUnknown) {
+TEST(MapFile, TransparentPixelsAreUnknown) {
   for (const std::string mode : {"trinary", "scale"}) {
     const std::string field = "mode: " + mode + "\n";
     EXPECT_EQ(cells_of(png_row(4, 8, grey_alpha, octets({254, 255, 254, 254, 254, 0, 0, 255})), field),
@@ -211,7 +211,7 @@ TEST(MapFile, WhatIsTransparentIsUnknown) {
   EXPECT_EQ(cells_of(png_row(3, 8, grey_alpha, octets({0, 255, 0, 0, 1, 255})), "mode: raw\n"), ".##");
 }
 
-TEST(MapFile, WhatAPictureIsStandsInItAndNotInItsName) {
+TEST(MapFile, TheKindOfAPictureIsReadFromItsContent) {
   const std::string png = png_row(2, 8, grey, octets({254, 0}));
   const std::string pgm = "P5\n2 1\n255\n" + octets({254, 0});
   for (const std::string name : {"a.PNG", "a.png", "a.pgm", "a", "my site.v2"}) {
@@ -247,7 +247,7 @@ TEST(MapFile, ADamagedPngPictureIsRefused) {
   }
 }
 
-TEST(MapFile, TruthValuesAndModesMayBeSpeltAsInYaml) {
+TEST(MapFile, BooleansAndModesMayBeSpeltAsInYaml) {
   const std::string picture = png_row(2, 8, grey, octets({255, 0}));
   for (const std::string no : {"0", "no", "No", "NO", "n", "false", "False", "FALSE", "off", "Off", "'no'"})
     EXPECT_EQ(cells_of(picture, "negate: " + no + "\n"), ".#") << no;
@@ -283,7 +283,7 @@ std::string logged(Fn&& fn) {
   return lines.str();
 }
 
-TEST(MapFile, AThresholdThatMakesUnknownCellsFreeIsWarnedOf) {
+TEST(MapFile, AThresholdThatMakesUnknownCellsFreeCausesAWarning) {
   const std::string picture = png_row(3, 8, grey, octets({254, 205, 0}));
   const auto warning = [&](const std::string& fields) { return logged([&] { cells_of(picture, fields); }); };
   EXPECT_NE(warning("free_thresh: 0.25\n").find("site.yaml: free_thresh 0.25 makes shade 205 free"),
@@ -297,8 +297,8 @@ TEST(MapFile, AThresholdThatMakesUnknownCellsFreeIsWarnedOf) {
   EXPECT_EQ(warning("mode: raw\nfree_thresh: 0.25\n"), "");
 }
 
-// It would take half a gigabyte before it turned out that there is nothing to decode.
-TEST(MapFile, APngPictureThatIsTooShortForItsSizeIsRefusedByItsHeader) {
+// Decoding would take 0.5 GB before the picture turns out to be empty.
+TEST(MapFile, APngPictureTooShortForItsSizeIsRefusedByItsHeader) {
   const TemporaryFolder folder;
   const std::string one_bit_grey("\1\0\0\0\0", 5);
   folder.write("large.png", "\x89PNG\r\n\x1a\n" +

@@ -9,7 +9,7 @@
 namespace coppice {
 namespace {
 
-/// The columns of a map, or its rows.
+/// The columns or the rows of a map.
 struct Side {
   const OccupancyMap& map;
   bool upright;
@@ -22,7 +22,7 @@ struct Side {
     }
     return true;
   }
-  /// Solid lines from the beginning, and from the end.
+  /// The number of solid lines at the beginning.
   int margin_before() const {
     int count = 0;
     while (count < length() && is_solid(count)) ++count;
@@ -35,7 +35,7 @@ struct Side {
   }
 };
 
-TEST(MapGenerator, RoomsAndMazesFillTheirPicture) {
+TEST(MapGenerator, RoomsAndMazesFillTheMap) {
   Random random(3);
   for (const MapKind kind : {MapKind::room, MapKind::maze}) {
     for (const int width : {68, 69, 100, 131, 300, 452, 511, 512, 1000}) {

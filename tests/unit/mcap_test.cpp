@@ -1,4 +1,4 @@
-// MCAP files as they are written and read: whole, cut at any byte, damaged at any byte, and hostile.
+// Tests of MCAP files that are whole, cut at any byte, damaged at any byte, or hostile.
 
 #include <algorithm>
 #include <cstdint>
@@ -29,7 +29,7 @@ struct Said {
 
 constexpr mcap::Time never = std::numeric_limits<mcap::Time>::max();
 
-/// Two channels, three chunks of which two overlap.
+/// Two channels and three chunks, of which two overlap in time.
 std::vector<std::vector<Said>> chunks() {
   return {{{1, 0, 100, "a"}, {1, 1, 200, std::string(50, 'b')}, {2, 0, 250, ""}},
           {{2, 1, 150, "c"}, {2, 2, 300, std::string(50, 'd')}},
@@ -73,7 +73,7 @@ class Mcap : public testing::TestWithParam<Compression> {
   test::TemporaryFolder folder_;
 };
 
-TEST_P(Mcap, WhatIsWrittenIsRead) {
+TEST_P(Mcap, AWrittenFileIsReadBack) {
   const McapReader reader(write(file_of(chunks(), GetParam())));
   EXPECT_EQ(reader.ending(), "");
   EXPECT_EQ(reader.library(), "test");
@@ -88,7 +88,7 @@ TEST_P(Mcap, WhatIsWrittenIsRead) {
   EXPECT_EQ(read(reader), in_order(chunks()));
 }
 
-TEST_P(Mcap, TimesAndChannelsAreChosen) {
+TEST_P(Mcap, TimesAndChannelsCanBeSelected) {
   const McapReader reader(write(file_of(chunks(), GetParam())));
   std::vector<Said> some = in_order(chunks());
   std::erase_if(some, [](const Said& said) { return said.at < 150 || said.at >= 400; });
@@ -98,13 +98,13 @@ TEST_P(Mcap, TimesAndChannelsAreChosen) {
   EXPECT_TRUE(read(reader, 401).empty());
 }
 
-TEST_P(Mcap, AnEmptyOneIsWhole) {
+TEST_P(Mcap, AnEmptyFileIsWhole) {
   const McapReader reader(write(file_of({}, GetParam())));
   EXPECT_EQ(reader.ending(), "");
   EXPECT_TRUE(read(reader).empty());
 }
 
-/// What `file` holds up to the end of each chunk, and where that is.
+/// The end of each chunk of the file, and what the file holds up to there.
 std::vector<std::pair<std::size_t, std::vector<Said>>> whole_chunks(Compression compression) {
   std::vector<std::pair<std::size_t, std::vector<Said>>> all;
   const std::string whole = file_of(chunks(), compression);
@@ -117,7 +117,7 @@ std::vector<std::pair<std::size_t, std::vector<Said>>> whole_chunks(Compression 
   return all;
 }
 
-TEST_P(Mcap, CutAtAnyByteItIsReadUpToThere) {
+TEST_P(Mcap, AFileCutAtAnyByteIsReadUpToTheCut) {
   const std::string whole = file_of(chunks(), GetParam());
   const auto ends = whole_chunks(GetParam());
   const std::size_t header = mcap::magic.size() + mcap::record_head + 4 + 4 + 4;  // "test"
@@ -137,14 +137,14 @@ TEST_P(Mcap, CutAtAnyByteItIsReadUpToThere) {
     EXPECT_EQ(reader.statistics().messages, found.size()) << size;
     if (GetParam() == Compression::zstd) {
       EXPECT_EQ(found, expected) << size;
-    } else {  // and what is whole of the one that is cut
+    } else {  // and the whole messages of the chunk that is cut
       EXPECT_GE(found.size(), expected.size()) << size;
       for (const Said& said : expected) EXPECT_TRUE(std::ranges::count(found, said)) << size;
     }
   }
 }
 
-TEST(McapCut, OfAChunkThatIsNotCompressedWhatIsWholeIsRead) {
+TEST(McapCut, WholeMessagesOfACutUncompressedChunkAreRead) {
   const test::TemporaryFolder folder;
   const std::string whole = file_of(chunks(), Compression::none);
   const std::size_t cut = whole.find(std::string(50, 'd')) + 10;
@@ -154,7 +154,7 @@ TEST(McapCut, OfAChunkThatIsNotCompressedWhatIsWholeIsRead) {
   EXPECT_EQ(found[1], (Said{2, 1, 150, "c"}));
 }
 
-TEST_P(Mcap, DamageIsSeenWhereverItIs) {
+TEST_P(Mcap, DamageIsDetectedAtAnyByte) {
   const std::string whole = file_of(chunks(), GetParam());
   const std::vector<Said> all = in_order(chunks());
   std::size_t seen = 0;
@@ -165,8 +165,7 @@ TEST_P(Mcap, DamageIsSeenWhereverItIs) {
     try {
       const McapReader reader(file);
       const std::vector<Said> found = read(reader);
-      // What stands twice in the file, or is for people, may be damaged unseen; messages are never other
-      // ones.
+      // Damage in redundant parts and in texts may go unseen. No message is ever changed.
       for (const Said& said : found) EXPECT_TRUE(std::ranges::count(all, said)) << "byte " << at;
       seen += !reader.ending().empty();
     } catch (const InputError& problem) {
@@ -193,8 +192,8 @@ TEST_P(Mcap, ADamagedChunkIsNamed) {
   }
 }
 
-/// Lengths that are lies: each eight bytes of the file in turn say something immense.
-TEST_P(Mcap, NoLengthMakesItAskForMuchMemory) {
+/// Each eight bytes of the file in turn hold an immense length.
+TEST_P(Mcap, NoFalseLengthMakesTheReaderAllocateMuchMemory) {
   const std::string whole = file_of(chunks(), GetParam());
   for (const std::uint64_t lie : {~std::uint64_t{0}, std::uint64_t{1} << 62, std::uint64_t{1} << 40}) {
     for (std::size_t at = mcap::magic.size(); at + 8 <= whole.size(); ++at) {
@@ -227,15 +226,15 @@ TEST(McapHostile, AChunkThatClaimsTooMuchIsRefused) {
   EXPECT_NE(reader.ending().find("expected at most"), std::string::npos) << reader.ending();
 }
 
-TEST(McapHostile, OtherFilesAreNone) {
+TEST(McapHostile, OtherFilesAreRefused) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(McapReader(folder.write("text", "time,robot,x,y\n").string()), InputError);
   EXPECT_THROW(McapReader((folder.path() / "none").string()), InputError);
   EXPECT_THROW(McapReader(folder.path().string()), InputError);
 }
 
-/// A file by somebody else: no chunks, no summary.
-TEST(McapOfOthers, MessagesOutsideOfChunksAreReadInOrder) {
+/// A file of another writer, without chunks and summary.
+TEST(ForeignMcap, MessagesOutsideOfChunksAreReadInOrder) {
   const test::TemporaryFolder folder;
   McapWriter writer("test");
   writer.add_channel("/one", "protobuf", "One", "");

@@ -1,4 +1,4 @@
-// What Prometheus reads of a fleet.
+// Tests of the metrics that Prometheus reads.
 
 #include "monitor/metrics.h"
 
@@ -23,7 +23,7 @@ std::ptrdiff_t lines_of(const std::string& text, const std::string& name) {
   return std::distance(std::sregex_iterator(all.begin(), all.end(), line), std::sregex_iterator());
 }
 
-TEST(Metrics, AFleetInNumbers) {
+TEST(Metrics, TheMetricsDescribeTheFleet) {
   test::SeenFleet fleet;
   fleet.map();
   for (const char* name : {"a", "b", "c"}) fleet.mission(name);
@@ -44,10 +44,10 @@ TEST(Metrics, AFleetInNumbers) {
         "coppice_brokers 1", "coppice_broker_trees_active{broker=\"ff\"} 4",
         "coppice_monitor_messages_total 12", "coppice_monitor_connections 2"})
     EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
-  EXPECT_EQ(lines_of(text, "coppice_robot_speed_meters_per_second"), 2) << "of c nothing was heard";
+  EXPECT_EQ(lines_of(text, "coppice_robot_speed_meters_per_second"), 2) << "c was not heard";
 }
 
-TEST(Metrics, WhatIsNotKnownIsLeftOut) {
+TEST(Metrics, UnknownValuesAreLeftOut) {
   const std::string text = metrics_text(FleetView(), {}, 0);
   EXPECT_TRUE(has_line(text, "coppice_robots 0"));
   EXPECT_EQ(text.find("coppice_separation_meters"), std::string::npos);
@@ -55,7 +55,7 @@ TEST(Metrics, WhatIsNotKnownIsLeftOut) {
   EXPECT_EQ(text.find("coppice_broker_"), std::string::npos);
 }
 
-TEST(Metrics, RobotsBeyondTheFirstFiveHundredAreInTheSumsAlone) {
+TEST(Metrics, RobotsBeyondTheFirst500CountOnlyInTheSums) {
   test::SeenFleet fleet;
   for (int k = 0; k < 700; ++k) {
     fleet.mission("robot" + std::to_string(k));
@@ -74,7 +74,7 @@ TEST(Metrics, NamesOfRobotsAreEscaped) {
   EXPECT_NE(metrics_text(fleet.view, {}, fleet.now).find(R"({robot="a\"b\\c"})"), std::string::npos);
 }
 
-TEST(Metrics, TheDashboardAndTheAlertsAskForWhatThereIs) {
+TEST(Metrics, TheDashboardAndTheAlertsUseExistingMetrics) {
   test::SeenFleet fleet;
   fleet.mission("a");
   fleet.mission("b");
@@ -93,7 +93,7 @@ TEST(Metrics, TheDashboardAndTheAlertsAskForWhatThereIs) {
   EXPECT_GT(seen, 40u);
 }
 
-TEST(Metrics, EveryFamilyHasHelpAndAType) {
+TEST(Metrics, EveryMetricHasHelpAndAType) {
   test::SeenFleet fleet;
   fleet.mission("a");
   fleet.status("a", Phase::driving);
@@ -109,7 +109,7 @@ TEST(Metrics, EveryFamilyHasHelpAndAType) {
   EXPECT_GT(seen, 25u);
 }
 
-TEST(Metrics, EachRobotTellsItsPhaseItsWayAndItsWaits) {
+TEST(Metrics, EachRobotReportsItsPhaseItsWayAndItsWaits) {
   test::SeenFleet fleet;
   fleet.map();
   fleet.mission("a");
@@ -138,7 +138,7 @@ TEST(Metrics, EachRobotTellsItsPhaseItsWayAndItsWaits) {
   EXPECT_TRUE(has_line(ended, "coppice_fleet_alive 0")) << ended;
 }
 
-TEST(Metrics, OfARecordingTheMonitorTellsNothingOfABus) {
+TEST(Metrics, TheMonitorOfARecordingReportsNothingOfABus) {
   const std::string text =
       metrics_text(FleetView(), {.has_bus = false, .processor_seconds = 0.5, .resident_bytes = 1000}, 0);
   EXPECT_EQ(lines_of(text, "coppice_monitor_rejected_messages_total"), 0);

@@ -1,4 +1,4 @@
-// Numbers for names.
+// Tests of the numbering of names.
 #include "messages/name_index.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ TEST(NameIndex, NumbersComeInOrderAndStay) {
   EXPECT_FALSE(index.find("a robot with a long name, number 500"));
 }
 
-TEST(NameIndex, ShortNamesThatBeginAlikeDiffer) {
+TEST(NameIndex, ShortNamesWithTheSamePrefixDiffer) {
   NameIndex index;
   const std::vector<RobotName> names{
       "a", "aa", std::string("a\0", 2), std::string("\0a", 2), "\xff", "1234567", "12345678"};

@@ -1,4 +1,4 @@
-// Where a crowd can stand, checked with nothing but the clearance field and distances.
+// Tests of where a cluster can stand, checked with nothing but the clearance field and distances.
 #include "motion/packed_roadmap.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ OccupancyMap rooms() {
   return generate_map(MapKind::room, 300, 300, random);
 }
 
-TEST(Places, RobotsOnAllOfThemTouchNothing) {
+TEST(PackedRoadmap, RobotsOnAllVerticesTouchNothing) {
   const ClearanceField field(rooms());
   PackedRoadmap packed(field, radius, 1);
   const AnnotatedRoadmap graph = packed.with({}, {});
@@ -39,7 +39,7 @@ TEST(Places, RobotsOnAllOfThemTouchNothing) {
   }
 }
 
-TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
+TEST(PackedRoadmap, EdgesAreFreeAndListTheVerticesNearThem) {
   const ClearanceField field(rooms());
   const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
   for (const Point2& p : more) ASSERT_TRUE(field.is_free(p, radius));
@@ -53,7 +53,7 @@ TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
         EXPECT_TRUE(field.segment_free(edge.path[k - 1], edge.path[k], radius));
       for (Vertex k = 0; k < graph.size(); ++k) {
         const bool touches = point_path_distance(graph.at(k), edge.path) < touching - 1e-6;
-        // Who stands at the edge's beginning has nobody that near already.
+        // A robot at the beginning of the edge already excludes every other robot that near.
         const bool alone = (graph.at(k) - graph.at(from)).norm() < touching - 1e-6;
         const bool known = std::ranges::binary_search(edge.near, k);
         EXPECT_TRUE(!touches || alone || known) << from << " " << k;
@@ -62,8 +62,8 @@ TEST(Places, EdgesAreFreeAndKnowWhoIsNear) {
   }
 }
 
-// What a crowd changes in its graph is its own: the next one finds the packed places as they were.
-TEST(Places, AGraphLeavesThePackedPlacesAlone) {
+// A cluster changes only its own graph. The next one finds the packed vertices unchanged.
+TEST(PackedRoadmap, AGraphLeavesThePackedVerticesUnchanged) {
   const ClearanceField field(rooms());
   PackedRoadmap packed(field, radius, 1);
   const AnnotatedRoadmap before = packed.with({}, {});
@@ -81,7 +81,7 @@ TEST(Places, AGraphLeavesThePackedPlacesAlone) {
   }
 }
 
-TEST(Places, NoEdgeComesNearWhatStandsForEverWhateverItsSize) {
+TEST(PackedRoadmap, EdgesKeepClearOfFailedRobotsOfAnySize) {
   const ClearanceField field(rooms());
   PackedRoadmap packed(field, radius, 1);
   const std::vector<Point2> more{{40.3, 40.7}, {51.2, 44.9}};
@@ -97,7 +97,7 @@ TEST(Places, NoEdgeComesNearWhatStandsForEverWhateverItsSize) {
   }
 }
 
-TEST(Places, OneConnectedFreeSpaceIsOnePart) {
+TEST(PackedRoadmap, AConnectedFreeSpaceGivesAConnectedRoadmap) {
   for (const int width : {10, 14, 24, 40}) {
     const ClearanceField field(corridor(width));
     PackedRoadmap packed(field, radius, 1);
@@ -108,7 +108,7 @@ TEST(Places, OneConnectedFreeSpaceIsOnePart) {
   }
 }
 
-TEST(Places, AWideCorridorGetsTwoLanes) {
+TEST(PackedRoadmap, AWideCorridorGetsTwoLanes) {
   const ClearanceField narrow(corridor(14));
   const ClearanceField wide(corridor(24));
   const std::size_t one_lane = PackedRoadmap(narrow, radius, 1).size();
@@ -117,7 +117,7 @@ TEST(Places, AWideCorridorGetsTwoLanes) {
   EXPECT_NEAR(static_cast<double>(two_lanes), 2 * 190 / 10.5, 4);
 }
 
-TEST(Places, NoEdgeLeadsThroughWhatStandsForEver) {
+TEST(PackedRoadmap, NoEdgeLeadsThroughAFailedRobot) {
   const ClearanceField field(corridor(14));
   const std::vector<Disc> failed{{{100, 50}, radius}};
   const std::vector<Point2> more{{20, 50}, {180, 50}};
@@ -128,8 +128,8 @@ TEST(Places, NoEdgeLeadsThroughWhatStandsForEver) {
   EXPECT_FALSE(std::isfinite(CostToGo(graph, numbers, first, first + 1).from(first + 1)));
 }
 
-// A wall of one cell: robots stand on both sides of it, closer to each other than packed places are.
-TEST(Places, AThinWallHasPlacesOnBothSides) {
+// A wall of one cell: robots stand on both sides of it, closer to each other than packed vertices are.
+TEST(PackedRoadmap, AThinWallHasVerticesOnBothSides) {
   OccupancyMap map = corridor(21);
   for (std::size_t i = 0; i < 200; ++i) map.blocked[50 * 200 + i] = 1;
   const ClearanceField field(map);

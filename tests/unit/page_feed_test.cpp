@@ -1,4 +1,4 @@
-// What pages are told: all that is known, then what changes, each once.
+// Tests of what pages are sent: first all that is known, then each change once.
 
 #include "monitor/page_feed.h"
 
@@ -20,7 +20,7 @@ class Page {
  public:
   explicit Page(test::SeenFleet& fleet, LiveStream& live) : fleet_(fleet), live_(live) {}
 
-  /// What it hears after so many seconds.
+  /// What the page receives `seconds` later.
   std::vector<ToPage> after(double seconds) {
     fleet_.now += seconds;
     live_.look(fleet_.view, fleet_.now);
@@ -63,7 +63,7 @@ struct PageFeedTest : testing::Test {
   Page page{fleet, live};
 };
 
-TEST_F(PageFeedTest, APageThatComesLateGetsAllThatIsKnown) {
+TEST_F(PageFeedTest, APageThatConnectsLateGetsAllThatIsKnown) {
   fleet.map();
   fleet.mission("a");
   fleet.state("a", {1, 1}, {1, 0});
@@ -93,7 +93,7 @@ TEST_F(PageFeedTest, APageThatComesLateGetsAllThatIsKnown) {
   EXPECT_EQ(frame.phase()[0], static_cast<char>(live::DRIVING));
 }
 
-TEST_F(PageFeedTest, NothingIsToldTwice) {
+TEST_F(PageFeedTest, NothingIsSentTwice) {
   fleet.map();
   fleet.mission("a");
   fleet.state("a", {1, 1});
@@ -114,14 +114,14 @@ TEST_F(PageFeedTest, NothingIsToldTwice) {
   EXPECT_EQ(count(news, ToPage::kRoster) + count(news, ToPage::kMap) + count(news, ToPage::kBegin), 0);
 }
 
-TEST_F(PageFeedTest, FramesComeTwentyTimesASecondAndTheSlowThingsFourTimes) {
+TEST_F(PageFeedTest, FramesAreSentAt20HzAndStatusesAt4Hz) {
   fleet.map();
   fleet.mission("a");
   page.after(0);
   int frames = 0;
   int statuses = 0;
   int figures = 0;
-  for (int turn = 0; turn < 1000; ++turn) {  // ten seconds
+  for (int turn = 0; turn < 1000; ++turn) {  // 10 s
     fleet.state("a", {1 + 0.001 * turn, 1});
     fleet.status("a", Phase::driving, 0.001 * turn);
     const auto told = page.after(0.01);
@@ -158,7 +158,7 @@ TEST_F(PageFeedTest, ASlowPageSkipsFramesAndLosesNoTree) {
   EXPECT_EQ(edges(told, Edges::INACTIVE), 100);
 }
 
-TEST_F(PageFeedTest, LargeForestsComeInPartsThatEndWithAFrame) {
+TEST_F(PageFeedTest, LargeForestsAreSentInPartsThatEndWithAFrame) {
   constexpr int trees = 40;
   constexpr int nodes = 5001;
   fleet.map();
@@ -178,7 +178,7 @@ TEST_F(PageFeedTest, LargeForestsComeInPartsThatEndWithAFrame) {
   EXPECT_GE(parts, 3);
 }
 
-TEST_F(PageFeedTest, AnotherMissionDrawsTheRootTreesAnew) {
+TEST_F(PageFeedTest, AnotherMissionReplacesTheRootTrees) {
   fleet.map();
   fleet.mission("a", 1);
   fleet.root_nodes("a", 0, 4, 1);
@@ -195,7 +195,7 @@ TEST_F(PageFeedTest, AnotherMissionDrawsTheRootTreesAnew) {
   EXPECT_EQ(kinds_anew, 2);
 }
 
-TEST_F(PageFeedTest, AnotherRunBeginsAnew) {
+TEST_F(PageFeedTest, AnotherRunClearsThePage) {
   fleet.map();
   fleet.mission("a");
   fleet.mission("b");
@@ -225,8 +225,8 @@ TEST_F(PageFeedTest, ARobotIsInTheRosterBeforeItIsInAFrame) {
   EXPECT_EQ(robots, 11);
 }
 
-/// One that comes between two frames hears who the robots are by now; a frame of before knows fewer.
-TEST_F(PageFeedTest, APageThatComesJustThenGetsAFrameOfAllWhoAreInTheRoster) {
+/// A page that connects between two frames gets the current roster. An earlier frame knows fewer robots.
+TEST_F(PageFeedTest, APageThatConnectsGetsAFrameThatFitsItsRoster) {
   fleet.map();
   fleet.mission("a");
   page.after(0.5);
@@ -245,7 +245,7 @@ TEST_F(PageFeedTest, APageThatComesJustThenGetsAFrameOfAllWhoAreInTheRoster) {
   EXPECT_EQ(frames, 1u);
 }
 
-TEST_F(PageFeedTest, ActiveTreesAreReplacedAndGoWithTheirBroker) {
+TEST_F(PageFeedTest, ActiveTreesAreReplacedAndVanishWithTheirBroker) {
   fleet.map();
   fleet.hear(BrokerStatus{.broker = 7});
   fleet.hear(ActiveTreesMessage{7, "m", {{{0, 0}, {1, 1}}, {{1, 1}, {2, 1}}}});
@@ -264,7 +264,7 @@ TEST_F(PageFeedTest, ActiveTreesAreReplacedAndGoWithTheirBroker) {
   EXPECT_EQ(edges(gone, Edges::ACTIVE), 0);
 }
 
-TEST_F(PageFeedTest, WhatIsHeardWhileARecordingStandsIsInAFrame) {
+TEST_F(PageFeedTest, MessagesOfAPausedRecordingAreInAFrame) {
   fleet.map();
   fleet.mission("a");
   const auto frames_until = [&](double from, double until) {
@@ -281,7 +281,7 @@ TEST_F(PageFeedTest, WhatIsHeardWhileARecordingStandsIsInAFrame) {
   EXPECT_EQ(frames_until(1002, 1003), 0);
 }
 
-TEST_F(PageFeedTest, ARobotThatWasNotHeardOfIsNowhere) {
+TEST_F(PageFeedTest, ARobotThatWasNotHeardHasNoPosition) {
   fleet.map();
   fleet.mission("a");
   fleet.mission("b");
@@ -315,7 +315,7 @@ TEST_F(PageFeedTest, TheTimeSeriesIsKeptForHalfAnHour) {
   EXPECT_EQ(points, 1);
 }
 
-TEST_F(PageFeedTest, ARecordingThatIsWoundBackBeginsAnew) {
+TEST_F(PageFeedTest, ARecordingThatIsRewoundClearsThePage) {
   fleet.map();
   fleet.mission("a");
   page.after(0.5);
@@ -332,8 +332,8 @@ TEST_F(PageFeedTest, ARecordingThatIsWoundBackBeginsAnew) {
   EXPECT_TRUE(page.now().empty());
 }
 
-/// As in surveyors' grids (UTM), where a float has steps of half a metre.
-TEST_F(PageFeedTest, PlacesAreExactToAMillimetreWhereverTheMapBegins) {
+/// As in surveyors' grids (UTM), where floats have steps of 0.5 m.
+TEST_F(PageFeedTest, PositionsAreExactToAMillimetreForAnyOrigin) {
   const Point2 origin(500000.125, 5400000.5);
   const auto exact = [&](double x, double y) { return Point2(origin + Point2(x, y)); };
   fleet.map(YAxis::up, origin);
@@ -368,7 +368,7 @@ TEST_F(PageFeedTest, PlacesAreExactToAMillimetreWhereverTheMapBegins) {
   }
 }
 
-TEST_F(PageFeedTest, AMapThatComesLateBringsItsOriginAndAllIsToldAnew) {
+TEST_F(PageFeedTest, AMapThatComesLateBringsItsOriginAndResendsAll) {
   fleet.mission("a");
   fleet.state("a", {500001, 5400002});
   page.after(0.5);
@@ -399,7 +399,7 @@ TEST_F(PageFeedTest, AFleetIsAliveWhileItIsHeard) {
   EXPECT_DOUBLE_EQ(life_in(silent).heard(), last);
 }
 
-TEST_F(PageFeedTest, ARunThatEndsTellsWhoArrivedAndKeepsThem) {
+TEST_F(PageFeedTest, ARunThatEndsTellsWhichRobotsArrivedAndKeepsThem) {
   fleet.map();
   fleet.mission("a");
   fleet.mission("b");
@@ -414,14 +414,14 @@ TEST_F(PageFeedTest, ARunThatEndsTellsWhoArrivedAndKeepsThem) {
   fleet.hear(AgentStatus{.robot = "a", .mission = 1, .phase = Phase::stopped, .arrival_time = 3});
   fleet.status("b", Phase::stopped);
   const auto told = page.after(60);
-  EXPECT_EQ(life_in(told).state(), live::Life::ENDED) << "also when nobody is heard any more";
+  EXPECT_EQ(life_in(told).state(), live::Life::ENDED) << "also when no robot is heard any more";
   EXPECT_EQ(life_in(told).robots(), 2u);
   EXPECT_EQ(life_in(told).arrived(), 1u);
   EXPECT_EQ(told.back().frame().phase(), std::string({live::ARRIVED, live::STOPPED}));
   EXPECT_EQ(fleet.view.figures(fleet.now).arrived, 1u);
 }
 
-TEST_F(PageFeedTest, AReplayIsSaidToBeOne) {
+TEST_F(PageFeedTest, AReplayIsMarkedAsOne) {
   fleet.map();
   fleet.mission("a");
   fleet.state("a", {1, 1});
@@ -430,15 +430,15 @@ TEST_F(PageFeedTest, AReplayIsSaidToBeOne) {
   EXPECT_TRUE(life_in(page.after(0.1)).replayed());
 }
 
-TEST_F(PageFeedTest, ToGoIsTheLengthOfTheWayThatIsLeft) {
+TEST_F(PageFeedTest, TheWayToGoIsTheRestOfThePath) {
   fleet.map();
   fleet.mission("a");
   fleet.state("a", {0.5, 0.5});
-  fleet.status("a", Phase::driving, 12);  // after a detour: more than its path is long
+  fleet.status("a", Phase::driving, 12);  // after a detour: more than the length of its path
   EXPECT_TRUE(std::isnan(page.after(0.1).back().frame().to_go(0))) << "without a path";
   fleet.path("a", {{0.5, 0.5}, {3.5, 0.5}, {3.5, 2.5}});
   EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 5);
-  fleet.state("a", {2.5, 1});  // pushed aside
+  fleet.state("a", {2.5, 1});  // it was pushed aside
   EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 3.5F);
   fleet.path("a", {{2.5, 1}, {3.5, 1}});
   EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 1);

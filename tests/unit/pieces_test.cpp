@@ -1,4 +1,5 @@
-// Networks in pieces: who goes on, who stands for how long, and what those are told who come back.
+// Tests of network partitions: which robots drive on, how long others stand, and what returning robots are
+// told.
 #include <gtest/gtest.h>
 
 #include "tests/unit/listener.h"
@@ -6,7 +7,7 @@
 namespace coppice {
 namespace {
 
-TEST(Pieces, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
+TEST(NetworkPartition, TheSmallerPartStandsUntilItHearsTheLarger) {
   Listener a({"b", "c", "d", "e"});
   a.go_on_until(1, {"b", "c", "d", "e"});
   EXPECT_FALSE(a.cut_off());
@@ -16,7 +17,7 @@ TEST(Pieces, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   a.go_on_until(65, {"b"});
   EXPECT_TRUE(a.failed("c"));
   EXPECT_TRUE(a.cut_off());
-  a.go_on_until(70, {});  // one of its own piece dies: that changes nothing
+  a.go_on_until(70, {});  // a robot of the same part fails; that changes nothing
   EXPECT_TRUE(a.failed("b"));
   EXPECT_TRUE(a.cut_off());
   a.go_on_until(71, {"b"});
@@ -25,8 +26,8 @@ TEST(Pieces, TheSmallerPieceStandsUntilItHearsOfTheLarger) {
   EXPECT_FALSE(a.cut_off());
 }
 
-// Nor where what is left of its piece would, by names, be the one to go on after a minute.
-TEST(Pieces, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
+// The order of names does not let the rest of the part drive on after a minute either.
+TEST(NetworkPartition, TheSmallerPartStandsAsLongIfItsFirstRobotFails) {
   Listener b({"a", "c", "d", "e"}, "b");
   b.go_on_until(1, {"a", "c", "d", "e"});
   b.go_on_until(65, {"a"});
@@ -39,8 +40,8 @@ TEST(Pieces, TheSmallerPieceStandsForAsLongWhereTheFirstOfItDies) {
   EXPECT_FALSE(b.cut_off());
 }
 
-// Who was never started is no part of a network in pieces, once that would have healed.
-TEST(Pieces, TwoThatDieAtOnceStopNobodyHoweverManyNeverCame) {
+// A robot that was never started is not part of a partition once the partition would have healed.
+TEST(NetworkPartition, TwoFailuresStopNobodyHoweverManyRobotsNeverCame) {
   Listener a({"b", "c", "d", "e", "f", "g", "h", "i", "j"});
   a.go_on_until(12, {"b", "c", "d", "e"});
   EXPECT_TRUE(a.failed("j"));
@@ -51,8 +52,8 @@ TEST(Pieces, TwoThatDieAtOnceStopNobodyHoweverManyNeverCame) {
   EXPECT_FALSE(a.cut_off());
 }
 
-// Another that is far away speaks rarely: it may have fallen silent with this one.
-TEST(Pieces, NobodyIsSilentAloneBeforeAllOthersHaveSaidSomething) {
+// Another robot that is far away sends rarely. It may have fallen silent together with this one.
+TEST(NetworkPartition, NoPeerIsSinglySilentBeforeAllOthersWereHeard) {
   Listener a;
   const Point2 far{1900, 1900};
   for (double now = 0; now < 1; now += period) {
@@ -68,8 +69,8 @@ TEST(Pieces, NobodyIsSilentAloneBeforeAllOthersHaveSaidSomething) {
   EXPECT_FALSE(a.failed("c"));
 }
 
-// A cut would have silenced both: how far one drove on is asked of the later one alone.
-TEST(Pieces, WhoFellSilentBeforeAnotherIsNotInAPieceWithIt) {
+// A partition would have silenced both at once. Only for the later one must the zone include driving on.
+TEST(NetworkPartition, APeerThatFellSilentEarlierIsNotInAPartWithALaterOne) {
   Listener a;
   double now = 0;
   for (; now < 1.8; now += period) {
@@ -89,7 +90,7 @@ TEST(Pieces, WhoFellSilentBeforeAnotherIsNotInAPieceWithIt) {
   EXPECT_GT(furthest_c, 40 + 10 * 1.8 + 20 * 2.5);
 }
 
-TEST(Pieces, OfTwoThatMissEachOtherTheLaterNameStandsForAMinute) {
+TEST(NetworkPartition, OfTwoRobotsThatMissEachOtherTheLaterNameStandsForAMinute) {
   Listener a({"A"});
   Listener first({"b"});
   for (double now = 0; now < 70; now += period) {
@@ -105,15 +106,15 @@ TEST(Pieces, OfTwoThatMissEachOtherTheLaterNameStandsForAMinute) {
   }
 }
 
-// It was not told what the others learnt meanwhile, nor they what it did.
-TEST(Pieces, AfterSomebodyCameBackNobodyIsTakenForDeadUntilItHasHeardTheNews) {
+// The robot was not told what the others learnt meanwhile, and it did not tell them.
+TEST(NetworkPartition, NoPeerIsDeclaredFailedBeforeAReturningRobotIsInformed) {
   Listener a;
   a.go_on_until(1, {"b", "c"});
   a.go_on_until(9, {"c"});
   EXPECT_TRUE(a.failed("b"));
   EXPECT_TRUE(a.peers_to_inform(a.now()).empty());
   a.go_on_until(10.5, {});
-  a.go_on_until(13, {"b"});  // c would be failed by now
+  a.go_on_until(13, {"b"});  // otherwise c would be declared failed by now
   EXPECT_FALSE(a.failed("c"));
   EXPECT_EQ(a.peers_to_inform(a.now()), std::vector<RobotName>{"b"});
   a.go_on_until(14, {"b"});
@@ -121,7 +122,7 @@ TEST(Pieces, AfterSomebodyCameBackNobodyIsTakenForDeadUntilItHasHeardTheNews) {
   EXPECT_TRUE(a.peers_to_inform(a.now()).empty());
 }
 
-TEST(Pieces, WhoIsFirstHeardOfWhenTheOthersAreUnderWayIsToldOfTheDead) {
+TEST(NetworkPartition, APeerThatIsFirstHeardLateIsToldOfFailedRobots) {
   Listener a;
   for (double now = 0; now < 12; now += period) {
     a.hear("c", now);

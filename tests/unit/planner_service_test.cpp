@@ -1,4 +1,4 @@
-// The planner service as a state machine, message by message.
+// Tests of the planner service as a state machine, message by message.
 #include "planner_service/planner_service.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace coppice {
 namespace {
 
-TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
+TEST(PlannerService, TheServiceSendsTheMapAndThenEachMissionOnce) {
   PlannerService service(two_robots(), {}, 0);
   const auto first = service.step(0);
   ASSERT_EQ(of<MapMessage>(first).size(), 1u);
@@ -22,9 +22,9 @@ TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
   EXPECT_TRUE(service.step(0.1).empty());
   service.on(arrival_of(
       BrokerStatus{.broker = 1, .trees_published = 3, .covered_map = of<MapMessage>(first)[0].map_id}, 0.1));
-  EXPECT_TRUE(service.step(0.1).empty());  // of b nothing was heard
+  EXPECT_TRUE(service.step(0.1).empty());  // b has not been heard
   service.on(arrival_of(AgentStatus{.robot = "b", .trees_received = 2}, 0.1));
-  EXPECT_TRUE(service.step(0.1).empty());  // it has not all trees
+  EXPECT_TRUE(service.step(0.1).empty());  // it lacks some trees
 
   service.on(arrival_of(AgentStatus{.robot = "b", .trees_received = 3}, 0.2));
   EXPECT_LE(service.next_wake(), 0.2);
@@ -37,7 +37,7 @@ TEST(PlannerService, HandsOutTheMapAndThenTheMissionsOnceEach) {
   EXPECT_TRUE(service.step(0.3).empty());
 }
 
-TEST(PlannerService, DoesNotWaitLongForABrokerAndNotAtAllWithoutSharing) {
+TEST(PlannerService, TheServiceWaitsShortlyForABrokerAndNotAtAllWithoutSharing) {
   PlannerService service(two_robots(), {}, 0);
   service.step(0);
   EXPECT_TRUE(of<Mission>(service.step(2.9)).empty());
@@ -49,7 +49,7 @@ TEST(PlannerService, DoesNotWaitLongForABrokerAndNotAtAllWithoutSharing) {
   EXPECT_TRUE(of<MapMessage>(first)[0].radii.empty());
 }
 
-TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
+TEST(PlannerService, ARobotHasArrivedIfItsTrackShowsIt) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   const auto says = [&](const char* robot, Phase phase, std::uint32_t points) {
@@ -78,7 +78,7 @@ TEST(PlannerService, ArrivalIsWhatTheTrackShows) {
   EXPECT_EQ(report.outcome(), "incomplete");
 }
 
-TEST(PlannerService, ARunEndsWhenAllHaveComeToStandAndWhoPassesItsGoalHasNotArrived) {
+TEST(PlannerService, ARunEndsWhenAllStandAndPassingAGoalIsNotArriving) {
   PlannerService service(two_robots(), {.timeout = 2}, 0);
   map_and_missions(service);
   const auto says = [&](const char* robot, Phase phase, std::uint32_t points) {
@@ -101,12 +101,12 @@ TEST(PlannerService, ARunEndsWhenAllHaveComeToStandAndWhoPassesItsGoalHasNotArri
   ASSERT_TRUE(service.finished());
   const proto::Report report = service.report();
   EXPECT_TRUE(report.robots(0).arrived());
-  EXPECT_DOUBLE_EQ(report.robots(0).run_time(), 2.2);  // when it had come to stand, not as it passed
+  EXPECT_DOUBLE_EQ(report.robots(0).run_time(), 2.2);  // when it stood, not when it passed
   EXPECT_TRUE(report.robots(1).arrived());
   EXPECT_DOUBLE_EQ(report.robots(1).run_time(), 1.2);
 }
 
-TEST(PlannerService, ReportsThePathFromTheStart) {
+TEST(PlannerService, TheReportGivesTheLengthOfThePathFromTheStart) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   const auto path = [&](const Path& waypoints) {
@@ -114,11 +114,11 @@ TEST(PlannerService, ReportsThePathFromTheStart) {
     return service.report().robots(0).path_length();
   };
   EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}, {100, 100}}), 120);
-  EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}}), 40);  // a shorter one
-  EXPECT_DOUBLE_EQ(path({{50, 60}, {20, 100}}), 40);  // from where it was pushed to
+  EXPECT_DOUBLE_EQ(path({{20, 60}, {20, 100}}), 40);  // a shorter path
+  EXPECT_DOUBLE_EQ(path({{50, 60}, {20, 100}}), 40);  // a path from where it was pushed to
 }
 
-TEST(PlannerService, GivesNewGoalsWhileTheRunIsLifelong) {
+TEST(PlannerService, TheServiceGivesNewGoalsWhileTheRunIsLifelong) {
   PlannerService service(two_robots(), {.lifelong = 10}, 0);
   map_and_missions(service);
   const auto arrives = [&](std::uint32_t mission, double time) {
@@ -132,13 +132,13 @@ TEST(PlannerService, GivesNewGoalsWhileTheRunIsLifelong) {
   EXPECT_FALSE(next[0].cancelled);
   const RobotTask before = two_robots().robots[0];
   EXPECT_GT((next[0].goal - before.goal).norm(), before.radius);
-  EXPECT_TRUE(arrives(1, 6).empty());  // of the mission before: no news
+  EXPECT_TRUE(arrives(1, 6).empty());  // a status of the previous mission is ignored
   EXPECT_EQ(arrives(2, 7).size(), 1u);
   EXPECT_TRUE(arrives(3, 11).empty());         // the time is over
-  EXPECT_EQ(service.report().missions(), 2u);  // of the last there is no record
+  EXPECT_EQ(service.report().missions(), 2u);  // the last mission has no track
 }
 
-/// Two robots in a corridor of so many cells, at one end of it; they want to go where they are.
+/// Two robots at one end of a corridor of so many cells. Their goals are their starts.
 Scenario corridor(int cells) {
   Scenario scenario;
   scenario.map = {
@@ -148,7 +148,7 @@ Scenario corridor(int cells) {
   return scenario;
 }
 
-/// Both have arrived, and go wherever they are sent, until the run has ended.
+/// Both robots arrive at once at each goal until the run has ended.
 void run_in_corridor(PlannerService& service, const Scenario& scenario) {
   map_and_missions(service);
   std::map<std::string, Mission> sent;
@@ -173,7 +173,7 @@ void run_in_corridor(PlannerService& service, const Scenario& scenario) {
   }
 }
 
-TEST(PlannerService, ARunInWhichARobotGetsNoNewGoalSaysSoAndIsNoSuccess) {
+TEST(PlannerService, ALifelongRunWithoutAFreeGoalSaysSoAndIsNoSuccess) {
   PlannerService service(corridor(2), {.lifelong = 10}, 0);
   run_in_corridor(service, corridor(2));
   ASSERT_TRUE(service.finished());
@@ -188,7 +188,7 @@ TEST(PlannerService, ARunInWhichARobotGetsNoNewGoalSaysSoAndIsNoSuccess) {
   EXPECT_NE(report_table(report).find("robots that arrived and got no new goal: 2"), std::string::npos);
 }
 
-TEST(PlannerService, ARunInWhichAllGetNewGoalsIsASuccess) {
+TEST(PlannerService, ALifelongRunInWhichAllGetNewGoalsIsASuccess) {
   PlannerService service(corridor(5), {.lifelong = 10}, 0);
   run_in_corridor(service, corridor(5));
   ASSERT_TRUE(service.finished());
@@ -200,7 +200,7 @@ TEST(PlannerService, ARunInWhichAllGetNewGoalsIsASuccess) {
   EXPECT_EQ(report_table(report).find("no new goal"), std::string::npos);
 }
 
-TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
+TEST(PlannerService, ARunEndsAtTheTimeoutAndNamesTheMissingRobots) {
   PlannerService service(two_robots(), {.time_scale = 10, .timeout = 20}, 0);
   map_and_missions(service);
   service.step(1.9);
@@ -212,8 +212,8 @@ TEST(PlannerService, EndsAtTheTimeoutAndNamesWhoIsMissing) {
   EXPECT_EQ(service.report().robots(0).reason(), "its agent came, but has not taken up its mission");
 }
 
-// Agents would leave the run of another service for one that ends at once.
-TEST(PlannerService, ARunThatIsInterruptedBeforeItBeganIsTheConcernOfNobody) {
+// Otherwise agents would leave the run of another service for one that ends at once.
+TEST(PlannerService, ARunInterruptedBeforeItBeganSendsNothing) {
   PlannerService service(two_robots(), {}, 0);
   service.interrupt();
   for (double now = 0; now < 10; now += 0.5) EXPECT_TRUE(service.step(now).empty());
@@ -222,12 +222,12 @@ TEST(PlannerService, ARunThatIsInterruptedBeforeItBeganIsTheConcernOfNobody) {
   EXPECT_EQ(service.report().robots(0).reason(), "the run was interrupted before it began");
 }
 
-TEST(PlannerService, SaysWhatBecameOfEachRobotThatDidNotArrive) {
+TEST(PlannerService, TheReportSaysWhyEachRobotDidNotArrive) {
   Scenario scenario = two_robots();
   scenario.robots.push_back({"c", {20, 40}, {100, 20}, 5, 20, 40, 1});
   PlannerService service(scenario, {.timeout = 20}, 0);
   service.step(0);
-  service.step(4);  // the missions, as no broker came
+  service.step(4);  // the missions, because no broker came
   AgentStatus a{.robot = "a", .mission = 1, .phase = Phase::driving, .run = 4, .way_left = 12.34};
   service.on(arrival_of(PathMessage{"a", 1, {{20, 60}, {100, 60}}, 4}, 5));
   AgentStatus b{.robot = "b", .mission = 1, .phase = Phase::driving, .run = 4};
@@ -245,8 +245,8 @@ TEST(PlannerService, SaysWhatBecameOfEachRobotThatDidNotArrive) {
   EXPECT_EQ(service.report().robots(2).reason(), "its agent never came");
 }
 
-// Agents outlive runs, and their processes count from their own beginnings.
-TEST(PlannerService, CountsTheControlPeriodsThatWereMissedInThisRunAlone) {
+// Agents outlive runs, and their processes count from their own start.
+TEST(PlannerService, MissedControlPeriodsAreCountedForThisRunOnly) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   const auto says = [&](const char* robot, std::uint32_t periods, std::uint32_t missed) {
@@ -260,22 +260,22 @@ TEST(PlannerService, CountsTheControlPeriodsThatWereMissedInThisRunAlone) {
   says("a", 1060, 910);
   says("b", 41, 10);
   EXPECT_NEAR(service.progress(1).periods_missed, 0.2, 1e-9);
-  says("b", 10, 0);  // it was started anew
+  says("b", 10, 0);  // it was restarted
   says("b", 110, 0);
   EXPECT_NEAR(service.report().periods_missed(), 0.1, 1e-9);
 }
 
-TEST(PlannerService, TracksFromAnotherTimeAreNotTakenUp) {
+TEST(PlannerService, TrackPointsFromAnotherTimeAreIgnored) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   service.on(arrival_of(TrackMessage{"a", 1, 0, {{1, {20, 60}, {0, 0}}}}, 1));
   service.on(arrival_of(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {1e9, {20, 20}, {0, 0}}}}, 1));
   service.on(arrival_of(TrackMessage{"b", 1, 0, {{-1e9, {20, 20}, {0, 0}}}}, 1));
   EXPECT_TRUE(test::all_points(service.tracks())[1].empty());
-  EXPECT_FALSE(service.report().has_least_separation());  // and not a look at each of a billion seconds
+  EXPECT_FALSE(service.report().has_least_separation());  // without a look at each of a billion seconds
 }
 
-/// Each half second a status of these robots, and a step.
+/// Sends a status of each robot every 0.5 s, and steps the service.
 void live(PlannerService& service, const std::vector<const char*>& robots, double from, double until) {
   for (double now = from; now <= until; now += 0.5) {
     for (const char* robot : robots) service.on(arrival_of(AgentStatus{.robot = robot, .mission = 1}, now));
@@ -287,7 +287,7 @@ std::string reason_of(const PlannerService& service, int robot) {
   return service.report().robots(robot).reason();
 }
 
-TEST(PlannerService, OneThatFallsSilentIsLostAndTheRunGoesOn) {
+TEST(PlannerService, ASilentAgentIsLostAndTheRunGoesOn) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   live(service, {"a", "b"}, 0, 3);
@@ -298,14 +298,14 @@ TEST(PlannerService, OneThatFallsSilentIsLostAndTheRunGoesOn) {
   EXPECT_FALSE(service.finished());
 }
 
-// Without its journal it takes its robot to stand at its start, and would drive what is elsewhere.
-TEST(PlannerService, AnAgentThatBeginsItsTrackAnewIsStoppedAndItsRobotHasNotArrived) {
+// Without its journal, the agent assumes that its robot stands at its start.
+TEST(PlannerService, AnAgentThatRestartsItsTrackIsStoppedAndHasNotArrived) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   const Point2 goal = two_robots().robots[0].goal;
   live(service, {"a", "b"}, 0, 3);
   service.on(arrival_of(TrackMessage{"a", 1, 0, {{0.25, {20, 60}, {0, 0}}, {2, {60, 60}, {0, 0}}}}, 3));
-  // From its journal: the same once more, and how it went on.
+  // A restart with a journal: the agent repeats the points and continues.
   service.on(arrival_of(
       TrackMessage{"a", 1, 0, {{0.25, {20, 60}, {0, 0}}, {2, {60, 60}, {0, 0}}, {3, {70, 60}, {0, 0}}}}, 3));
   EXPECT_TRUE(of<Mission>(service.step(3)).empty());
@@ -325,9 +325,9 @@ TEST(PlannerService, AnAgentThatBeginsItsTrackAnewIsStoppedAndItsRobotHasNotArri
   EXPECT_NE(report.robots(0).reason().find("started anew without its journal"), std::string::npos);
 }
 
-// Found by `coppice fuzz --replay 440082 --restarts`: it heard of another's mission that is cancelled before
-// its own was, and went on for a moment.
-TEST(PlannerService, WhyItDidNotArriveIsNotUnsaidAfterTheEnd) {
+// Found by `coppice fuzz --replay 440082 --restarts`: an agent heard of the cancelled mission of a peer
+// before its own, and drove on for a moment.
+TEST(PlannerService, TheReasonOfAFailureIsKeptAfterTheEnd) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   const auto says = [&](const char* robot, Phase phase, const char* reason) {
@@ -348,7 +348,7 @@ TEST(PlannerService, WhyItDidNotArriveIsNotUnsaidAfterTheEnd) {
   EXPECT_EQ(reason_of(service, 1), "held up");
 }
 
-TEST(PlannerService, AllWhoFallSilentAtOnceAreWaitedForLonger) {
+TEST(PlannerService, AllAgentsSilentAtOnceAreWaitedForLonger) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   live(service, {"a", "b"}, 0, 3);
@@ -357,13 +357,13 @@ TEST(PlannerService, AllWhoFallSilentAtOnceAreWaitedForLonger) {
   EXPECT_NE(reason_of(service, 0), "the agent has fallen silent");
   live(service, {}, 32.5, 62);
   EXPECT_EQ(reason_of(service, 0), "the agent has fallen silent");
-  EXPECT_FALSE(service.finished());  // it may still come back
+  EXPECT_FALSE(service.finished());  // it may still return
   live(service, {}, 62.5, 67);
   EXPECT_TRUE(service.finished());
 }
 
-// They may be started anew at once; but a run does not wait for what nobody means to come.
-TEST(PlannerService, WhoWasToldToStopIsWaitedForAFewSecondsOnly) {
+// The agents may be restarted at once. But a run must not wait for agents that were stopped on purpose.
+TEST(PlannerService, StoppedAgentsAreWaitedForAFewSecondsOnly) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   live(service, {"a", "b"}, 0, 3);
@@ -378,8 +378,8 @@ TEST(PlannerService, WhoWasToldToStopIsWaitedForAFewSecondsOnly) {
   EXPECT_EQ(reason_of(service, 0), "told to stop");
 }
 
-// They outlive its service, and DDS tells the next one what they said last, and all of their tracks.
-TEST(PlannerService, WhatAgentsSaidInTheRunBeforeIsNotOfThisOne) {
+// Agents outlive their service. DDS delivers their last statuses and their tracks to the next service.
+TEST(PlannerService, StatusesOfThePreviousRunAreIgnored) {
   PlannerService service(two_robots(), {}, 100);
   const WallTime before = 50;
   const auto says_what_it_said = [&](const char* robot, const Point2& start, const Point2& goal) {
@@ -401,7 +401,7 @@ TEST(PlannerService, WhatAgentsSaidInTheRunBeforeIsNotOfThisOne) {
   all_say_it();
   EXPECT_EQ(of<Mission>(service.step(104)).size(), 2u);  // no broker came
   all_say_it();
-  EXPECT_TRUE(of<Mission>(service.step(104.1)).empty());  // nobody has begun anew, and nothing is over
+  EXPECT_TRUE(of<Mission>(service.step(104.1)).empty());  // no track begins again, and no run is over
   EXPECT_FALSE(service.finished());
   EXPECT_EQ(service.progress(104.1).planned, 0);
   EXPECT_EQ(service.progress(104.1).arrived, 0);
@@ -412,7 +412,7 @@ TEST(PlannerService, WhatAgentsSaidInTheRunBeforeIsNotOfThisOne) {
   EXPECT_EQ(test::all_points(service.tracks())[0].size(), 1u);
 }
 
-TEST(PlannerService, ItsClockMayBeSetBack) {
+TEST(PlannerService, TheClockOfTheServiceMayBeSetBack) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);
   live(service, {"a", "b"}, 0, 1000);
@@ -426,7 +426,7 @@ TEST(PlannerService, ItsClockMayBeSetBack) {
   EXPECT_TRUE(service.finished());
 }
 
-TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {
+TEST(PlannerService, MessagesSentWhileTheServiceSleptAreStillHeard) {
   PlannerService service(two_robots(), {.timeout = 1e6}, 0);
   map_and_missions(service);
   live(service, {"a", "b"}, 0, 3);
@@ -438,7 +438,7 @@ TEST(PlannerService, WhatWasSaidWhileItSleptIsStillToBeHeard) {
   EXPECT_NE(reason_of(service, 0), "the agent has fallen silent");
 }
 
-TEST(StartupBarrier, KeepsTheLastStatusOfEachAgentAndAllElse) {
+TEST(StartupBarrier, TheBarrierKeepsTheLastStatusOfEachAgentAndAllElse) {
   StartupBarrier startup_barrier;
   for (std::uint32_t others = 0; others < 3; ++others) {
     for (const char* robot : {"a", "b"}) {

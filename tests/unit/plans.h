@@ -1,4 +1,5 @@
-// Small maps and plans on them, checked move by move with nothing but the clearance field and distances.
+// Small maps, and plans on them that are checked move by move with nothing but the clearance field and
+// distances.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +26,7 @@ inline void block(OccupancyMap& map, int i0, int j0, int i1, int j1, bool blocke
   }
 }
 
-/// Where all stand in the end. Each move has to go on from where its robot is, past obstacles and all others.
+/// The final positions. Each move must begin where its robot is, and pass all obstacles and robots.
 inline std::vector<Point2> driven(const OccupancyMap& map, std::span<const JointTask> tasks,
                                   const JointPlan& plan) {
   const ClearanceField field(map);

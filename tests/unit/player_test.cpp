@@ -1,4 +1,4 @@
-// A recording as pages wish it to be played, and pictures out of it.
+// Tests of a recording that pages play, and of pictures of it.
 #include "monitor/player.h"
 
 #include <fstream>
@@ -15,8 +15,7 @@ namespace {
 
 constexpr WallTime epoch = 1.7e9;
 
-/// Ten seconds of a robot that drives a metre a second along x, from 20 on; it is recorded from half a second
-/// before the run on.
+/// A robot drives at 1 m/s along x from x = 20 m for 10 s. The recording begins 0.5 s before the run.
 std::vector<Arrival> drive() {
   std::vector<Arrival> all;
   MapMessage map{"m", {}, {1}};
@@ -69,8 +68,8 @@ struct OfADrive : testing::Test {
   test::TemporaryFolder folder;
   Recording recording{write(folder.path() / "drive.mcap", drive())};
 };
-using APlayer = OfADrive;
-using APictureBook = OfADrive;
+using PlayerTest = OfADrive;
+using PictureBookTest = OfADrive;
 
 live::FromPage play(bool playing) {
   live::FromPage wish;
@@ -88,7 +87,7 @@ live::FromPage speed(double value) {
   return wish;
 }
 
-/// Stamp of the last state among them; below 0: none.
+/// The stamp of the last state among them; negative if there is none.
 double last_stamp(const std::vector<Arrival>& arrivals) {
   double stamp = -1;
   for (const Arrival& arrival : arrivals) {
@@ -97,9 +96,9 @@ double last_stamp(const std::vector<Arrival>& arrivals) {
   return stamp;
 }
 
-TEST_F(APlayer, PlaysAtItsOwnSpeedToTheEndAndStandsThere) {
+TEST_F(PlayerTest, APlayerPlaysAtRealSpeedToTheEndAndStops) {
   Player player(recording, 50);
-  EXPECT_EQ(player.due(50).size(), 1u);  // the map: it begins there
+  EXPECT_EQ(player.due(50).size(), 1u);  // the map: the recording begins with it
   EXPECT_NEAR(last_stamp(player.due(52.5)), 2, 0.051);
   EXPECT_NEAR(player.at(52.5), epoch + 2, 1e-6);
   EXPECT_TRUE(player.state(52.5).playing());
@@ -107,11 +106,11 @@ TEST_F(APlayer, PlaysAtItsOwnSpeedToTheEndAndStandsThere) {
   EXPECT_FALSE(player.state(70).playing());
   EXPECT_NEAR(player.at(99), epoch + 10, 1e-6);
   EXPECT_TRUE(player.due(99).empty());
-  EXPECT_TRUE(player.heed(play(true), 100));  // from its beginning, once more
+  EXPECT_TRUE(player.heed(play(true), 100));  // from the beginning again
   EXPECT_EQ(player.due(100).size(), 1u);
 }
 
-TEST_F(APlayer, PausesAndGoesOnAtAnotherSpeed) {
+TEST_F(PlayerTest, APlayerPausesAndGoesOnAtAnotherSpeed) {
   Player player(recording, 0);
   EXPECT_FALSE(player.heed(play(false), 1.5));
   EXPECT_NEAR(last_stamp(player.due(5)), 1, 0.051);
@@ -126,7 +125,7 @@ TEST_F(APlayer, PausesAndGoesOnAtAnotherSpeed) {
   EXPECT_GT(player.state(11).speed(), 0);
 }
 
-TEST_F(APlayer, GoesElsewhereWithAllThatHoldsThere) {
+TEST_F(PlayerTest, ASeekDeliversAllThatIsValidThere) {
   Player player(recording, 0);
   player.due(9);
   ASSERT_TRUE(player.heed(seek(epoch + 4), 9));
@@ -137,13 +136,13 @@ TEST_F(APlayer, GoesElsewhereWithAllThatHoldsThere) {
   EXPECT_FALSE(view.robots()[0].path.empty());
   EXPECT_EQ(view.inactive_trees().size(), 1u);
   EXPECT_EQ(view.robots()[0].root_nodes.size(), 2u);
-  EXPECT_TRUE(player.heed(seek(0), 9));  // long before it
+  EXPECT_TRUE(player.heed(seek(0), 9));  // long before the beginning
   EXPECT_NEAR(player.at(9), epoch - 0.5, 1e-6);
   EXPECT_FALSE(player.heed(seek(std::numeric_limits<double>::infinity()), 9));
   EXPECT_FALSE(player.heed(live::FromPage(), 9));
 }
 
-TEST_F(APictureBook, DrawsWhatWasAtATime) {
+TEST_F(PictureBookTest, APictureShowsTheFleetAtATime) {
   PictureBook book(recording);
   EXPECT_EQ(book.begin(), 0);
   EXPECT_NEAR(book.end(), 10, 1e-6);
@@ -164,7 +163,7 @@ TEST_F(APictureBook, DrawsWhatWasAtATime) {
   EXPECT_NE(svg.find("disc: robot"), std::string::npos);
 }
 
-TEST(PictureBook, NeedsAFleet) {
+TEST(PictureBook, APictureNeedsAFleet) {
   const test::TemporaryFolder folder;
   const Recording recording(write(folder.path() / "r.mcap", {arrival_of(BrokerStatus{.broker = 1}, epoch)}));
   EXPECT_THROW(PictureBook{recording}, InputError);

@@ -1,5 +1,5 @@
-// Robots that drive a joint plan at very different paces, and stop now and then: each passes its gates only
-// in the plan's order, so they never come near each other, and all get to the end.
+// Tests of robots that drive a joint plan at very different speeds and stop now and then. Each passes its
+// gates only in the order of the plan. So the robots never come near each other, and all reach the end.
 #include "motion/precedence.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double period = 0.05;
 
-TEST(Precedence, NobodyWaitsForALaterMove) {
+TEST(Precedence, NoRobotWaitsForALaterMove) {
   const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{50, -50}, {50, 50}}}};
   const std::vector<double> radii{5, 5};
   EXPECT_TRUE(gates_of(0, moves, radii).empty());
@@ -24,13 +24,13 @@ TEST(Precedence, NobodyWaitsForALaterMove) {
   EXPECT_GT(gates.back().needed, 50 + 10);
 }
 
-TEST(Precedence, FarWaysHaveNoGates) {
+TEST(Precedence, DistantPathsHaveNoGates) {
   const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{0, 15}, {100, 15}}}};
   EXPECT_TRUE(gates_of(1, moves, std::vector<double>{5, 5}).empty());
 }
 
-TEST(Precedence, AWaitSaysHowFarTheOtherHasStillToCome) {
-  // The second comes along the first one's way once that is through.
+TEST(Precedence, AWaitTellsHowFarTheOtherRobotHasStillToDrive) {
+  // The second robot crosses the path of the first one once that is through.
   const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{50, -40}, {50, 40}}}};
   const std::vector<double> radii{5, 5};
   const std::vector<Gate> gates = gates_of(1, moves, radii);
@@ -55,8 +55,8 @@ TEST(Precedence, AWaitSaysHowFarTheOtherHasStillToCome) {
   EXPECT_TRUE(second.finished());
 }
 
-/// The gates by their definition: pieces shorter than any that gates_of uses, all against all.
-TEST(Precedence, EveryPlaceWhereWaysComeNearHasAGateWhereverTheyLie) {
+/// The gates by their definition: all pieces are compared with all, and are shorter than those of gates_of.
+TEST(Precedence, EveryPlaceWherePathsComeNearHasAGate) {
   Random random(1);
   for (int round = 0; round < 1000; ++round) {
     const double scale = std::pow(10, random.uniform(-1, 3));
@@ -85,18 +85,19 @@ TEST(Precedence, EveryPlaceWhereWaysComeNearHasAGateWhereverTheyLie) {
   }
 }
 
-/// A move to and fro, edges of one piece each at radius 1.
+/// A move to and fro. Each edge is one piece at radius 1.
 Move shuttle(std::size_t robot, const Point2& at, std::size_t edges) {
   Move move{robot, {at}};
   for (std::size_t k = 0; k < edges; ++k) move.path.push_back(at + Point2(k % 2 == 0 ? 0.1 : 0, 0));
   return move;
 }
 
-// Compared piece by piece, what a hostile leader may send would take its followers minutes.
-TEST(Precedence, WhereALookTakesTooLongItWaitsForAllThatMovesEarlier) {
+// Piece by piece, the comparison of a hostile leader's plan would take minutes.
+TEST(Precedence, ARobotWaitsForAllEarlierMovesIfTheComparisonTakesTooLong) {
   const std::vector<double> radii{1, 1, 1};
   const auto moves = [](std::size_t edges) {
-    // Beside each other, a little too far away to touch; the first move is there to span the second.
+    // The moves are side by side, a little too far away to touch. The first move spans the second
+    // one.
     return std::vector<Move>{{1, {{0, 9}, {0, 0}}},
                              shuttle(0, {0, 2.9}, edges),
                              {2, {{50, 0}, {60, 0}}},
@@ -115,7 +116,7 @@ TEST(Precedence, WhereALookTakesTooLongItWaitsForAllThatMovesEarlier) {
   }
 }
 
-TEST(Precedence, WhoComesByAfterAMillionPiecesIsWaitedForToo) {
+TEST(Precedence, ARobotThatPassesAfterAMillionPiecesIsWaitedFor) {
   const std::vector<Move> moves{
       {1, {{0, 9}, {0, 0}}}, shuttle(0, {0, 2.9}, 1'100'000), {2, {{-5, 0}, {5, 0}}}, {1, {{0, 0}, {0, -9}}}};
   const std::vector<Gate> gates = gates_of(1, moves, std::vector<double>{1, 1, 1});
@@ -125,7 +126,7 @@ TEST(Precedence, WhoComesByAfterAMillionPiecesIsWaitedForToo) {
   EXPECT_NEAR(last->needed, 10, 1e-9);
 }
 
-TEST(Precedence, FollowersKeepTheOrderHoweverLateAnybodyRuns) {
+TEST(Precedence, RobotsKeepTheOrderOfThePlanAtAnySpeed) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
     const OccupancyMap map = generate_map(MapKind::room, 256, 256, random);

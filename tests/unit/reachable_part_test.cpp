@@ -1,4 +1,4 @@
-// What a disc reaches, on maps drawn by hand: one character a cell, @ is blocked.
+// Tests of what a disc reaches, on maps that are drawn with one character for each cell; @ is blocked.
 #include <gtest/gtest.h>
 
 #include "planning/reachability.h"
@@ -21,7 +21,7 @@ const std::vector<std::string> two_rooms{"@@@@@@@@@",  //
                                          "@...@...@",  //
                                          "@@@@@@@@@"};
 
-TEST(ReachablePart, LeadsThroughADoorOfOneCell) {
+TEST(ReachablePart, ThePartLeadsThroughADoorOfOneCell) {
   const ClearanceField field(drawn(two_rooms));
   for (const double radius : {0.3, 0.4, 0.49, 0.5}) {
     EXPECT_EQ(ReachablePart::largest(field, radius).size(), 19u) << radius;
@@ -31,7 +31,7 @@ TEST(ReachablePart, LeadsThroughADoorOfOneCell) {
   EXPECT_FALSE(ReachablePart::around(field, 0.51, {2.5, 2.5}).contains({6.5, 2.5}));
 }
 
-TEST(ReachablePart, HasThePlacesRowByRowAndABoxAroundThem) {
+TEST(ReachablePart, ThePartListsItsPlacesRowByRowAndHasABox) {
   const ClearanceField field(drawn({"@@@@", "@..@", "@.@@", "@@@@"}));
   const ReachablePart part = ReachablePart::largest(field, 0.4);
   ASSERT_EQ(part.size(), 3u);
@@ -42,7 +42,7 @@ TEST(ReachablePart, HasThePlacesRowByRowAndABoxAroundThem) {
   EXPECT_EQ(part.box().upper, Point2(2.5, 2.5));
 }
 
-TEST(ReachablePart, EndsAtCornersThatTouch) {
+TEST(ReachablePart, ThePartEndsAtCornersThatTouch) {
   const ClearanceField field(drawn({"..@@", "..@@", "@@..", "@@.."}));
   const ReachablePart part = ReachablePart::around(field, 0.3, {1, 1});
   EXPECT_EQ(part.size(), 4u);
@@ -50,8 +50,8 @@ TEST(ReachablePart, EndsAtCornersThatTouch) {
   EXPECT_FALSE(part.contains({2.5, 2.5}));
 }
 
-// No centre of a cell is free in a passage two cells wide for a disc that nearly fills it.
-TEST(ReachablePart, HasPlacesInPassagesOfTwoCells) {
+// In a passage two cells wide, no cell centre is free for a disc that nearly fills the passage.
+TEST(ReachablePart, ThePartIncludesPassagesTwoCellsWide) {
   const ClearanceField field(drawn({"......", "......"}));
   for (const double radius : {0.7, 1.0}) {
     const ReachablePart part = ReachablePart::largest(field, radius);
@@ -62,8 +62,8 @@ TEST(ReachablePart, HasPlacesInPassagesOfTwoCells) {
   EXPECT_TRUE(ReachablePart::largest(field, 1.01).empty());
 }
 
-// The gap lies across the axes: the lattice point in its middle has no free neighbour.
-TEST(ReachablePart, LeadsAskewBetweenTwoCorners) {
+// The gap lies askew to the axes: the lattice point in its middle has no free neighbour.
+TEST(ReachablePart, ThePartLeadsAskewBetweenTwoCorners) {
   std::vector<std::string> rows(12, std::string(12, '.'));
   for (int j = 0; j < 5; ++j) rows[static_cast<std::size_t>(j)][5] = '@';   // its corner is (6, 5)
   for (int j = 8; j < 12; ++j) rows[static_cast<std::size_t>(j)][7] = '@';  // its corner is (7, 8)
@@ -75,16 +75,16 @@ TEST(ReachablePart, LeadsAskewBetweenTwoCorners) {
   EXPECT_FALSE(ReachablePart::around(field, 1.59, {2, 6}).contains({10, 6}));
 }
 
-TEST(ReachablePart, IsEmptyWhereTheDiscDoesNotFit) {
+TEST(ReachablePart, ThePartIsEmptyWhereTheDiscDoesNotFit) {
   const ClearanceField field(drawn(two_rooms));
   EXPECT_TRUE(ReachablePart::around(field, 0.4, {4.5, 1.5}).empty());  // in the wall
-  EXPECT_TRUE(ReachablePart::around(field, 0.4, {1.3, 1.5}).empty());  // too near to it
-  EXPECT_TRUE(ReachablePart::around(field, 0.4, {-3, 1.5}).empty());   // off the map
+  EXPECT_TRUE(ReachablePart::around(field, 0.4, {1.3, 1.5}).empty());  // too near to the wall
+  EXPECT_TRUE(ReachablePart::around(field, 0.4, {-3, 1.5}).empty());   // outside of the map
   EXPECT_FALSE(ReachablePart::largest(field, 0.4).contains({-3, 1.5}));
   EXPECT_TRUE(ReachablePart::largest(field, 3).empty());
 }
 
-TEST(ReachablePart, HoldsOnMapsOfCentimetresFarFromTheOrigin) {
+TEST(ReachablePart, ThePartIsExactOnFineMapsFarFromTheOrigin) {
   OccupancyMap map = drawn(two_rooms);
   map.resolution = 0.05;
   map.origin = {500000.123, 5400000.456};

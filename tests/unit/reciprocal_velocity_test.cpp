@@ -1,4 +1,5 @@
-// Half planes against the geometry that they come from, and the linear programme against sampled velocities.
+// Tests of half planes against the geometry that defines them, and of the linear programme against sampled
+// velocities.
 #include "motion/reciprocal_velocity.h"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ Point2 inward(const HalfPlane& plane) {
   return {-plane.direction.y(), plane.direction.x()};
 }
 
-/// The least distance of the two centres if both keep their velocities for `seconds`.
+/// The least distance of the two centres if both discs keep their velocities for `seconds`.
 double least_distance(const MovingDisc& a, const MovingDisc& b, double seconds) {
   const Point2 offset = b.position - a.position;
   const Point2 closing = b.velocity - a.velocity;
@@ -43,7 +44,7 @@ double worst(std::span<const HalfPlane> planes, const Point2& v) {
   return most;
 }
 
-TEST(OrcaHalfPlane, HoldsTheCurrentVelocityWhereNothingIsInTheWay) {
+TEST(OrcaHalfPlane, ADistantDiscAllowsTheCurrentVelocity) {
   const MovingDisc self{{0, 0}, {10, 0}, 5};
   for (const MovingDisc& other : {MovingDisc{{0, 40}, {10, 0}, 5}, MovingDisc{{30, 0}, {20, 0}, 5},
                                   MovingDisc{{-30, 0}, {-5, 0}, 5}, MovingDisc{{400, 0}, {-10, 0}, 5}}) {
@@ -51,8 +52,8 @@ TEST(OrcaHalfPlane, HoldsTheCurrentVelocityWhereNothingIsInTheWay) {
   }
 }
 
-// The gap is 30 m and the horizon 2 s: they may approach at 15 m/s, and do at 16.
-TEST(OrcaHalfPlane, HeadOnTheCloserWayOutIsToSlowDown) {
+// The gap is 30 m and the horizon 2 s: the discs may approach at 15 m/s, and do at 16 m/s.
+TEST(OrcaHalfPlane, HeadOnTheSmallestChangeIsToSlowDown) {
   const MovingDisc self{{0, 0}, {6, 0}, 5};
   const MovingDisc other{{40, 0}, {-10, 0}, 5};
   const HalfPlane half = orca_half_plane(self, other, horizon, time_step);
@@ -62,8 +63,8 @@ TEST(OrcaHalfPlane, HeadOnTheCloserWayOutIsToSlowDown) {
   EXPECT_NEAR(violation(all, {5, 0}), 0, 1e-12);
 }
 
-// At 40 m/s the way round is the smaller change: over the right leg, whose sine is 10 m of 40 m.
-TEST(OrcaHalfPlane, HeadOnAndFastTheCloserWayOutIsToTheRight) {
+// At 40 m/s, a turn is the smaller change: over the right leg, whose sine is 10 m of 40 m.
+TEST(OrcaHalfPlane, HeadOnAtSpeedTheSmallestChangeIsToTurnRight) {
   const MovingDisc self{{0, 0}, {20, 0}, 5};
   const MovingDisc other{{40, 0}, {-20, 0}, 5};
   const HalfPlane plane = orca_half_plane(self, other, horizon, time_step);
@@ -71,8 +72,8 @@ TEST(OrcaHalfPlane, HeadOnAndFastTheCloserWayOutIsToTheRight) {
   EXPECT_NEAR(violation(plane, self.velocity), 5, 1e-12);  // half of 40 / 4
 }
 
-// Whatever velocities both take within their half planes, they do not touch within the horizon.
-TEST(OrcaHalfPlane, BothWithinTheirsDoNotTouch) {
+// All velocities within both half planes keep the discs apart within the horizon.
+TEST(OrcaHalfPlane, DiscsWithinTheirHalfPlanesDoNotTouch) {
   Random random(1);
   int constrained = 0;
   for (int n = 0; n < 20000; ++n) {
@@ -91,8 +92,8 @@ TEST(OrcaHalfPlane, BothWithinTheirsDoNotTouch) {
   EXPECT_GT(constrained, 3000);
 }
 
-// The change is the smallest that helps: by the change, and the other none, they just touch.
-TEST(OrcaHalfPlane, IsAsWideAsTheObstacleAllows) {
+// The change is the smallest that suffices: if one disc changes and the other does not, they just touch.
+TEST(OrcaHalfPlane, TheHalfPlaneIsAsWideAsTheObstacleAllows) {
   Random random(2);
   int avoided = 0;
   for (int n = 0; n < 20000; ++n) {
@@ -103,7 +104,7 @@ TEST(OrcaHalfPlane, IsAsWideAsTheObstacleAllows) {
     ++avoided;
     const HalfPlane plane = orca_half_plane(a, b, horizon, time_step, 1.0);
     ASSERT_NEAR(least_distance({a.position, plane.point, a.radius}, b, horizon), radii, 1e-6);
-    // No velocity nearer than the point is out of the obstacle.
+    // No velocity nearer than the point is outside of the obstacle.
     const double change = (plane.point - a.velocity).norm();
     for (int k = 0; k < 20; ++k) {
       const Point2 nearer = a.velocity + random_in_disc(0.999 * change, random);
@@ -113,12 +114,12 @@ TEST(OrcaHalfPlane, IsAsWideAsTheObstacleAllows) {
   EXPECT_GT(avoided, 500);
 }
 
-TEST(OrcaHalfPlane, OverlappingDiscsArePartedWithinATimeStep) {
+TEST(OrcaHalfPlane, OverlappingDiscsSeparateWithinATimeStep) {
   const MovingDisc self{{0, 0}, {0, 0}, 5};
   const MovingDisc other{{9, 0}, {0, 0}, 5};
   const HalfPlane plane = orca_half_plane(self, other, horizon, time_step);
   EXPECT_NEAR((inward(plane) - Point2(-1, 0)).norm(), 0, 1e-12);
-  EXPECT_NEAR(violation(plane, {-0.5 / time_step, 0}), 0, 1e-9);  // 1 m, half of it each
+  EXPECT_NEAR(violation(plane, {-0.5 / time_step, 0}), 0, 1e-9);  // 1 m, of which each takes half
 }
 
 TEST(OrcaHalfPlane, CoincidentDiscsGiveUsablePlanes) {
@@ -129,7 +130,7 @@ TEST(OrcaHalfPlane, CoincidentDiscsGiveUsablePlanes) {
     EXPECT_TRUE(plane.point.allFinite());
     EXPECT_NEAR(plane.direction.norm(), 1, 1e-12);
   }
-  // Different velocities tell them apart: they leave in opposite directions.
+  // Different velocities tell the discs apart: they leave in opposite directions.
   EXPECT_NEAR((inward(orca_half_plane(still, moving, horizon, time_step)) +
                inward(orca_half_plane(moving, still, horizon, time_step)))
                   .norm(),
@@ -138,7 +139,7 @@ TEST(OrcaHalfPlane, CoincidentDiscsGiveUsablePlanes) {
   EXPECT_TRUE(orca_half_plane(point, point, horizon, time_step).point.allFinite());
 }
 
-TEST(SafeVelocity, TwoDiscsHeadOnBothGiveWayToTheSameSide) {
+TEST(SafeVelocity, TwoDiscsHeadOnGiveWayToTheSameSide) {
   const MovingDisc left{{0, 0}, {20, 0}, 5};
   const MovingDisc right{{60, 0}, {-20, 0}, 5};
   const HalfPlane for_left = orca_half_plane(left, right, horizon, time_step);
@@ -150,14 +151,14 @@ TEST(SafeVelocity, TwoDiscsHeadOnBothGiveWayToTheSameSide) {
   EXPECT_GE(least_distance({left.position, a, 5}, {right.position, b, 5}, horizon), 10 - 1e-9);
 }
 
-TEST(SafeVelocity, IsThePreferredOneWithinTheLimit) {
+TEST(SafeVelocity, ThePreferredVelocityIsKeptWithinTheLimit) {
   EXPECT_EQ(safe_velocity({3, 4}, 10, {}, {}), Point2(3, 4));
   EXPECT_NEAR((safe_velocity({30, 40}, 10, {}, {}) - Point2(6, 8)).norm(), 0, 1e-12);
   EXPECT_EQ(safe_velocity({3, 4}, 0, {}, {}), Point2(0, 0));
   EXPECT_EQ(safe_velocity({0, 0}, 10, {}, {}), Point2(0, 0));
 }
 
-TEST(SafeVelocity, ParallelAndRepeatedPlanesAreNoTrouble) {
+TEST(SafeVelocity, ParallelAndRepeatedPlanesAreHandled) {
   const HalfPlane up_to_2{{2, 7}, {0, 1}};  // vx <= 2
   const HalfPlane up_to_3{{3, -1}, {0, 1}};
   const HalfPlane from_1{{1, 0}, {0, -1}};  // vx >= 1
@@ -165,17 +166,17 @@ TEST(SafeVelocity, ParallelAndRepeatedPlanesAreNoTrouble) {
   const auto best = [](std::vector<HalfPlane> soft) { return safe_velocity({5, 1}, 10, {}, soft); };
   EXPECT_NEAR((best({up_to_2, up_to_2, up_to_3}) - Point2(2, 1)).norm(), 0, 1e-9);
   EXPECT_NEAR((best({up_to_3, from_1, up_to_2}) - Point2(2, 1)).norm(), 0, 1e-9);
-  EXPECT_NEAR(best({up_to_2, from_4}).x(), 3, 1e-9);  // half way between what each asks for
+  EXPECT_NEAR(best({up_to_2, from_4}).x(), 3, 1e-9);  // half way between the two planes
   EXPECT_NEAR(best({up_to_3, up_to_2, from_4}).x(), 3, 1e-9);
 }
 
-TEST(SafeVelocity, ObstaclesOnAllSidesLeaveStandingStill) {
+TEST(SafeVelocity, ADiscBetweenObstaclesOnAllSidesStands) {
   std::vector<HalfPlane> hard;
   for (int k = 0; k < 7; ++k) {
     const double angle = 2 * std::numbers::pi * k / 7 + 0.1;
     hard.push_back({Point2::Zero(), Point2(std::cos(angle), std::sin(angle))});
   }
-  const std::vector<HalfPlane> soft{{{5, 0}, {0, -1}}};  // wants vx >= 5
+  const std::vector<HalfPlane> soft{{{5, 0}, {0, -1}}};  // requires vx >= 5
   EXPECT_NEAR(safe_velocity({7, 3}, 20, hard, {}).norm(), 0, 1e-6);
   EXPECT_NEAR(safe_velocity({7, 3}, 20, hard, soft).norm(), 0, 1e-6);
 }
@@ -190,8 +191,8 @@ std::vector<HalfPlane> random_planes(std::size_t count, double nearest, double f
   return planes;
 }
 
-// No sampled velocity is better: neither nearer to the preferred one, nor, where the soft planes leave
-// nothing, less in violation of them.
+// No sampled velocity is nearer to the preferred one. If the soft planes are infeasible, none violates them
+// less.
 TEST(SafeVelocity, NoSampledVelocityIsBetter) {
   constexpr double max_speed = 10;
   Random random(3);
@@ -238,13 +239,13 @@ std::vector<HalfPlane> planes_at(const ClearanceField& field, const Point2& p, d
   return planes;
 }
 
-constexpr std::size_t wall_row = 6000;  // row 60 of a map 100 wide
+constexpr std::size_t wall_row = 6000;  // row 60 of a map that is 100 cells wide
 
-TEST(ObstacleHalfPlanes, AreNoneInOpenSpace) {
+TEST(ObstacleHalfPlanes, OpenSpaceGivesNoPlanes) {
   EXPECT_TRUE(planes_at(ClearanceField(open_map(100, 100)), {50, 50}, 5, 20).empty());
 }
 
-TEST(ObstacleHalfPlanes, OneForAWallAndOneForEachSideOfTheMap) {
+TEST(ObstacleHalfPlanes, AWallAndEachSideOfTheMapGiveOnePlane) {
   OccupancyMap map = open_map(100, 100);
   for (std::size_t i = 0; i < 100; ++i) map.blocked[wall_row + i] = 1;
   const ClearanceField field(map);
@@ -255,11 +256,11 @@ TEST(ObstacleHalfPlanes, OneForAWallAndOneForEachSideOfTheMap) {
   EXPECT_EQ(planes_at(field, {7, 8}, 5, 20).size(), 2u);
 }
 
-TEST(ObstacleHalfPlanes, TouchingAllowsSlidingAndLeavingOnly) {
+TEST(ObstacleHalfPlanes, ADiscThatTouchesMayOnlySlideOrLeave) {
   OccupancyMap map = open_map(100, 100);
   for (std::size_t i = 0; i < 100; ++i) map.blocked[wall_row + i] = 1;
   const ClearanceField field(map);
-  for (const double y : {55.0, 55.5}) {  // touching, and half a metre too near
+  for (const double y : {55.0, 55.5}) {  // touching, and 0.5 m too near
     const auto planes = planes_at(field, {50, y}, 5, 10);
     EXPECT_LE(worst(planes, {7, 0}), 1e-12);
     EXPECT_LE(worst(planes, {0, -7}), 1e-12);
@@ -268,7 +269,7 @@ TEST(ObstacleHalfPlanes, TouchingAllowsSlidingAndLeavingOnly) {
   }
 }
 
-TEST(ObstacleHalfPlanes, MayBeAskedWithinAnObstacle) {
+TEST(ObstacleHalfPlanes, APositionInsideAnObstacleGivesUsablePlanes) {
   OccupancyMap map = open_map(50, 50);
   for (std::size_t j = 20; j < 30; ++j) {
     for (std::size_t i = 20; i < 30; ++i) map.blocked[j * 50 + i] = 1;
@@ -283,8 +284,8 @@ TEST(ObstacleHalfPlanes, MayBeAskedWithinAnObstacle) {
   }
 }
 
-// Velocities within the half planes, held for the horizon, do not lead into an obstacle.
-TEST(ObstacleHalfPlanes, KeepTheDiscClearForTheHorizon) {
+// A velocity within the half planes that is kept for the horizon leads into no obstacle.
+TEST(ObstacleHalfPlanes, ThePlanesKeepTheDiscClearForTheHorizon) {
   Random random(4);
   OccupancyMap map = open_map(120, 120);
   map.resolution = 0.5;

@@ -1,5 +1,5 @@
-// A recording from the messages that are heard to those that are played: from its beginning, and from any
-// time.
+// Tests of a recording from the messages that arrive to those that are played, from the beginning and from
+// any time.
 
 #include "monitor/recording.h"
 
@@ -45,7 +45,7 @@ RootNodes nodes(const char* robot, std::uint32_t first) {
   return {robot, 1, first, {{Side::start, {1, 1}, -1}}};
 }
 
-/// Twenty seconds of two robots, of which one stands for most of it; messages 50 ms apart, in order.
+/// The messages of two robots over 20 s, in order and 50 ms apart. One robot stands for most of the time.
 std::vector<Arrival> fleet() {
   std::vector<Arrival> all;
   const auto say = [&](Message message, double t) {
@@ -67,9 +67,9 @@ std::vector<Arrival> fleet() {
   return all;
 }
 
-class ARecording : public testing::Test {
+class RecordingTest : public testing::Test {
  protected:
-  /// As a recorder that looks every 100 ms, with what it then takes in the order of the topics.
+  /// Records as a recorder that looks every 100 ms. It takes what it finds in the order of the topics.
   std::string record(const std::vector<Arrival>& all, bool whole = true) {
     Recorder recorder;
     std::ofstream out(folder_.path() / "r.mcap", std::ios::binary);
@@ -103,7 +103,7 @@ class ARecording : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(ARecording, HoldsEveryMessageInOrder) {
+TEST_F(RecordingTest, ARecordingHoldsEveryMessageInOrder) {
   const Recording recording(record(fleet()));
   EXPECT_EQ(recording.file().ending(), "");
   EXPECT_NEAR(recording.begin(), epoch, 1e-6);
@@ -112,7 +112,7 @@ TEST_F(ARecording, HoldsEveryMessageInOrder) {
   expect_same(play(recording, recording.begin()), fleet());
 }
 
-TEST_F(ARecording, ThatWasCutOffHoldsAllButTheLastSecond) {
+TEST_F(RecordingTest, ARecordingThatWasCutOffHoldsAllButTheLastSecond) {
   const Recording recording(record(fleet(), false));
   EXPECT_NE(recording.file().ending(), "");
   EXPECT_GT(recording.end(), epoch + 18.5);
@@ -121,7 +121,7 @@ TEST_F(ARecording, ThatWasCutOffHoldsAllButTheLastSecond) {
   expect_same(play(recording, recording.begin()), expected);
 }
 
-/// What a participant that joins at `from` is given, told one message after the other.
+/// What a participant that joins at `from` is given, in the order of arrival.
 std::vector<Arrival> expected_from(WallTime from) {
   std::vector<Arrival> all;
   const std::vector<Arrival> heard = fleet();
@@ -143,7 +143,7 @@ std::vector<Arrival> expected_from(WallTime from) {
   return all;
 }
 
-TEST_F(ARecording, FromAnyTimeOnBeginsWithWhatIsTrueThen) {
+TEST_F(RecordingTest, PlaybackFromAnyTimeBeginsWithWhatIsValidThen) {
   const Recording recording(record(fleet()));
   for (const double t : {0.02, 3.7, 9.99, 10.02, 15.0251, 19.99}) {
     SCOPED_TRACE(t);
@@ -151,9 +151,9 @@ TEST_F(ARecording, FromAnyTimeOnBeginsWithWhatIsTrueThen) {
   }
 }
 
-TEST_F(ARecording, BeginningLateReadsNoneOfTheEarlierStates) {
+TEST_F(RecordingTest, PlaybackFromALateTimeReadsNoEarlierStates) {
   const std::string file = record(fleet());
-  // A chunk of early states is damaged: who needs it notices.
+  // A chunk of early states is damaged, so that reading it fails.
   const Recording sound(file);
   const std::uint16_t states = *sound.channels_of(Topics().set(topic_number<RobotState>())).begin();
   const auto early = std::ranges::find_if(sound.file().pieces(), [&](const McapReader::Piece& piece) {
@@ -167,13 +167,13 @@ TEST_F(ARecording, BeginningLateReadsNoneOfTheEarlierStates) {
   EXPECT_NO_THROW(play(recording, epoch + 15));
 }
 
-TEST_F(ARecording, ShowsOnlyTheTopicsThatAreAskedFor) {
+TEST_F(RecordingTest, PlaybackShowsOnlyTheRequestedTopics) {
   const Recording recording(record(fleet()));
   const auto missions = play(recording, recording.begin(), Topics().set(topic_number<Mission>()));
   EXPECT_EQ(missions.size(), 3u);
 }
 
-TEST_F(ARecording, HandsOutNothingThatFailsValidation) {
+TEST_F(RecordingTest, PlaybackDropsMessagesThatFailValidation) {
   std::vector<Arrival> all = fleet();
   RobotState forged = state("a", 1);
   forged.max_speed = -1;
@@ -186,11 +186,11 @@ TEST_F(ARecording, HandsOutNothingThatFailsValidation) {
   EXPECT_EQ(playback.rejected(), 1u);
 }
 
-TEST_F(ARecording, KeepsItsOrderWhereMessagesComeLate) {
+TEST_F(RecordingTest, ARecordingKeepsItsOrderIfMessagesComeLate) {
   Recorder recorder;
   std::string file = recorder.step(epoch);
   recorder.on({arrival_of(state("a", 2), epoch + 2), arrival_of(state("b", 1), epoch + 1)});
-  recorder.on({arrival_of(mission("a", 1), epoch + 0.5)});  // was held back, until its sender was known
+  recorder.on({arrival_of(mission("a", 1), epoch + 0.5)});  // it was held back until its sender was known
   file += recorder.finish();
   const Recording recording(folder_.write("r.mcap", file).string());
   const auto all = play(recording, recording.begin());
@@ -200,7 +200,7 @@ TEST_F(ARecording, KeepsItsOrderWhereMessagesComeLate) {
   EXPECT_NEAR(all[2].at, epoch + 2, 1e-6);
 }
 
-TEST_F(ARecording, GoesOnInOrderWhereTheClockIsSetBack) {
+TEST_F(RecordingTest, ARecordingGoesOnInOrderIfTheClockIsSetBack) {
   Recorder recorder;
   std::string bytes;
   const auto step = [&](double t, double clock) {
@@ -209,7 +209,7 @@ TEST_F(ARecording, GoesOnInOrderWhereTheClockIsSetBack) {
   };
   for (int k = 0; k < 100; ++k) step(0.1 * k, epoch + 0.1 * k);
   for (int k = 0; k < 100; ++k) step(10 + 0.1 * k, epoch - 3600 + 0.1 * k);
-  EXPECT_GT(bytes.size(), 5'000u) << "what is said is written within a second";
+  EXPECT_GT(bytes.size(), 5'000u) << "messages are written within a second";
   bytes += recorder.finish();
   const std::string file = folder_.write("back.mcap", bytes).string();
   const Recording recording(file);
@@ -219,14 +219,14 @@ TEST_F(ARecording, GoesOnInOrderWhereTheClockIsSetBack) {
   for (std::size_t k = 1; k < all.size(); ++k) EXPECT_GE(all[k].at, all[k - 1].at);
 }
 
-TEST_F(ARecording, IsNoFileOfSomethingElse) {
+TEST_F(RecordingTest, AForeignFileIsNoRecording) {
   McapWriter writer("other");
   writer.add_channel("/chatter", "protobuf", "std.String", "");
   writer.finish();
   EXPECT_THROW(Recording(folder_.write("r.mcap", writer.take()).string()), InputError);
 }
 
-TEST(ReplayClock, KeepsFleetTime) {
+TEST(ReplayClock, AReplayKeepsFleetTime) {
   const ReplayClock clock{.from = epoch + 10, .start = epoch + 5000, .speed = 4};
   Mission m = mission("a", 1);
   m.clock = {epoch + 2, 0.5};
@@ -237,7 +237,7 @@ TEST(ReplayClock, KeepsFleetTime) {
   EXPECT_EQ(clock.present(epoch + 14), epoch + 5001);
 }
 
-TEST(ReplayClock, KeepsWhatProcessesNeedASecond) {
+TEST(ReplayClock, AReplayKeepsTheShareOfProcessorTime) {
   const ReplayClock clock{.from = epoch, .start = epoch + 5000, .speed = 4};
   const auto broker = [&](double seconds, WallTime leading_since) {
     BrokerStatus status{.broker = 1, .leading_since = leading_since};

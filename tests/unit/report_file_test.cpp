@@ -1,4 +1,4 @@
-// Reports as files.
+// Tests of reports in files.
 #include "files/report_file.h"
 
 #include <string>
@@ -37,7 +37,7 @@ struct ReportFile : testing::Test {
   const std::filesystem::path path = folder.path() / "report.json";
 };
 
-TEST_F(ReportFile, IsReadAsItWasWritten) {
+TEST_F(ReportFile, AReportIsReadAsItWasWritten) {
   for (const int robots : {0, 1, 3}) {
     const proto::Report report = report_of(robots);
     written(report);
@@ -45,7 +45,7 @@ TEST_F(ReportFile, IsReadAsItWasWritten) {
   }
 }
 
-TEST(ReportTable, ShowsNoDistanceBelowZeroThatRoundsToIt) {
+TEST(ReportTable, ADistanceThatRoundsToZeroIsShownWithoutASign) {
   proto::Report report = report_of(1);
   report.set_least_separation(-3e-14);
   report.set_least_clearance(-0.25);
@@ -54,7 +54,7 @@ TEST(ReportTable, ShowsNoDistanceBelowZeroThatRoundsToIt) {
       << report_table(report);
 }
 
-TEST(ReportTable, SaysWhenAgentsGotTooLittleProcessorTime) {
+TEST(ReportTable, TheTableWarnsIfAgentsGotTooLittleProcessorTime) {
   proto::Report report = report_of(2);
   report.set_periods_missed(0.004);
   EXPECT_EQ(report_table(report).find("control periods"), std::string::npos) << report_table(report);
@@ -64,12 +64,12 @@ TEST(ReportTable, SaysWhenAgentsGotTooLittleProcessorTime) {
       << report_table(report);
 }
 
-TEST_F(ReportFile, SaysWhatIsZeroAndWhatIsEmpty) {
+TEST_F(ReportFile, ZerosAndEmptyListsAreWritten) {
   google::protobuf::Struct json;
   ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(written(report_of(2)), &json).ok());
   const auto& all = json.fields();
   EXPECT_EQ(all.at("collisions").number_value(), 0);
-  EXPECT_FALSE(all.contains("least_separation")) << "it has a presence of its own";
+  EXPECT_FALSE(all.contains("least_separation")) << "the field has explicit presence";
   const auto& robots = all.at("robots").list_value().values();
   EXPECT_TRUE(robots[0].struct_value().fields().at("path").has_list_value());
   EXPECT_TRUE(robots[0].struct_value().fields().at("arrived").has_bool_value());

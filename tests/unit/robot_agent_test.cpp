@@ -1,4 +1,4 @@
-// The robot agent as a state machine, message by message.
+// Tests of the robot agent as a state machine, message by message.
 #include "robot_agent/robot_agent.h"
 
 #include <tuple>
@@ -17,7 +17,7 @@ AgentStatus last_status(RobotAgent& agent, double now) {
   return statuses.empty() ? AgentStatus{} : statuses.back();
 }
 
-TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
+TEST(RobotAgent, TheAgentDrivesAloneWithOnlyAService) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -25,14 +25,14 @@ TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   EXPECT_FALSE(of<AgentStatus>(messages(agent.step(0))).empty());
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   const auto said = run(agent, 0, 30);
-  ASSERT_GE(of<PathMessage>(said).size(), 2u);  // straight off the trees, and then taut
+  ASSERT_GE(of<PathMessage>(said).size(), 2u);  // a path from the trees, then an optimised one
   for (const PathMessage& path : of<PathMessage>(said)) EXPECT_EQ(path.waypoints.back(), Point2(100, 60));
   EXPECT_LT(length_of(of<PathMessage>(said)[1].waypoints), length_of(of<PathMessage>(said)[0].waypoints));
   const AgentStatus last = of<AgentStatus>(said).back();
   EXPECT_EQ(last.phase, Phase::arrived);
   EXPECT_GT(last.arrival_time, 100.0 / 20);
   EXPECT_LT((of<RobotState>(said).back().position - Point2(100, 60)).norm(), 1);
-  // Every control step is on record, once and in order.
+  // The track holds every control step once and in order.
   std::uint32_t points = 0;
   for (const TrackMessage& batch : of<TrackMessage>(said)) {
     EXPECT_EQ(batch.first_index, points);
@@ -41,7 +41,7 @@ TEST(RobotAgent, DrivesAloneWithNobodyButTheService) {
   EXPECT_EQ(points, last.track_points);
 }
 
-TEST(RobotAgent, OfASlowFleetSaysItsTrackInBatchesToo) {
+TEST(RobotAgent, TheAgentOfASlowFleetSendsItsTrackInBatches) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -52,13 +52,13 @@ TEST(RobotAgent, OfASlowFleetSaysItsTrackInBatchesToo) {
   }
   const auto said = run(agent, 0, 20);
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::driving);
-  EXPECT_GT(of<AgentStatus>(said).size(), 30u) << "beats of the wall's clock";
+  EXPECT_GT(of<AgentStatus>(said).size(), 30u) << "heartbeats in wall time";
   const auto batches = of<TrackMessage>(said);
   EXPECT_LE(batches.size(), 6u) << "for two seconds of fleet time, with two changes of phase";
   EXPECT_GT(batches.back().first_index + batches.back().points.size(), 29u);
 }
 
-TEST(RobotAgent, ACancelledMissionStopsIt) {
+TEST(RobotAgent, ACancelledMissionStopsTheRobot) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -76,8 +76,8 @@ TEST(RobotAgent, ACancelledMissionStopsIt) {
   EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
 }
 
-// Another map may be heard of: of a run that has nothing to do with this one.
-TEST(RobotAgent, ACancelledMissionStopsItThoughAnotherMapWasHeard) {
+// The map may belong to a run that has nothing to do with this one.
+TEST(RobotAgent, ACancelledMissionStopsTheRobotAfterAnotherMapWasHeard) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -96,7 +96,7 @@ TEST(RobotAgent, ACancelledMissionStopsItThoughAnotherMapWasHeard) {
   EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
 }
 
-TEST(RobotAgent, GoesToItsNextGoalThoughAnotherMapWasHeard) {
+TEST(RobotAgent, TheRobotDrivesToItsNextGoalAfterAnotherMapWasHeard) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -116,7 +116,7 @@ TEST(RobotAgent, GoesToItsNextGoalThoughAnotherMapWasHeard) {
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::arrived);
 }
 
-TEST(RobotAgent, WhatItsProcessCountsGoesOnInTheNextRun) {
+TEST(RobotAgent, TheCountersOfTheProcessGoOnInTheNextRun) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   std::vector<Mission> missions;
@@ -149,7 +149,7 @@ TEST(RobotAgent, WhatItsProcessCountsGoesOnInTheNextRun) {
   EXPECT_GE(second.load.state_age_max, first.load.state_age_max);
 }
 
-TEST(RobotAgent, OneWithoutAMissionSaysSoOnceTheRunsMissionsHaveCome) {
+TEST(RobotAgent, AnAgentWithoutAMissionSaysSoOnceTheMissionsCame) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("r9");
   EXPECT_EQ(last_status(agent, 0).reason, "");
@@ -159,7 +159,7 @@ TEST(RobotAgent, OneWithoutAMissionSaysSoOnceTheRunsMissionsHaveCome) {
   EXPECT_EQ(status.reason, "no mission for r9: the run has 2 robots, a to b");
 }
 
-TEST(RobotAgent, SaysWhatItWaitsForAndWhyItDidNotArrive) {
+TEST(RobotAgent, TheAgentReportsItsWaitAndWhyItDidNotArrive) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   std::vector<Mission> missions;
@@ -185,7 +185,7 @@ TEST(RobotAgent, SaysWhatItWaitsForAndWhyItDidNotArrive) {
   EXPECT_EQ(status.wait_cause, "");
 }
 
-TEST(RobotAgent, OneWhoseRobotIsNotSeenSaysThatNoOdometryCame) {
+TEST(RobotAgent, AnAgentWithoutOdometrySaysSo) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   scenario.robots[0].goal = {20, 30};
@@ -203,7 +203,7 @@ TEST(RobotAgent, OneWhoseRobotIsNotSeenSaysThatNoOdometryCame) {
   EXPECT_EQ(of<AgentStatus>(run(agent, 6, 7)).back().reason, "since 0.0 s: no odometry came");
 }
 
-TEST(RobotAgent, OneThatComesOnWaitsForNothing) {
+TEST(RobotAgent, AnAgentThatProgressesReportsNoWait) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -220,7 +220,7 @@ TEST(RobotAgent, OneThatComesOnWaitsForNothing) {
   EXPECT_EQ(left, 0);
 }
 
-TEST(RobotAgent, OneThatIsToEndBrakesAndSaysAllThatItHasToSay) {
+TEST(RobotAgent, AnAgentThatMustStopBrakesAndSendsAllThatIsLeft) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -248,7 +248,7 @@ TEST(RobotAgent, OneThatIsToEndBrakesAndSaysAllThatItHasToSay) {
   EXPECT_NEAR(points, 3 / 0.05, 2);
 }
 
-TEST(RobotAgent, OneThatStandsAndWakesLateIsStillHeardOf) {
+TEST(RobotAgent, AStandingAgentThatWakesLateIsStillHeard) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   PlannerService service(scenario, {}, 0);
@@ -304,11 +304,11 @@ TEST(RobotAgent, AMissionThatDoesNotFitTheMapFailsWithAReason) {
     EXPECT_EQ(status.phase, Phase::no_path);
     EXPECT_NE(status.reason.find(word), std::string::npos) << status.reason;
     EXPECT_FALSE(
-        of<RobotState>(messages(agent.step(0.1))).empty());  // the others are to know where it stands
+        of<RobotState>(messages(agent.step(0.1))).empty());  // the other robots must know where it stands
   }
 }
 
-TEST(RobotAgent, AMissionFarOutOfItsTimeIsNotForNow) {
+TEST(RobotAgent, AMissionFarOutOfItsTimeIsIgnored) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (Message m : map_and_missions(service)) {
@@ -320,7 +320,7 @@ TEST(RobotAgent, AMissionFarOutOfItsTimeIsNotForNow) {
   EXPECT_EQ(status.rejected, 2u);
 }
 
-TEST(RobotAgent, OneWhoseClockWasSetStandsAllThatTimeAndGoesOn) {
+TEST(RobotAgent, AnAgentWhoseClockWasSetStandsForThatTimeAndGoesOn) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
   for (const Message& m : map_and_missions(service)) {

@@ -1,4 +1,5 @@
-// Agents without a name and the desk that gives them one: message by message, and against a bus that loses.
+// Tests of how agents without a name are assigned a robot: message by message, and over a bus that loses
+// messages.
 #include "planner_service/robot_assignment.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ std::vector<Assignment> assignments(const std::vector<Message>& messages) {
   return all;
 }
 
-/// A desk that has been there for long enough, and is stepped as it wants to be.
+/// A robot assignment that has listened for long enough, and is stepped whenever it asks.
 struct Desk {
   explicit Desk(const std::vector<RobotName>& robots) : desk(robots, -5) {}
   std::vector<Assignment> hears(const Message& message, double at) {
@@ -35,7 +36,7 @@ struct Desk {
     desk.on(arrival_of(message, now));
     return assignments(desk.step(now));
   }
-  /// When a claimant that begins to ask then is given a robot.
+  /// The time at which a claimant that begins to ask at `from` is given a robot.
   double gives_one_to(std::uint64_t claimant, double from) {
     std::uint32_t number = 0;
     while (hears_after_nap(Claim{claimant, ++number}, from).empty() && from < now + 100) from += 0.5;
@@ -45,7 +46,7 @@ struct Desk {
   double now = -5;
 };
 
-TEST(RobotAssignment, GivesEachClaimantTheFirstRobotThatNobodyIs) {
+TEST(RobotAssignment, EachClaimantGetsTheFirstFreeRobot) {
   Desk desk({"a", "b", "c"});
   EXPECT_TRUE(desk.hears(AgentStatus{.robot = "b"}, 0).empty());
   EXPECT_EQ(desk.hears(Claim{7, 1}, 0), (std::vector<Assignment>{{"a", 7, 1}}));
@@ -53,7 +54,7 @@ TEST(RobotAssignment, GivesEachClaimantTheFirstRobotThatNobodyIs) {
   EXPECT_TRUE(desk.hears(Claim{9, 1}, 0).empty());
 }
 
-TEST(RobotAssignment, GivesNothingAwayBeforeItHasListened) {
+TEST(RobotAssignment, NoRobotIsAssignedBeforeTheServiceHasListened) {
   RobotAssignment desk({"a"}, 0);
   desk.on(arrival_of(Claim{7, 1}, 0));
   for (const double now : {0.0, 1.0, 1.9}) EXPECT_TRUE(desk.step(now).empty());
@@ -61,7 +62,7 @@ TEST(RobotAssignment, GivesNothingAwayBeforeItHasListened) {
   EXPECT_EQ(assignments(desk.step(2.1)), (std::vector<Assignment>{{"a", 7, 1}}));
 }
 
-TEST(RobotAssignment, AnswersEachNewClaimOfItsOwnerAndNoRepetition) {
+TEST(RobotAssignment, EachNewClaimOfTheOwnerIsAnsweredAndNoRepetition) {
   Desk desk({"a", "b"});
   desk.hears(Claim{7, 1}, 0);
   EXPECT_TRUE(desk.hears(Claim{7, 1}, 0.1).empty());
@@ -71,34 +72,35 @@ TEST(RobotAssignment, AnswersEachNewClaimOfItsOwnerAndNoRepetition) {
   EXPECT_TRUE(desk.hears(Claim{7, 2}, 0.8).empty());
 }
 
-TEST(RobotAssignment, TakesARobotBackWhenNothingIsHeardOfIt) {
+TEST(RobotAssignment, ALeaseThatIsNotRenewedEnds) {
   Desk desk({"a"});
   desk.hears(Claim{7, 1}, 0);
   desk.hears(Claim{7, 2, "a"}, 0.1);
   desk.hears(AgentStatus{.robot = "a"}, 5);
   for (std::uint32_t n = 1; n < 20; ++n) EXPECT_TRUE(desk.hears(Claim{8, n}, 5 + n * 0.5).empty()) << n;
   EXPECT_EQ(desk.hears(Claim{8, 20}, 5.1 + claim_lease), (std::vector<Assignment>{{"a", 8, 20}}));
-  EXPECT_EQ(desk.hears(Claim{7, 2, "a"}, 16), (std::vector<Assignment>{{"a", 8, 20}}));  // the one before
+  EXPECT_EQ(desk.hears(Claim{7, 2, "a"}, 16),
+            (std::vector<Assignment>{{"a", 8, 20}}));  // the assignment before
   EXPECT_EQ(desk.hears(Claim{8, 21}, 16), (std::vector<Assignment>{{"a", 8, 21}}));
 }
 
-TEST(RobotAssignment, WhoHasStoppedAskingIsGivenNothing) {
+TEST(RobotAssignment, AClaimantThatStoppedAskingGetsNothing) {
   Desk desk({"a"});
   desk.hears(AgentStatus{.robot = "a"}, 0);
   desk.hears(Claim{7, 1}, 0);
   EXPECT_EQ(desk.hears(Claim{8, 1}, claim_lease + 1), (std::vector<Assignment>{{"a", 8, 1}}));
 }
 
-TEST(RobotAssignment, HoldsWhatALivingAgentIsWhileItSleepsItself) {
+TEST(RobotAssignment, TheLeaseOfALivingAgentOutlivesAPauseOfTheService) {
   Desk desk({"a"});
   desk.hears(AgentStatus{.robot = "a"}, 0);
   EXPECT_NEAR(desk.gives_one_to(8, 60), 60 + claim_lease, 0.6);
 }
 
-TEST(RobotAssignment, WhenTheClockIsSetBackHoldsARobotForNoMoreThanItsLeaseAndNoLess) {
+TEST(RobotAssignment, ALeaseKeepsItsLengthIfTheClockIsSetBack) {
   Desk silent({"a"});
   silent.hears(AgentStatus{.robot = "a"}, 0);
-  silent.hears(Claim{7, 1}, 4);  // and is heard of no more
+  silent.hears(Claim{7, 1}, 4);  // and is not heard any more
   EXPECT_NEAR(silent.gives_one_to(8, -1000), -1000 + claim_lease, 0.6);
   Desk alive({"a"});
   alive.hears(AgentStatus{.robot = "a"}, 0);
@@ -106,21 +108,21 @@ TEST(RobotAssignment, WhenTheClockIsSetBackHoldsARobotForNoMoreThanItsLeaseAndNo
   EXPECT_NEAR(alive.gives_one_to(8, -999.5), -1000 + claim_lease, 0.6);
 }
 
-TEST(RobotAssignment, HoldsWhomItsPredecessorHeardOf) {
+TEST(RobotAssignment, TheSuccessorKeepsTheLeasesOfItsPredecessor) {
   Desk desk({"a", "b"});
   desk.hears(Claim{7, 9, "b"}, 0);
   desk.desk.recall(std::vector<Message>{AgentStatus{.robot = "a"}}, 0);
   EXPECT_NEAR(desk.gives_one_to(8, 0.5), claim_lease, 0.6);
 }
 
-TEST(RobotAssignment, LearnsWhoIsWhoFromThoseWhoKnow) {
+TEST(RobotAssignment, TheServiceLearnsLeasesFromClaimsAndStatuses) {
   Desk desk({"a", "b"});
   EXPECT_TRUE(desk.hears(Claim{7, 9, "a"}, 0).empty());
   EXPECT_EQ(desk.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"b", 8, 1}}));
   EXPECT_TRUE(desk.hears(Claim{9, 1, "elsewhere"}, 0).empty());
 }
 
-TEST(RobotAssignment, WhoAsksOnWhileAnotherSpeaksAsThatRobotIsGivenAnother) {
+TEST(RobotAssignment, AClaimantGetsAnotherRobotIfAPeerSpeaksAsItsOwn) {
   Desk desk({"a", "b"});
   desk.hears(Claim{7, 1}, 0);
   desk.hears(AgentStatus{.robot = "a"}, 0.2);
@@ -133,7 +135,7 @@ std::vector<Claim> claims(std::vector<Outgoing> said) {
   return all;
 }
 
-TEST(Claimant, AsksUntilItIsAnswered) {
+TEST(Claimant, AClaimantAsksUntilItIsAnswered) {
   Claimant claimant(7);
   EXPECT_EQ(claims(claimant.step(0)), (std::vector<Claim>{{7, 1}}));
   EXPECT_TRUE(claimant.step(0.1).empty());
@@ -160,7 +162,7 @@ TEST(Claimant, AnAnswerThatTookTooLongDoesNotCount) {
   EXPECT_EQ(claimant.robot(), "a");
 }
 
-TEST(Claimant, WaitsWhileSomebodySpeaksAsTheRobotAndGivesUpWhatIsGivenToAnother) {
+TEST(Claimant, AClaimantWaitsWhileAnotherAgentSpeaksAsItsRobot) {
   Claimant claimant(7);
   claimant.step(0);
   claimant.on(arrival_of(RobotState{.robot = "a"}, 0.1));
@@ -168,7 +170,7 @@ TEST(Claimant, WaitsWhileSomebodySpeaksAsTheRobotAndGivesUpWhatIsGivenToAnother)
   claimant.step(0.2);
   EXPECT_FALSE(claimant.robot());
   claimant.step(0.7);
-  claimant.on(arrival_of(RobotState{.robot = "a", .passed_on = true}, 1));  // no more than hearsay
+  claimant.on(arrival_of(RobotState{.robot = "a", .passed_on = true}, 1));  // a relayed state does not count
   claimant.on(arrival_of(Assignment{"a", 9, 1}, 1.05));
   claimant.step(1.2);
   EXPECT_FALSE(claimant.robot());
@@ -177,7 +179,7 @@ TEST(Claimant, WaitsWhileSomebodySpeaksAsTheRobotAndGivesUpWhatIsGivenToAnother)
   EXPECT_EQ(claimant.robot(), "a");
 }
 
-/// Of robot a, since 0.1 s.
+/// The claimant of robot a, since 0.1 s.
 Claimant named() {
   Claimant claimant(7);
   claimant.step(0);
@@ -186,7 +188,7 @@ Claimant named() {
   return claimant;
 }
 
-TEST(Claimant, LosesItsRobotToAnotherAndBySilence) {
+TEST(Claimant, AClaimantLosesItsRobotToAnotherAndBySilence) {
   Claimant replaced = named();
   replaced.on(arrival_of(Assignment{"b", 8, 1}, 1));
   replaced.on(arrival_of(Assignment{"a", 7, 1}, 1));
@@ -201,7 +203,7 @@ TEST(Claimant, LosesItsRobotToAnotherAndBySilence) {
   EXPECT_TRUE(silent.lost());
 }
 
-TEST(Claimant, IsNotSilentWhoSaysWhichRobotItIsWhileItReadsALongJournal) {
+TEST(Claimant, ClaimsRenewTheLeaseWhileALongJournalIsRead) {
   Claimant claimant = named();
   for (double now = 1; now <= 60; ++now) EXPECT_EQ(claimant.claim(now).robot, "a");
   claimant.step(61);
@@ -210,7 +212,7 @@ TEST(Claimant, IsNotSilentWhoSaysWhichRobotItIsWhileItReadsALongJournal) {
   EXPECT_TRUE(claimant.lost());
 }
 
-TEST(Claimant, AsksOnWhenTheClockIsSetBack) {
+TEST(Claimant, AClaimantAsksOnIfTheClockIsSetBack) {
   Claimant claimant(7);
   claimant.step(1000);
   claimant.on(arrival_of(RobotState{.robot = "a"}, 1000));
@@ -220,7 +222,7 @@ TEST(Claimant, AsksOnWhenTheClockIsSetBack) {
   EXPECT_EQ(claimant.robot(), "a");
 }
 
-/// One that has just begun to be a robot, at 0.
+/// An agent that became robot a at 0 s.
 NamelessAgent agent_of_a() {
   NamelessAgent agent(7);
   agent.step(0);
@@ -236,7 +238,7 @@ std::vector<AgentStatus> statuses(std::vector<Outgoing> said) {
   return all;
 }
 
-TEST(NamelessAgent, ReportsWhatItsBusHasCounted) {
+TEST(NamelessAgent, TheAgentReportsTheCountersOfItsBus) {
   NamelessAgent agent = agent_of_a();
   agent.note({.rejected = 3, .agents = 5}, 0);
   const auto said = statuses(agent.step(0));
@@ -245,14 +247,15 @@ TEST(NamelessAgent, ReportsWhatItsBusHasCounted) {
   EXPECT_EQ(said[0].load.agents_matched, 5u);
 }
 
-TEST(NamelessAgent, GoesOnWhenTheClockIsSetBack) {
+TEST(NamelessAgent, TheAgentGoesOnIfTheClockIsSetBack) {
   NamelessAgent agent = agent_of_a();
   agent.step(0);
   agent.step(-1000);
   EXPECT_FALSE(statuses(agent.step(-999)).empty());
 }
 
-/// Agents and a desk on a bus that loses and delays, that are killed, stopped for a while, and started again.
+/// Agents and a robot assignment on a bus that loses and delays messages. Agents are killed, paused and
+/// restarted.
 class ManyClaims {
  public:
   explicit ManyClaims(std::uint64_t seed)
@@ -270,7 +273,7 @@ class ManyClaims {
         Agent& agent = agents_[k];
         if (!agent.alive || now_ < agent.stopped_until) continue;
         turn(*agent.port, agent.role, &agent);
-        if (agent.role.lost()) replace(agent);  // as whatever started it does
+        if (agent.role.lost()) replace(agent);  // as the process's supervisor does
       }
     }
   }
@@ -325,7 +328,7 @@ class ManyClaims {
   static void begin(RobotAssignment&) {}
   template <class R>
   void turn(SimulatedBus::Port& port, R& role, const Agent* agent) {
-    // What came while it was stopped has to be read in first.
+    // A resumed agent first has to read what came while it was paused.
     const bool deaf = agent != nullptr && now_ < agent->stopped_until + 0.2;
     if (!deaf) {
       for (const Arrival& arrival : port.take()) role.on(arrival);
@@ -340,7 +343,7 @@ class ManyClaims {
       port.publish(std::move(said));
     }
   }
-  /// Whoever speaks as a robot has never been followed by another, nor been another robot.
+  /// Checks that no successor of the speaker spoke before, and that the speaker was no other robot.
   void expect_sole(const RobotName& robot, const Agent& agent) {
     std::vector<std::size_t>& line = speakers_[robot];
     if (line.empty() || line.back() != agent.id) {
@@ -355,12 +358,12 @@ class ManyClaims {
   SimulatedBus bus_;
   double now_ = 0;
   std::optional<Service> service_;
-  std::deque<Agent> agents_;  ///< where they are, they stay
+  std::deque<Agent> agents_;  ///< a deque keeps them where they are
   std::map<RobotName, std::vector<std::size_t>> speakers_;
   std::map<std::size_t, RobotName> robot_of_;
 };
 
-TEST(Claims, NoTwoAgentsAreOneRobotAndNoneIsTwoWhateverGoesWrong) {
+TEST(ManyClaimants, NoTwoAgentsShareARobotUnderFaults) {
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     SCOPED_TRACE(seed);
     ManyClaims claims(seed);

@@ -1,4 +1,4 @@
-// What is left of a robot's way, how long it waits, and when it last came on.
+// Tests of what is left of a robot's path, of its waits, and of its progress.
 
 #include "monitor/robot_progress.h"
 
@@ -11,10 +11,10 @@ RobotState at(double time, const Point2& position) {
   return {.robot = "a", .stamp = time, .position = position, .radius = 0.5, .phase = Phase::driving};
 }
 
-/// There and back past itself, a metre apart.
+/// A path there and back, 1 m apart.
 const Path hairpin{{0, 0}, {100, 0}, {100, 1}, {0, 1}};
 
-TEST(RobotProgress, WithoutAPathThereIsNoWay) {
+TEST(RobotProgress, ThereIsNoDistanceWithoutAPath) {
   RobotProgress progress;
   EXPECT_EQ(progress.way_left({0, 0}), std::nullopt);
   progress.follow(hairpin);
@@ -29,7 +29,7 @@ TEST(RobotProgress, APathOfOnePointLeadsThere) {
   EXPECT_DOUBLE_EQ(*progress.way_left({0, 0}), 5);
 }
 
-TEST(RobotProgress, ThePathsLaterPartIsNotTakenForWhereTheRobotIs) {
+TEST(RobotProgress, ALaterPartOfThePathIsNotTakenForTheCurrentOne) {
   RobotProgress progress;
   progress.follow(hairpin);
   for (int metre = 0; metre <= 50; ++metre) progress.on(at(metre, {metre, 0}));
@@ -48,7 +48,7 @@ TEST(RobotProgress, ARobotThatRejoinsItsPathFurtherOnHasLessToGo) {
   EXPECT_DOUBLE_EQ(*progress.way_left({60, 0}), 40);
 }
 
-TEST(RobotProgress, AWaitIsCountedFromItsBeginningAndAllWaitsTogether) {
+TEST(RobotProgress, AWaitIsTimedFromItsBeginningAndWaitsAreSummed) {
   RobotProgress progress;
   RobotState waits = at(10, {0, 0});
   waits.waits_for = "b";
@@ -67,7 +67,7 @@ TEST(RobotProgress, AWaitIsCountedFromItsBeginningAndAllWaitsTogether) {
   EXPECT_DOUBLE_EQ(progress.waited(21), 5);
 }
 
-TEST(RobotProgress, ARobotThatComesNoNearerMakesNoProgressWhateverItDrives) {
+TEST(RobotProgress, ARobotThatComesNoNearerMakesNoProgress) {
   RobotProgress progress;
   progress.begin_mission();
   progress.follow({{0, 0}, {100, 0}});
@@ -77,12 +77,12 @@ TEST(RobotProgress, ARobotThatComesNoNearerMakesNoProgressWhateverItDrives) {
   EXPECT_DOUBLE_EQ(progress.without_progress(30), 20);
   progress.follow({{10, 0}, {10, 5}, {100, 5}});
   progress.on(at(31, {10, 0}));
-  EXPECT_DOUBLE_EQ(progress.without_progress(31), 21) << "a new path alone is none";
+  EXPECT_DOUBLE_EQ(progress.without_progress(31), 21) << "a new path alone is no progress";
   progress.on(at(32, {10, 1}));
   EXPECT_DOUBLE_EQ(progress.without_progress(33), 1);
 }
 
-TEST(RobotProgress, ARobotWithNowhereToGoLacksNoProgress) {
+TEST(RobotProgress, AnArrivedRobotLacksNoProgress) {
   RobotProgress progress;
   progress.follow({{0, 0}, {1, 0}});
   progress.on(at(1, {0, 0}));

@@ -1,4 +1,4 @@
-// What the tests of the three roles share: a small map, two robots, and messages by kind.
+// Helpers of the tests of agent, broker and service: a small map, two robots, and messages by kind.
 #pragma once
 
 #include <utility>
@@ -44,7 +44,7 @@ inline std::vector<Message> messages(std::vector<Outgoing> outgoing) {
   return all;
 }
 
-/// What a service hands out when a broker's trees cover the map at once.
+/// What a service sends when the trees of a broker cover the map at once.
 inline std::vector<Message> map_and_missions(PlannerService& service) {
   std::vector<Message> all = service.step(0);
   service.on(arrival_of(BrokerStatus{.broker = 1, .covered_map = of<MapMessage>(all).at(0).map_id}, 0));

@@ -1,4 +1,4 @@
-// Names, frames and values of ROS 2.
+// Tests of names, frames and values of ROS 2.
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-TEST(RosNames, NamesOfRosStayAndOthersBecomeSome) {
+TEST(RosNames, ValidRosNamesStayAndOthersAreReplaced) {
   EXPECT_EQ(ros_name("r1"), "r1");
   EXPECT_EQ(ros_name("Robot_7"), "Robot_7");
   EXPECT_EQ(ros_name("r-1"), "r_1");
@@ -31,7 +31,7 @@ TEST(RosNames, NamesOfRosStayAndOthersBecomeSome) {
   EXPECT_EQ(ros_frame("7", "base_link"), "_7/base_link");
 }
 
-TEST(RosNames, TwoRobotsOfOneNameAreRefused) {
+TEST(RosNames, TwoRobotsWithTheSameRosNameAreRefused) {
   EXPECT_NO_THROW(check_ros_names(std::vector<RobotName>{"r1", "r-1", "r2"}));
   try {
     check_ros_names(std::vector<RobotName>{"r-1", "r2", "r.1"});
@@ -41,7 +41,7 @@ TEST(RosNames, TwoRobotsOfOneNameAreRefused) {
   }
 }
 
-TEST(RosOptions, WhereRosCouldNotTakePartItIsRefused) {
+TEST(RosOptions, OptionsThatExcludeRosAreRefused) {
   const RosOptions on{.on = true};
   EXPECT_NO_THROW(check_ros({}, "static", "keys"));
   EXPECT_NO_THROW(check_ros(on, "", ""));
@@ -50,7 +50,7 @@ TEST(RosOptions, WhereRosCouldNotTakePartItIsRefused) {
   EXPECT_THROW(check_ros(on, "", "keys"), std::runtime_error);
 }
 
-TEST(RosOptions, TheDomainIsThatOfRos) {
+TEST(RosOptions, TheDefaultDomainIsTheDomainOfRos) {
   unsetenv("ROS_DOMAIN_ID");
   EXPECT_EQ(usual_ros_domain(), 0);
   setenv("ROS_DOMAIN_ID", "42", 1);
@@ -69,7 +69,7 @@ OccupancyMap map_with_a_corner() {
   return map;
 }
 
-TEST(RosConversion, TheTurnedMapIsFreeWhereTheMapIs) {
+TEST(RosConversion, TheFlippedMapIsFreeWhereTheMapIs) {
   const OccupancyMap map = map_with_a_corner();
   const OccupancyMap up = with_y_up(map);
   EXPECT_EQ(up.y_axis, YAxis::up);
@@ -85,7 +85,7 @@ TEST(RosConversion, TheTurnedMapIsFreeWhereTheMapIs) {
   EXPECT_EQ(turned({3, 4}, YAxis::up), Point2(3, 4));
 }
 
-TEST(RosConversion, YawIsWhereARobotDrivesAndStaysWhileItStands) {
+TEST(RosConversion, TheYawFollowsTheVelocityAndStaysWhileTheRobotStands) {
   Heading heading;
   EXPECT_EQ(heading.facing({0, 0}), 0);
   EXPECT_DOUBLE_EQ(heading.facing({0, 2}), pi / 2);
@@ -93,13 +93,13 @@ TEST(RosConversion, YawIsWhereARobotDrivesAndStaysWhileItStands) {
   EXPECT_DOUBLE_EQ(heading.facing({-1, -1}), -3 * pi / 4);
 }
 
-TEST(RosConversion, VectorsGoIntoARobotsFrameAndBack) {
+TEST(RosConversion, VectorsAreConvertedIntoTheRobotsFrameAndBack) {
   EXPECT_NEAR((into_robot({0, 2}, pi / 2) - Point2(2, 0)).norm(), 0, 1e-12);
   EXPECT_NEAR((into_robot({1, 0}, pi / 2) - Point2(0, -1)).norm(), 0, 1e-12);  // to its right
   EXPECT_NEAR((out_of_robot(into_robot({3, -4}, 0.7), 0.7) - Point2(3, -4)).norm(), 0, 1e-12);
 }
 
-TEST(RosConversion, YawOfAQuaternionLeavesOutItsTilt) {
+TEST(RosConversion, TheYawOfAQuaternionIgnoresItsTilt) {
   EXPECT_NEAR(yaw_of(0, 0, std::sin(0.4), std::cos(0.4)), 0.8, 1e-12);
   EXPECT_NEAR(yaw_of(0, 0, std::sin(1.5), std::cos(1.5)), 3.0, 1e-12);
   // Yaw 0.8, then a roll of 0.3: q = qz * qx.
@@ -107,7 +107,7 @@ TEST(RosConversion, YawOfAQuaternionLeavesOutItsTilt) {
   EXPECT_NEAR(yaw_of(c * sr, s * sr, s * cr, c * cr), 0.8, 1e-12);
 }
 
-TEST(RosConversion, WhatCannotBeRightIsRefused) {
+TEST(RosConversion, InvalidMessagesAreRefused) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(problem_with(RosGoal{"r", "map", {1, 2}}));

@@ -1,4 +1,4 @@
-// What an agent says in ROS, and how it leads a robot that is elsewhere.
+// Tests of what an agent publishes in ROS, and of how it leads a robot by odometry.
 #include "robot_agent/ros_side.h"
 
 #include <algorithm>
@@ -29,7 +29,7 @@ Mission mission_to(const Point2& goal, double scale = 1) {
           .clock = {0, scale}};
 }
 
-/// An agent that is alone, its side in ROS, and a robot elsewhere that is where `follows` takes it.
+/// A single agent, its ROS side, and an external robot that is moved by `follow`.
 struct Fleet {
   explicit Fleet(const Mission& mission, std::optional<TrackingSettings> tracking = {}) {
     if (tracking) agent.lead(*tracking);
@@ -40,7 +40,7 @@ struct Fleet {
     side.heard(message);
     agent.on(arrival_of(message, now));
   }
-  /// `follow(now)`: after each step.
+  /// `follow(now)` is called after each step.
   template <class Fn>
   void run(double from, double until, Fn&& follow) {
     for (double now = from; now < until; now += period / 2) {
@@ -75,13 +75,13 @@ struct Fleet {
   std::vector<RosMessage> ros{};
 };
 
-TEST(RosSide, SaysNothingBeforeThereIsARobot) {
+TEST(RosSide, NothingIsPublishedBeforeThereIsARobot) {
   RobotAgent agent("a");
   RosSide side("a");
   EXPECT_TRUE(side.step(agent, 0).empty());
 }
 
-TEST(RosSide, SaysWhereTheRobotIsAndHowItDrivesWithYUp) {
+TEST(RosSide, PositionAndVelocityArePublishedWithYUp) {
   Fleet fleet(mission_to({20, 20}));  // up the picture
   fleet.run(0, 8);
   const auto odometry = fleet.in_ros<RosOdometry>();
@@ -92,8 +92,8 @@ TEST(RosSide, SaysWhereTheRobotIsAndHowItDrivesWithYUp) {
       std::ranges::max_element(odometry, {}, [](const RosOdometry& o) { return o.twist.linear.norm(); });
   EXPECT_NEAR(fastest->twist.linear.x(), 20, 0.1);
   EXPECT_NEAR(fastest->twist.linear.y(), 0, 1e-9);
-  EXPECT_NEAR(fastest->pose.yaw, pi / 2, 0.2);         // ahead, and not backwards
-  EXPECT_NEAR(odometry.back().pose.yaw, pi / 2, 0.5);  // stands, and looks where it came
+  EXPECT_NEAR(fastest->pose.yaw, pi / 2, 0.2);         // forwards, not backwards
+  EXPECT_NEAR(odometry.back().pose.yaw, pi / 2, 0.5);  // it stands and keeps its heading
   for (std::size_t k = 1; k < odometry.size(); ++k) {
     const Point2 moved = odometry[k].pose.position - odometry[k - 1].pose.position;
     EXPECT_LE(moved.norm(), 20 * (odometry[k].stamp - odometry[k - 1].stamp) + 1e-6);
@@ -108,7 +108,7 @@ TEST(RosSide, SaysWhereTheRobotIsAndHowItDrivesWithYUp) {
   EXPECT_NEAR((plans.back().way.back() - Point2(20, -20)).norm(), 0, 1e-9);
 }
 
-TEST(RosSide, SpeedsAreThoseOfTheWallsClock) {
+TEST(RosSide, SpeedsRelateToWallTime) {
   Fleet fleet(mission_to({100, 60}, 0.5));
   fleet.run(0, 10);
   double fastest = 0;
@@ -117,7 +117,7 @@ TEST(RosSide, SpeedsAreThoseOfTheWallsClock) {
   EXPECT_NEAR(fastest, 10, 0.1);
 }
 
-/// Does what it is told, with a lag; begins off its start.
+/// A robot that obeys with a lag and does not begin at its start.
 struct Follower {
   void follow(Fleet& fleet, double now, bool tells = true) {
     for (std::size_t k = heard; k < fleet.ros.size(); ++k) {
@@ -143,7 +143,7 @@ struct Follower {
 
 constexpr TrackingSettings loose{.tolerance = 12, .patience = 0.5};
 
-TEST(RosSide, LeadsARobotElsewhereToItsGoal) {
+TEST(RosSide, AnExternalRobotIsLedToItsGoal) {
   Fleet fleet(mission_to({40, 20}), loose);
   Follower robot;
   double furthest = 0;
@@ -154,16 +154,16 @@ TEST(RosSide, LeadsARobotElsewhereToItsGoal) {
   EXPECT_LT((robot.position - Point2(40, 20)).norm(), 1);
   EXPECT_EQ(of<AgentStatus>(fleet.said).back().phase, Phase::arrived);
   EXPECT_LT(furthest, loose.tolerance);
-  EXPECT_GT(furthest, 0.5);  // there was something to make good
+  EXPECT_GT(furthest, 0.5);  // there was a deviation to correct
   EXPECT_TRUE(fleet.in_ros<RosOdometry>().empty());
-  // All others keep room for what it may be off.
+  // The other robots keep clear of the tolerance, too.
   for (const RobotState& state : of<RobotState>(fleet.said)) {
     EXPECT_EQ(state.radius, 17);
     EXPECT_LE(state.velocity.norm(), 18 + 1e-9);
   }
   for (const RosCommand& command : fleet.in_ros<RosCommand>())
     EXPECT_LE(command.twist.linear.norm(), 20 + 1e-9);
-  // The record is where the robot was, and not where it should have been.
+  // The track shows where the robot was, not where it should have been.
   const auto track = fleet.track();
   ASSERT_GT(track.size(), 200u);
   EXPECT_EQ(track.front().position, Point2(20.3, 60));
@@ -174,7 +174,7 @@ TEST(RosSide, LeadsARobotElsewhereToItsGoal) {
   }
 }
 
-TEST(RosSide, OneOfWhichNothingIsHeardDoesNotSetOff) {
+TEST(RosSide, ARobotWithoutOdometryDoesNotStart) {
   Fleet fleet(mission_to({40, 20}), loose);
   fleet.run(0, 5);
   EXPECT_EQ(fleet.agent.run()->body().position(), Point2(20, 60));
@@ -182,7 +182,7 @@ TEST(RosSide, OneOfWhichNothingIsHeardDoesNotSetOff) {
   for (const RosCommand& command : fleet.in_ros<RosCommand>()) EXPECT_EQ(command.twist.linear, Point2(0, 0));
 }
 
-TEST(RosSide, StopsItWhileItsOdometryIsMissingAndGoesOnAfterThat) {
+TEST(RosSide, TheRobotStopsWhileOdometryIsMissingAndThenGoesOn) {
   Fleet fleet(mission_to({20, 20}), loose);
   Follower robot;
   const auto with = [&](bool tells) { return [&, tells](double now) { robot.follow(fleet, now, tells); }; };
@@ -200,11 +200,11 @@ TEST(RosSide, StopsItWhileItsOdometryIsMissingAndGoesOnAfterThat) {
   EXPECT_LT((robot.position - Point2(20, 20)).norm(), 1);
 }
 
-TEST(RosSide, StopsItWhereItIsFurtherOffThanAllowed) {
+TEST(RosSide, TheRobotStopsIfItDeviatesMoreThanAllowed) {
   Fleet fleet(mission_to({20, 20}), loose);
   Follower robot;
   fleet.run(0, 1, [&](double now) { robot.follow(fleet, now); });
-  robot.position += Point2(40, 0);  // somebody pushed it
+  robot.position += Point2(40, 0);  // the robot is pushed
   fleet.run(1, 1.2, [&](double now) { robot.follow(fleet, now); });
   fleet.ros.clear();
   robot.heard = 0;
@@ -212,12 +212,12 @@ TEST(RosSide, StopsItWhereItIsFurtherOffThanAllowed) {
   EXPECT_TRUE(fleet.agent.stands());
   for (const RosCommand& command : fleet.in_ros<RosCommand>()) EXPECT_EQ(command.twist.linear, Point2(0, 0));
   EXPECT_GT(robot.position.x(), 50);
-  robot.position = fleet.agent.run()->body().position();  // and brought it back
+  robot.position = fleet.agent.run()->body().position();  // the robot is brought back
   fleet.run(5, 14, [&](double now) { robot.follow(fleet, now); });
   EXPECT_LT((robot.position - Point2(20, 20)).norm(), 1);
 }
 
-TEST(RosSide, ARestartedAgentHasTheTrackOfTheRobot) {
+TEST(RosSide, ARestartedAgentKnowsTheTrackOfTheRobot) {
   Fleet before(mission_to({20, 20}), loose);
   Follower robot;
   before.run(0, 2, [&](double now) { robot.follow(before, now); });

@@ -23,7 +23,7 @@ double least_distance(const Path& path, const Point2& p) {
   return least;
 }
 
-TEST(RouteFinder, StraightWhereNothingStands) {
+TEST(RouteFinder, TheRouteIsStraightWithoutObstacles) {
   const ClearanceField field(open_map(100, 60));
   RouteFinder finder(field, 5, 2);
   const Path path = finder.route({10, 30}, {90, 31}, {});
@@ -31,17 +31,17 @@ TEST(RouteFinder, StraightWhereNothingStands) {
   EXPECT_EQ(path.back(), Point2(90, 31));
 }
 
-TEST(RouteFinder, GoesRoundADiscAndNotFurtherThanNeeded) {
+TEST(RouteFinder, TheRouteGoesAroundADiscAndNotFurtherThanNeeded) {
   const ClearanceField field(open_map(100, 60));
   RouteFinder finder(field, 5, 2);
   const std::vector<Disc> discs{{{50, 30}, 5}};
   const Path path = finder.route({10, 30}, {90, 30}, discs);
   ASSERT_GT(path.size(), 2u);
   EXPECT_GE(least_distance(path, {50, 30}), 10 + standing_gap);
-  EXPECT_LT(length_of(path), 84);  // 82.6 m round a disc of 10.5 m
+  EXPECT_LT(length_of(path), 84);  // 82.6 m around a disc of 10.5 m
 }
 
-TEST(RouteFinder, NoRouteThroughAClosedDoorOrToATakenGoal) {
+TEST(RouteFinder, NoRouteLeadsThroughAClosedDoorOrToATakenGoal) {
   OccupancyMap map = open_map(100, 60);
   for (int j = 0; j < 60; ++j) map.blocked[static_cast<std::size_t>(j * 100 + 50)] = j < 24 || j >= 36;
   const ClearanceField field(map);
@@ -55,9 +55,9 @@ TEST(RouteFinder, NoRouteThroughAClosedDoorOrToATakenGoal) {
             std::vector<std::size_t>{0});
 }
 
-// Between two others that it almost touches, with a third one behind it, in whatever direction the way out
-// leads.
-TEST(RouteFinder, LeavesAClinchBetweenTheNearestPointsOfTheLattice) {
+// The robot stands between two others that it almost touches, with a third one behind it. The way out leads
+// in any direction.
+TEST(RouteFinder, TheRouteLeavesADeadlockBetweenLatticePoints) {
   const ClearanceField field(open_map(140, 140));
   const Point2 from(70.37, 70.61);
   const double touching = 10 + standing_gap;
@@ -73,8 +73,8 @@ TEST(RouteFinder, LeavesAClinchBetweenTheNearestPointsOfTheLattice) {
   }
 }
 
-// A passage that is exactly as wide as the robot, not where a coarse lattice has its points.
-TEST(RouteFinder, FindsAPassageWithoutSlack) {
+// A passage exactly as wide as the robot, where a coarse lattice has no points.
+TEST(RouteFinder, ThePassageWithoutSlackIsFound) {
   OccupancyMap map = open_map(60, 41);
   for (int j = 0; j < 41; ++j) {
     for (int i = 20; i < 40; ++i) map.blocked[static_cast<std::size_t>(j * 60 + i)] = j < 15 || j >= 24;
@@ -84,7 +84,7 @@ TEST(RouteFinder, FindsAPassageWithoutSlack) {
   EXPECT_FALSE(finder.route({10, 20}, {50, 20}, {}).empty());
 }
 
-TEST(RouteFinder, RefugeLiesOffTheSweep) {
+TEST(RouteFinder, TheRefugeLiesOffTheSweep) {
   const ClearanceField field(open_map(100, 60));
   RouteFinder finder(field, 5, 2);
   const std::vector<Sweep> sweeps{{{{0, 30}, {100, 30}}, 5}};
@@ -94,7 +94,7 @@ TEST(RouteFinder, RefugeLiesOffTheSweep) {
   EXPECT_LT(length_of(path), 14);
 }
 
-TEST(RouteFinder, FloodStopsAtDiscs) {
+TEST(RouteFinder, TheFloodStopsAtDiscs) {
   OccupancyMap map = open_map(100, 14);
   const ClearanceField field(map);
   RouteFinder finder(field, 5, 2);

@@ -1,4 +1,4 @@
-// tests/run, with stand-ins for all that it starts: no test may be left out without a word.
+// Tests of tests/run with stand-ins for all that it starts: no test may be left out silently.
 
 #include <filesystem>
 #include <string>
@@ -22,7 +22,7 @@ struct RunScript : testing::Test {
     stand_in("programs/cmake", "true");
     stand_in("programs/ctest", "case \"$*\" in *-N*) echo 'Total Tests: 14';; esac");
   }
-  /// A script that writes down how it was called.
+  /// A script that logs its arguments.
   void stand_in(const std::string& name, const std::string& script) const {
     const auto file = folder.write(name, fmt::format("#!/bin/sh\necho \"$(basename $0) $*\" >>'{}'\n{}\n",
                                                      (folder.path() / "calls").string(), script));
@@ -41,7 +41,7 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(RunScript, RunsEveryTestUnlessItIsToldOtherwise) {
+TEST_F(RunScript, TheScriptRunsEveryTestByDefault) {
   const test::Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_TRUE(holds(calls(), "install --tests\n")) << calls();
@@ -50,7 +50,7 @@ TEST_F(RunScript, RunsEveryTestUnlessItIsToldOtherwise) {
   EXPECT_FALSE(holds(calls(), "-LE web")) << calls();
 }
 
-TEST_F(RunScript, FailsWithTheReasonWhereAPackageCannotBeInstalled) {
+TEST_F(RunScript, TheScriptFailsWithTheReasonIfNpmCannotInstall) {
   for (const char* folder_of_packages : {"tests/web", "monitor/web"}) {
     stand_in("programs/npm",
              fmt::format("case \"$*\" in *{}*) echo 'the registry is away' >&2; exit 1;; esac",
@@ -63,7 +63,7 @@ TEST_F(RunScript, FailsWithTheReasonWhereAPackageCannotBeInstalled) {
   }
 }
 
-TEST_F(RunScript, FailsWhereTheSystemsPackagesCannotBeInstalled) {
+TEST_F(RunScript, TheScriptFailsIfASystemPackageCannotBeInstalled) {
   stand_in("deploy/install", "echo 'no such package' >&2; exit 100");
   const test::Outcome outcome = run();
   EXPECT_EQ(outcome.exit_code, 100);
@@ -71,7 +71,7 @@ TEST_F(RunScript, FailsWhereTheSystemsPackagesCannotBeInstalled) {
   EXPECT_FALSE(holds(calls(), "ctest")) << calls();
 }
 
-TEST_F(RunScript, LeavesWebTestsOutOnlyWhenToldAndSaysHowMany) {
+TEST_F(RunScript, TheScriptLeavesWebTestsOutOnlyOnDemandAndSaysHowMany) {
   stand_in("programs/npm", "exit 1");
   const test::Outcome outcome = run("--without-web -L unit");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
@@ -80,7 +80,7 @@ TEST_F(RunScript, LeavesWebTestsOutOnlyWhenToldAndSaysHowMany) {
   EXPECT_TRUE(holds(calls(), "-L unit -LE web\n")) << calls();
 }
 
-TEST_F(RunScript, SaysHowManyTestsDidNotRunAndWhy) {
+TEST_F(RunScript, TheScriptSaysHowManyTestsWereSkippedAndWhy) {
   folder.write("build/release/Testing/Temporary/LastTest.log",
                "a_test.cpp:18: Skipped\ntakes long\n\n[  SKIPPED ] A.B (0 ms)\n"
                "a_test.cpp:25: Skipped\nno network\n\nb_test.cpp:9: Skipped\ntakes long\n");
@@ -90,7 +90,7 @@ TEST_F(RunScript, SaysHowManyTestsDidNotRunAndWhy) {
   EXPECT_TRUE(holds(outcome.output, "1 no network\n")) << outcome.output;
 }
 
-TEST_F(RunScript, FailsAsTheTestsDo) {
+TEST_F(RunScript, TheScriptFailsIfTheTestsFail) {
   stand_in("programs/ctest", "exit 8");
   EXPECT_EQ(run().exit_code, 8);
   EXPECT_EQ(run("--without-web").exit_code, 8);

@@ -17,7 +17,7 @@ const char* const two_robots =
     R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
                   {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}}])";
 
-/// The message of the error that reading this scenario ends in; empty if it is read.
+/// The error message of reading this scenario; empty if it is read.
 std::string error_of(const std::string& json, const std::string& map = small_map,
                      const ScenarioOptions& options = {}) {
   const TemporaryFolder folder;
@@ -36,7 +36,7 @@ std::string scenario(const std::string& fields) {
   return std::string(R"({"map": "small.map", "radius": 0.5, )") + fields + "}";
 }
 
-TEST(ScenarioFile, ReadsFieldsAndFillsInDefaults) {
+TEST(ScenarioFile, FieldsAreReadAndDefaultsFilledIn) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
   const auto file = folder.write("fleet.json", R"({"map": "small.map", "radius": 0.5, "seed": 7,
@@ -57,7 +57,7 @@ TEST(ScenarioFile, ReadsFieldsAndFillsInDefaults) {
   EXPECT_EQ(s.robots[1].max_acceleration, 6);
 }
 
-TEST(ScenarioFile, CommandLineOverridesTheFile) {
+TEST(ScenarioFile, TheCommandLineOverridesTheFile) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
   const auto file = folder.write("fleet.json", scenario(two_robots));
@@ -68,7 +68,7 @@ TEST(ScenarioFile, CommandLineOverridesTheFile) {
   EXPECT_EQ(s.seed, 9u);
 }
 
-TEST(ScenarioFile, ReadsScenWithRobotsAtCellCentres) {
+TEST(ScenarioFile, AScenFilePutsRobotsAtCellCentres) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
   const auto file = folder.write(
@@ -170,7 +170,7 @@ TEST(ScenarioFile, JsonIsReadStrictly) {
   }
 }
 
-TEST(ScenarioFile, AByteOrderMarkIsPassedOverAndUtf16IsRefused) {
+TEST(ScenarioFile, AByteOrderMarkIsSkippedAndUtf16IsRefused) {
   const TemporaryFolder folder;
   const std::string mark = "\xef\xbb\xbf";
   folder.write("small.map", mark + small_map);
@@ -187,12 +187,12 @@ TEST(ScenarioFile, AByteOrderMarkIsPassedOverAndUtf16IsRefused) {
   }
 }
 
-TEST(ScenarioFile, AskingForMoreRobotsThanThereAreIsAnError) {
+TEST(ScenarioFile, MoreRobotsThanTheFileHoldsAreAnError) {
   EXPECT_NE(error_of(scenario(two_robots), small_map, {.robots = 3}).find("robots: 3 were asked for"),
             std::string::npos);
 }
 
-TEST(ScenarioFile, NoMoreRobotsThanAFleetMayHaveAreDriven) {
+TEST(ScenarioFile, MoreRobotsThanAFleetMayHaveAreAnError) {
   std::string robots = R"("robots": [)";
   for (std::size_t k = 0; k <= most_robots; ++k)
     robots += (k == 0 ? "" : ",") + std::string(R"({"name": "a", "start": {"x": 1, "y": 1}})");
@@ -203,7 +203,7 @@ TEST(ScenarioFile, NoMoreRobotsThanAFleetMayHaveAreDriven) {
   EXPECT_NE(of_some.find("robots[0].goal: is missing"), std::string::npos) << of_some;
 }
 
-TEST(ScenarioFile, MalformedScenNamesFileAndLine) {
+TEST(ScenarioFile, AMistakeInAScenFileNamesFileAndLine) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
   const auto error = [&](const std::string& content) -> std::string {
@@ -246,7 +246,7 @@ TEST(ScenarioFile, TheMapMayLieElsewhere) {
   }
 }
 
-TEST(ScenarioFile, WhatIsWrittenIsReadBack) {
+TEST(ScenarioFile, AWrittenScenarioIsReadBack) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
   const Scenario before = read_scenario(folder.write("fleet.json", scenario(two_robots)), {});

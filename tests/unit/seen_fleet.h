@@ -1,4 +1,4 @@
-// A small fleet as a monitor sees it: for the tests of what shows it.
+// A small fleet as a monitor sees it.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace coppice::test {
 
-/// A fleet on a map of 4 x 3 cells whose y grows downwards. Fleet time 0 is at 100.
+/// A fleet on a map of 4 x 3 cells whose y axis points down. Fleet time 0 is at 100.
 class SeenFleet {
  public:
   FleetView view;
@@ -37,7 +37,7 @@ class SeenFleet {
                  .goal_tolerance = 0.5,
                  .clock = {.epoch = epoch}});
   }
-  /// The service says that the run is over.
+  /// The service ends the run.
   void end_of_run(const RobotName& robot) {
     Mission mission = *view.robots()[*view.find(robot)].mission;
     mission.cancelled = true;
@@ -57,7 +57,7 @@ class SeenFleet {
     hear(AgentStatus{.robot = robot, .mission = 1, .phase = phase, .driven_length = driven});
   }
   void path(const RobotName& robot, Path waypoints) { hear(PathMessage{robot, 1, std::move(waypoints)}); }
-  /// A chain of so many nodes to the right.
+  /// A chain of `nodes` nodes to the right.
   void tree(std::uint32_t number, int nodes = 3) {
     InactiveTreeMessage tree{.tree = {7, number}, .map_id = "m", .radius = 0.25};
     for (int k = 0; k < nodes; ++k) tree.nodes.push_back({Point2(0.001 * k, 1), k - 1, 1});

@@ -13,7 +13,7 @@ Track track(double radius, std::vector<TrackPoint> points) {
   return {radius, std::move(points)};
 }
 
-TEST(Separation, ItIsLeastBetweenTheStamps) {
+TEST(Separation, TheMinimumBetweenTheStampsIsFound) {
   // They meet in the middle of a step; at every stamp they are 10 m apart.
   const std::vector<Track> tracks{track(1, {{0, {0, 0}, Point2::Zero()}, {1, {10, 0}, Point2::Zero()}}),
                                   track(1, {{0, {10, 0}, Point2::Zero()}, {1, {0, 0}, Point2::Zero()}})};
@@ -29,12 +29,12 @@ TEST(Separation, RobotsStandBeforeAndAfterTheirTracks) {
   EXPECT_NEAR(separation_of(tracks)->least, 1, 1e-12);
 }
 
-TEST(Separation, OneTrackHasNone) {
+TEST(Separation, ASingleTrackHasNoSeparation) {
   EXPECT_FALSE(separation_of({}));
   EXPECT_FALSE(separation_of(std::vector<Track>{track(1, {{0, {0, 0}, Point2::Zero()}}), track(1, {})}));
 }
 
-TEST(Separation, AgreesWithFineSampling) {
+TEST(Separation, TheSeparationAgreesWithFineSampling) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     Random random(seed);
     std::vector<Track> tracks;
@@ -68,11 +68,11 @@ TEST(Separation, AgreesWithFineSampling) {
     }
     const double least = separation_of(tracks)->least;
     EXPECT_LE(least, sampled + 1e-9);
-    EXPECT_GE(least, sampled - 0.5);  // at most 250 m/s between two samples a millisecond apart
+    EXPECT_GE(least, sampled - 0.5);  // at most 250 m/s between two samples that are 1 ms apart
   }
 }
 
-TEST(ObstacleClearance, ItIsLeastBetweenTheStamps) {
+TEST(ObstacleClearance, TheMinimumBetweenTheStampsIsFound) {
   OccupancyMap map{.width = 20, .height = 20, .blocked = std::vector<std::uint8_t>(400, 0)};
   map.blocked[10 * 20 + 10] = 1;  // covers [10, 11] x [10, 11]
   const ClearanceField field(map);
@@ -85,8 +85,8 @@ TEST(ObstacleClearance, ItIsLeastBetweenTheStamps) {
   EXPECT_EQ(clearance_of(through, field)->overlapping.size(), 1u);
 }
 
-// Cut where it may be, between the stamps of all, a run's parts tell what the whole does.
-TEST(Separation, PartsInTimeTellWhatTheWholeDoes) {
+// A run may be cut at any time that lies between the stamps of all robots.
+TEST(Separation, PartsInTimeGiveTheSameResultAsTheWholeRun) {
   Random random(5);
   const ClearanceField field(
       OccupancyMap{.width = 40, .height = 40, .blocked = std::vector<std::uint8_t>(1600, 0)});

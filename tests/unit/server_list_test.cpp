@@ -7,19 +7,19 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-/// No resolver asks anybody for one whose label is as long.
+/// No resolver looks up a name whose label is that long.
 std::string nobody() {
   return std::string(64, 'x') + ".net";
 }
 
-/// The third byte of a server's identity says which one it is.
+/// The third byte of a server's identity is its place in the list.
 std::vector<int> places(const ServerList& list) {
   std::vector<int> all;
   for (const auto& server : list.found) all.push_back(server.guidPrefix.value[2]);
   return all;
 }
 
-TEST(ServerList, EachHasItsPlace) {
+TEST(ServerList, EachServerHasItsPlace) {
   const ServerList list = look_up_servers("10.0.0.1:11811;;10.0.0.2;");
   EXPECT_EQ(list.found.size(), 2u);
   EXPECT_EQ(list.unknown, Texts());
@@ -29,7 +29,7 @@ TEST(ServerList, EachHasItsPlace) {
 }
 
 // A container that does not run has no name.
-TEST(ServerList, OneWithoutAnAddressLeavesTheOthersTheirPlaces) {
+TEST(ServerList, AServerWithoutAnAddressLeavesThePlacesOfTheOthers) {
   const ServerList list = look_up_servers(nobody() + ":11811;10.0.0.2:11811");
   EXPECT_EQ(list.unknown, Texts{nobody() + ":11811"});
   EXPECT_EQ(list.malformed, Texts());
@@ -38,7 +38,7 @@ TEST(ServerList, OneWithoutAnAddressLeavesTheOthersTheirPlaces) {
             Texts{"discovery_2.invalid:11811"});
 }
 
-TEST(ServerList, WhatIsNoServerIsNoHostWithoutAnAddress) {
+TEST(ServerList, MalformedServersAreToldFromUnknownHosts) {
   for (const char* text : {"10.0.0.1:0", "10.0.0.1:70000", "a b", "10.0.0.300", "[::1]:11811", "::1"}) {
     const ServerList list = look_up_servers(std::string("10.0.0.2;") + text);
     EXPECT_EQ(list.found.size(), 1u) << text;
@@ -46,14 +46,14 @@ TEST(ServerList, WhatIsNoServerIsNoHostWithoutAnAddress) {
   }
 }
 
-TEST(ServerList, AHostIsLookedUpWhateverItsNameIsLike) {
+TEST(ServerList, EveryHostNameIsLookedUp) {
   EXPECT_EQ(look_up_servers("beef.invalid:11811;dc1-.invalid").unknown.size(), 2u);
   const ServerList list = look_up_servers("localhost:11811");
   ASSERT_EQ(list.found.size(), 1u);
   EXPECT_EQ(places(list), places(look_up_servers("127.0.0.1:11811")));
 }
 
-TEST(ServerList, NothingNamesNone) {
+TEST(ServerList, AnEmptyListNamesNoServer) {
   for (const char* text : {"", ";", ";;;"}) EXPECT_TRUE(look_up_servers(text).found.empty()) << text;
 }
 

@@ -1,4 +1,4 @@
-// Goals that others ask for, over ROS, while a run lasts.
+// Tests of goals that are requested over ROS during a run.
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-/// Of robot a: its part of a run, which begins at {20, 60} and leads to {100, 60}. In ROS, y is turned.
+/// Robot a in a run from {20, 60} to {100, 60}. In ROS, y has the opposite sign.
 struct UnderWay {
   explicit UnderWay(const ServiceSettings& settings = {}) : service(two_robots(), settings, 0) {
     map_and_missions(service);
@@ -26,7 +26,7 @@ struct UnderWay {
   PlannerService service;
 };
 
-TEST(ServiceGoals, OneThatIsUnderWayGoesThereFromWhereItIs) {
+TEST(ServiceGoals, ADrivingRobotGoesToTheNewGoalFromWhereItIs) {
   UnderWay run;
   run.says("a", 1, Phase::driving, 1);
   run.drives("a", {50, 60}, 2, 0);
@@ -40,7 +40,7 @@ TEST(ServiceGoals, OneThatIsUnderWayGoesThereFromWhereItIs) {
   EXPECT_FALSE(next[0].cancelled);
   EXPECT_TRUE(run.missions(2.1).empty());
 
-  // What it left undone does not count; what it reached does. Of the old mission there is no news.
+  // The unfinished mission does not count; the fulfilled one does. A status of the old mission is ignored.
   run.says("a", 1, Phase::arrived, 3);
   EXPECT_EQ(run.service.progress(3).missions, 0);
   run.drives("a", {30, 60}, 4, 1);
@@ -50,7 +50,7 @@ TEST(ServiceGoals, OneThatIsUnderWayGoesThereFromWhereItIs) {
   EXPECT_TRUE(run.service.report().robots(0).arrived());
 }
 
-TEST(ServiceGoals, OneThatHasArrivedHasFulfilledItsMission) {
+TEST(ServiceGoals, AnArrivedRobotHasFulfilledItsMission) {
   UnderWay run;
   run.drives("a", {100.2, 60}, 5, 0);
   run.says("a", 1, Phase::arrived, 5);
@@ -61,7 +61,7 @@ TEST(ServiceGoals, OneThatHasArrivedHasFulfilledItsMission) {
   EXPECT_EQ(run.service.progress(5).missions, 1);
 }
 
-TEST(ServiceGoals, OfSeveralTheLastCountsAndBeforeTheMissionsItWaits) {
+TEST(ServiceGoals, TheLastOfSeveralGoalsCountsAndWaitsForTheMissions) {
   PlannerService service(two_robots(), {}, 0);
   service.step(0);
   EXPECT_FALSE(service.on(RosGoal{"a", "map", {30, -60}}));
@@ -74,17 +74,17 @@ TEST(ServiceGoals, OfSeveralTheLastCountsAndBeforeTheMissionsItWaits) {
   EXPECT_EQ(missions[2].goal, Point2(40, 60));
 }
 
-TEST(ServiceGoals, WhatCannotBeDrivenToIsRefusedAndCounted) {
+TEST(ServiceGoals, AnUnreachableGoalIsRefusedAndCounted) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   UnderWay run;
   const std::vector<RosGoal> bad = {
       {"a", "map", {60, -60}},   // in the wall
-      {"a", "map", {54, -60}},   // too close to it for a radius of 5
-      {"a", "map", {30, 60}},    // not on the map: y is up in ROS
+      {"a", "map", {54, -60}},   // too close to the wall for a radius of 5
+      {"a", "map", {30, 60}},    // not on the map, because y points up in ROS
       {"a", "odom", {30, -60}},  // another frame
       {"a", "map", {nan, -60}},  //
-      {"a", "map", {20, -40}},   // where b goes
-      {"a", "map", {29, -40}},   // so close to that that they would touch
+      {"a", "map", {20, -40}},   // the goal of b
+      {"a", "map", {29, -40}},   // so close to the goal of b that they would touch
   };
   for (const RosGoal& goal : bad) EXPECT_TRUE(run.service.on(goal)) << goal.position;
   EXPECT_TRUE(run.missions(1).empty());
@@ -92,13 +92,13 @@ TEST(ServiceGoals, WhatCannotBeDrivenToIsRefusedAndCounted) {
   EXPECT_EQ(run.service.report().goals_refused(), bad.size());
   EXPECT_TRUE(run.service.on(RosGoal{"nobody", "map", {30, -60}}));
 
-  // What b is to leave is free, and what it is to go to is not.
+  // The goal that b leaves is free, and its new one is taken.
   EXPECT_FALSE(run.service.on(RosGoal{"b", "map", {40, -20}}));
   EXPECT_FALSE(run.service.on(RosGoal{"a", "map", {20, -40}}));
   EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {40, -20}}));
 }
 
-TEST(ServiceGoals, RobotsThatAreElsewhereNeedMoreRoom) {
+TEST(ServiceGoals, ExternalRobotsNeedMoreRoom) {
   UnderWay run({.margin = 1});
   EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {52.5, -60}}));  // the wall begins at 58
   EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {31, -40}}));
@@ -110,7 +110,7 @@ TEST(ServiceGoals, RobotsThatAreElsewhereNeedMoreRoom) {
   EXPECT_EQ(of<MapMessage>(service.step(0)).at(0).radii, std::vector<double>{6});
 }
 
-TEST(ServiceGoals, TheRunGoesOnUntilAllHaveArrivedThere) {
+TEST(ServiceGoals, TheRunGoesOnUntilAllRobotsArrivedAtTheirNewGoals) {
   UnderWay run;
   for (const char* robot : {"a", "b"}) run.says(robot, 1, Phase::arrived, 5);
   EXPECT_FALSE(run.service.on(RosGoal{"a", "map", {30, -60}}));
@@ -124,7 +124,7 @@ TEST(ServiceGoals, TheRunGoesOnUntilAllHaveArrivedThere) {
   EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {50, -60}}));  // too late
 }
 
-TEST(ServiceGoals, OneThatWaitsForGoalsEndsWhenItIsTold) {
+TEST(ServiceGoals, ARunThatWaitsForGoalsEndsOnRequest) {
   UnderWay run({.timeout = 20, .waits_for_goals = true});
   for (const char* robot : {"a", "b"}) run.says(robot, 1, Phase::arrived, 5);
   EXPECT_TRUE(run.missions(5).empty());
@@ -138,7 +138,7 @@ TEST(ServiceGoals, OneThatWaitsForGoalsEndsWhenItIsTold) {
   EXPECT_TRUE(last[0].cancelled);
 }
 
-TEST(ServiceGoals, AServiceThatIsStartedAnewGoesOnWithThem) {
+TEST(ServiceGoals, ARestartedServiceGoesOnWithTheGoals) {
   std::vector<Message> kept;
   PlannerService first(two_robots(), {}, 0);
   for (Message& message : map_and_missions(first)) kept.push_back(std::move(message));
@@ -154,7 +154,7 @@ TEST(ServiceGoals, AServiceThatIsStartedAnewGoesOnWithThem) {
   ASSERT_TRUE(after.recall(kept, 3));
   EXPECT_EQ(of<Mission>(after.step(3)).at(0), second[0]);
   after.on(arrival_of(AgentStatus{.robot = "a", .mission = 2, .phase = Phase::arrived}, 4));
-  EXPECT_EQ(after.progress(4).missions, 1);  // the first one was never fulfilled
+  EXPECT_EQ(after.progress(4).missions, 1);  // the first mission was never fulfilled
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A planner service that was killed, and the one that takes its place: as state machines, message by message.
+// Tests of a restarted planner service as a state machine, message by message.
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ struct ServiceRun {
   Kept<RunRecord> kept{};
 };
 
-constexpr WallTime begins = 4;  // of the missions: until then it waits for a broker
+constexpr WallTime begins = 4;  // the missions begin; until then the service waits for a broker
 
 AgentStatus arrived(std::uint32_t mission, std::uint32_t points) {
   AgentStatus status{.robot = "a", .mission = mission, .phase = Phase::arrived};
@@ -47,7 +47,7 @@ AgentStatus arrived(std::uint32_t mission, std::uint32_t points) {
   return status;
 }
 
-TEST(PlannerServiceAnew, GoesOnWithTheMissionsAndTheRecord) {
+TEST(ServiceRestart, ARestartedServiceGoesOnWithMissionsAndTracks) {
   ServiceRun before(20);
   before.step(0);
   const auto first = of<Mission>(before.step(begins));  // no broker came
@@ -69,12 +69,12 @@ TEST(PlannerServiceAnew, GoesOnWithTheMissionsAndTheRecord) {
   EXPECT_EQ(after.progress(10).missions, 1);
   EXPECT_EQ(after.report().nodes_valid(), before.service.report().nodes_valid());
 
-  // The agent says its track again: nothing is counted twice.
+  // The agent repeats its track: no point is counted twice.
   after.on(arrival_of(TrackMessage{"a", 2, 0, {{0, {20, 60}, {0, 0}}, {5, {100, 60}, {0, 0}}}, begins}, 11));
   EXPECT_EQ(test::all_points(after.tracks())[0].size(), 2u);
 }
 
-TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
+TEST(ServiceRestart, ARestartedServiceEndsARunThatHadEnded) {
   ServiceRun before;
   before.step(0);
   before.step(begins);
@@ -85,14 +85,14 @@ TEST(PlannerServiceAnew, EndsARunThatHadEnded) {
   ASSERT_TRUE(after.recall(before.kept.store.messages, 10));
   EXPECT_TRUE(of<Mission>(after.step(10)).at(0).cancelled);
   after.step(23.6);
-  EXPECT_FALSE(after.finished());  // its agent may only now find it, and has the end of the track
+  EXPECT_FALSE(after.finished());  // its agent may only now find the service, and has the end of the track
   after.step(23.8);
   EXPECT_TRUE(after.finished());
   EXPECT_TRUE(after.everybody_arrived());
 }
 
-// The agents' bus finds a service that is started anew after seconds.
-TEST(PlannerServiceAnew, WaitsForTheEndOfTheTracksOfARunThatHadEnded) {
+// The bus of the agents discovers a restarted service after some seconds.
+TEST(ServiceRestart, ARestartedServiceWaitsForTheEndOfTheTracks) {
   ServiceRun before;
   before.step(0);
   before.step(begins);
@@ -111,8 +111,9 @@ TEST(PlannerServiceAnew, WaitsForTheEndOfTheTracksOfARunThatHadEnded) {
   EXPECT_TRUE(after.everybody_arrived());
 }
 
-// It is stopped, for it does not know where it was; the others go on, also under the next service.
-TEST(PlannerServiceAnew, OneRobotThatWasStoppedEndsNoRun) {
+// The robot is stopped because its agent does not know where it was. The others go on, also under the next
+// service.
+TEST(ServiceRestart, AStoppedRobotEndsNoRun) {
   ServiceRun before(0, two_robots());
   before.step(0);
   before.step(begins);
@@ -121,7 +122,7 @@ TEST(PlannerServiceAnew, OneRobotThatWasStoppedEndsNoRun) {
   };
   before.hear(tells("a", 0.05, {20, 60}), 5);
   before.hear(tells("b", 0.05, {20, 20}), 5);
-  before.hear(tells("a", 2, {20, 60}), 6);  // from its start once more
+  before.hear(tells("a", 2, {20, 60}), 6);  // from its start again
   const auto stopped = of<Mission>(before.step(6));
   ASSERT_EQ(stopped.size(), 2u);
   EXPECT_TRUE(stopped[0].cancelled);
@@ -136,7 +137,7 @@ TEST(PlannerServiceAnew, OneRobotThatWasStoppedEndsNoRun) {
   EXPECT_FALSE(after.finished());
 }
 
-TEST(RunRecord, KeepsNothingOfARunBefore) {
+TEST(RunRecord, TheRecordHoldsNothingOfAPreviousRun) {
   RunRecord record;
   const auto track = [](WallTime run) { return TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}}, run}; };
   AgentStatus status{.robot = "a", .mission = 1};
@@ -150,7 +151,7 @@ TEST(RunRecord, KeepsNothingOfARunBefore) {
   EXPECT_EQ(record.heard(track(100)), Keep::append);
 }
 
-TEST(PlannerServiceAnew, RefusesWhatIsOfAnotherRun) {
+TEST(ServiceRestart, TheStateOfAnotherRunIsRefused) {
   ServiceRun before;
   before.step(0);
   before.step(4);

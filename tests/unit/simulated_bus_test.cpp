@@ -17,7 +17,7 @@ Mission mission(const char* robot, std::uint32_t number) {
           .goal_tolerance = 1};
 }
 
-TEST(SimulatedBus, DeliversAfterItsDelayToThoseWhoReadTheTopic) {
+TEST(SimulatedBus, AMessageReachesTheReadersOfItsTopicAfterTheDelay) {
   SimulatedBus bus(0.5);
   auto& service = bus.attach(Role::service);
   auto& agent = bus.attach(Role::agent);
@@ -30,7 +30,7 @@ TEST(SimulatedBus, DeliversAfterItsDelayToThoseWhoReadTheTopic) {
   EXPECT_TRUE(service.take().empty());  // services read no missions
 }
 
-TEST(SimulatedBus, LateJoinersGetTheNewestOfEachKey) {
+TEST(SimulatedBus, ALateJoinerGetsTheNewestMessageOfEachKey) {
   SimulatedBus bus(0.5);
   auto& service = bus.attach(Role::service);
   service.publish(mission("r1", 1));
@@ -44,7 +44,7 @@ TEST(SimulatedBus, LateJoinersGetTheNewestOfEachKey) {
   EXPECT_EQ(std::get<Mission>(*got[1].message).robot, "r2");
 }
 
-TEST(SimulatedBus, KeepsOnlyWhatTheRoleReadsThatMayStillJoin) {
+TEST(SimulatedBus, TheBusKeepsOnlyTopicsOfTheRoleThatMayStillJoin) {
   SimulatedBus bus(0.5);
   auto& service = bus.attach(Role::service);
   auto& agent = bus.attach(Role::agent);
@@ -78,7 +78,7 @@ RobotState state(double stamp) {
           .promise = {stamp + 0.05, {0, 0}, stamp + 0.1}};
 }
 
-/// The stamps of 1000 states, one each 0.05 s, as they arrive.
+/// The stamps of 1000 states, one each 0.05 s, in the order of arrival.
 std::vector<double> stamps_through(const BusFaults& faults) {
   SimulatedBus bus(0.001, faults, Random(3));
   auto& sender = bus.attach(Role::agent, "r1", 0);
@@ -92,13 +92,13 @@ std::vector<double> stamps_through(const BusFaults& faults) {
   return stamps;
 }
 
-TEST(SimulatedBus, LosesAsManyAsItIsToldTo) {
+TEST(SimulatedBus, TheBusLosesTheGivenShare) {
   const auto stamps = stamps_through({.loss = 0.3});
   EXPECT_NEAR(static_cast<double>(stamps.size()), 700, 60);
   EXPECT_TRUE(std::ranges::is_sorted(stamps));
 }
 
-TEST(SimulatedBus, DelaysWithinTheJitterAndInOrderUnlessToldOtherwise) {
+TEST(SimulatedBus, DelaysStayWithinTheJitterAndInOrderByDefault) {
   const auto in_order = stamps_through({.delay = 0.2, .jitter = 0.1});
   EXPECT_EQ(in_order.size(), 1000u);
   EXPECT_TRUE(std::ranges::is_sorted(in_order));
@@ -116,7 +116,7 @@ TEST(SimulatedBus, NothingCrossesAPartition) {
     EXPECT_TRUE(stamp < 10 || stamp >= 20);
 }
 
-TEST(SimulatedBus, OverACutLinkTwoDoNotReachEachOtherAndOthersReachBoth) {
+TEST(SimulatedBus, ACutLinkSeparatesTwoRobotsOnly) {
   SimulatedBus bus(0.001, {.cut_links = {{"a", "b", 10, 20}}});
   std::map<RobotName, SimulatedBus::Port*> ports;
   for (const char* robot : {"a", "b", "c"}) ports[robot] = &bus.attach(Role::agent, robot);
@@ -136,7 +136,7 @@ TEST(SimulatedBus, OverACutLinkTwoDoNotReachEachOtherAndOthersReachBoth) {
   EXPECT_TRUE(reaches("b", "a", 20));
 }
 
-TEST(SimulatedBus, ReliableSamplesArriveOnceEachAndInOrderWhateverIsLost) {
+TEST(SimulatedBus, ReliableSamplesArriveOnceAndInOrderDespiteLoss) {
   SimulatedBus bus(0.001, {.loss = 0.5, .delay = 0.1, .jitter = 0.1, .duplicate = 0.5, .reorder = true},
                    Random(1));
   auto& service = bus.attach(Role::service);
@@ -148,7 +148,7 @@ TEST(SimulatedBus, ReliableSamplesArriveOnceEachAndInOrderWhateverIsLost) {
   EXPECT_EQ(next, 201u);
 }
 
-TEST(SimulatedBus, NothingReachesAPortThatIsClosed) {
+TEST(SimulatedBus, NothingReachesAClosedPort) {
   SimulatedBus bus(0.5);
   auto& service = bus.attach(Role::service);
   auto& agent = bus.attach(Role::agent);

@@ -1,4 +1,4 @@
-// What a robot of five metres that drives at up to 20 m/s says of itself.
+// States of a robot with a radius of 5 m that drives at up to 20 m/s.
 #pragma once
 
 #include "messages/messages.h"
@@ -8,7 +8,7 @@ namespace coppice {
 
 inline constexpr double period = control_period;
 
-/// It keeps its velocity for a period, and then brakes.
+/// The robot keeps its velocity for a control period and then brakes.
 inline RobotState state_of(const RobotName& robot, double stamp, const Point2& position,
                            const Point2& velocity = Point2::Zero()) {
   return {.robot = robot,

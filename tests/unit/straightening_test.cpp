@@ -1,4 +1,4 @@
-// Straighter ways for the same plan, checked move by move.
+// Tests of shorter paths for the same plan, checked move by move.
 #include "motion/straightening.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ double driven(const std::vector<Move>& moves, std::size_t robot) {
   return sum;
 }
 
-TEST(Straightening, ADetourForNothingGoes) {
+TEST(Straightening, ANeedlessDetourIsRemoved) {
   const ClearanceField field(open_map());
   const std::vector<JointTask> tasks{{{10, 10}, Point2(90, 10), 5}};
   const std::vector<Move> moves{
@@ -30,14 +30,14 @@ TEST(Straightening, ADetourForNothingGoes) {
   EXPECT_EQ(straight.back().path.back(), Point2(90, 10));
 }
 
-TEST(Straightening, ThereAndBackForNothingGoesToo) {
+TEST(Straightening, ANeedlessRoundTripIsRemoved) {
   const ClearanceField field(open_map());
   const std::vector<JointTask> tasks{{{10, 10}, Point2(10, 10), 5}};
   const std::vector<Move> moves{{0, {{10, 10}, {30, 30}}}, {0, {{30, 30}, {10, 10}}}};
   EXPECT_TRUE(straightened(field, tasks, moves).empty());
 }
 
-// The first makes room for the second: to stay would be in its way.
+// The first robot makes room for the second: it must not stay.
 TEST(Straightening, ARefugeIsKeptWhileItIsNeeded) {
   const ClearanceField field(open_map());
   const std::vector<JointTask> tasks{{{50, 50}, Point2(50, 50), 5}, {{10, 50}, Point2(190, 50), 5}};
@@ -48,7 +48,7 @@ TEST(Straightening, ARefugeIsKeptWhileItIsNeeded) {
   EXPECT_EQ(same[0].path.back(), Point2(50, 70));
 }
 
-TEST(Straightening, NobodyIsDrivenThrough) {
+TEST(Straightening, NoMoveLeadsThroughARobot) {
   const ClearanceField field(open_map());
   const std::vector<JointTask> tasks{{{10, 50}, Point2(190, 50), 5}, {{100, 50}, Point2(100, 50), 5}};
   const std::vector<Move> moves{
@@ -57,7 +57,7 @@ TEST(Straightening, NobodyIsDrivenThrough) {
     EXPECT_GE(point_path_distance({100, 50}, move.path), 10 + standing_gap);
 }
 
-TEST(Straightening, ObstaclesAreKeptClearOf) {
+TEST(Straightening, MovesKeepClearOfObstacles) {
   OccupancyMap map = open_map();
   for (int j = 0; j < 60; ++j) map.blocked[static_cast<std::size_t>(j * 200 + 100)] = 1;
   const ClearanceField field(map);

@@ -1,4 +1,4 @@
-// Results where there is something already.
+// Tests of writing where a file exists already.
 #include "files/text_file.h"
 
 #include <fcntl.h>
@@ -19,14 +19,14 @@ struct TextFile : testing::Test {
   const fs::path path = folder.path() / "out.txt";
 };
 
-TEST_F(TextFile, TakesThePlaceOfOneThatIsThere) {
+TEST_F(TextFile, AFileReplacesAnExistingOne) {
   write_file(path, "a longer text");
   write_file(path, "a text");
   EXPECT_EQ(read_file(path), "a text");
 }
 
-// As /dev/null, which nobody may put a file in the place of.
-TEST_F(TextFile, APipeStaysOne) {
+// As /dev/null, which must not be replaced by a file.
+TEST_F(TextFile, APipeStaysAPipe) {
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   const int reader = open(path.c_str(), O_RDONLY | O_NONBLOCK);
   ASSERT_GE(reader, 0);
@@ -39,7 +39,7 @@ TEST_F(TextFile, APipeStaysOne) {
   EXPECT_TRUE(fs::is_fifo(path));
 }
 
-TEST_F(TextFile, ALinkStaysOne) {
+TEST_F(TextFile, ALinkStaysALink) {
   const fs::path target = folder.path() / "target.txt";
   write_file(target, "before");
   fs::create_symlink("target.txt", path);
@@ -48,7 +48,7 @@ TEST_F(TextFile, ALinkStaysOne) {
   EXPECT_EQ(read_file(target), "after");
 }
 
-TEST_F(TextFile, ALinkToNothingLeadsThere) {
+TEST_F(TextFile, ADanglingLinkGetsItsTarget) {
   fs::create_symlink("target.txt", path);
   write_file(path, "a text");
   EXPECT_TRUE(fs::is_symlink(path));

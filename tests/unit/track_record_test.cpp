@@ -1,4 +1,4 @@
-// A record of tracks, in memory and on disk, against the tracks themselves.
+// Tests of track records in memory and on disk against the tracks themselves.
 #include "files/track_record.h"
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct Recorded {
   std::vector<std::vector<TrackPoint>> tracks;
 };
 
-/// Robots that begin and end at different times, and are recorded as the batches of agents come.
+/// Robots that begin and end at different times. Points are recorded in batches, as agents send them.
 Recorded recorded(TrackRecord record) {
   Recorded result{std::move(record), std::vector<std::vector<TrackPoint>>(3)};
   Random random(1);
@@ -37,7 +37,7 @@ Recorded recorded(TrackRecord record) {
   return result;
 }
 
-/// What `around` is to give, by looking at every point.
+/// What `around` must return, found by looking at every point.
 std::vector<TrackPoint> around(const std::vector<TrackPoint>& track, double from, double until) {
   std::vector<TrackPoint> result;
   for (std::size_t k = 0; k < track.size(); ++k) {
@@ -65,7 +65,7 @@ void expect_right(const Recorded& given) {
       for (std::size_t k = 0; k < found.size(); ++k) EXPECT_TRUE(same(found[k], right[k]));
     }
   }
-  // Its stretches, put together, are everything, and nothing twice.
+  // The stretches together hold every point once.
   std::vector<std::vector<TrackPoint>> all(3);
   given.record.for_each_stretch([&](double from, double until) {
     for (std::size_t robot = 0; robot < 3; ++robot) {
@@ -81,19 +81,19 @@ void expect_right(const Recorded& given) {
   }
 }
 
-TEST(TrackRecord, GivesBackWhatWasRecordedFromMemory) {
+TEST(TrackRecord, ARecordInMemoryReturnsWhatWasRecorded) {
   expect_right(recorded(TrackRecord()));
 }
 
-TEST(TrackRecord, GivesBackWhatWasRecordedFromDisk) {
+TEST(TrackRecord, ARecordOnDiskReturnsWhatWasRecorded) {
   expect_right(recorded(TrackRecord::on_disk(std::filesystem::temp_directory_path())));
 }
 
-TEST(TrackRecord, WhereNoFileCanBeItStaysInMemory) {
+TEST(TrackRecord, ARecordStaysInMemoryIfNoFileCanBeMade) {
   expect_right(recorded(TrackRecord::on_disk("/dev/null/nowhere")));
 }
 
-TEST(TrackRecord, AnEmptyOneHasNothing) {
+TEST(TrackRecord, AnEmptyRecordHoldsNothing) {
   const TrackRecord record;
   EXPECT_EQ(record.size(7), 0u);
   EXPECT_FALSE(record.last(7));

@@ -1,4 +1,4 @@
-// The way back to where a robot last saw its path.
+// Tests of the way back to where a robot last saw its path.
 #include "motion/trail.h"
 
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 namespace coppice {
 namespace {
 
-/// A hall 40 high from which a passage leads upwards that is as wide as a robot of radius 5: no sampled place
-/// lies in it.
+/// A hall 40 m high from which a passage leads upwards. The passage is exactly as wide as a robot of radius 5
+/// m, so that no sample lies in it.
 OccupancyMap hall_with_a_nook() {
   OccupancyMap map{.width = 100, .height = 100, .blocked = std::vector<std::uint8_t>(10000, 0)};
   for (int y = 0; y < 100; ++y) {
@@ -21,7 +21,7 @@ OccupancyMap hall_with_a_nook() {
   return map;
 }
 
-TEST(Trail, LeadsBackByStraightLinesThatAreFree) {
+TEST(Trail, TheTrailLeadsBackAlongFreeStraightLines) {
   const ClearanceField field(hall_with_a_nook());
   Trail trail;
   trail.begin({20, 20});
@@ -35,7 +35,7 @@ TEST(Trail, LeadsBackByStraightLinesThatAreFree) {
   for (std::size_t k = 1; k < back.size(); ++k) EXPECT_TRUE(way_free(field, back[k - 1], back[k], 5));
 }
 
-TEST(PathFinder, TakesAKnownPathWhereTheSearchHasNoEnd) {
+TEST(PathFinder, AKnownPathIsTakenIfTheSearchDoesNotEnd) {
   const ClearanceField field(hall_with_a_nook());
   PathImprover<ClearanceField> improver(field, 10, Random(1));
   const Mission mission{.robot = "a",

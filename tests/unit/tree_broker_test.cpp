@@ -1,4 +1,4 @@
-// The tree broker as a state machine, message by message.
+// Tests of the tree broker as a state machine, message by message.
 #include "tree_broker/tree_broker.h"
 
 #include <map>
@@ -13,7 +13,7 @@
 namespace coppice {
 namespace {
 
-TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
+TEST(TreeBroker, EachTreeThatARootTreeComesNearIsPublished) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
   for (Message& message : map_and_missions(service)) {
@@ -35,7 +35,7 @@ TEST(TreeBroker, PublishesEachTreeThatARootTreeComesNear) {
   }
 }
 
-TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
+TEST(TreeBroker, TreesGrowAheadUntilTheyCoverTheMap) {
   Scenario scenario = two_robots();
   scenario.robots[1].radius = 3;
   PlannerService service(scenario, {}, 0);
@@ -55,8 +55,8 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
   EXPECT_GT(broker.next_wake(), now);  // it rests until a mission comes
   ASSERT_FALSE(trees.empty());
 
-  // An agent that gets the trees first finds its path in the step in which it gets its mission, and says so
-  // in the next one, when the time that it took is known.
+  // An agent that gets the trees first finds its path in the step in which it gets its mission. It publishes
+  // the path in the next step, when it knows how long the search took.
   RobotAgent agent("a");
   agent.on(arrival_of(MapMessage{covered, scenario.map, {}}, now));
   for (const InactiveTreeMessage& tree : trees) agent.on(arrival_of(tree, now));
@@ -69,7 +69,7 @@ TEST(TreeBroker, GrowsAheadUntilItsTreesCoverTheMap) {
   EXPECT_NEAR(of<AgentStatus>(said).back().plan_seconds, 0.003, 1e-9);
 }
 
-TEST(TreeBroker, ShowsWhatItGrowsWhileItDoes) {
+TEST(TreeBroker, GrowingTreesAreShown) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
   for (const Message& message : service.step(0)) broker.on(arrival_of(message, 0));
@@ -90,11 +90,11 @@ TEST(TreeBroker, ShowsWhatItGrowsWhileItDoes) {
   }
   EXPECT_GT(most, 2u);
   ASSERT_TRUE(last.has_value());
-  EXPECT_TRUE(last->edges.empty());  // those that cover the map are inactive
+  EXPECT_TRUE(last->edges.empty());  // the trees that cover the map are inactive
   EXPECT_LT(last_at, 9);             // then it has nothing more to show
 }
 
-TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
+TEST(TreeBroker, TheBrokerRestsOnceAllIsSolvedAndCovered) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
   for (const Message& message : map_and_missions(service)) broker.on(arrival_of(message, 0));
@@ -110,7 +110,7 @@ TEST(TreeBroker, RestsWhenEveryGroupIsSolvedAndTheMapIsCovered) {
   EXPECT_GT(broker.next_wake(), 0.1);
 }
 
-TEST(TreeBroker, RootNodesForNobodyAndTwiceChangeNothing) {
+TEST(TreeBroker, RootNodesOfUnknownRobotsAndRepetitionsChangeNothing) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
   broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));  // before map and mission
@@ -122,8 +122,9 @@ TEST(TreeBroker, RootNodesForNobodyAndTwiceChangeNothing) {
   for (int k = 0; k < 3; ++k) broker.step(0.1 * k);
 }
 
-// It would take the last words of the run before, which DDS tells who comes late, for the end of this one.
-TEST(TreeBroker, GrowsForTheMissionOfThisRunAndNotOfTheOneBefore) {
+// DDS delivers the last messages of the previous run to late joiners. The broker must not take them for the
+// end of this run.
+TEST(TreeBroker, TheBrokerGrowsForMissionsOfTheCurrentRunOnly) {
   OccupancyMap walled{.width = 120, .height = 80, .blocked = std::vector<std::uint8_t>(9600, 0)};
   for (int j = 0; j < 80; ++j) walled.blocked[static_cast<std::size_t>(j * 120 + 60)] = 1;
   TreeBroker broker(7, 1);
@@ -158,13 +159,13 @@ TEST(TreeBroker, GrowsForTheMissionOfThisRunAndNotOfTheOneBefore) {
   EXPECT_FALSE(grows(4));
 }
 
-// Each start of a broker is another one, and a process may live for months.
-TEST(TreeBroker, HoldsNoMoreOfOtherBrokersThanSpeak) {
+// Each start of a broker has another identity, and a process may live for months.
+TEST(TreeBroker, TheBrokerRemembersABoundedNumberOfOtherBrokers) {
   TreeBroker broker(7, 1);
   for (std::uint64_t other = 100; other < 1200; ++other)
     broker.on(arrival_of(BrokerStatus{.broker = other, .leads = false}, 0));
   EXPECT_EQ(of<BrokerStatus>(broker.step(0)).back().rejected, 100u);
-  for (int k = 1; k < 50; ++k) {  // two seconds later those are gone
+  for (int k = 1; k < 50; ++k) {  // 2 s later, the previous ones are gone
     broker.step(2 * k);
     for (std::uint64_t other = 0; other < 100; ++other)
       broker.on(arrival_of(BrokerStatus{.broker = 10'000ull + 100 * k + other, .leads = false}, 2 * k));
@@ -172,7 +173,7 @@ TEST(TreeBroker, HoldsNoMoreOfOtherBrokersThanSpeak) {
   EXPECT_EQ(of<BrokerStatus>(broker.step(100)).back().rejected, 100u);
 }
 
-TEST(TreeBroker, OneThatStandsByTakesOverThoughTheClockIsSetBack) {
+TEST(TreeBroker, AStandbyBrokerTakesOverIfTheClockIsSetBack) {
   TreeBroker broker(7, 1);
   broker.on(arrival_of(BrokerStatus{.broker = 9, .leads = true, .leading_since = 900}, 1000));
   broker.step(1000);

@@ -1,4 +1,4 @@
-// What a hostile or broken sender may put on the bus is told and dropped.
+// Tests that messages of a hostile or broken sender are detected.
 #include "messages/validation.h"
 
 #include <functional>
@@ -48,7 +48,7 @@ std::optional<std::string> problem(M message, const std::function<void(M&)>& spo
   return problem_with(message);
 }
 
-TEST(Validation, SoundMessagesPass) {
+TEST(Validation, ValidMessagesPass) {
   EXPECT_FALSE(problem_with(mission()));
   EXPECT_FALSE(problem_with(state()));
   EXPECT_FALSE(problem_with(tree()));
@@ -56,7 +56,7 @@ TEST(Validation, SoundMessagesPass) {
   EXPECT_FALSE(problem_with(MapMessage{"m", {.width = 1, .height = 2, .blocked = {0, 1}}}));
 }
 
-TEST(Validation, Missions) {
+TEST(Validation, InvalidMissionsAreRefused) {
   using M = Mission;
   const std::vector<std::function<void(M&)>> spoilers{
       [](M& m) { m.robot.clear(); },      [](M& m) { m.robot = std::string(65, 'x'); },
@@ -70,7 +70,7 @@ TEST(Validation, Missions) {
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(mission(), spoilers[k])) << k;
 }
 
-TEST(Validation, States) {
+TEST(Validation, InvalidStatesAreRefused) {
   using M = RobotState;
   const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.position.x() = nan; },
                                                       [](M& m) {
@@ -102,7 +102,7 @@ TEST(Validation, States) {
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(state(), spoilers[k])) << k;
 }
 
-TEST(Validation, Trees) {
+TEST(Validation, InvalidTreesAreRefused) {
   using M = InactiveTreeMessage;
   const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.nodes.clear(); },
                                                       [](M& m) { m.nodes[0].parent = 0; },
@@ -115,7 +115,7 @@ TEST(Validation, Trees) {
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(tree(), spoilers[k])) << k;
 }
 
-TEST(Validation, JointPlans) {
+TEST(Validation, InvalidJointPlansAreRefused) {
   using M = JointPlanMessage;
   const std::vector<std::function<void(M&)>> spoilers{
       [](M& m) { m.round.epoch = 0; }, [](M& m) { m.round.leader.clear(); },
@@ -123,7 +123,7 @@ TEST(Validation, JointPlans) {
       [](M& m) { m.moves[0].path.clear(); }, [](M& m) { m.moves[0].path[1].y() = infinity; },
       [](M& m) { m.members.clear(); }, [](M& m) { m.members.resize(4097, m.members[0]); },
       [](M& m) { m.members[0].radius = 1e-300; },
-      // Pieces of the size of a robot would be without end: of a way there, or there and back.
+      // Pieces of the size of a robot would be endless for a path there, or there and back.
       [](M& m) {
         m.moves[0].path[1] = {2e6, 0};
       },
@@ -135,10 +135,10 @@ TEST(Validation, JointPlans) {
     spoilers.back()(m);
     m.members[0].radius = 2;
   };
-  EXPECT_FALSE(problem<M>(plan(), larger)) << "its pieces are";
+  EXPECT_FALSE(problem<M>(plan(), larger)) << "the pieces are counted";
 }
 
-TEST(Validation, RootNodesTracksAndMaps) {
+TEST(Validation, InvalidRootNodesTracksAndMapsAreRefused) {
   EXPECT_FALSE(problem_with(RootNodes{"r1", 1, 5, {{Side::goal, {0, 0}, 4}}}));
   EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{Side::goal, {0, 0}, 5}}}));
   EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{static_cast<Side>(2), {0, 0}, 1}}}));
@@ -151,7 +151,7 @@ TEST(Validation, RootNodesTracksAndMaps) {
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 1, .height = 1, .resolution = 1e-300, .blocked = {0}}}));
 }
 
-TEST(Validation, WhatIsMadeOfNothingIsNothing) {
+TEST(Validation, EmptyMessagesAreRefused) {
   EXPECT_TRUE(problem_with(MapMessage{}));
   EXPECT_TRUE(problem_with(Mission{}));
   EXPECT_TRUE(problem_with(RootNodes{}));
@@ -164,7 +164,7 @@ TEST(Validation, WhatIsMadeOfNothingIsNothing) {
   EXPECT_TRUE(problem_with(BrokerStatus{}));
 }
 
-TEST(Validation, ReasonsAreTextThatAReportCanQuote) {
+TEST(Validation, AReasonIsTextThatAReportCanQuote) {
   const auto with = [](std::string reason) {
     return problem_with(AgentStatus{.robot = "r1", .reason = std::move(reason)});
   };
@@ -180,7 +180,7 @@ TEST(Validation, ReasonsAreTextThatAReportCanQuote) {
   EXPECT_FALSE(problem_with(BrokerStatus{.broker = 1}));
 }
 
-TEST(Validation, AgentsSpeakForTheirOwnRobotUnlessTheyPassOn) {
+TEST(Validation, AnAgentSpeaksForItsOwnRobotUnlessItRelays) {
   const auto sender = [](const Message& m) { return sender_of(m) == nullptr ? "" : *sender_of(m); };
   EXPECT_EQ(sender(state()), "r1");
   RobotState passed_on = state();
@@ -195,7 +195,7 @@ TEST(Validation, AgentsSpeakForTheirOwnRobotUnlessTheyPassOn) {
   EXPECT_EQ(sender(tree()), "");
 }
 
-TEST(Validation, ClaimsAndAssignments) {
+TEST(Validation, InvalidClaimsAndAssignmentsAreRefused) {
   EXPECT_FALSE(problem_with(Claim{1, 1}));
   EXPECT_TRUE(problem_with(Claim{0, 1}));
   EXPECT_TRUE(problem_with(Claim{1, 1, std::string(65, 'x')}));

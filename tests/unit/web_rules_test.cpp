@@ -1,4 +1,4 @@
-// Who may ask the monitor, and from where.
+// Tests of which clients may connect to the monitor.
 
 #include "monitor/web_rules.h"
 
@@ -7,7 +7,7 @@
 namespace coppice {
 namespace {
 
-TEST(WebRules, HostsByAddressAreFineAndNamesAreNot) {
+TEST(WebRules, HostsByAddressAreAcceptedAndNamesAreNot) {
   for (const char* host :
        {"127.0.0.1", "127.0.0.1:8090", "localhost", "LocalHost:1", "[::1]", "[::1]:8090", "192.168.1.7:80"})
     EXPECT_TRUE(is_fine_host(host)) << host;
@@ -37,7 +37,7 @@ TEST(WebRules, FoxgloveIsKnownByItsSubprotocolAndThePageByItsPath) {
   EXPECT_EQ(channel_of("/other", ""), std::nullopt);
 }
 
-TEST(WebRules, OfFoxglovesSubprotocolsTheFirstThatIsOfferedAndKnownIsSpoken) {
+TEST(WebRules, TheFirstKnownFoxgloveSubprotocolIsChosen) {
   EXPECT_EQ(foxglove_subprotocol("foxglove.sdk.v1"), "foxglove.sdk.v1");
   EXPECT_EQ(foxglove_subprotocol("foxglove.sdk.v2, foxglove.sdk.v1,foxglove.websocket.v1"),
             "foxglove.sdk.v1");
@@ -45,7 +45,7 @@ TEST(WebRules, OfFoxglovesSubprotocolsTheFirstThatIsOfferedAndKnownIsSpoken) {
   EXPECT_EQ(foxglove_subprotocol("foxglove"), std::nullopt);
 }
 
-TEST(WebRules, PagesFromElsewhereMayNotLookExceptAsFoxglove) {
+TEST(WebRules, ForeignPagesMayNotConnectExceptAsFoxglove) {
   const std::vector<std::string> others{"http://viewer.example:8080"};
   const auto may = [&](Channel channel, const char* origin) {
     return may_connect(channel, origin, "127.0.0.1:8090", others);
@@ -64,14 +64,14 @@ TEST(WebRules, PagesFromElsewhereMayNotLookExceptAsFoxglove) {
   EXPECT_FALSE(may(Channel::page, "http://viewer.example:8080"));
 }
 
-TEST(WebRules, PathsEndBeforeTheQuery) {
+TEST(WebRules, APathEndsBeforeTheQuery) {
   EXPECT_EQ(path_of("/metrics?x=1"), "/metrics");
   EXPECT_EQ(path_of("/#a"), "/");
   EXPECT_EQ(path_of("/a/b"), "/a/b");
   EXPECT_EQ(path_of(""), "");
 }
 
-TEST(WebRules, FilesHaveTypes) {
+TEST(WebRules, FilesHaveMediaTypes) {
   EXPECT_EQ(media_type("/index.html"), "text/html; charset=utf-8");
   EXPECT_EQ(media_type("/a.js"), "text/javascript; charset=utf-8");
   EXPECT_EQ(media_type("/a"), "application/octet-stream");
