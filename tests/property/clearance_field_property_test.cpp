@@ -1,4 +1,4 @@
-// Every answer of the clearance field against brute force over all squares, on random maps.
+// Tests of the clearance field against brute force over all cells, on random maps.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -16,7 +16,7 @@ namespace {
 // Nearer than this to touching, rounding may decide either way.
 constexpr double band = 1e-6;
 
-/// A map of blocks, walls and specks: what random cells alone would never make.
+/// A map of blocks, walls and single cells, which independent random cells would never give.
 OccupancyMap random_map(Random& random) {
   OccupancyMap map;
   map.width = 1 + static_cast<int>(random.index(40));
@@ -47,7 +47,8 @@ double point_to_square(const Point2& p, const Box<2>& square) {
   return (p - p.cwiseMax(square.lower).cwiseMin(square.upper)).norm();
 }
 
-/// Least distance of the segment to a square: convex in the place on the segment, so ternary search finds it.
+/// The least distance of the segment to a square. It is convex in the position on the segment, so that
+/// ternary search finds it.
 double segment_to_square(const Point2& a, const Point2& b, const Box<2>& square) {
   double lower = 0;
   double upper = 1;
@@ -78,7 +79,7 @@ double true_clearance(const OccupancyMap& map, const Point2& a, const Point2& b)
   return std::max(least, 0.0);
 }
 
-RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceAtPoints, (std::uint64_t seed)) {
+RC_GTEST_PROP(ClearanceField, AnswersAtPointsAgreeWithBruteForce, (std::uint64_t seed)) {
   Random random(seed);
   const OccupancyMap map = random_map(random);
   const ClearanceField field(map);
@@ -93,7 +94,7 @@ RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceAtPoints, (std::uint64_t seed))
   }
 }
 
-RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceOnSegments, (std::uint64_t seed)) {
+RC_GTEST_PROP(ClearanceField, AnswersOnSegmentsAgreeWithBruteForce, (std::uint64_t seed)) {
   Random random(seed);
   const OccupancyMap map = random_map(random);
   const ClearanceField field(map);
@@ -109,8 +110,8 @@ RC_GTEST_PROP(ClearanceField, AnswersAsBruteForceOnSegments, (std::uint64_t seed
   }
 }
 
-// The bound is of use only if it is near the truth: in open space, within a quarter of a cell's square.
-RC_GTEST_PROP(ClearanceField, LowerBoundIsCloseBesideOneObstacle, (std::uint64_t seed)) {
+// The bound must be near the exact value: in open space, within a quarter of a cell.
+RC_GTEST_PROP(ClearanceField, TheLowerBoundIsCloseBesideOneObstacle, (std::uint64_t seed)) {
   Random random(seed);
   OccupancyMap map;
   map.width = map.height = 101;

@@ -1,5 +1,5 @@
-// Robots that all push into each other, hear each other late or not at all, and change their minds: they
-// never touch one another or a wall, and they never break what they promised.
+// Tests of robots that push into each other, hear each other late or not at all, and change their wishes.
+// They never touch a robot or a wall, and they keep their promises.
 #include "motion/driver.h"
 
 #include <cmath>
@@ -36,7 +36,7 @@ Point2 any_velocity(double speed, Random& random) {
 struct Robot {
   Driver body;
   Point2 wanted = Point2::Zero();
-  std::vector<Commitment> heard_of;  ///< of each robot, as this one last heard it
+  std::vector<Commitment> heard_of;  ///< the last commitment heard from each robot
 };
 
 std::vector<Robot> place_robots(const ClearanceField& field, Random& random) {
@@ -67,7 +67,7 @@ std::vector<Neighbour> neighbours_of(std::size_t self, const std::vector<Robot>&
   return result;
 }
 
-RC_GTEST_PROP(Driver, NobodyTouchesAnythingHoweverLittleIsHeard, (std::uint64_t seed)) {
+RC_GTEST_PROP(Driver, NoRobotTouchesAnythingHoweverLittleIsHeard, (std::uint64_t seed)) {
   Random random(seed);
   const ClearanceField field(walled_map(random));
   std::vector<Robot> robots = place_robots(field, random);
@@ -75,10 +75,10 @@ RC_GTEST_PROP(Driver, NobodyTouchesAnythingHoweverLittleIsHeard, (std::uint64_t 
   const double whim = random.uniform(0.01, 0.3);
   const double idle = random.uniform(0, 0.3);
   for (int step = 0; step < 400; ++step) {
-    // Everybody decides on what it has heard, then all hear, or do not.
+    // All robots decide on what they heard. Then each hears the others or not.
     for (std::size_t k = 0; k < robots.size(); ++k) {
       Driver& body = robots[k].body;
-      if (random.uniform() < idle) continue;  // too late to decide: it brakes
+      if (random.uniform() < idle) continue;  // too late to decide, so that it brakes
       if (random.uniform() < whim) robots[k].wanted = any_velocity(1.5 * body.limits().max_speed, random);
       if (random.uniform() < 0.05) body.stay(body.time() + random.uniform(0, 1));
       const auto neighbours = neighbours_of(k, robots);
@@ -112,8 +112,8 @@ RC_GTEST_PROP(Driver, NobodyTouchesAnythingHoweverLittleIsHeard, (std::uint64_t 
   }
 }
 
-// A robot that binds itself to stand is passed as closely as a wall.
-TEST(Driver, PassesOneThatIsBoundToStand) {
+// A robot that commits to stand is passed as closely as a wall.
+TEST(Driver, ARobotPassesAPeerThatIsBoundToStand) {
   OccupancyMap map{.width = 100, .height = 21, .blocked = std::vector<std::uint8_t>(2100, 0)};
   const ClearanceField field(map);
   const Limits limits{20, 40};
@@ -129,7 +129,7 @@ TEST(Driver, PassesOneThatIsBoundToStand) {
   EXPECT_GT(passing.position().x(), 90);
 }
 
-TEST(Driver, StandsForAsLongAsItIsBound) {
+TEST(Driver, ARobotStandsForAsLongAsItIsBound) {
   const ClearanceField field(
       OccupancyMap{.width = 50, .height = 50, .blocked = std::vector<std::uint8_t>(2500, 0)});
   Driver body({25, 25}, 0, 1, {20, 40}, period);
@@ -146,7 +146,7 @@ TEST(Driver, StandsForAsLongAsItIsBound) {
   EXPECT_FALSE(body.velocity().isZero(0));
 }
 
-TEST(Driver, StandsForAsLongAsItHasSaid) {
+TEST(Driver, ARobotStandsForAsLongAsItAnnounced) {
   const ClearanceField field(
       OccupancyMap{.width = 100, .height = 100, .blocked = std::vector<std::uint8_t>(10000, 0)});
   for (const double until : {0.5, 0.501, 0.524, 0.525, 0.549}) {
@@ -162,7 +162,7 @@ TEST(Driver, StandsForAsLongAsItHasSaid) {
   }
 }
 
-TEST(Driver, GetsAwayFromOneThatStandsTooCloseAndNeverCloser) {
+TEST(Driver, ARobotLeavesAPeerThatStandsTooClose) {
   const ClearanceField field(
       OccupancyMap{.width = 100, .height = 100, .blocked = std::vector<std::uint8_t>(10000, 0)});
   const Limits limits{20, 40};

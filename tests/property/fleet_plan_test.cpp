@@ -1,4 +1,5 @@
-// Every robot finds its path on maps of the four kinds, and what the planner built keeps what it promises.
+// Tests of fleet plans on maps of the four kinds: every robot finds its path, and the trees keep their
+// clearance.
 
 #include "planning/fleet_plan.h"
 
@@ -12,9 +13,9 @@ namespace {
 
 constexpr double radius = 5;
 
-class FourKinds : public testing::TestWithParam<MapKind> {};
+class FleetPlanOnMaps : public testing::TestWithParam<MapKind> {};
 
-TEST_P(FourKinds, TenRobotsAllHaveAPathIn20Seeds) {
+TEST_P(FleetPlanOnMaps, TenRobotsHaveAPathIn20Seeds) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
     const ClearanceField field(generate_map(GetParam(), 512, 512, random));
@@ -43,7 +44,7 @@ TEST_P(FourKinds, TenRobotsAllHaveAPathIn20Seeds) {
   }
 }
 
-TEST_P(FourKinds, EveryEdgeOfEveryTreeKeepsItsClearance) {
+TEST_P(FleetPlanOnMaps, EveryEdgeOfEveryTreeKeepsItsClearance) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Random random(seed);
     const ClearanceField field(generate_map(GetParam(), 256, 256, random));
@@ -68,11 +69,11 @@ std::string name_of(const testing::TestParamInfo<MapKind>& kind) {
   return names[static_cast<std::size_t>(kind.param)];
 }
 
-INSTANTIATE_TEST_SUITE_P(Maps, FourKinds,
+INSTANTIATE_TEST_SUITE_P(Maps, FleetPlanOnMaps,
                          testing::Values(MapKind::blank, MapKind::dense, MapKind::maze, MapKind::room),
                          name_of);
 
-TEST(FleetPlan, UnreachableGoalEndsWithAReason) {
+TEST(FleetPlan, AnUnreachableGoalEndsWithAReason) {
   OccupancyMap map;
   map.width = 100;
   map.height = 40;

@@ -1,4 +1,4 @@
-// Joint plans of crowds that are strewn over random trees of corridors and halls.
+// Tests of joint plans for clusters in random trees of corridors and halls.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -50,7 +50,7 @@ OccupancyMap corridors_and_halls(Random& random) {
   return map;
 }
 
-/// As many as asked for, if there is room.
+/// As many tasks as requested, if there is room.
 std::vector<JointTask> strewn(const OccupancyMap& map, int robots, Random& random) {
   constexpr int most_draws = 4000;
   const ClearanceField field(map);
@@ -68,8 +68,8 @@ std::vector<JointTask> strewn(const OccupancyMap& map, int robots, Random& rando
   return tasks;
 }
 
-// Some have no solution: two that want to pass each other in a single corridor.
-TEST(JointPlans, CrowdsInCorridorsAreSortedOut) {
+// Some clusters have no solution: two robots that want to pass each other in a single corridor.
+TEST(JointPlans, ClustersInCorridorsAreSolved) {
   const std::uint32_t crowds = test::wants_long_tests() ? 4000 : 200;
   std::uint32_t not_sorted_out = 0;
   for (std::uint32_t seed = 1; seed <= crowds; ++seed) {

@@ -1,5 +1,5 @@
-// Random tasks and lifelong goals on small random grids with robots that just fit through a cell: what the
-// robot reaches is found a second time, cell by cell.
+// Tests of random tasks and lifelong goals on small random grids, with robots that just fit through a cell.
+// What a robot reaches is found a second time, cell by cell.
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -67,7 +67,7 @@ void expect_apart(const std::vector<StartAndGoal>& tasks, Point2 StartAndGoal::*
   }
 }
 
-TEST(RandomTasks, AsManyAsThereAreCellsLieInOnePartApartAndNotAtTheirStarts) {
+TEST(RandomTasks, AsManyTasksAsCellsAreDrawnApartInOnePart) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -92,7 +92,7 @@ TEST(RandomTasks, AsManyAsThereAreCellsLieInOnePartApartAndNotAtTheirStarts) {
   }
 }
 
-TEST(RandomTasks, TooManyAreRefusedWithTheNumberThatFits) {
+TEST(RandomTasks, TooManyTasksAreRefusedWithTheNumberThatFits) {
   for (std::uint64_t seed = 1; seed <= seeds / 10; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -110,7 +110,7 @@ TEST(RandomTasks, TooManyAreRefusedWithTheNumberThatFits) {
   }
 }
 
-TEST(RandomTasks, TheSameSeedDrawsTheSame) {
+TEST(RandomTasks, TheSameSeedDrawsTheSameTasks) {
   for (std::uint64_t seed = 1; seed <= seeds / 10; ++seed) {
     Random random(seed);
     const OccupancyMap map = random_grid(random);
@@ -127,8 +127,8 @@ TEST(RandomTasks, TheSameSeedDrawsTheSame) {
   }
 }
 
-// Also what is behind a door of one cell.
-TEST(RandomTasks, EveryPlaceIsDrawnAboutAsOften) {
+// This includes places behind a door of one cell.
+TEST(RandomTasks, AllPlacesAreDrawnAboutEquallyOften) {
   OccupancyMap map{.width = 9, .height = 3, .blocked = std::vector<std::uint8_t>(27, 0)};
   map.blocked[4] = map.blocked[22] = 1;
   const ClearanceField field(map);
@@ -144,7 +144,7 @@ TEST(RandomTasks, EveryPlaceIsDrawnAboutAsOften) {
   }
 }
 
-/// A service whose agents have arrived wherever they are sent.
+/// A service whose agents arrive at once at every goal.
 class Lifelong {
  public:
   explicit Lifelong(const Scenario& scenario)
@@ -170,7 +170,7 @@ class Lifelong {
   PlannerService service_;
 };
 
-TEST(LifelongGoals, ARobotAloneGetsGoalsWhereverItsPartHasAnotherPlace) {
+TEST(LifelongGoals, ASingleRobotGetsAGoalIfItReachesAnotherPlace) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -198,7 +198,7 @@ TEST(LifelongGoals, ARobotAloneGetsGoalsWhereverItsPartHasAnotherPlace) {
   }
 }
 
-/// Robots a, b, ... in the first cells of a corridor as wide as a cell.
+/// Robots a, b, ... in the first cells of a corridor that is one cell wide.
 Scenario corridor(int cells, int robots) {
   OccupancyMap map{
       .width = cells, .height = 1, .blocked = std::vector<std::uint8_t>(static_cast<std::size_t>(cells), 0)};
@@ -209,7 +209,7 @@ Scenario corridor(int cells, int robots) {
   return scenario;
 }
 
-TEST(LifelongGoals, TheOnlyFreeCellIsFoundAmongManyThatAreTaken) {
+TEST(LifelongGoals, TheOnlyFreeCellIsFoundAmongManyTakenOnes) {
   constexpr int robots = 20;
   const Scenario scenario = corridor(robots + 1, robots);
   Lifelong run(scenario);
@@ -220,7 +220,7 @@ TEST(LifelongGoals, TheOnlyFreeCellIsFoundAmongManyThatAreTaken) {
   }
 }
 
-TEST(LifelongGoals, AFullCorridorHasNone) {
+TEST(LifelongGoals, AFullCorridorHasNoGoal) {
   Lifelong run(corridor(3, 3));
   EXPECT_EQ(run.next_goal(1, 1, 5), std::nullopt);
   EXPECT_EQ(run.service().robots_without_goal(),

@@ -1,4 +1,4 @@
-// Every message of the bus, with any values in all of its fields, is the same after a recording.
+// Tests that every message with any values in its fields is unchanged after a recording.
 
 #include "monitor/recorded_messages.h"
 
@@ -26,7 +26,7 @@ double a_number(bool also_nan) {
   return also_nan && *rc::gen::inRange(0, 8) == 0 ? std::numeric_limits<double>::quiet_NaN() : number;
 }
 
-/// Any values; NaN only where they are not compared as numbers.
+/// Any values; NaN only in fields that are not compared as numbers.
 struct Any {
   bool also_nan = false;
 
@@ -49,7 +49,7 @@ struct Any {
     return *rc::gen::element<std::string>("", "r1", "größer", "\xF0\x9F\x90\x99", std::string(64, 'x'),
                                           std::string("a\0b", 3));
   }
-  /// Also ones that have no name.
+  /// Any value, also one without a name.
   template <class E>
   E one() const {
     return static_cast<E>(u8());
@@ -201,7 +201,7 @@ void expect_same_after_recording() {
   const auto back = message_in(message.index(), recorded(message));
   RC_ASSERT(back.has_value());
   RC_ASSERT(*back == message);
-  // With NaN, by the bytes, which the above shows to hold everything.
+  // Messages with NaN are compared as bytes. The check above shows that the bytes hold everything.
   const Message odd = any<M>({.also_nan = true});
   RC_ASSERT(recorded(message_in(odd.index(), recorded(odd)).value()) == recorded(odd));
 }
@@ -216,19 +216,19 @@ struct TypesOf<std::variant<Ms...>> {
 };
 TYPED_TEST_SUITE(RecordedMessages, TypesOf<Message>::Type);
 
-TYPED_TEST(RecordedMessages, AreTheSameAfterwards) {
+TYPED_TEST(RecordedMessages, MessagesAreUnchangedAfterARecording) {
   EXPECT_TRUE(rc::check(expect_same_after_recording<TypeParam>));
 }
 
-TYPED_TEST(RecordedMessages, OfAnyBytesAreNoneOrSome) {
+TYPED_TEST(RecordedMessages, AnyBytesAreReadAsAMessageOrRefused) {
   EXPECT_TRUE(rc::check([](const std::string& bytes) {
     const auto message = message_in(topic_number<TypeParam>(), bytes);
     RC_ASSERT(!message || std::holds_alternative<TypeParam>(*message));
   }));
 }
 
-/// Whoever has no more than the schema in the file can read the messages.
-TYPED_TEST(RecordedMessages, AreDescribedByTheirSchema) {
+/// The schema in the file suffices to read the messages.
+TYPED_TEST(RecordedMessages, TheSchemaDescribesTheMessages) {
   const TopicNumber topic = topic_number<TypeParam>();
   google::protobuf::FileDescriptorSet files;
   ASSERT_TRUE(files.ParseFromString(schema_of(topic)));
@@ -245,7 +245,7 @@ TYPED_TEST(RecordedMessages, AreDescribedByTheirSchema) {
   }));
 }
 
-TEST(RecordedMessage, ThatIsTooLongIsNone) {
+TEST(RecordedMessage, AMessageThatIsTooLongIsRefused) {
   const std::string long_one(largest_recorded(topic_number<Claim>()) + 1, '\0');
   EXPECT_FALSE(message_in(topic_number<Claim>(), long_one));
   EXPECT_FALSE(message_in(topic_number<Claim>(), "\x1a\x01\xff")) << "no UTF-8";

@@ -1,4 +1,5 @@
-// Joint plans of a few robots on small grids, against an exhaustive search of single moves between cells.
+// Tests of joint plans of a few robots on small grids, against an exhaustive search of single moves between
+// cells.
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,8 +13,8 @@
 namespace coppice {
 namespace {
 
-/// Whether a joint plan is found for robots of these radii, by robot, in cells of the arrangement. Each of
-/// those is scale x scale cells of the map.
+/// Whether a joint plan is found for robots with these radii in cells of the arrangement. Each of those is
+/// scale x scale cells of the map.
 bool is_solved(const test::Arrangement& a, int scale, const std::vector<double>& radii) {
   const OccupancyMap map = a.map(scale);
   std::vector<JointTask> tasks;
@@ -39,7 +40,7 @@ unsigned seeds(unsigned usual) {
   return test::wants_long_tests() ? 20 * usual : usual;
 }
 
-TEST(SmallArrangements, KnownOnesAreSolvedHoweverTheyAreTurned) {
+TEST(SmallArrangements, KnownArrangementsAreSolvedInEveryOrientation) {
   for (const test::Arrangement& known : test::known_arrangements()) {
     ASSERT_TRUE(test::has_solution(known)) << test::drawing(known);
     for (const test::Arrangement& a : test::all_symmetries(known)) {
@@ -51,7 +52,7 @@ TEST(SmallArrangements, KnownOnesAreSolvedHoweverTheyAreTurned) {
   }
 }
 
-TEST(SmallArrangements, WhatAnExhaustiveSearchSolvesIsSolved) {
+TEST(SmallArrangements, ArrangementsThatAnExhaustiveSearchSolvesAreSolved) {
   for (const double radius : {0.3, 0.35, 0.4, 0.45, 0.49}) {
     for (unsigned seed = 1; seed <= seeds(50); ++seed) {
       Random random(seed);
@@ -72,9 +73,9 @@ TEST(SmallArrangements, RobotsMayDifferInSize) {
   }
 }
 
-// Where the map's cells are much smaller than a robot, places can be anywhere, and four robots that turn
-// round in a narrow ring have too many configurations.
-TEST(SmallArrangements, NearlyAllAreSolvedWhereverWallsFallOnTheLattice) {
+// If the cells of the map are much smaller than a robot, vertices can be anywhere. Four robots that turn
+// around in a narrow ring then have too many configurations.
+TEST(SmallArrangements, NearlyAllAreSolvedForAnyAlignmentWithTheLattice) {
   unsigned not_solved = 0;
   unsigned all = 0;
   for (const int scale : {2, 5, 9, 20}) {

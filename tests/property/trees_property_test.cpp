@@ -1,5 +1,5 @@
-// What must hold of all trees at any time, on random maps with random tasks, robots of several radii
-// included.
+// Tests of what must hold for all trees at any time, on random maps with random tasks and robots of several
+// radii.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -55,7 +55,7 @@ void check_edges(const Trees<2>& trees, const ClearanceField& field) {
   }
 }
 
-/// Costs-to-come are the sums of the edges back to the root, and there is a way back.
+/// Checks that costs-to-come are sums of the edges back to the root, and that a path to the root exists.
 void check_costs(const Trees<2>& trees, TreeIndex root_tree) {
   trees.for_each_node(root_tree, [&](NodeId n) {
     double sum = 0;
@@ -68,7 +68,7 @@ void check_costs(const Trees<2>& trees, TreeIndex root_tree) {
   });
 }
 
-RC_GTEST_PROP(Trees, HoldTheirInvariantsAtAnyTime, (std::uint64_t seed)) {
+RC_GTEST_PROP(Trees, TreesHoldTheirInvariantsAtAnyTime, (std::uint64_t seed)) {
   Setting s(seed);
   for (int round = 0; round < 6; ++round) {
     for (std::size_t k = s.random.index(400); k > 0 && s.planner.step(); --k) {
@@ -78,7 +78,7 @@ RC_GTEST_PROP(Trees, HoldTheirInvariantsAtAnyTime, (std::uint64_t seed)) {
       check_costs(s.planner.trees(), s.planner.root_tree(g, Root::start));
       check_costs(s.planner.trees(), s.planner.root_tree(g, Root::goal));
       if (!s.planner.is_open(g)) continue;
-      // No tree is grafted to both root trees of a group that is not solved.
+      // No tree is grafted to both root trees of an unsolved group.
       const Trees<2>& trees = s.planner.trees();
       for (TreeIndex t = 0; t < trees.tree_count(); ++t) {
         if (!trees.is_tree(t) || trees.tree(t).kind != TreeKind::inactive) continue;
@@ -88,7 +88,7 @@ RC_GTEST_PROP(Trees, HoldTheirInvariantsAtAnyTime, (std::uint64_t seed)) {
   }
 }
 
-RC_GTEST_PROP(Trees, ASolvedGroupGrowsNoMore, (std::uint64_t seed)) {
+RC_GTEST_PROP(Trees, ASolvedGroupGrowsNoFurther, (std::uint64_t seed)) {
   Setting s(seed);
   std::vector<std::optional<std::uint32_t>> size(s.tasks.size());
   bool going = true;
@@ -104,7 +104,7 @@ RC_GTEST_PROP(Trees, ASolvedGroupGrowsNoMore, (std::uint64_t seed)) {
   }
 }
 
-/// Both forms of extraction, then improved: start to goal, free, and never longer than before.
+/// Both forms of extraction, then the improved path: from start to goal, free, and never longer than before.
 RC_GTEST_PROP(Trees, PathsAreFreeAndOnlyBecomeShorter, (std::uint64_t seed)) {
   Setting s(seed);
   for (int k = 0; k < 30'000 && s.planner.step(); ++k) {

@@ -1,5 +1,5 @@
-// On small random maps with radii that fit exactly: a way is found where there is one, also through passages
-// as wide as the robot; else it is proved that there is none.
+// Tests on small random maps with radii that fit exactly. A path is found if there is one, also through
+// passages as wide as the robot. Otherwise it is proved that there is none.
 
 #include "planning/voronoi_roadmap.h"
 
@@ -27,7 +27,8 @@ OccupancyMap random_map(Random& random) {
   return map;
 }
 
-/// Places half a cell apart, joined where the disc is free on the straight line: what that finds, exists.
+/// Positions half a cell apart, joined where the disc is free on the straight line. A path on this lattice
+/// exists.
 class Lattice {
  public:
   Lattice(const ClearanceField& field, double radius)
@@ -43,7 +44,7 @@ class Lattice {
     return frame.origin + frame.resolution * 0.5 * Point2(k % columns_, k / columns_);
   }
 
-  /// A random point from which the disc can go straight to a place.
+  /// A random point from which the disc can go straight to a lattice position.
   Point2 point_near(int k, Random& random) const {
     for (int tries = 0; tries < 20; ++tries) {
       const Point2 offset(random.uniform(-1, 1), random.uniform(-1, 1));
@@ -80,7 +81,7 @@ class Lattice {
 };
 
 double fitting_radius(const OccupancyMap& map, Random& random) {
-  // Half a cell, a cell, ...; half of the gap between corners that touch at a knight's move; or any.
+  // Half a cell, a cell, ...; half of the gap between corners that touch at a knight's move; or any value.
   const std::array fits{0.5, 1.0, 1.5, 0.5 * std::sqrt(2.0), 0.5 * std::sqrt(5.0), random.uniform(0.1, 2.0)};
   return map.resolution * fits[random.index(fits.size())];
 }
@@ -90,7 +91,7 @@ void expect_free(const ClearanceField& field, const Path& way, double radius) {
     ASSERT_TRUE(field.segment_free(way[i - 1], way[i], radius)) << "segment " << i;
 }
 
-TEST(VoronoiRoadmap, FindsEveryWayThatALatticeFinds) {
+TEST(VoronoiRoadmap, EveryPathThatALatticeFindsIsFound) {
   Random random(1);
   int found = 0;
   int proved = 0;
@@ -121,7 +122,7 @@ TEST(VoronoiRoadmap, FindsEveryWayThatALatticeFinds) {
   EXPECT_GT(proved, 300);
 }
 
-/// Two rooms with a door of so many cells between them, turned and mirrored.
+/// Two rooms with a door of `door` cells between them, rotated and mirrored.
 OccupancyMap rooms_with_a_door(int door, bool upright, bool mirrored) {
   OccupancyMap map{
       .width = 41, .height = 41, .resolution = 0.05, .blocked = std::vector<std::uint8_t>(41 * 41)};

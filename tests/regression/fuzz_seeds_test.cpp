@@ -1,5 +1,5 @@
-// Cases of `coppice fuzz` that failed once, each with what was wrong. A change of what a seed draws makes
-// them other cases: then the case, not the seed, has to be written down.
+// Cases of `coppice fuzz` that failed once, each with its cause. If the cases that seeds draw change, the
+// case itself must be stored here instead of its seed.
 #include <gtest/gtest.h>
 
 #include "simulation/fuzz.h"
@@ -16,40 +16,44 @@ void expect_survived(const FuzzCase& fuzz_case) {
 
 class FuzzSeeds : public testing::TestWithParam<std::uint32_t> {};
 
-TEST_P(FuzzSeeds, AreSurvived) {
+TEST_P(FuzzSeeds, TheCasePasses) {
   expect_survived(draw_fuzz_case(GetParam()));
 }
 
 class FuzzSeedsWithRestarts : public testing::TestWithParam<std::uint32_t> {};
 
-TEST_P(FuzzSeedsWithRestarts, AreSurvived) {
+TEST_P(FuzzSeedsWithRestarts, TheCasePasses) {
   expect_survived(draw_fuzz_case(GetParam(), true));
 }
 
-INSTANTIATE_TEST_SUITE_P(PastItsOwnGoal, FuzzSeeds,
-                         testing::Values(7));  // where one must wait, and come back, while the other passes
-INSTANTIATE_TEST_SUITE_P(LastWordsHeardByNobody, FuzzSeeds, testing::Values(100456));
-// A robot's velocity jumps at the beginning of a period, not evenly within it.
-INSTANTIATE_TEST_SUITE_P(TwoThatCreep, FuzzSeeds, testing::Values(100213));
-INSTANTIATE_TEST_SUITE_P(LateCrossing, FuzzSeeds, testing::Values(1100));  // 40 robots, a third of the news
-INSTANTIATE_TEST_SUITE_P(MutualFear, FuzzSeeds,
-                         testing::Values(1095,  // with 0.24 s delay, robots under orders feared each other's
-                                         1155));  // next move for ever: none bound itself to stand for long
-// Head-on in a corridor, each took the other, that it had just pushed back, for one that goes its way: they
-// let each other go first for ever, and no time in which one stands for that counted as without progress.
+INSTANTIATE_TEST_SUITE_P(
+    PassingBehindTheGoal, FuzzSeeds,
+    testing::Values(7));  // one robot must wait past its goal, and come back, while the other passes
+INSTANTIATE_TEST_SUITE_P(LastStatesUnheard, FuzzSeeds, testing::Values(100456));
+// A velocity jumps at the beginning of a control period. It does not change evenly within it.
+INSTANTIATE_TEST_SUITE_P(TwoCreepingRobots, FuzzSeeds, testing::Values(100213));
+INSTANTIATE_TEST_SUITE_P(CrossingWithLoss, FuzzSeeds,
+                         testing::Values(1100));  // 40 robots, a third of the states lost
+INSTANTIATE_TEST_SUITE_P(
+    MutualAvoidance, FuzzSeeds,
+    testing::Values(1095,    // with a delay of 0.24 s, robots that executed a plan avoided each
+                    1155));  // other's next move for ever: none committed to stand for long
+// Two robots met head-on in a corridor. Each assumed that the peer that it had just pushed back drove in its
+// own direction. They let each other go first for ever, and the time for which they stood did not count as
+// being without progress.
 INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
 
-// One fell silent, was heard of again, and died elsewhere while the other was down: that one knew only of the
-// silence, and drove into it.
-INSTANTIATE_TEST_SUITE_P(DiedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));
+// A robot fell silent, was heard again, and failed elsewhere while another agent was down. That agent knew
+// only of the silence, and drove into the robot.
+INSTANTIATE_TEST_SUITE_P(FailedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));
 
-// In pieces before they had heard of each other: each missed the others one by one, and never so many at once
-// that it took its own piece for the smaller one.
-INSTANTIATE_TEST_SUITE_P(InPiecesFromTheBeginning, FuzzSeedsWithRestarts, testing::Values(2100149));
+// The network was partitioned before the robots had heard of each other. Each missed its peers one by one,
+// and never so many at once that it took its own part for the smaller one.
+INSTANTIATE_TEST_SUITE_P(PartitionedFromTheStart, FuzzSeedsWithRestarts, testing::Values(2100149));
 
-// More was kept clear around the dead than a way past it had room for; one stood where others feared it, or a
-// hair too close to where it might stand.
-INSTANTIATE_TEST_SUITE_P(TooMuchKeptClear, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));
+// The zones of failed robots left no room for a way past. A robot stood in such a zone, or very slightly too
+// close to it.
+INSTANTIATE_TEST_SUITE_P(OversizedZones, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));
 
 }  // namespace
 }  // namespace coppice

@@ -1,5 +1,5 @@
-// A robot that was pushed to where no sampled path leads out comes to its goal nevertheless: once it searched
-// for one until it gave up, in the 7th of eight dense maps.
+// A robot was pushed to where no sampled path leads out. It must still reach its goal. Once it searched until
+// it gave up, in the 7th of eight dense maps.
 #include <gtest/gtest.h>
 
 #include "bench/trial.h"
@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-TEST(Nook, WhoWasPushedIntoOneGoesBackAsItCame) {
+TEST(Nook, ARobotPushedIntoANookGoesBackAlongItsTrail) {
   const TrialCase trial = make_case("dense", 512, 20, 5, 7);
   Scenario scenario{.map_name = "dense", .map = trial.occupancy, .seed = 7, .robots = {}};
   for (const PlanningProblem& p : trial.problems)

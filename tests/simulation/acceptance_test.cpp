@@ -1,5 +1,6 @@
-// Every kind of scenario over many seeds, with and without faults: all arrive whose way no failed robot
-// closes, and nothing touches. Judged from the recorded tracks by plain geometry alone (run_check.h).
+// Tests of every kind of scenario over many seeds, with and without faults. All robots arrive unless a failed
+// robot closes their way, and nothing touches. The recorded tracks are judged by plain geometry alone
+// (run_check.h).
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +22,8 @@ namespace {
 constexpr std::uint32_t seeds = 20;
 constexpr double tolerance = 1e-3;  // metres
 constexpr double goal_tolerance = 1;
-/// Metres around a failed robot for where others believe it, who heard its last words late or not at all.
+/// Metres around a failed robot in which peers may believe it to stand that heard its last states late or not
+/// at all.
 constexpr double belief = 1;
 
 struct Row {
@@ -29,7 +31,7 @@ struct Row {
   int robots;
 };
 
-/// How GoogleTest calls it.
+/// The name that GoogleTest prints.
 void PrintTo(const Row& row, std::ostream* out) {
   *out << row.robots << ' ' << row.name;
 }
@@ -55,7 +57,7 @@ struct Body {
   double radius = 0;
 };
 
-/// Whether a robot could go from where it stands to its goal past the failed, on a lattice of half a metre.
+/// Whether a robot could drive from where it stands to its goal past the failed ones, on a lattice of 0.5 m.
 bool has_way(const test::PlainMap& map, const Scenario& scenario, const Body& robot, test::Vertex goal,
              const std::vector<Body>& failed) {
   constexpr double step = 0.5;
@@ -102,7 +104,8 @@ void expect_nothing_touches(const test::PlainMap& map, const std::vector<NamedTr
   }
 }
 
-/// Where the robots are in the end says who arrived; the report says the same, and why not.
+/// The final positions decide which robots arrived. The report must agree and give a reason for each other
+/// robot.
 void expect_all_arrive_who_can(const test::PlainMap& map, const FleetSimulation& simulation,
                                const Scenario& scenario,
                                const std::vector<std::vector<test::Sample>>& samples) {
@@ -135,7 +138,7 @@ void run_and_judge(const Scenario& scenario, const SimulationSettings& settings)
   expect_all_arrive_who_can(map, simulation, scenario, samples);
 }
 
-class Rows : public testing::TestWithParam<Row> {
+class Acceptance : public testing::TestWithParam<Row> {
  protected:
   void SetUp() override {
     if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
@@ -158,15 +161,15 @@ Faults usual_faults() {
   return {.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}, .pause_rate = 60, .pause = 1};
 }
 
-TEST_P(Rows, AllArrive) {
+TEST_P(Acceptance, AllRobotsArrive) {
   expect_from_all_seeds([](const Scenario&, Random&) { return Faults{}; });
 }
 
-TEST_P(Rows, AllArriveThoughMuchIsLostAndLate) {
+TEST_P(Acceptance, AllRobotsArriveDespiteLossAndDelay) {
   expect_from_all_seeds([](const Scenario&, Random&) { return usual_faults(); });
 }
 
-TEST_P(Rows, AllArriveWhoseWayADeadRobotDoesNotClose) {
+TEST_P(Acceptance, AllRobotsArriveUnlessAFailedRobotClosesTheirWay) {
   expect_from_all_seeds([](const Scenario& scenario, Random& random) {
     Faults faults = usual_faults();
     const std::string& victim = scenario.robots[random.index(scenario.robots.size())].name;
@@ -175,7 +178,7 @@ TEST_P(Rows, AllArriveWhoseWayADeadRobotDoesNotClose) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, Rows,
+INSTANTIATE_TEST_SUITE_P(Scenarios, Acceptance,
                          testing::Values(Row{"circle", 10}, Row{"circle", 50}, Row{"circle", 100},
                                          Row{"circle", 250}, Row{"pocket-14", 2}, Row{"pocket-18", 2},
                                          Row{"loop-14", 2}, Row{"loop-18", 2}, Row{"corridor-24", 10},
@@ -190,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(Scenarios, Rows,
                          });
 
 // Each robot gets a new goal on arrival, for half an hour.
-TEST(Lifelong, GoalsGoOnForHalfAnHour) {
+TEST(LifelongAcceptance, GoalsAreGivenForHalfAnHour) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   for (const char* name : {"rooms", "maze"}) {
     for (std::uint32_t seed = 1001; seed < 1001 + seeds; ++seed) {

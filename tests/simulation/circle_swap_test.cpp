@@ -1,5 +1,5 @@
-// Discs on a circle that all go to the opposite place: the classic trial of reciprocal avoidance. Everybody
-// meets everybody in the middle, and only the velocities are known.
+// Discs on a circle that swap to the opposite side: the classic trial of reciprocal avoidance. All discs meet
+// in the middle, and know only each other's velocities.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -19,7 +19,7 @@ constexpr double radius = 5;
 constexpr double max_speed = 20;
 constexpr double time_step = 0.05;
 constexpr double horizon = 2;
-constexpr double seen_within = 100;  // metres; further away none can be reached within the horizon
+constexpr double seen_within = 100;  // metres; no disc further away can be reached within the horizon
 
 struct Swap {
   std::vector<MovingDisc> discs;
@@ -29,7 +29,7 @@ struct Swap {
 Swap circle_of(int count, double circle) {
   Swap swap;
   for (int k = 0; k < count; ++k) {
-    // Not quite evenly spread, so that no two meet in perfect symmetry.
+    // Slightly uneven, so that no two discs meet in perfect symmetry.
     const double angle = 2 * std::numbers::pi * (k + 0.05 * std::sin(7.0 * k)) / count;
     const Point2 place = circle * Point2(std::cos(angle), std::sin(angle));
     swap.discs.push_back({place, Point2::Zero(), radius});
@@ -38,7 +38,7 @@ Swap circle_of(int count, double circle) {
   return swap;
 }
 
-/// Straight to the goal, without passing it, and a little to the right.
+/// Straight to the goal without passing it, and a little to the right.
 Point2 preferred_velocity(const Point2& position, const Point2& goal) {
   const Point2 way = goal - position;
   const double distance = way.norm();
@@ -96,10 +96,10 @@ void expect_swap(int count, double circle, double most_seconds) {
   EXPECT_GE(least, 0.9 * 2 * radius);
 }
 
-TEST(CircleSwap, TenArriveAndKeepApart) {
+TEST(CircleSwap, TenDiscsArriveAndKeepApart) {
   expect_swap(10, 100, 60);
 }
-TEST(CircleSwap, FiftyArriveAndKeepApart) {
+TEST(CircleSwap, FiftyDiscsArriveAndKeepApart) {
   expect_swap(50, 200, 200);
 }
 

@@ -1,4 +1,5 @@
-// Fleets that only avoid each other would never end these: everybody arrives, and nobody touches anything.
+// Tests of fleets that reciprocal avoidance alone would never bring to their goals: all robots arrive, and
+// none touches anything.
 #include <ostream>
 
 #include <gtest/gtest.h>
@@ -18,14 +19,14 @@ struct Trial {
   int seeds;
 };
 
-/// How GoogleTest calls it.
+/// The name that GoogleTest prints.
 void PrintTo(const Trial& trial, std::ostream* out) {
   *out << trial.robots << ' ' << trial.name << ", " << trial.seeds << " seeds";
 }
 
 class Coordination : public testing::TestWithParam<Trial> {};
 
-TEST_P(Coordination, EverybodyArrivesAndNobodyTouchesAnything) {
+TEST_P(Coordination, AllRobotsArriveAndNoneTouchesAnything) {
   const Trial& trial = GetParam();
   for (int seed = 1; seed <= trial.seeds; ++seed) {
     const Scenario scenario = make_scenario(trial.name, trial.robots, static_cast<std::uint32_t>(seed));
@@ -62,12 +63,12 @@ void expect_all_arrive(const Scenario& scenario) {
   EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
 }
 
-/// A robot of radius 5.
+/// A robot with a radius of 5 m.
 RobotTask task(std::size_t number, const Point2& start, const Point2& goal) {
   return {"r" + std::to_string(number + 1), start, goal, 5, 20, 40, 1};
 }
 
-// Whoever is there first stands in the way of those whose goals lie deeper.
+// The robot that arrives first stands in the way of robots whose goals lie deeper.
 TEST(Coordination, AnAisleIsFilledWithRobotsThatAlmostTouch) {
   for (const double distance : {10.0, 10.5, 12.0}) {
     SCOPED_TRACE(distance);
@@ -83,7 +84,7 @@ TEST(Coordination, AnAisleIsFilledWithRobotsThatAlmostTouch) {
   }
 }
 
-// Who has arrived a little off its goal may take what room another needs.
+// A robot that arrived a little off its goal may take room that another needs.
 TEST(Coordination, GoalsMayTouch) {
   Scenario scenario{.map_name = "open", .map = test::open_map(300, 200), .seed = 1, .robots = {}};
   for (std::size_t k = 0; k < 8; ++k) {
@@ -94,20 +95,21 @@ TEST(Coordination, GoalsMayTouch) {
 }
 
 // Each robot gets a new goal on arrival.
-TEST(Coordination, GoalsGoOnForALifelongFleet) {
+TEST(Coordination, ALifelongFleetKeepsGettingGoals) {
   for (const char* name : {"rooms", "maze"}) {
     const Scenario scenario = make_scenario(name, 20, 1);
     FleetSimulation simulation(scenario, {.timeout = 3000, .lifelong = 300});
     simulation.run([](const PlannerService&, double) { return true; });
     const proto::Report report = simulation.service().report();
     EXPECT_EQ(report.outcome(), "arrived") << name;
-    EXPECT_GE(report.missions(), 40u) << name;  // each robot at least one more
+    EXPECT_GE(report.missions(), 40u) << name;  // at least one more mission for each robot
     EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty()) << name;
   }
 }
 
-// Head-on in a corridor without a pocket: within a bounded time they are told that there is no way.
-TEST(Coordination, AJointPlanThatIsNotFoundIsTold) {
+// Two robots meet head-on in a corridor without a pocket. They are told within a bounded time that there is
+// no plan.
+TEST(Coordination, AMissingJointPlanIsReported) {
   Scenario scenario;
   scenario.map = {.width = 240, .height = 34, .blocked = std::vector<std::uint8_t>(240 * 34, 1)};
   for (int j = 10; j < 24; ++j) {

@@ -1,4 +1,4 @@
-// Whatever is late, lost or failed: nothing touches, and who can arrive does.
+// Tests of fleets under delay, loss and failures: nothing touches, and every robot arrives that can.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ void expect_all_arrive(const Outcome& outcome, const std::string& what) {
   EXPECT_TRUE(outcome.broken.empty()) << what << ": " << outcome.broken.front();
 }
 
-TEST(Faults, LossAndDelayCostTimeOnly) {
+TEST(Faults, LossAndDelayCostOnlyTime) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed) {
     for (const char* name : {"circle", "door-14", "corridor-24"}) {
       const Faults faults{
@@ -44,7 +44,7 @@ TEST(Faults, LossAndDelayCostTimeOnly) {
   }
 }
 
-TEST(Faults, PausesCostTimeOnly) {
+TEST(Faults, PausesCostOnlyTime) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed)
     expect_all_arrive(simulate("circle", 10, seed, {.pause_rate = 300}), "circle");
 }
@@ -62,9 +62,9 @@ TEST(Faults, NothingTouchesARobotWhoseAgentIsKilled) {
   }
 }
 
-// Two have to be sorted out in a corridor. A failed one covers the goal of one itself, but not all from which
-// it has arrived.
-TEST(Faults, AGoalThatADeadRobotCoversInPartIsReachedBesideIt) {
+// Two robots have to pass in a corridor. A failed one covers the goal of one of them, but not all positions
+// that count as arrived.
+TEST(Faults, AGoalPartlyCoveredByAFailedRobotIsReachedBesideIt) {
   Scenario scenario = make_scenario("pocket-14", 2, 1);
   const double y = scenario.robots[0].start.y();
   scenario.robots[0].start.x() = 60;
@@ -81,9 +81,9 @@ TEST(Faults, AGoalThatADeadRobotCoversInPartIsReachedBesideIt) {
   EXPECT_FALSE(outcome.report.robots(2).arrived());
 }
 
-// One dies on its way while the process of another has yet to start: that one must not take the failed one to
-// be where its mission began.
-TEST(Faults, WhoComesWhenTheOthersAreUnderWayLearnsWhereSomebodyDied) {
+// A robot fails on its way while the process of another has yet to start. The late one must not assume that
+// the failed one stands where its mission began.
+TEST(Faults, ALateRobotLearnsWhereAPeerFailed) {
   const OccupancyMap open{.width = 512, .height = 256, .blocked = std::vector<std::uint8_t>(512 * 256, 0)};
   Scenario scenario{.map_name = "open", .map = open, .robots = {}};
   scenario.robots = {{"a", {180, 130}, {215, 125}, 5, 20, 40, 1},
@@ -93,9 +93,9 @@ TEST(Faults, WhoComesWhenTheOthersAreUnderWayLearnsWhereSomebodyDied) {
   expect_all_arrive(outcome, "one late, one dead for a while");
 }
 
-// Found by trying seeds: the last states of the robot that was killed were lost on their way to some, who
-// then took it to stand short of where it did.
-TEST(Faults, WhereADeadRobotStandsIsKnownToAllThoughItsLastStatesWereLost) {
+// Found by trying seeds: some peers lost the last states of the killed robot, and assumed that it stood short
+// of its position.
+TEST(Faults, AllKnowWhereAFailedRobotStandsDespiteLostLastStates) {
   for (const std::uint32_t seed : {2u, 3u}) {
     const Faults faults{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}, .kills = {{"r2", 3}}};
     const Outcome outcome = simulate("rooms", 20, seed, faults);
@@ -103,8 +103,8 @@ TEST(Faults, WhereADeadRobotStandsIsKnownToAllThoughItsLastStatesWereLost) {
   }
 }
 
-// Of two robots only one hears the other: what is lost on that way is lost to all.
-TEST(Faults, WhereADeadRobotStandsIsKeptClearThoughItsLastStatesReachedNobody) {
+// Of two robots, only one hears the other: a state lost on that link is lost to all.
+TEST(Faults, AFailedRobotIsKeptClearIfItsLastStatesReachedNobody) {
   for (std::uint32_t seed = 1; seed <= 40; ++seed) {
     const Faults faults{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1},
                         .kills = {{seed % 2 == 0 ? "r1" : "r2", 2 + 0.25 * seed}}};
@@ -113,7 +113,7 @@ TEST(Faults, WhereADeadRobotStandsIsKeptClearThoughItsLastStatesReachedNobody) {
   }
 }
 
-TEST(Faults, AFleetInTwoPiecesStandsUntilItHeals) {
+TEST(Faults, APartitionedFleetStandsUntilThePartitionHeals) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed) {
     const Faults faults{.bus = {.partitions = {{5, 25}}}};
     for (const char* name : {"circle", "rooms", "corridor-24"})
@@ -121,8 +121,8 @@ TEST(Faults, AFleetInTwoPiecesStandsUntilItHeals) {
   }
 }
 
-// Of few, one may be cut off all alone; of two, each takes the other for failed.
-TEST(Faults, PiecesOfAnySizeStandUntilTheyHeal) {
+// In a small fleet, one robot may be cut off alone. Of two robots, each declares the other failed.
+TEST(Faults, PartsOfAnySizeStandUntilThePartitionHeals) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     expect_all_arrive(simulate("loop-14", 2, seed, {.bus = {.partitions = {{3, 20}}}}), "loop-14");
     const Faults lossy{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1, .partitions = {{4, 50}}}};
@@ -134,7 +134,7 @@ TEST(Faults, PiecesOfAnySizeStandUntilTheyHeal) {
   }
 }
 
-/// Two that meet head-on, and so many others together, so far away.
+/// Two robots that meet head-on, and a distant group of other robots.
 Scenario two_and_a_far_crowd(int crowd, int away) {
   const int width = 1000;
   const int height = away + 100 + 20 * crowd;
@@ -156,8 +156,8 @@ Scenario two_and_a_far_crowd(int crowd, int away) {
   return scenario;
 }
 
-// The others speak to them rarely: what these have heard of the one must reach the other all the same.
-TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughOthersDo) {
+// The distant robots send to them rarely. Still, what they heard of one robot must reach the other.
+TEST(Faults, NoRobotTouchesAPeerThatOnlyOthersDiscover) {
   for (const int away : {50, 400}) {
     for (const int crowd : {2, 30, 120}) {
       const Faults faults{.bus = {.loss = 0.35, .cut_links = {{"east", "west", 0, 100}}}};
@@ -167,7 +167,7 @@ TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughOthersDo) {
   }
 }
 
-TEST(Faults, TwoThatNeverFindEachOtherGiveUpAndSayWhy) {
+TEST(Faults, TwoRobotsThatNeverDiscoverEachOtherGiveUpAndSayWhy) {
   const Outcome outcome =
       simulate(two_and_a_far_crowd(8, 400), {.bus = {.cut_links = {{"east", "west", 0, 500}}}});
   EXPECT_TRUE(outcome.broken.empty()) << outcome.broken.front();
@@ -179,8 +179,8 @@ TEST(Faults, TwoThatNeverFindEachOtherGiveUpAndSayWhy) {
   EXPECT_TRUE(says(1, "east")) << outcome.report.robots(1).reason();
 }
 
-// Those are missed as well, and asked for.
-TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughManyOthersNeverCame) {
+// The absent robots are missed as well, and asked for.
+TEST(Faults, NoRobotTouchesAnUndiscoveredPeerIfManyRobotsNeverCame) {
   for (const int away : {50, 400}) {
     for (const int never_came : {1, 3, 20}) {
       Scenario scenario = two_and_a_far_crowd(30, away);
@@ -199,8 +199,8 @@ TEST(Faults, NobodyTouchesOneThatItNeverFindsThoughManyOthersNeverCame) {
   }
 }
 
-// To evade what the others may have done since would lead where nobody reckons with it.
-TEST(Faults, WhoMissesAllOthersStandsWhereItBraked) {
+// A robot that evaded its peers' possible positions would drive where no peer expects it.
+TEST(Faults, ARobotThatMissesAllPeersStandsWhereItBraked) {
   for (int k = 0; k < 20; ++k) {
     const double end = 4 + 0.1 * k;
     const Scenario scenario = read_scenario(test::scenarios() / "blank-10.json", {.robots = 4});
@@ -216,7 +216,7 @@ TEST(Faults, WhoMissesAllOthersStandsWhereItBraked) {
   }
 }
 
-TEST(Faults, WrongClocksTouchNothing) {
+TEST(Faults, WrongClocksCauseNoContact) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed) {
     expect_all_arrive(simulate("rooms", 8, seed, {.clock_skew = 1}), "rooms");
     const Faults faults{.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}, .clock_skew = 0.3};
@@ -224,9 +224,8 @@ TEST(Faults, WrongClocksTouchNothing) {
   }
 }
 
-// The simulation goes on driving the bodies meanwhile: where an agent that is started anew thinks its robot
-// elsewhere than it is shows as a jump.
-TEST(Faults, AgentsThatAreKilledAndStartedAnewCostTimeOnly) {
+// The simulation goes on moving the bodies. If a restarted agent assumes a wrong position, the track jumps.
+TEST(Faults, KilledAndRestartedAgentsCostOnlyTime) {
   for (const double after : {0.3, 1.0, 4.0}) {
     const Faults faults{.kill_rate = 200, .restart_after = after};
     for (const char* name : {"rooms", "corridor-24", "door-14"})
@@ -237,17 +236,17 @@ TEST(Faults, AgentsThatAreKilledAndStartedAnewCostTimeOnly) {
   }
 }
 
-// Found by trying seeds: an agent that was started anew took the others to stand where their missions begin,
-// and moved out of their way into those who stood there by now.
-TEST(Faults, AnAgentThatIsStartedAnewStandsUntilItKnowsWhereTheOthersAre) {
+// Found by trying seeds: a restarted agent assumed that its peers stood where their missions begin, and moved
+// out of their way into peers that had driven there.
+TEST(Faults, ARestartedAgentStandsUntilItKnowsWhereItsPeersAre) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const Faults faults{.kill_rate = 60, .restart_after = 0.3};
     expect_all_arrive(simulate("dead-end", 6, seed, faults), "dead-end");
   }
 }
 
-// Nobody passes on the last words of the failed robot any more when the other comes back.
-TEST(Faults, AnAgentThatIsStartedAnewKeepsClearOfWhoDiedBefore) {
+// No peer relays the last states of the failed robot any more when the other one returns.
+TEST(Faults, ARestartedAgentKeepsClearOfRobotsThatFailedBefore) {
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     const Faults faults{.bus = {.loss = seed % 2 == 0 ? 0.2 : 0.0},
                         .kills = {{"r3", 3, true}, {"r4", 8}},

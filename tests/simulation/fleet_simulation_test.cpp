@@ -24,7 +24,7 @@ Result simulate(const Scenario& scenario, const SimulationSettings& settings = {
           simulation.service().report()};
 }
 
-TEST(FleetSimulation, EverybodyArrivesAndNobodyTouchesAnything) {
+TEST(FleetSimulation, AllRobotsArriveAndNoneTouchesAnything) {
   const Scenario scenario = read_scenario(test::scenarios() / "rooms-8.json", {});
   const Result result = simulate(scenario);
   EXPECT_EQ(result.figures.outcome(), "arrived");
@@ -35,7 +35,7 @@ TEST(FleetSimulation, EverybodyArrivesAndNobodyTouchesAnything) {
   EXPECT_GT(result.figures.trees_grafted(), 0u);
 }
 
-TEST(FleetSimulation, SameSeedSameBytesOtherSeedOthers) {
+TEST(FleetSimulation, TheSameSeedGivesTheSameBytesAndAnotherDoesNot) {
   Scenario scenario = read_scenario(test::scenarios() / "rooms-8.json", {.robots = 4});
   const Result first = simulate(scenario, {.timeout = 30});
   const Result second = simulate(scenario, {.timeout = 30});
@@ -51,8 +51,8 @@ TEST(FleetSimulation, SameSeedSameBytesOtherSeedOthers) {
   EXPECT_NE(simulate(scenario, {.timeout = 30}).report, first.report);
 }
 
-// Limits hold at every recorded step, and the record has no gaps.
-TEST(FleetSimulation, SpeedAndAccelerationStayWithinLimits) {
+// The limits hold at every recorded step, and the track has no gaps.
+TEST(FleetSimulation, SpeedAndAccelerationStayWithinTheLimits) {
   const Scenario scenario = read_scenario(test::scenarios() / "dense-8.json", {});
   const Result result = simulate(scenario, {.timeout = 60});
   for (std::size_t i = 0; i < result.tracks.size(); ++i) {
@@ -70,7 +70,7 @@ TEST(FleetSimulation, SpeedAndAccelerationStayWithinLimits) {
   }
 }
 
-TEST(FleetSimulation, UnreachableGoalIsReportedAndTheOthersArrive) {
+TEST(FleetSimulation, AnUnreachableGoalIsReportedAndTheOthersArrive) {
   Scenario scenario;
   scenario.map.width = 120;
   scenario.map.height = 60;
@@ -87,8 +87,8 @@ TEST(FleetSimulation, UnreachableGoalIsReportedAndTheOthersArrive) {
   EXPECT_TRUE(result.figures.robots(1).arrived());
 }
 
-/// Copies for those who do not know each other yet were a quarter of all: 44 states a control period.
-TEST(FleetSimulation, InAFleetThatBeginsNobodyHearsOfAllAgainAndAgain) {
+/// Copies for unsynchronised peers were once a quarter of all states: 44 states a control period.
+TEST(FleetSimulation, HandshakesOfALargeFleetStayFew) {
   FleetSimulation simulation(make_scenario("rooms", 50, 1), {.timeout = 5});
   simulation.run([](const PlannerService&, double) { return true; });
   double states = 0;

@@ -17,7 +17,7 @@ void expect_survived(std::uint32_t seed) {
     ADD_FAILURE() << "seed " << seed << ": " << fuzz_case.what << ": " << failure;
 }
 
-TEST(Fuzz, FirstSeedsAreSurvived) {
+TEST(Fuzz, TheFirstSeedsPass) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) expect_survived(seed);
 }
 
@@ -31,14 +31,14 @@ TEST(Fuzz, TheSameSeedGivesTheSameCase) {
   }
 }
 
-TEST(Fuzz, WhoDoesNotArriveThoughItCouldIsAFailure) {
+TEST(Fuzz, ARobotThatCouldArriveAndDoesNotIsAFailure) {
   FuzzCase fuzz_case = draw_fuzz_case(1);
-  fuzz_case.settings.timeout = 1;  // nobody arrives within a second
+  fuzz_case.settings.timeout = 1;  // no robot arrives within 1 s
   EXPECT_FALSE(run(fuzz_case).failures.empty());
 }
 
-TEST(Fuzz, WhoseWayADeadRobotClosesIsNone) {
-  // A corridor 14 wide: who comes behind the failed cannot pass it.
+TEST(Fuzz, ARobotWhoseWayAFailedRobotClosesIsNoFailure) {
+  // A corridor 14 m wide: a robot behind the failed one cannot pass it.
   FuzzCase fuzz_case{.scenario = {.map_name = "corridor",
                                   .map = {.width = 200, .height = 14, .blocked = {}},
                                   .robots = {{"a", {30, 7}, {180, 7}, 5, 20, 40, 1},

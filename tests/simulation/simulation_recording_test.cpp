@@ -1,4 +1,4 @@
-// A simulation that is recorded: the recording holds what was said, and the run is the same without it.
+// Tests of a recorded simulation: the recording holds all messages, and the run is the same without it.
 #include "coppice/simulation_recording.h"
 
 #include <fstream>
@@ -16,7 +16,7 @@ namespace coppice {
 namespace {
 
 struct SimulationRecordingTest : testing::Test {
-  /// With losses, where a listener that took part would change who hears what.
+  /// With losses, where an additional participant would change which messages are lost.
   std::unique_ptr<FleetSimulation> simulate(const std::string& record) const {
     Faults faults;
     faults.bus.loss = 0.3;
@@ -35,14 +35,14 @@ struct SimulationRecordingTest : testing::Test {
   std::string file = (folder.path() / "run.mcap").string();
 };
 
-TEST_F(SimulationRecordingTest, ChangesNothing) {
+TEST_F(SimulationRecordingTest, ARecordingDoesNotChangeTheRun) {
   const auto alone = simulate({});
   const auto recorded = simulate(file);
   EXPECT_EQ(alone->service().report().SerializeAsString(), recorded->service().report().SerializeAsString());
   EXPECT_GT(recorded->suffered().lost, 0u);
 }
 
-TEST_F(SimulationRecordingTest, HoldsEveryStateWhereTheBodyWasWhateverWasLost) {
+TEST_F(SimulationRecordingTest, ARecordingHoldsEveryStateDespiteLoss) {
   const auto simulation = simulate(file);
   const Recording recording(file);
   EXPECT_EQ(recording.file().ending(), "") << "it is whole";
@@ -68,11 +68,11 @@ TEST_F(SimulationRecordingTest, HoldsEveryStateWhereTheBodyWasWhateverWasLost) {
       EXPECT_LT((state->second - point.position).norm(), 1e-6) << track.robot << " at " << point.time;
     }
     EXPECT_GT(found, track.track.points.size() / 5)
-        << track.robot;  // who stands says so at each fourth period
+        << track.robot;  // a standing robot sends at each fourth period
   }
 }
 
-TEST_F(SimulationRecordingTest, ReplacesNoFile) {
+TEST_F(SimulationRecordingTest, ARecordingReplacesNoFile) {
   std::ofstream(file) << "mine";
   EXPECT_THROW(simulate(file), InputError);
   EXPECT_EQ(test::contents(file), "mine");

@@ -1,4 +1,5 @@
-// Fleets of a few robots on small grids with passages one robot wide: everybody arrives, and nothing touches.
+// Tests of fleets of a few robots on small grids with passages one robot wide: all robots arrive, and none
+// touches anything.
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@
 namespace coppice {
 namespace {
 
-/// Robots of `radius` cells, at a cell a second.
+/// Robots with a radius of `radius` cells that drive one cell a second.
 void expect_all_arrive(const test::Arrangement& a, double radius, std::uint32_t seed) {
   SCOPED_TRACE(test::drawing(a) + "radius " + std::to_string(radius));
   Scenario scenario{.map_name = "small", .map = a.map(1), .seed = seed, .robots = {}};
@@ -24,7 +25,7 @@ void expect_all_arrive(const test::Arrangement& a, double radius, std::uint32_t 
   EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
 }
 
-TEST(SmallArrangements, EverybodyArrivesHoweverTheMapIsTurned) {
+TEST(SmallArrangements, AllRobotsArriveInEveryOrientationOfTheMap) {
   for (const test::Arrangement& known : test::known_arrangements()) {
     double radius = 0.3;
     for (const test::Arrangement& a : test::all_symmetries(known)) {
@@ -34,7 +35,7 @@ TEST(SmallArrangements, EverybodyArrivesHoweverTheMapIsTurned) {
   }
 }
 
-TEST(SmallArrangements, EverybodyArrivesWhereAnExhaustiveSearchFindsAWay) {
+TEST(SmallArrangements, AllRobotsArriveIfAnExhaustiveSearchFindsAPlan) {
   for (std::uint32_t seed = 1; seed <= 50; ++seed) {
     Random random(seed);
     const test::Arrangement a = test::drawn_arrangement(random);
