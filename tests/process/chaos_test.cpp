@@ -1,7 +1,5 @@
-// A fleet whose processes are killed at random and started again: nothing touches, every mission ends, no
-// tree is lost.
-//
-// COPPICE_CHAOS_SECONDS: for so long, in place of twenty seconds.
+// Test of a fleet whose processes are killed at random and restarted: nothing touches, every mission ends,
+// and no tree is lost. COPPICE_CHAOS_SECONDS sets the duration; the default is 20 s.
 
 #include <algorithm>
 #include <chrono>
@@ -68,7 +66,7 @@ struct ChaosRun {
   test::Background process;
 };
 
-/// What a process has of the machine.
+/// What a process uses of the machine.
 struct Use {
   std::size_t files = 0;
   double megabytes = 0;
@@ -95,7 +93,7 @@ int count_of(const std::string& what, const std::string& text) {
   return count;
 }
 
-/// Ids of all trees that an observer has by then.
+/// The ids of all trees that an observer has after `time`.
 std::set<TreeId> trees_within(DdsBus& observer, std::chrono::milliseconds time, std::set<TreeId> known = {}) {
   const auto end = Clock::now() + time;
   while (Clock::now() < end) {
@@ -126,9 +124,9 @@ void expect_sound(const ChaosRun& run, double radius, const std::string& map_nam
   }
 }
 
-TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
+TEST(Chaos, EveryKilledProcessIsRestartedAndNothingIsLost) {
 #ifdef __SANITIZE_ADDRESS__
-  // What was freed stays with the sanitizer, 256 MB of it by default: that growth is none of the programs'.
+  // The sanitizer keeps freed memory, 256 MB by default. That growth is not the programs'.
   setenv("ASAN_OPTIONS", "quarantine_size_mb=8", 0);
 #endif
   const double seconds = chaos_seconds();
@@ -146,7 +144,7 @@ TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
   const auto share = [&] { return std::chrono::duration<double>(Clock::now() - begin).count() / seconds; };
   const std::vector<std::string> roles{"tree_broker", "planner_service", "robot_agent", "robot_agent"};
   for (std::size_t k = 0; share() < 0.9 || k < roles.size(); ++k) {
-    // Each of them once at least.
+    // Each process is killed at least once.
     const std::string role = k < roles.size() ? roles[k] : roles[random.index(roles.size())];
     if (const auto alive = run.children(role); !alive.empty()) {
       kill(alive[random.index(alive.size())].pid, SIGKILL);
@@ -166,7 +164,7 @@ TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
   EXPECT_GT(kills["planner_service"], 0);
   EXPECT_GT(kills["robot_agent"], 0);
 
-  // Whoever comes now finds every tree that there ever was.
+  // A new participant finds every tree that was ever published.
   DdsBus latecomer({.domain = domain}, Role::observer, "late chaos observer");
   std::set<TreeId> found;
   EXPECT_TRUE(test::within(10s,
@@ -180,7 +178,7 @@ TEST(Chaos, WhoeverIsKilledIsStartedAgainAndNothingIsLost) {
   EXPECT_EQ(run.process.wait(), 0) << run.log();
   int killed = 0;
   for (const auto& [role, count] : kills) killed += count;
-  EXPECT_EQ(count_of("ended early", run.log()), killed) << "somebody ended by itself\n" << run.log();
+  EXPECT_EQ(count_of("ended early", run.log()), killed) << "a process ended by itself\n" << run.log();
   EXPECT_EQ(count_of("ended early, exit code 137", run.log()), killed) << run.log();
   const proto::Report report = read_report(run.file("report.json"));
   EXPECT_EQ(report.outcome(), "arrived");

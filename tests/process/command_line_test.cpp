@@ -1,5 +1,5 @@
-// Bad usage and bad input of the real programs: exit code 2 and an error that names the place, before
-// anything starts.
+// Tests of bad usage and bad input of the real programs: exit code 2 and an error that names the place,
+// before anything starts.
 
 #include <algorithm>
 #include <string>
@@ -22,7 +22,7 @@ std::string rooms_map() {
   return "'" + (test::scenarios() / "rooms-8.map").string() + "'";
 }
 
-TEST(CommandLine, BadUsageIsToldWithTheOptionsName) {
+TEST(CommandLine, BadUsageIsReportedWithTheNameOfTheOption) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "subcommand"},
       {"fly", "subcommand"},
@@ -49,11 +49,11 @@ TEST(CommandLine, BadUsageIsToldWithTheOptionsName) {
   }
 }
 
-/// A scenario of two robots on a map of 40 x 20 free cells, with something changed.
+/// A scenario of two robots on a map of 40 x 20 free cells, with one change.
 struct BadInput {
   std::string name;
   std::string scenario;
-  std::string named;  ///< what the error must say
+  std::string named;  ///< what the error must contain
 };
 
 std::string free_map(int rows) {
@@ -69,7 +69,7 @@ std::string scenario(const std::string& map, const std::string& first_start,
          R"(, "goal": {"x": 30, "y": 5}}, {"name": "b", "start": {"x": 20, "y": 15}, "goal": {"x": 35, "y": 15}}]})";
 }
 
-TEST(CommandLine, BadInputIsOneLineThatNamesThePlace) {
+TEST(CommandLine, BadInputIsReportedInOneLineThatNamesThePlace) {
   const test::TemporaryFolder folder;
   folder.write("good.map", free_map(20));
   folder.write("short.map", free_map(12));
@@ -108,7 +108,7 @@ TEST(CommandLine, BadInputIsOneLineThatNamesThePlace) {
   }
 }
 
-TEST(CommandLine, AnUnreachableGoalIsAReportAndNoEndlessSearch) {
+TEST(CommandLine, AnUnreachableGoalIsReportedWithoutAnEndlessSearch) {
   const test::TemporaryFolder folder;
   std::string map = "type octile\nheight 20\nwidth 40\nmap\n";
   for (int row = 0; row < 20; ++row) map += std::string(12, '.') + "@" + std::string(27, '.') + "\n";
@@ -120,7 +120,7 @@ TEST(CommandLine, AnUnreachableGoalIsAReportAndNoEndlessSearch) {
   EXPECT_NE(test::contents(report).find("no path"), std::string::npos) << test::contents(report);
 }
 
-TEST(CommandLine, EveryProgramTellsItsVersion) {
+TEST(CommandLine, EveryProgramPrintsItsVersion) {
   for (const char* name : {"coppice", "tree_broker", "robot_agent", "planner_service"}) {
     const test::Outcome outcome = test::shell("'" + test::program(name) + "' --version");
     EXPECT_EQ(outcome.exit_code, 0) << name;
@@ -128,8 +128,8 @@ TEST(CommandLine, EveryProgramTellsItsVersion) {
   }
 }
 
-// Not after an hour's run.
-TEST(CommandLine, FilesThatCannotBeWrittenAreToldBeforeTheRun) {
+// The error must not come after a run of an hour.
+TEST(CommandLine, FilesThatCannotBeWrittenAreReportedBeforeTheRun) {
   const test::TemporaryFolder folder;
   const std::string there = folder.path().string();
   for (const std::string command : {"simulate", "run", "plan"}) {
@@ -175,7 +175,7 @@ TEST(CommandLine, APictureThatIsNoSvgIsRefusedAtOnce) {
       0);
 }
 
-TEST(CommandLine, AnUnusableFolderForTemporaryFilesIsTold) {
+TEST(CommandLine, AnUnusableFolderForTemporaryFilesIsReported) {
   const test::TemporaryFolder folder;
   const std::string file = folder.write("file", "").string();
   for (const auto& [place, why] :
@@ -190,7 +190,7 @@ TEST(CommandLine, AnUnusableFolderForTemporaryFilesIsTold) {
   }
 }
 
-TEST(CommandLine, ADoubtAboutAMapIsToldOnce) {
+TEST(CommandLine, AWarningAboutAMapIsPrintedOnce) {
   const test::TemporaryFolder folder;
   folder.write(
       "site.pgm", "P2\n20 20\n255\n" + [] {
@@ -213,7 +213,7 @@ TEST(CommandLine, ADoubtAboutAMapIsToldOnce) {
   }
 }
 
-TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
+TEST(CommandLine, AnErrorOfEveryProcessOfARunIsReportedOnce) {
   struct Refused {
     std::string environment;
     std::string options;
@@ -241,7 +241,7 @@ TEST(CommandLine, WhatEveryProcessOfARunWouldRefuseIsToldOnce) {
   }
 }
 
-TEST(CommandLine, TheErrorThatEndsAProgramIsLoggedWhateverTheLevel) {
+TEST(CommandLine, TheErrorThatEndsAProgramIsLoggedAtEveryLevel) {
   for (const std::string program :
        {"tree_broker' --state /proc/nope", "robot_agent' --name r1 --state /proc/nope",
         "planner_service' /proc/nope", "coppice' discovery --alive /proc/nope --port 23936"}) {
@@ -258,13 +258,13 @@ TEST(CommandLine, TheErrorThatEndsAProgramIsLoggedWhateverTheLevel) {
   }
 }
 
-TEST(CommandLine, ABenchmarkIsToldHowAFleetFindsItselfAsTheFleetIs) {
+TEST(CommandLine, ABenchmarkTakesTheDiscoveryOptionsOfAFleet) {
   const test::Outcome outcome = test::shell(coppice("bench scale --discovery nonsense"));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_TRUE(outcome.output.starts_with("--discovery: nonsense")) << outcome.output;
 }
 
-TEST(CommandLine, TheRolesRefuseBadUsage) {
+TEST(CommandLine, TheProcessesOfAFleetRefuseBadUsage) {
   for (const std::string& name :
        {std::string("''"), std::string("'two words'"), std::string("a/b"), std::string(65, 'x')}) {
     EXPECT_EQ(test::shell("'" + test::program("robot_agent") + "' --domain 7 --name " + name).exit_code, 2);

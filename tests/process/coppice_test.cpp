@@ -1,4 +1,5 @@
-// The commands that need no fleet of processes, as a user types them; run is in fleet_test.cpp.
+// Tests of the commands that need no fleet of processes, as a user types them. The command run is in
+// fleet_test.cpp.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ int count(const std::string& text, const std::string& part) {
   return n;
 }
 
-/// Paths begin and end where they should and keep clear, checked here against the map's cells themselves.
+/// Checks against the cells of the map that paths begin and end where they should, and keep clear.
 void expect_sound_paths(const Scenario& scenario, const proto::Report& report) {
   const ClearanceField field(scenario.map);
   ASSERT_EQ(report.robots_size(), static_cast<int>(scenario.robots.size()));
@@ -44,7 +45,7 @@ void expect_sound_paths(const Scenario& scenario, const proto::Report& report) {
   }
 }
 
-TEST(CoppicePlan, PlansTheSharedMaps) {
+TEST(CoppicePlan, ThePlannerPlansTheSharedMaps) {
   const std::filesystem::path maps = std::filesystem::path(COPPICE_SHARED_DIR) / "maps";
   if (!std::filesystem::exists(maps)) GTEST_SKIP() << "the shared maps are not here";
   const TemporaryFolder folder;
@@ -59,7 +60,7 @@ TEST(CoppicePlan, PlansTheSharedMaps) {
   }
 }
 
-TEST(CoppicePlan, EveryPlannerFindsSoundPaths) {
+TEST(CoppicePlan, EveryPlannerFindsValidPaths) {
   const TemporaryFolder folder;
   const std::filesystem::path scenario = test::scenarios() / "rooms-8.json";
   for (const char* planner : {"ma-rrdt", "rrdt", "rrt-star"}) {
@@ -72,7 +73,7 @@ TEST(CoppicePlan, EveryPlannerFindsSoundPaths) {
   EXPECT_EQ(shell(program("coppice") + " plan " + scenario.string() + " --planner prm").exit_code, 2);
 }
 
-TEST(CoppicePlan, ABudgetBuysShorterPaths) {
+TEST(CoppicePlan, ABudgetGivesShorterPaths) {
   const TemporaryFolder folder;
   const auto length = [&](const std::string& options) {
     const std::string report_file = folder.path() / "report.json";
@@ -100,7 +101,7 @@ TEST(CoppiceBench, QuickExperimentsWriteTablesAndPlots) {
   EXPECT_EQ(shell(program("coppice") + " bench paper --output /no/such/folder").exit_code, 2);
 }
 
-TEST(CoppiceFuzz, ReportsRobotHoursAndReplaysOneCase) {
+TEST(CoppiceFuzz, TheFuzzerReportsRobotHoursAndReplaysACase) {
   const TemporaryFolder folder;
   const Outcome outcome = shell(program("coppice") + " fuzz --hours 0.05 --seed 3");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
@@ -110,7 +111,7 @@ TEST(CoppiceFuzz, ReportsRobotHoursAndReplaysOneCase) {
   EXPECT_NE(test::contents(trajectory).find("time,robot,x,y,vx,vy"), std::string::npos);
 }
 
-TEST(CoppiceBench, TakesMapsFromFiles) {
+TEST(CoppiceBench, TheBenchmarkTakesMapsFromFiles) {
   const TemporaryFolder folder;
   const std::string map = (folder.path() / "yard.map").string();
   ASSERT_EQ(shell(program("coppice") + " map room " + (folder.path() / "yard.json").string() +
@@ -135,8 +136,9 @@ TEST(CoppiceBench, TakesMapsFromFiles) {
   EXPECT_EQ(shell(program("coppice") + " plan " + scenario).exit_code, 0);
 }
 
-// What is measured on the maps that can be is printed, and kept, also of the map that fails for many robots.
-TEST(CoppiceBench, KeepsWhatIsMeasuredWhereAMapFails) {
+// Results of maps that can be measured are printed and kept, also those of the map that fails for many
+// robots.
+TEST(CoppiceBench, TheBenchmarkKeepsItsResultsIfAMapFails) {
   const TemporaryFolder folder;
   const auto open_map = [&](const std::string& name, int side) {
     std::string text = fmt::format("type octile\nheight {0}\nwidth {0}\nmap\n", side);
@@ -165,7 +167,7 @@ TEST(CoppiceBench, KeepsWhatIsMeasuredWhereAMapFails) {
   }
 }
 
-TEST(CoppiceBench, EndsWhereNothingCouldBeMeasured) {
+TEST(CoppiceBench, TheBenchmarkEndsIfNothingCanBeMeasured) {
   const TemporaryFolder folder;
   folder.write("small.map", "type octile\nheight 1\nwidth 4\nmap\n....\n");
   const Outcome outcome =
@@ -175,7 +177,7 @@ TEST(CoppiceBench, EndsWhereNothingCouldBeMeasured) {
   EXPECT_NE(test::contents(folder.path() / "lifelong.svg").find("</svg>"), std::string::npos);
 }
 
-TEST(CoppiceMap, DrawsTasksThroughDoorsOfOneCellAndSaysHowManyFit) {
+TEST(CoppiceMap, TasksAreDrawnThroughDoorsOfOneCellUpToTheNumberThatFits) {
   const TemporaryFolder folder;
   folder.write(
       "rooms.map",
@@ -201,8 +203,8 @@ TEST(CoppiceMap, DrawsTasksThroughDoorsOfOneCellAndSaysHowManyFit) {
       << large.output;
 }
 
-// A robot of five cells, as scenarios have it by default: on a map of 5 cm a cell, of a quarter of a metre.
-TEST(CoppiceMap, CountsItsDefaultsInCells) {
+// The default radius is five cells: 0.25 m on a map with cells of 5 cm.
+TEST(CoppiceMap, TheDefaultsAreCountedInCells) {
   const TemporaryFolder folder;
   folder.write("a.pgm", "P5 80 60 255\n" + std::string(80 * 60, static_cast<char>(254)));
   folder.write("a.yaml",
@@ -221,7 +223,7 @@ TEST(CoppiceMap, CountsItsDefaultsInCells) {
   EXPECT_DOUBLE_EQ(asked.goal_tolerance, 0.05);
 }
 
-TEST(CoppiceMap, EveryKindOfMapHasTheSizeThatIsAskedForAndNoKindOfScenarioHasItsName) {
+TEST(CoppiceMap, EveryKindOfMapHasTheGivenSizeAndNoScenarioHasItsName) {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "m.json").string();
   for (const std::string kind : {"blank", "dense", "maze", "room"}) {
@@ -237,13 +239,13 @@ TEST(CoppiceMap, EveryKindOfMapHasTheSizeThatIsAskedForAndNoKindOfScenarioHasIts
   }
   EXPECT_EQ(shell(program("coppice") + " map maze-traffic " + file + " --width 160").exit_code, 2);
   EXPECT_EQ(shell(program("coppice") + " map maze " + file + " --width 0").exit_code, 2);
-  // As the documents call it that are older than its name.
+  // Older documents call the kind so.
   const Outcome rooms = shell(program("coppice") + " map rooms " + file + " --robots 3");
   EXPECT_EQ(rooms.exit_code, 0) << rooms.output;
 }
 
-// A name of a kind is that kind, and the map beside a scenario is that scenario's.
-TEST(Coppice, MapTakesNoFileForWhatItIsNot) {
+// The name of a kind means that kind, and the map beside a scenario belongs to the scenario.
+TEST(Coppice, TheMapCommandOverwritesNoForeignFile) {
   const TemporaryFolder folder;
   const std::string at = "cd " + folder.path().string() + " && " + program("coppice") + " map ";
   folder.write("rooms", "no map");
@@ -279,7 +281,7 @@ TEST(Coppice, BadUsageAndBadInputAreOneLineAndExitCode2) {
   EXPECT_EQ(shell(program("coppice") + " --version").exit_code, 0);
 }
 
-TEST(CoppiceSimulate, QuietlySaysNothing) {
+TEST(CoppiceSimulate, TheQuietOptionPrintsNothing) {
   const std::string command =
       program("coppice") + " simulate " + (test::scenarios() / "rooms-8.json").string();
   const Outcome quiet = shell(command + " --quiet");
@@ -288,7 +290,7 @@ TEST(CoppiceSimulate, QuietlySaysNothing) {
   EXPECT_NE(shell(command).output.find("arrived 8/8"), std::string::npos);
 }
 
-TEST(CoppiceSimulate, TwiceWithOneSeedWritesTheSameBytes) {
+TEST(CoppiceSimulate, TheSameSeedWritesTheSameBytes) {
   const TemporaryFolder folder;
   const auto simulate = [&](const std::string& name) {
     return shell(program("coppice") + " simulate " + (test::scenarios() / "rooms-8.json").string() +

@@ -1,4 +1,5 @@
-// `coppice doctor` on this machine, and on ones that lack something: made by limits and by an empty network.
+// Tests of `coppice doctor` on this machine, and on machines that lack something: limits and an empty network
+// imitate them.
 
 #include <string>
 
@@ -26,7 +27,7 @@ std::string row(const std::string& table, const std::string& check) {
   return table.substr(begin, table.find('\n', name) - begin);
 }
 
-TEST(Doctor, ExaminesThisMachineAndExitsAsTheWorstFindingSays) {
+TEST(Doctor, TheDoctorExaminesThisMachineAndExitsWithItsWorstFinding) {
   const test::Outcome outcome = doctor("", "--robots 2 --domain 140");
   EXPECT_EQ(outcome.exit_code, outcome.output.find("FAIL") == std::string::npos ? 0 : 1) << outcome.output;
   for (const char* check :
@@ -35,7 +36,7 @@ TEST(Doctor, ExaminesThisMachineAndExitsAsTheWorstFindingSays) {
     EXPECT_FALSE(row(outcome.output, check).empty()) << check << "\n" << outcome.output;
   }
   EXPECT_TRUE(row(outcome.output, "loopback").starts_with("ok"))
-      << outcome.output;  // as every test here needs
+      << outcome.output;  // every test here needs it
   EXPECT_NE(row(outcome.output, "versions").find(COPPICE_VERSION ", Fast DDS 2."), std::string::npos);
 }
 
@@ -51,7 +52,7 @@ TEST(Doctor, MoreRobotsThanADomainHasPortsAreAFailure) {
   EXPECT_TRUE(row(outcome.output, "ports of the domain").starts_with("FAIL")) << outcome.output;
 }
 
-TEST(Doctor, ADomainThatSomebodyIsOnIsSeen) {
+TEST(Doctor, ADomainInUseIsDetected) {
   EXPECT_EQ(row(doctor("", "--domain 90").output, "ports of the domain").find("somebody"), std::string::npos);
   const int somebody = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
@@ -63,7 +64,7 @@ TEST(Doctor, ADomainThatSomebodyIsOnIsSeen) {
   EXPECT_NE(ports.find("in use"), std::string::npos) << ports;
 }
 
-TEST(Doctor, AHostWithoutANetworkNeedsLoopbackAndADiscoveryServerInsteadOfMulticast) {
+TEST(Doctor, AHostWithoutANetworkNeedsLoopbackAndADiscoveryServer) {
   if (test::shell("unshare --net true").exit_code != 0)
     GTEST_SKIP() << "no right to make a network namespace";
   const test::Outcome bare = doctor("unshare --net ", "--domain 140");
@@ -79,7 +80,7 @@ TEST(Doctor, AHostWithoutANetworkNeedsLoopbackAndADiscoveryServerInsteadOfMultic
   EXPECT_TRUE(row(by_environment.output, "multicast").starts_with("ok")) << by_environment.output;
 }
 
-TEST(Doctor, ServersMayLeaveTheirPortOutButMustBeServers) {
+TEST(Doctor, DiscoveryServersMayOmitThePortButMustBeValid) {
   const std::string servers =
       row(doctor("ROS_DISCOVERY_SERVER=10.0.0.1 ", "--domain 140").output, "multicast");
   EXPECT_TRUE(servers.ends_with("not needed with discovery servers")) << servers;

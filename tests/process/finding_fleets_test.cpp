@@ -1,4 +1,5 @@
-// Fleets that are alive on this machine are found without being named. No other fleet may run here meanwhile.
+// Tests that fleets on this machine are found without being named. No other fleet may run here at the same
+// time.
 
 #include <memory>
 #include <regex>
@@ -21,7 +22,7 @@ struct FindingFleets : testing::Test {
     command[0] = test::program(command[0]);
     processes.push_back(std::make_unique<test::Background>(command, log(name)));
   }
-  /// A run that lasts; returns the domain that it has told.
+  /// Starts a long run and returns its domain.
   std::string start_run(const std::string& name) {
     start(name, {"coppice", "run", (test::scenarios() / "blank-10.json").string(), "--robots", "2",
                  "--lifelong", "1000"});
@@ -43,7 +44,7 @@ struct FindingFleets : testing::Test {
   std::vector<std::unique_ptr<test::Background>> processes{};
 };
 
-TEST_F(FindingFleets, OneIsTakenAndOfTwoTheUserChooses) {
+TEST_F(FindingFleets, ASingleFleetIsTakenAndOfTwoTheUserChooses) {
   EXPECT_NE(top().output.find("no fleet is alive on this machine: waits on domain 0 (--domain)"),
             std::string::npos);
   const std::string domain = start_run("first");
@@ -65,17 +66,17 @@ TEST_F(FindingFleets, OneIsTakenAndOfTwoTheUserChooses) {
     EXPECT_NE(choice.output.find(words + " --domain " + other), std::string::npos) << choice.output;
   }
   EXPECT_FALSE(std::filesystem::exists(log("none"))) << "nothing was recorded";
-  EXPECT_EQ(top("--domain " + other).exit_code, 0) << "the one that was chosen";
+  EXPECT_EQ(top("--domain " + other).exit_code, 0) << "the chosen fleet is shown";
 }
 
-TEST_F(FindingFleets, OneThatWasStartedByHandIsFoundAndOneThatHasEndedIsNot) {
+TEST_F(FindingFleets, AFleetStartedByHandIsFoundUntilItEnds) {
   start("agent", {"robot_agent", "--name", "r1", "--domain", "57", "--discovery", "static"});
   start("onlooker", {"coppice", "monitor", "--domain", "58", "--port", "0"});
   ASSERT_TRUE(
       test::within(20s, [&] { return test::contents(log("onlooker")).find("http") != std::string::npos; }));
   ASSERT_TRUE(
       test::within(20s, [&] { return top().output.find("domain 57: 1 robot agent") != std::string::npos; }));
-  EXPECT_EQ(top().exit_code, 0) << "it is heard, for its discovery is taken over";
+  EXPECT_EQ(top().exit_code, 0) << "it is heard because its discovery settings are used";
   processes.clear();
   EXPECT_NE(top().output.find("no fleet is alive"), std::string::npos);
 }

@@ -1,5 +1,5 @@
-// The real fleet: `coppice run` as a person types it, with its processes, its files, and its end by any
-// means.
+// Tests of the real fleet: `coppice run` as a user types it, with its processes and its files, and its end in
+// every way.
 
 #include <algorithm>
 #include <chrono>
@@ -26,7 +26,7 @@ using test::expect_good_motion;
 using test::expect_good_paths;
 using test::tolerance;
 
-/// A run in a folder of its own.
+/// A run in its own folder.
 struct FleetRun {
   explicit FleetRun(const std::filesystem::path& scenario, const std::vector<std::string>& options = {},
                     const std::string& time_scale = "10")
@@ -53,7 +53,7 @@ struct FleetRun {
   std::string log() const { return test::contents(file("log")); }
   proto::Report report() const { return read_report(file("report.json")); }
 
-  /// Whether the text comes up on the terminal.
+  /// Whether the text appears on the terminal.
   bool says(const std::string& text) const {
     return test::within(10s, [&] { return log().find(text) != std::string::npos; });
   }
@@ -63,7 +63,7 @@ struct FleetRun {
     return static_cast<std::size_t>(std::count_if(children.begin(), children.end(),
                                                   [&](const auto& child) { return child.name == name; }));
   }
-  /// Of its processes, in the folders of its own.
+  /// The number of journals of its processes, in its own folders.
   std::size_t journals() const {
     std::size_t count = 0;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
@@ -82,7 +82,7 @@ struct FleetRun {
   test::Background process;
 };
 
-/// No process of the fleet lives, and nothing of it is left in shared memory.
+/// Checks that no process of the fleet lives, and that none of its files is left in shared memory.
 void expect_nothing_left(const FleetRun& run, const std::vector<test::ProcessInfo>& children) {
   for (const auto& child : children) {
     EXPECT_TRUE(test::within(5s, [&] { return test::has_ended(child.pid); })) << child.name;
@@ -90,9 +90,9 @@ void expect_nothing_left(const FleetRun& run, const std::vector<test::ProcessInf
   EXPECT_EQ(test::shared_memory(), run.before);
 }
 
-class FleetsThatMeet : public testing::TestWithParam<const char*> {};
+class FleetDiscovery : public testing::TestWithParam<const char*> {};
 
-TEST_P(FleetsThatMeet, InRoomsEndWell) {
+TEST_P(FleetDiscovery, AFleetInRoomsArrives) {
   const std::filesystem::path file = test::scenarios() / "rooms-8.json";
   const Scenario scenario = read_scenario(file, {});
   FleetRun run(file, {"--discovery", GetParam()});
@@ -125,9 +125,9 @@ TEST_P(FleetsThatMeet, InRoomsEndWell) {
     EXPECT_NE(picture.find(">" + robot.name + "<"), std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(Fleet, FleetsThatMeet, testing::Values("multicast", "static"));
+INSTANTIATE_TEST_SUITE_P(Fleet, FleetDiscovery, testing::Values("multicast", "static"));
 
-/// With credentials that are made for it.
+/// Runs the scenario with credentials that are made for it.
 void expect_arrives_with_security(const std::string& name, const std::string& time_scale) {
   const test::TemporaryFolder keys;
   const test::Outcome made =
@@ -142,8 +142,8 @@ void expect_arrives_with_security(const std::string& name, const std::string& ti
                      test::PlainMap(test::scenarios() / (name + ".map")));
 }
 
-// Who knew the first server would take the second one for the same, and ignore what that says anew.
-TEST(Fleet, AnAgentThatIsStartedAnewFindsTheOthersThroughAServerThatWasKilledAndStartedAnew) {
+// Agents that knew the first server must not take the second one for the same and ignore its messages.
+TEST(Fleet, ARestartedAgentFindsItsPeersThroughARestartedServer) {
   const test::TemporaryFolder folder;
   const std::vector<std::string> server{test::program("coppice"), "discovery", "--port", "23941"};
   const auto stands = [](const std::filesystem::path& log) {
@@ -166,15 +166,15 @@ TEST(Fleet, AnAgentThatIsStartedAnewFindsTheOthersThroughAServerThatWasKilledAnd
   EXPECT_EQ(run.report().outcome(), "arrived");
 }
 
-TEST(Fleet, OfEightArrivesWithSecurity) {
+TEST(Fleet, AFleetOf8ArrivesWithSecurity) {
   expect_arrives_with_security("rooms-8", "5");
 }
-TEST(Fleet, OfTwentyArrivesWithSecurity) {
+TEST(Fleet, AFleetOf20ArrivesWithSecurity) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   expect_arrives_with_security("rooms-20", "2");
 }
 
-/// The reference maps: paths, sharing, and arrival with nothing touched.
+/// Runs a reference map: paths are found, trees are shared, and all robots arrive without contact.
 void expect_reference_map_planned(const std::string& name, const std::string& map_name) {
   const std::filesystem::path maps = std::filesystem::path(COPPICE_SHARED_DIR) / "maps";
   if (!std::filesystem::exists(maps)) GTEST_SKIP() << maps << " is not there";
@@ -191,15 +191,16 @@ void expect_reference_map_planned(const std::string& name, const std::string& ma
   EXPECT_EQ(report.trees_grafted(), grafted);
 }
 
-TEST(Fleet, RoomOfTheReferenceMapsIsPlanned) {
+TEST(Fleet, TheReferenceMapRoomIsPlanned) {
   expect_reference_map_planned("room1-10", "room1");
 }
-TEST(Fleet, MazeOfTheReferenceMapsIsPlanned) {
+TEST(Fleet, TheReferenceMapMazeIsPlanned) {
   expect_reference_map_planned("maze1-5", "maze1");
 }
 
-/// The roles by themselves on one domain, each started when the ones before have had time to find nobody.
-TEST(Fleet, RolesStartedByHandInAnyOrderFindEachOther) {
+/// The processes are started by hand on one domain. Each starts when the earlier ones have had time to find
+/// no peer.
+TEST(Fleet, ProcessesStartedByHandInAnyOrderFindEachOther) {
   const std::string scenario = (test::scenarios() / "blank-10.json").string();
   for (const bool service_first : {true, false}) {
     const test::TemporaryFolder folder;
@@ -228,7 +229,7 @@ TEST(Fleet, RolesStartedByHandInAnyOrderFindEachOther) {
     EXPECT_EQ(read_report(report).outcome(), "arrived");
     for (std::size_t k = 0; k < roles.size(); ++k) {
       if (k == service) continue;
-      roles[k]->send(SIGTERM);  // agents and brokers go on until they are told
+      roles[k]->send(SIGTERM);  // agents and brokers go on until they are stopped
       EXPECT_EQ(roles[k]->wait(), 0) << k;
     }
   }
@@ -237,7 +238,7 @@ TEST(Fleet, RolesStartedByHandInAnyOrderFindEachOther) {
 TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
   FleetRun run(test::scenarios() / "rooms-8.json");
   ASSERT_TRUE(run.has_begun()) << run.log();
-  EXPECT_EQ(run.journals(), 0u) << "nobody will be started again";
+  EXPECT_EQ(run.journals(), 0u) << "no process will be restarted";
   const auto children = test::children_of(run.process.pid());
   run.process.send(SIGINT);
   EXPECT_EQ(run.process.wait(), 1) << run.log();
@@ -245,7 +246,7 @@ TEST(Fleet, CtrlCEndsWithAReportAndLeavesNothing) {
   expect_nothing_left(run, children);
 }
 
-TEST(Fleet, CtrlCWhileTheServiceWaitsToBeStartedAgainEndsWithAReport) {
+TEST(Fleet, CtrlCWhileTheServiceAwaitsItsRestartEndsWithAReport) {
   FleetRun run(test::scenarios() / "rooms-8.json", {"--restart"}, "2");
   ASSERT_TRUE(run.has_begun()) << run.log();
   EXPECT_EQ(run.journals(), 10u);
@@ -256,7 +257,7 @@ TEST(Fleet, CtrlCWhileTheServiceWaitsToBeStartedAgainEndsWithAReport) {
   EXPECT_EQ(run.report().outcome(), "interrupted");
 }
 
-TEST(Fleet, KilledItLeavesNothing) {
+TEST(Fleet, AKilledRunLeavesNothing) {
   FleetRun run(test::scenarios() / "rooms-8.json");
   ASSERT_TRUE(run.has_begun()) << run.log();
   const auto children = test::children_of(run.process.pid());
@@ -266,7 +267,7 @@ TEST(Fleet, KilledItLeavesNothing) {
   expect_nothing_left(run, children);
 }
 
-TEST(Fleet, AServiceThatIsKilledEndsTheRunAndIsTold) {
+TEST(Fleet, AKilledServiceEndsTheRunAndIsReported) {
   FleetRun run(test::scenarios() / "rooms-8.json");
   ASSERT_TRUE(run.has_begun()) << run.log();
   const auto children = test::children_of(run.process.pid());
@@ -276,8 +277,8 @@ TEST(Fleet, AServiceThatIsKilledEndsTheRunAndIsTold) {
   expect_nothing_left(run, children);
 }
 
-TEST(Fleet, AnAgentThatIsKilledIsToldAndTheOthersGoOn) {
-  // A minute of the wall's clock, for so long it might only be cut off, is 600 s of this fleet's.
+TEST(Fleet, AKilledAgentIsReportedAndTheOthersGoOn) {
+  // For one minute of wall time the agent may only be cut off: 600 s of this fleet's time.
   FleetRun run(test::scenarios() / "blank-10.json", {"--timeout", "1500"});
   ASSERT_TRUE(run.says("paths found 10/10")) << run.log();
   kill(run.first("robot_agent"), SIGKILL);
@@ -292,7 +293,7 @@ TEST(Fleet, AnAgentThatIsKilledIsToldAndTheOthersGoOn) {
   EXPECT_EQ(arrived, 9) << run.log();
 }
 
-TEST(Fleet, ARunWhoseRecorderIsKilledEndsWithAnError) {
+TEST(Fleet, AKilledRecorderEndsTheRunWithAnError) {
   const test::TemporaryFolder folder;
   FleetRun run(test::scenarios() / "blank-10.json",
                {"--robots", "2", "--record", (folder.path() / "run.mcap").string()});
@@ -303,7 +304,7 @@ TEST(Fleet, ARunWhoseRecorderIsKilledEndsWithAnError) {
   EXPECT_EQ(run.report().outcome(), "arrived");
 }
 
-TEST(Fleet, FilesThatCannotBeWrittenInTheEndAreAllToldAfterTheTable) {
+TEST(Fleet, FilesThatCannotBeWrittenAreReportedAfterTheTable) {
   FleetRun run(test::scenarios() / "blank-10.json", {"--robots", "2"});
   ASSERT_TRUE(run.has_begun()) << run.log();
   for (const char* name : {"report.json", "p.svg"}) std::filesystem::create_directory(run.file(name));
@@ -316,7 +317,7 @@ TEST(Fleet, FilesThatCannotBeWrittenInTheEndAreAllToldAfterTheTable) {
   EXPECT_EQ(test::read_trajectory_rows(run.file("t.csv")).size(), 2u);
 }
 
-TEST(Fleet, RobotsMayBeCalledWhatProcessesAre) {
+TEST(Fleet, RobotsMayHaveTheNamesOfProcesses) {
   const test::TemporaryFolder folder;
   std::string text = test::contents(test::scenarios() / "blank-10.json");
   const auto rename = [&](const std::string& from, const std::string& to) {
@@ -334,7 +335,7 @@ TEST(Fleet, RobotsMayBeCalledWhatProcessesAre) {
   EXPECT_EQ(run.report().outcome(), "arrived");
 }
 
-TEST(Fleet, LogsOfItsProcessesAreKeptAsWanted) {
+TEST(Fleet, LogsOfTheProcessesAreKeptAsRequested) {
   for (const std::string level : {"info", "off"}) {
     const test::TemporaryFolder folder;
     const std::filesystem::path logs = folder.path() / "of" / "today";
@@ -349,7 +350,7 @@ TEST(Fleet, LogsOfItsProcessesAreKeptAsWanted) {
   }
 }
 
-TEST(Fleet, WhatItsAgentsWarnOfIsOnTheTerminalAndInTheReport) {
+TEST(Fleet, WarningsOfAgentsAreOnTheTerminalAndInTheReport) {
   const test::TemporaryFolder folder;
   std::string rows;  // a wall from top to bottom
   for (int j = 0; j < 20; ++j) rows += std::string(20, '.') + "@@" + std::string(18, '.') + "\n";
@@ -363,7 +364,7 @@ TEST(Fleet, WhatItsAgentsWarnOfIsOnTheTerminalAndInTheReport) {
   EXPECT_NE(run.log().find("shut-in: warning: " + reason + "\n"), std::string::npos) << run.log();
 }
 
-TEST(Fleet, WithoutABrokerEveryRobotStillFindsAPath) {
+TEST(Fleet, EveryRobotFindsAPathWithoutABroker) {
   FleetRun run(test::scenarios() / "rooms-8.json", {"--timeout", "60"});
   ASSERT_TRUE(run.has_begun()) << run.log();
   kill(run.first("tree_broker"), SIGKILL);
@@ -374,7 +375,7 @@ TEST(Fleet, WithoutABrokerEveryRobotStillFindsAPath) {
   EXPECT_EQ(report.collisions(), 0u);
 }
 
-TEST(Fleet, TwoRunsAtOnceDoNotMeet) {
+TEST(Fleet, TwoSimultaneousRunsDoNotMeet) {
   FleetRun first(test::scenarios() / "blank-10.json", {"--robots", "2"});
   FleetRun second(test::scenarios() / "blank-10.json", {"--robots", "3"});
   EXPECT_EQ(first.process.wait(), 0) << first.log();
@@ -383,7 +384,7 @@ TEST(Fleet, TwoRunsAtOnceDoNotMeet) {
   EXPECT_EQ(second.report().robots_size(), 3);
 }
 
-TEST(CoppiceBench, LeavesNothingWhenAFleetFails) {
+TEST(CoppiceBench, TheBenchmarkLeavesNothingIfAFleetFails) {
   const test::TemporaryFolder folder;
   const test::Outcome outcome =
       test::shell("TMPDIR='" + folder.path().string() + "' '" + test::program("coppice") +
@@ -392,7 +393,7 @@ TEST(CoppiceBench, LeavesNothingWhenAFleetFails) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << outcome.output;
 }
 
-TEST(CoppiceBench, MeasuresHowAFleetOfProcessesGrows) {
+TEST(CoppiceBench, TheBenchmarkMeasuresHowAFleetOfProcessesGrows) {
   const test::TemporaryFolder folder;
   const std::string json = (folder.path() / "scale.json").string();
   const test::Outcome outcome =

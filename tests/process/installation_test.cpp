@@ -1,4 +1,4 @@
-// What `cmake --install` leaves below a prefix.
+// Test of what `cmake --install` leaves below a prefix.
 
 #include <filesystem>
 #include <string>
@@ -10,7 +10,7 @@
 namespace coppice {
 namespace {
 
-TEST(Installation, HoldsProgramsAndAllThatBelongsToThem) {
+TEST(Installation, TheInstallationHoldsTheProgramsAndTheirFiles) {
   const test::TemporaryFolder folder;
   const std::filesystem::path prefix = folder.path() / "prefix";
   const std::filesystem::path build = std::filesystem::path(COPPICE_BIN_DIR).parent_path();

@@ -1,5 +1,5 @@
-// Mistakes at the command line: each is told in one line that says what to do, with exit code 2, before
-// anything starts.
+// Tests of mistakes at the command line. Each is reported in one line that says what to do, with exit code 2,
+// before anything starts.
 
 #include <algorithm>
 #include <string>
@@ -16,7 +16,7 @@ std::string rooms() {
   return (test::scenarios() / "rooms-8.json").string();
 }
 
-/// What the command says on standard error.
+/// What the command prints on standard error.
 test::Outcome errors_of(const std::string& program, const std::string& arguments) {
   return test::shell("{ '" + test::program(program) + "' " + arguments + " 2>&1 >/dev/null; }");
 }
@@ -52,7 +52,7 @@ TEST(Mistakes, AnUnknownCommandNamesTheNearest) {
   expect_one_line("coppice", "help simualte", {"did you mean simulate?"});
 }
 
-TEST(Mistakes, AnArgumentThatIsMissingOrTooManyIsNamed) {
+TEST(Mistakes, AMissingOrAdditionalArgumentIsNamed) {
   expect_one_line("coppice", "run", {"scenario is missing, expected a scenario (.json)"});
   expect_one_line("planner_service", "--domain 3", {"scenario is missing"});
   expect_one_line("coppice", "map room", {"output is missing"});
@@ -75,7 +75,7 @@ TEST(Mistakes, AnOptionWithoutItsValueIsNamed) {
   expect_one_line("coppice", "plan " + rooms() + " --quiet=maybe", {"--quiet: takes no value"});
 }
 
-TEST(Mistakes, AValueOutOfRangeIsToldWithTheRange) {
+TEST(Mistakes, AValueOutOfRangeIsReportedWithTheRange) {
   expect_one_line("coppice", "run " + rooms() + " --domain 233", {"--domain", "233", "0 to 232"});
   expect_one_line("coppice", "monitor --domain -1", {"--domain", "0 to 232"});
   expect_one_line("coppice", "plan " + rooms() + " --seed -3", {"--seed", "-3", "0 to 4294967295"});
@@ -92,11 +92,11 @@ TEST(Mistakes, AValueOutOfRangeIsToldWithTheRange) {
   expect_one_line("planner_service", "--domain 0x7 a.json", {"--domain", "0x7", "0 to 232"});
 }
 
-TEST(Mistakes, ANewlineInAnArgumentMakesNoSecondLine) {
+TEST(Mistakes, ANewlineInAnArgumentGivesNoSecondLine) {
   expect_one_line("coppice", "run 'a.json\nb' --x 'y\nz'", {"--x: unknown option"});
 }
 
-/// Files of all kinds, each in the place of another.
+/// Files of all kinds, each in the place of another kind.
 class WrongKindOfFile : public testing::Test {
   test::TemporaryFolder folder_;
 
@@ -116,7 +116,7 @@ class WrongKindOfFile : public testing::Test {
   const std::string empty_ = file("empty.json", "");
 };
 
-TEST_F(WrongKindOfFile, InPlaceOfAScenarioIsNamed) {
+TEST_F(WrongKindOfFile, AFileInPlaceOfAScenarioIsNamed) {
   const std::vector<std::pair<std::string, std::string>> files = {
       {map_, "is a Moving AI map, expected a scenario (.json or .scen): coppice map FILE OUT.json"},
       {ros_map_, "is a ROS map, expected a scenario"},
@@ -136,7 +136,7 @@ TEST_F(WrongKindOfFile, InPlaceOfAScenarioIsNamed) {
   }
 }
 
-TEST_F(WrongKindOfFile, InPlaceOfAMapIsNamed) {
+TEST_F(WrongKindOfFile, AFileInPlaceOfAMapIsNamed) {
   const std::string out = " '" + folder().substr(1, folder().size() - 2) + "/out.json'";
   expect_one_line("coppice", "map " + rooms() + out, {"is a scenario, expected a map (.map or .yaml)"});
   expect_one_line("coppice", "map " + picture_ + out, {"is a picture, expected a map"});
@@ -147,7 +147,7 @@ TEST_F(WrongKindOfFile, InPlaceOfAMapIsNamed) {
                   {"b.json: map: ", "a.mcap: is a recording, expected a map"});
 }
 
-TEST_F(WrongKindOfFile, InPlaceOfARecordingIsNamed) {
+TEST_F(WrongKindOfFile, AFileInPlaceOfARecordingIsNamed) {
   for (const char* command : {"monitor ", "info ", "replay "}) {
     expect_one_line("coppice", command + rooms(), {"is a scenario, expected a recording (MCAP)"});
     expect_one_line("coppice", command + map_, {"is a Moving AI map, expected a recording (MCAP)"});
@@ -158,13 +158,13 @@ TEST_F(WrongKindOfFile, InPlaceOfARecordingIsNamed) {
                   {"is a scenario, expected a recording (MCAP)"});
 }
 
-TEST_F(WrongKindOfFile, AMissingMapIsToldWithTheScenarioThatNamesIt) {
+TEST_F(WrongKindOfFile, AMissingMapIsReportedWithItsScenario) {
   const std::string scenario = file("c.json", R"({"map": "none.map", "robots": [{"name": "r1"}]})");
   expect_one_line("coppice", "run " + scenario,
                   {"c.json: map: there is no ", "none.map (--map FILE names a map that lies elsewhere)"});
 }
 
-TEST_F(WrongKindOfFile, FieldsAreToldWithLineAndWhatIsAllowed) {
+TEST_F(WrongKindOfFile, AWrongFieldIsReportedWithItsLineAndTheAllowedValues) {
   const std::string start =
       file("d.json", "{\"map\": \"a.map\", \"robots\": [\n{\"name\": \"r1\", \"start\": [20, 20]}]}");
   expect_one_line("coppice", "run " + start,
@@ -175,7 +175,7 @@ TEST_F(WrongKindOfFile, FieldsAreToldWithLineAndWhatIsAllowed) {
       {"e.json:3: \"robtos\" is not a field (did you mean robots?), expected one of map, radius"});
 }
 
-TEST(Mistakes, AnOutputThatCannotBeMadeIsToldAtOnce) {
+TEST(Mistakes, AnOutputThatCannotBeMadeIsReportedAtOnce) {
   for (const std::string option : {"--record", "--report", "--trajectory", "--picture"}) {
     for (const std::string place : {"/proc/x", "/sys/x", "/nowhere/x", "/dev/null/x"}) {
       for (const char* command : {"run ", "simulate "})
@@ -201,14 +201,14 @@ TEST(Mistakes, AnOutputIsWrittenWhereItsLinkLeads) {
                   {"link.json cannot be written"});
 }
 
-TEST(Mistakes, LookingWhetherAFileCanBeMadeLeavesNothing) {
+TEST(Mistakes, CheckingWhetherAFileCanBeMadeLeavesNothing) {
   const test::TemporaryFolder folder;
   const std::string report = (folder.path() / "report.json").string();
   EXPECT_EQ(errors_of("coppice", "plan none.json --report '" + report + "'").exit_code, 2);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(Help, OfACommandIsTheSameBothWays) {
+TEST(Help, BothWaysToAskForHelpPrintTheSame) {
   for (const std::string command : {"run", "monitor", "map", "bench"}) {
     const test::Outcome asked = test::shell("'" + test::program("coppice") + "' help " + command);
     EXPECT_EQ(asked.exit_code, 0);

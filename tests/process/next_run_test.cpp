@@ -1,5 +1,5 @@
-// Agents and a broker that outlive the runs that they drive, as units of systemd do: what they said in one
-// run is not taken for the next one's.
+// Tests of agents and a broker that outlive runs, as systemd units do. Their messages of one run must not be
+// taken for those of the next.
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -49,7 +49,7 @@ struct NextRun : testing::Test {
     return (folder.path() / (name + kind)).string();
   }
 
-  /// That it is whole, and of this run alone.
+  /// Checks that a run is complete and holds nothing of another run.
   void expect_a_whole_run(const std::string& name, const std::string& scenario) {
     ASSERT_EQ(start_run(name, scenario).wait(), 0) << test::contents(log(name));
     const proto::Report report = read_report(file(name, ".json"));
@@ -72,20 +72,20 @@ struct NextRun : testing::Test {
   std::vector<std::unique_ptr<test::Background>> processes{};
 };
 
-TEST_F(NextRun, IsWholeAfterOneThatEndedAndAfterOneWhoseServiceWasKilled) {
+TEST_F(NextRun, ARunIsCompleteAfterAnEndedRunAndAfterAKilledService) {
   expect_a_whole_run("first", "blank-10.json");
   expect_a_whole_run("second", "rooms-8.json");
   test::Background& killed = start_run("killed", "blank-10.json");
   ASSERT_TRUE(test::within(
       20s, [&] { return test::contents(log("killed")).find("paths found 3/3") != std::string::npos; }));
-  std::this_thread::sleep_for(1s);  // ten of fleet time
+  std::this_thread::sleep_for(1s);  // 10 s of fleet time
   killed.send(SIGKILL);
   killed.wait();
   expect_a_whole_run("last", "rooms-8.json");
 }
 
-// It has heard the others say that they stand, in a run that is over and before it hears of its own.
-TEST_F(NextRun, OfFewerRobotsIsDrivenByAnAgentThatWasStartedAnewInBetween) {
+// The agent has heard its peers stand in a run that is over before it hears of its own run.
+TEST_F(NextRun, ARestartedAgentDrivesTheNextRunWithFewerRobots) {
   expect_a_whole_run("first", "blank-10.json");
   test::Background& first = *processes[1];
   first.send(SIGKILL);
@@ -96,7 +96,7 @@ TEST_F(NextRun, OfFewerRobotsIsDrivenByAnAgentThatWasStartedAnewInBetween) {
   EXPECT_FALSE(test::has_ended(anew.pid())) << test::contents(log("r1-anew"));
 }
 
-// Two would halt each other's robots.
+// Two services would stop each other's robots.
 TEST_F(NextRun, ASecondServiceNamesTheFirstAndRefuses) {
   test::Background& first = start_run("first", "rooms-8.json", robots, "2");
   ASSERT_TRUE(test::within(30s, [&] { return logs("first", "paths found 3/3"); }));
@@ -112,7 +112,7 @@ TEST_F(NextRun, ASecondServiceNamesTheFirstAndRefuses) {
       << test::contents(log("first"));
 }
 
-TEST_F(NextRun, OfTwoServicesThatAreStartedAtOnceOneDrives) {
+TEST_F(NextRun, OneOfTwoSimultaneousServicesDrives) {
   test::Background& one = start_run("one", "blank-10.json");
   test::Background& other = start_run("other", "blank-10.json");
   const std::set<int> codes{one.wait(), other.wait()};
@@ -132,7 +132,7 @@ TEST_F(NextRun, AServiceThatWasPausedAndReplacedGivesUp) {
   EXPECT_EQ(next.wait(), 0) << test::contents(log("next"));
 }
 
-TEST_F(NextRun, AnAgentThatIsInNoMissionSaysSoAndSoDoesTheService) {
+TEST_F(NextRun, AgentAndServiceReportAnAgentWithoutAMission) {
   start("r9", {"robot_agent", "--name", "r9"});
   test::Background& run = start_run("run", "rooms-8.json");
   EXPECT_TRUE(test::within(30s, [&] {

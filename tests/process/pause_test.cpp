@@ -1,5 +1,5 @@
-// A process that is stopped for longer than Fast DDS usually waits for one (20 s), and then goes on: all find
-// each other again, the run ends, and its record is complete.
+// Tests of a process that is paused for longer than Fast DDS usually waits (20 s). After it resumes, all
+// processes find each other again, the run ends, and its record is complete.
 
 #include <chrono>
 #include <csignal>
@@ -18,9 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class Paused : public testing::TestWithParam<const char*> {};
+class PausedProcess : public testing::TestWithParam<const char*> {};
 
-TEST_P(Paused, ComesBackAndTheRunEndsWithAllThatHappened) {
+TEST_P(PausedProcess, APausedProcessReturnsAndTheRecordIsComplete) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   const test::TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder.path() / name).string(); };
@@ -44,7 +44,7 @@ TEST_P(Paused, ComesBackAndTheRunEndsWithAllThatHappened) {
   test::expect_good_motion(report, file("t.csv"), 5, test::PlainMap(test::scenarios() / "rooms-8.map"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Roles, Paused, testing::Values("planner_service", "robot_agent"));
+INSTANTIATE_TEST_SUITE_P(Roles, PausedProcess, testing::Values("planner_service", "robot_agent"));
 
 }  // namespace
 }  // namespace coppice

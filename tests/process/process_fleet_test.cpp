@@ -1,4 +1,4 @@
-// Children never outlive their parent, whatever ends it.
+// Tests that no child outlives its parent, however the parent ends.
 
 #include "coppice/process_fleet.h"
 
@@ -25,7 +25,7 @@ std::vector<std::string> script(const std::string& text) {
   return {"/bin/sh", "-c", text};
 }
 
-/// A child that tells its process id and stays.
+/// A child that writes its process id to a file and stays.
 std::vector<std::string> stays(const std::filesystem::path& tell) {
   return script("echo $$ > '" + tell.string() + ".new'; mv '" + tell.string() + ".new' '" + tell.string() +
                 "'; exec sleep 100");
@@ -43,7 +43,7 @@ ProcessFleet::Ended next_end(ProcessFleet& fleet) {
   return ended.value_or(ProcessFleet::Ended{});
 }
 
-TEST(ProcessFleet, TellsWhoEndedHowAndWithWhichLastWords) {
+TEST(ProcessFleet, TheFleetReportsEachEndWithExitCodeAndLastWords) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   EXPECT_FALSE(fleet.reap());
@@ -57,8 +57,8 @@ TEST(ProcessFleet, TellsWhoEndedHowAndWithWhichLastWords) {
   EXPECT_FALSE(fleet.reap());
 }
 
-// It is heard as soon as it can be, however early it comes.
-TEST(ProcessFleet, WhatIsToldToStopAsItStartsStops) {
+// The signal takes effect as soon as it can, however early it comes.
+TEST(ProcessFleet, AProcessThatIsStoppedWhileItStartsEnds) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   for (const int milliseconds : {0, 1, 2, 5, 10, 20, 40}) {
@@ -69,7 +69,7 @@ TEST(ProcessFleet, WhatIsToldToStopAsItStartsStops) {
   }
 }
 
-TEST(ProcessFleet, ALogGoesOnWhenItsProcessIsStartedAgain) {
+TEST(ProcessFleet, ALogGoesOnIfItsProcessIsRestarted) {
   const test::TemporaryFolder folder;
   folder.write("r1.log", "of another run\n");
   ProcessFleet fleet(folder.path());
@@ -79,7 +79,7 @@ TEST(ProcessFleet, ALogGoesOnWhenItsProcessIsStartedAgain) {
   EXPECT_EQ(next_end(fleet).log_end, "here\nhere\n");
 }
 
-TEST(ProcessFleet, LastWordsAreTheEndOfALongLog) {
+TEST(ProcessFleet, TheLastWordsAreTheEndOfALongLog) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   fleet.start("r1", script("seq 1000; echo end"), Output::log);
@@ -88,14 +88,14 @@ TEST(ProcessFleet, LastWordsAreTheEndOfALongLog) {
   EXPECT_TRUE(last.ends_with("\n1000\nend\n")) << last;
 }
 
-TEST(ProcessFleet, WhatCannotBeStartedIsAnError) {
+TEST(ProcessFleet, AProcessThatCannotBeStartedIsAnError) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   EXPECT_THROW(fleet.start("r1", {"/nowhere/robot_agent"}, Output::log), std::runtime_error);
   EXPECT_FALSE(fleet.reap());
 }
 
-TEST(ProcessFleet, EndsItsChildrenWithItself) {
+TEST(ProcessFleet, TheFleetEndsItsChildrenWithItself) {
   const test::TemporaryFolder folder;
   pid_t child = 0;
   {
@@ -107,7 +107,7 @@ TEST(ProcessFleet, EndsItsChildrenWithItself) {
   EXPECT_TRUE(test::has_ended(child));
 }
 
-TEST(ProcessFleet, AsksFirstAndKillsAfterTheGrace) {
+TEST(ProcessFleet, TheFleetAsksFirstAndKillsAfterTheGracePeriod) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   const std::string ready = "; touch '" + folder.path().string() + "/ready-'$0; while :; do sleep 0.05; done";
@@ -133,7 +133,7 @@ TEST(ProcessFleet, AsksFirstAndKillsAfterTheGrace) {
   }
 }
 
-TEST(ProcessFleet, OneMayStayUntilTheOthersAreGone) {
+TEST(ProcessFleet, AProcessMayStayUntilTheOthersHaveEnded) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   const pid_t leaves = fleet.start("r1", stays(folder.path() / "1"), Output::log);
@@ -147,7 +147,7 @@ TEST(ProcessFleet, OneMayStayUntilTheOthersAreGone) {
   EXPECT_TRUE(test::has_ended(remains));
 }
 
-/// A parent with two children that is ended by `signal`; its children are to be gone.
+/// A parent with two children ends by `signal`. Checks that its children end, too.
 void expect_nothing_outlives(int signal) {
   const test::TemporaryFolder folder;
   const pid_t parent = fork();
@@ -169,10 +169,10 @@ void expect_nothing_outlives(int signal) {
   }
 }
 
-TEST(ProcessFleet, NothingOutlivesAParentThatIsKilled) {
+TEST(ProcessFleet, NoChildOutlivesAKilledParent) {
   expect_nothing_outlives(SIGKILL);
 }
-TEST(ProcessFleet, NothingOutlivesAParentThatHangsUp) {
+TEST(ProcessFleet, NoChildOutlivesAParentThatHangsUp) {
   expect_nothing_outlives(SIGHUP);
 }
 

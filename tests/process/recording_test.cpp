@@ -1,5 +1,5 @@
-// A run is recorded over DDS, told of, and replayed for others; and what happens to a recorder that is killed
-// or finds no room.
+// Tests of a run that is recorded over DDS, described, and replayed; and of a recorder that is killed or
+// finds no room.
 
 #include "monitor/recording.h"
 
@@ -55,8 +55,8 @@ std::map<std::string, std::uint64_t> counts_of(const std::string& file) {
   return counts;
 }
 
-/// One run, recorded once for all tests that look at it.
-class ARecordedRun : public testing::Test {
+/// One run that is recorded once for all tests.
+class RecordedRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder = new test::TemporaryFolder;
@@ -74,7 +74,7 @@ class ARecordedRun : public testing::Test {
   static inline int exit_code = -1;
 };
 
-TEST_F(ARecordedRun, HoldsAllOfIt) {
+TEST_F(RecordedRun, TheRecordingHoldsTheWholeRun) {
   ASSERT_EQ(exit_code, 0) << test::contents(path("run.log"));
   const Recording recording(path("run.mcap"));
   EXPECT_EQ(recording.file().ending(), "");
@@ -91,18 +91,18 @@ TEST_F(ARecordedRun, HoldsAllOfIt) {
   }
   EXPECT_EQ(playback.rejected(), 0u);
   EXPECT_EQ(arrived.size(), 4u);
-  EXPECT_EQ(cancelled.size(), 4u) << "the service's last words are in it";
+  EXPECT_EQ(cancelled.size(), 4u) << "it holds the last messages of the service";
   for (const auto& [robot, count] : points) EXPECT_GT(count, 50u) << robot;
   EXPECT_EQ(points.size(), 4u);
 }
 
-TEST_F(ARecordedRun, IsToldOf) {
+TEST_F(RecordedRun, TheRecordingIsDescribed) {
   const Outcome info = shell(test::program("coppice") + " info " + path("run.mcap"));
   EXPECT_EQ(info.exit_code, 0) << info.output;
   for (const char* part :
        {", complete", "4 robots: r1 r2 r3 r4", "zstd", "/coppice/robot_state", "/coppice/map"})
     EXPECT_NE(info.output.find(part), std::string::npos) << part << " in " << info.output;
-  // Cut in the middle.
+  // A recording that is cut in the middle.
   const std::string whole = test::contents(path("run.mcap"));
   folder->write("cut.mcap", whole.substr(0, 2 * whole.size() / 3));
   const Outcome cut = shell(test::program("coppice") + " info " + path("cut.mcap"));
@@ -114,7 +114,7 @@ TEST_F(ARecordedRun, IsToldOf) {
   EXPECT_NE(none.output.find("t.csv"), std::string::npos) << none.output;
 }
 
-TEST_F(ARecordedRun, IsNotReplaced) {
+TEST_F(RecordedRun, TheRecordingIsNotReplaced) {
   const std::string before = test::contents(path("run.mcap"));
   Background again(run_of_four(domain + 1, {"--record", path("run.mcap")}), path("again.log"));
   EXPECT_EQ(again.wait(), 2);
@@ -126,7 +126,7 @@ TEST_F(ARecordedRun, IsNotReplaced) {
   EXPECT_EQ(test::contents(path("run.mcap")), before);
 }
 
-TEST_F(ARecordedRun, IsReplayedForOthers) {
+TEST_F(RecordedRun, TheRecordingIsReplayedForOthers) {
   Background second(coppice({"record", path("second.mcap"), "--domain", std::to_string(domain + 1)}),
                     path("second.log"));
   ASSERT_TRUE(test::within(10s, [&] { return std::filesystem::exists(path("second.mcap")); }));
@@ -143,7 +143,7 @@ TEST_F(ARecordedRun, IsReplayedForOthers) {
     const std::uint64_t said = were.at(channel);
     if (kept_all.contains(channel)) return said;
     if (channel == "/coppice/robot_state") return said / 2;
-    // Of the others DDS keeps the latest of each key for a reader: four robots'.
+    // For the other topics, DDS keeps the latest sample of each key for a reader: those of four robots.
     return std::min<std::uint64_t>(said / 2, 4);
   };
   for (const auto& [channel, count] : counts_of(path("second.mcap"))) {
@@ -151,7 +151,7 @@ TEST_F(ARecordedRun, IsReplayedForOthers) {
     EXPECT_LE(count, were.at(channel)) << channel;
   }
 
-  // The same fleet times, and the fleet's clock goes with the present one.
+  // The fleet times are the same, and the fleet clock follows the present one.
   const Recording first(path("run.mcap"));
   const Recording again(path("second.mcap"));
   EXPECT_NEAR(again.end() - again.begin(), (first.end() - first.begin()) / 2, 0.5);
@@ -169,13 +169,13 @@ TEST_F(ARecordedRun, IsReplayedForOthers) {
     const SeenRobot& same = one.robots()[*one.find(robot.name)];
     ASSERT_TRUE(robot.state && same.state) << robot.name;
     RobotState state = *same.state;
-    state.run = robot.state->run;  // its clock is another one
+    state.run = robot.state->run;  // it has another clock
     EXPECT_EQ(*robot.state, state) << robot.name;
     EXPECT_EQ(robot.path, same.path) << robot.name;
   }
 }
 
-TEST_F(ARecordedRun, IsReplayedFromAnyTimeOn) {
+TEST_F(RecordedRun, TheRecordingIsReplayedFromAnyTime) {
   const Recording recording(path("run.mcap"));
   const double from = 0.6 * (recording.end() - recording.begin());
   DdsBus watcher({.domain = domain + 1}, Role::observer, "watcher");
@@ -192,12 +192,12 @@ TEST_F(ARecordedRun, IsReplayedFromAnyTimeOn) {
     return test::has_ended(replay.pid());
   });
   EXPECT_EQ(replay.wait(), 0);
-  EXPECT_TRUE(view.map().has_value()) << "it was said at the beginning";
+  EXPECT_TRUE(view.map().has_value()) << "the map was sent at the beginning";
   EXPECT_EQ(view.robots().size(), 4u);
-  EXPECT_GT(first_time, 5) << "fleet seconds: it does not begin anew";
+  EXPECT_GT(first_time, 5) << "fleet seconds: the replay must not start at the beginning";
 }
 
-TEST_F(ARecordedRun, IsNotReplayedWhereAFleetIs) {
+TEST_F(RecordedRun, TheRecordingIsNotReplayedOnTheDomainOfAFleet) {
   const DdsBus broker({.domain = domain + 2}, Role::broker, "broker");
   DdsBus service({.domain = domain + 2}, Role::service, "service");
   MapMessage map{"m", {}, {1}};
@@ -209,7 +209,7 @@ TEST_F(ARecordedRun, IsNotReplayedWhereAFleetIs) {
   EXPECT_NE(replay.output.find("a fleet or another replay is active"), std::string::npos) << replay.output;
 }
 
-TEST_F(ARecordedRun, IsNothingToAFleetThatComesLater) {
+TEST_F(RecordedRun, AFleetIgnoresTheRecording) {
   DdsBus watcher({.domain = domain + 2}, Role::observer, "watcher");
   DdsBus agent({.domain = domain + 2, .robot = "r9"}, Role::agent, "agent");
   Background replay(coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 2)}),
@@ -221,13 +221,13 @@ TEST_F(ARecordedRun, IsNothingToAFleetThatComesLater) {
     taken += agent.take().size();
     return seen > 500;
   }));
-  EXPECT_EQ(taken, 0u) << "an agent took a recorded mission for its own";
+  EXPECT_EQ(taken, 0u) << "an agent accepted a recorded mission";
   EXPECT_GT(agent.rejected(), 0u);
   replay.send(SIGTERM);
   EXPECT_EQ(replay.wait(), 0) << test::contents(path("replay.log"));
 }
 
-TEST(Recorder, ThatIsKilledLeavesWhatItHasWritten) {
+TEST(Recorder, AKilledRecorderLeavesWhatItHasWritten) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "killed.mcap").string();
   Background recorder(coppice({"record", file, "--domain", std::to_string(domain + 3)}),
@@ -239,10 +239,10 @@ TEST(Recorder, ThatIsKilledLeavesWhatItHasWritten) {
       return recording.count(topic_number<RobotState>()) > 200 &&
              recording.count(topic_number<Mission>()) >= 4;
     } catch (const InputError&) {
-      return false;  // not even its beginning is there
+      return false;  // not even the beginning is there
     }
   };
-  EXPECT_TRUE(test::within(40s, holds_states)) << "it is readable while it is written";
+  EXPECT_TRUE(test::within(40s, holds_states)) << "the file is readable while it is written";
   recorder.send(SIGKILL);
   recorder.wait();
   const Recording recording(file);
@@ -251,15 +251,15 @@ TEST(Recorder, ThatIsKilledLeavesWhatItHasWritten) {
   std::uint64_t played = 0;
   while (playback.next()) ++played;
   EXPECT_EQ(played, recording.file().statistics().messages);
-  EXPECT_EQ(run.wait(), 0) << "the fleet takes no notice";
+  EXPECT_EQ(run.wait(), 0) << "the fleet is not affected";
 }
 
-TEST(Recorder, ThatFindsNoRoomSaysSoAndLeavesWhatItHasWritten) {
+TEST(Recorder, ARecorderWithoutRoomSaysSoAndLeavesWhatItHasWritten) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "full.mcap").string();
   Background run(run_of_four(domain + 4), folder.path() / "run.log");
-  // Of the shell's blocks, 512 bytes each: the descriptions and some seconds. Without a signal, which would
-  // end it.
+  // 300 blocks of 512 bytes hold the descriptions and some seconds. SIGXFSZ is ignored, as it would end the
+  // recorder.
   const Outcome record =
       shell("ulimit -f 300; exec " + test::program("coppice") + " record --duration 60 --domain 164 " + file);
   EXPECT_EQ(record.exit_code, 2) << record.output;

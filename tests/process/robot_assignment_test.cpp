@@ -1,5 +1,5 @@
-// Agents without a name over DDS: each gets a robot of its own, and who takes the place of a dead one gets
-// its robot.
+// Tests of agents without a name over DDS. Each gets its own robot, and a successor gets the robot of an
+// agent that failed.
 
 #include <csignal>
 #include <map>
@@ -35,13 +35,13 @@ struct Roles {
     return folder.path() / ("log" + std::to_string(number));
   }
   std::string log(std::size_t number) const { return test::contents(log_file(number)); }
-  /// Which robot an agent says that it is; empty: not yet.
+  /// The robot that an agent reports to be; empty if it has none yet.
   std::string robot(std::size_t agent) const {
     const std::string said = log(agent);
     std::smatch match;
     return std::regex_search(said, match, std::regex(": is (\\S+)")) ? match[1].str() : std::string();
   }
-  /// Who is who, as soon as all of them know.
+  /// The agent of each robot, as soon as all agents have one.
   std::map<std::string, std::size_t> names(const std::vector<std::size_t>& agents,
                                            std::chrono::seconds time) const {
     std::map<std::string, std::size_t> by_name;
@@ -57,10 +57,10 @@ struct Roles {
   std::vector<std::unique_ptr<test::Background>> processes;
 };
 
-TEST(Claims, FourAgentsWithoutNamesAreFourRobotsAndTheDeadAreReplaced) {
+TEST(NamelessAgents, FourAgentsWithoutNamesGetFourRobotsAndAreReplaced) {
   Roles roles;
   std::vector<std::size_t> agents;
-  // Containers share a folder: who is stopped has the journal of its robot open.
+  // Containers share a folder: a paused agent has the journal of its robot open.
   const std::string state = (roles.folder.path() / "state").string();
   for (int k = 0; k < 4; ++k) agents.push_back(roles.start({"robot_agent", "--state", state}));
   const std::string report = (roles.folder.path() / "report.json").string();
@@ -93,7 +93,7 @@ TEST(Claims, FourAgentsWithoutNamesAreFourRobotsAndTheDeadAreReplaced) {
   }
 }
 
-TEST(Claims, AnAgentThatFindsNoServiceSaysSoAndEndsWhenToldTo) {
+TEST(NamelessAgents, AnAgentWithoutAServiceSaysSoAndEndsOnRequest) {
   Roles roles;
   const std::size_t agent = roles.start({"robot_agent"});
   EXPECT_TRUE(test::within(20s, [&] {

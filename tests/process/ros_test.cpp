@@ -1,5 +1,5 @@
-// A fleet as programs of ROS 2 see it: tests/network/ros2_peer knows ROS 2's types alone, on another vendor's
-// DDS.
+// Tests of a fleet as ROS 2 programs see it. tests/network/ros2_peer knows only ROS 2 types, and uses another
+// vendor's DDS.
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 
 const std::string peer = std::string(COPPICE_TEST_BIN_DIR) + "/ros2_peer";
 
-/// Two rooms with a door of eight metres; y down.
+/// Two rooms with a door 8 m wide; y points down.
 std::string two_rooms() {
   std::string map = "type octile\nheight 30\nwidth 40\nmap\n";
   for (int j = 0; j < 30; ++j) {
@@ -75,14 +75,14 @@ struct FleetInRos {
   std::unique_ptr<test::Background> run;
 };
 
-TEST(RosFleet, OneThatKnowsRosAloneReadsWhereARobotIsAndSendsItElsewhere) {
+TEST(RosFleet, ARosProgramReadsTheRobotsPositionAndSendsAGoal) {
   FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, 165, {"--serve"});
   const auto ask = [&](const std::string& robot, const std::string& goal, const std::string& seconds) {
     return test::shell(peer + " " + fleet.domain + " " + robot + " goal " + goal + " " + seconds);
   };
   const test::Outcome seen = ask("r_1", "30 -8", "60");
   EXPECT_EQ(seen.exit_code, 0) << seen.output << fleet.log();
-  // 40 x 30 cells; the corner that is blocked is the upper left one, and so not the grid's first.
+  // 40 x 30 cells. The blocked corner is the upper left one, which is not the first cell of the grid.
   EXPECT_NE(seen.output.find("map map 40x30 cells of 1.000 m from 0.000 -30.000, 45 occupied, corner 0\n"),
             std::string::npos)
       << seen.output;
@@ -123,12 +123,12 @@ double least_distance(const std::vector<Vertex>& a, const std::vector<Vertex>& b
   return least;
 }
 
-TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
+TEST(RosFleet, ExternalRobotsArriveAndStopIfTheirOdometryStops) {
   const std::vector<Robot> robots{{"r1", 5, 10, 35, 11}, {"r2", 35, 15, 5, 16}, {"r3", 20, 15, 30, 25}};
   FleetInRos fleet(robots, 166, {"--drive", "ros", "--timeout", "120"});
   std::vector<std::unique_ptr<test::Background>> players;
   for (const Robot& r : robots) {
-    const std::string pause_at = r.name == "r1" ? "2" : "1000";  // seconds after it set off, for 3
+    const std::string pause_at = r.name == "r1" ? "2" : "1000";  // seconds after it started, for 3 s
     const std::vector<std::string> command{
         peer,  fleet.domain, r.name,   "robot", std::to_string(r.x), std::to_string(-r.y),
         "0.2", "0.05",       pause_at, "3"};
@@ -140,7 +140,7 @@ TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
   EXPECT_EQ(report.collisions(), 0u);
   EXPECT_EQ(report.outcome(), "arrived");
 
-  // By the robots' own word, which has no noise.
+  // The true positions that the robots print have no noise.
   std::vector<std::vector<Vertex>> ways;
   for (const Robot& r : robots) ways.push_back(way_of(fleet.file(r.name)));
   for (std::size_t k = 0; k < ways.size(); ++k) {
@@ -165,7 +165,7 @@ TEST(RosFleet, RobotsElsewhereAreLedToTheirGoalsAndStopWhereTheirOdometryDoes) {
   EXPECT_GT(stood, 10);
 }
 
-TEST(RosFleet, WhatDoesNotGoTogetherIsRefused) {
+TEST(RosFleet, OptionsThatExcludeEachOtherAreRefused) {
   const std::string run = test::program("coppice") + " run " + (test::scenarios() / "rooms-8.json").string();
   const auto refuses = [&](const std::string& options, const std::string& why) {
     const test::Outcome outcome = test::shell(run + " " + options);

@@ -1,4 +1,4 @@
-// What a fleet takes that is four times as large, at the same density: `coppice bench scale`.
+// Test of the resources of a fleet that is four times as large at the same density: `coppice bench scale`.
 #include <filesystem>
 #include <string>
 
@@ -14,7 +14,7 @@ namespace {
 constexpr double most_megabytes = 40;
 constexpr double most_growth = 1.3;  // of the samples that an agent hears
 
-TEST(Scale, WhatAnAgentHearsFollowsTheDensityAndNotTheNumberOfRobots) {
+TEST(Scale, TheTrafficOfAnAgentFollowsTheDensityOfTheFleet) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   const test::TemporaryFolder folder;
   const std::filesystem::path report = folder.path() / "scale.json";

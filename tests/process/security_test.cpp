@@ -1,5 +1,7 @@
-// deploy/security/make-keys, and what the programs say of credentials that will not do: exit code 2 and one
-// line that names the file, before DDS starts.
+// Tests of deploy/security/make-keys, and of what the programs report for bad credentials: exit code 2 and
+// one line that names the file, before DDS starts.
+
+#include "dds/security.h"
 
 #include "dds/security.h"
 
@@ -45,7 +47,7 @@ class SecurityFiles : public testing::Test {
 
   static fs::path ours() { return folder->path() / "ours"; }
   static fs::path theirs() { return folder->path() / "theirs"; }
-  /// Of all of ours, for a test to change.
+  /// A copy of all of our credentials that a test may change.
   static fs::path copy(const std::string& name) {
     fs::copy(ours(), folder->path() / name, fs::copy_options::recursive);
     return folder->path() / name;
@@ -55,7 +57,7 @@ class SecurityFiles : public testing::Test {
 };
 std::unique_ptr<test::TemporaryFolder> SecurityFiles::folder;
 
-TEST_F(SecurityFiles, BadArgumentsOfMakeKeysAreToldAndMakeNothing) {
+TEST_F(SecurityFiles, BadArgumentsOfMakeKeysAreReportedAndMakeNothing) {
   const fs::path out = folder->path() / "none";
   const std::string named = "'" + out.string() + "' ";
   for (const std::string& arguments :
@@ -71,8 +73,8 @@ TEST_F(SecurityFiles, BadArgumentsOfMakeKeysAreToldAndMakeNothing) {
   EXPECT_FALSE(fs::exists(out));
 }
 
-// It may write every topic.
-TEST_F(SecurityFiles, AReplayerGetsCredentialsOnlyIfAskedFor) {
+// A replayer may write every topic.
+TEST_F(SecurityFiles, AReplayerGetsCredentialsOnlyOnRequest) {
   const fs::path out = folder->path() / "fleet";
   const std::string named = "'" + out.string() + "'";
   ASSERT_EQ(make_keys(named).exit_code, 0);
@@ -85,7 +87,7 @@ TEST_F(SecurityFiles, AReplayerGetsCredentialsOnlyIfAskedFor) {
   EXPECT_TRUE(fs::exists(out / "replayer" / "permissions.p7s"));
 }
 
-TEST_F(SecurityFiles, PrivateKeysAreTheOwnersAndThoseOfTheAuthoritiesStayWithThem) {
+TEST_F(SecurityFiles, PrivateKeysBelongToTheirOwnersAndAuthorities) {
   std::size_t keys = 0;
   for (const auto& [file, content] : files_in(ours())) {
     if (content.find("PRIVATE KEY") == std::string::npos) continue;
@@ -99,7 +101,7 @@ TEST_F(SecurityFiles, PrivateKeysAreTheOwnersAndThoseOfTheAuthoritiesStayWithThe
   EXPECT_EQ(keys, 2u + 5u) << "two authorities, five roles";
 }
 
-TEST_F(SecurityFiles, MakeKeysAgainTouchesNothingThatIsThere) {
+TEST_F(SecurityFiles, MakeKeysLeavesExistingFilesUnchanged) {
   const fs::path keys = copy("again");
   const auto before = files_in(keys);
   const test::Outcome again = make_keys("'" + keys.string() + "' --days 9");
@@ -114,7 +116,7 @@ TEST_F(SecurityFiles, MakeKeysAgainTouchesNothingThatIsThere) {
   EXPECT_EQ(completed.at("agent/key.pem"), before.at("agent/key.pem"));
 }
 
-TEST_F(SecurityFiles, RenewedAreTheRolesThatAreNamed) {
+TEST_F(SecurityFiles, OnlyTheNamedRolesAreRenewed) {
   const fs::path keys = copy("renewed");
   const auto before = files_in(keys);
   const test::Outcome renewed = make_keys("'" + keys.string() + "' --renew agent --days 9");
@@ -127,7 +129,7 @@ TEST_F(SecurityFiles, RenewedAreTheRolesThatAreNamed) {
     EXPECT_EQ(after.at(file), before.at(file)) << file;
 }
 
-TEST_F(SecurityFiles, RevokedAreAllCertificatesThatTheRoleHasHad) {
+TEST_F(SecurityFiles, AllCertificatesThatTheRoleEverHadAreRevoked) {
   const fs::path keys = copy("revoked");
   fs::copy(keys / "agent" / "cert.pem", keys / "first.pem");
   ASSERT_EQ(make_keys("'" + keys.string() + "' --renew agent").exit_code, 0);
@@ -146,7 +148,7 @@ TEST_F(SecurityFiles, RevokedAreAllCertificatesThatTheRoleHasHad) {
   for (const char* good : {"agent/cert.pem", "broker/cert.pem", "observer/cert.pem"})
     EXPECT_EQ(verdict(good).exit_code, 0) << verdict(good).output;
 
-  // Cut off before there was a list, and again.
+  // The script was interrupted before there was a revocation list, and runs again.
   fs::copy(keys / "agent" / "cert.pem", keys / "third.pem");
   const test::Outcome cut_off = test::shell(
       "cd '" + (keys / "ca").string() +
@@ -157,7 +159,7 @@ TEST_F(SecurityFiles, RevokedAreAllCertificatesThatTheRoleHasHad) {
   EXPECT_NE(verdict("third.pem").output.find("certificate revoked"), std::string::npos);
 }
 
-// Ten thousand topics more than the role needs: 300 KB.
+// 10,000 topics more than the role needs: 300 KB.
 TEST_F(SecurityFiles, PermissionsMayBeLong) {
   const fs::path keys = copy("long");
   const test::Outcome changed = test::shell(
@@ -171,10 +173,10 @@ TEST_F(SecurityFiles, PermissionsMayBeLong) {
   EXPECT_THROW(check_credentials((keys / "agent").string(), Role::broker), std::runtime_error);
 }
 
-/// The robots' credentials with something wrong, and what must be said of it.
+/// An agent's credentials with one fault, and the error that must be reported.
 struct Bad {
   std::string name;
-  std::string change;  ///< a shell command in the folder that holds all roles'
+  std::string change;  ///< a shell command in the folder that holds the credentials of all roles
   std::string file;
   std::string problem;
 };
@@ -222,7 +224,7 @@ std::vector<Bad> bad_credentials(const fs::path& theirs) {
   return all;
 }
 
-TEST_F(SecurityFiles, CredentialsThatWillNotDoAreOneLineThatNamesTheFile) {
+TEST_F(SecurityFiles, BadCredentialsAreReportedInOneLineThatNamesTheFile) {
   int number = 0;
   for (const Bad& bad : bad_credentials(theirs())) {
     SCOPED_TRACE(bad.name);
@@ -243,7 +245,7 @@ TEST_F(SecurityFiles, CredentialsThatWillNotDoAreOneLineThatNamesTheFile) {
   }
 }
 
-TEST_F(SecurityFiles, EveryRoleTellsOfThem) {
+TEST_F(SecurityFiles, EveryRoleReportsBadCredentials) {
   const std::string options = " --domain 118 --security '" + (folder->path() / "nowhere").string() + "'";
   for (const std::string& command :
        {"'" + test::program("tree_broker") + "'", "'" + test::program("robot_agent") + "' --name r1",

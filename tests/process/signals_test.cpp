@@ -1,5 +1,5 @@
-// How programs end when they are told to, and how they show that they work. A robot brakes first, and what it
-// drove is on record.
+// Tests of how programs end when they are stopped, and of how they show that they work. A robot brakes first,
+// and its track is complete.
 
 #include <algorithm>
 #include <array>
@@ -50,7 +50,7 @@ struct Program {
   test::Background process;
 };
 
-TEST(Signals, ARobotThatIsToldToStopWhileItDrivesBrakesAndItsTrackIsComplete) {
+TEST(Signals, AStoppedRobotBrakesAndItsTrackIsComplete) {
   const test::TemporaryFolder folder;
   const std::string report = (folder.path() / "report.json").string();
   const std::string trajectory = (folder.path() / "t.csv").string();
@@ -66,10 +66,10 @@ TEST(Signals, ARobotThatIsToldToStopWhileItDrivesBrakesAndItsTrackIsComplete) {
   const auto track = test::read_trajectory_rows(trajectory).at("r1");
   ASSERT_GT(track.size(), 40u);
   EXPECT_GT(test::distance(track.front().place, track.back().place), 5);
-  EXPECT_TRUE(test::contents(trajectory).ends_with(",0.000000,0.000000\n")) << "it stands at the end";
+  EXPECT_TRUE(test::contents(trajectory).ends_with(",0.000000,0.000000\n")) << "the robot stands at the end";
 }
 
-TEST(Signals, TermEndsEveryOtherProgramToo) {
+TEST(Signals, SigtermEndsEveryOtherProgram) {
   const test::TemporaryFolder folder;
   Program broker(folder, {"tree_broker", "--domain", "134"});
   Program discovery(folder, {"coppice", "discovery", "--port", "23934"});
@@ -87,7 +87,7 @@ TEST(Signals, TermEndsEveryOtherProgramToo) {
   EXPECT_NE(test::contents(service.log).find("interrupted"), std::string::npos);
 }
 
-/// An agent that was started with SIGHUP treated like that.
+/// An agent that was started with this handling of SIGHUP.
 struct AgentWithHangup {
   AgentWithHangup(void (*hangup)(int), const test::TemporaryFolder& folder)
       : before(std::signal(SIGHUP, hangup)),
@@ -99,7 +99,7 @@ struct AgentWithHangup {
   Program agent;
 };
 
-TEST(Signals, HangingUpEndsAProgramUnlessItWasToldToIgnoreThat) {
+TEST(Signals, SighupEndsAProgramUnlessItIsIgnored) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(AgentWithHangup(SIG_DFL, folder).agent.ends_by(SIGHUP), 0);
   AgentWithHangup by_nohup(SIG_IGN, folder);
@@ -109,7 +109,7 @@ TEST(Signals, HangingUpEndsAProgramUnlessItWasToldToIgnoreThat) {
   EXPECT_EQ(by_nohup.agent.ends_by(SIGTERM), 0);
 }
 
-TEST(Signals, AnOutputThatIsGoneEndsNobody) {
+TEST(Signals, AClosedOutputEndsNoProgram) {
   const test::TemporaryFolder folder;
   const std::string report = (folder.path() / "report.json").string();
   const std::string code = (folder.path() / "code").string();
@@ -120,7 +120,7 @@ TEST(Signals, AnOutputThatIsGoneEndsNobody) {
   EXPECT_EQ(read_report(report).outcome(), "arrived");
 }
 
-TEST(Logs, TellThatAnotherProcessIsTheSameRobot) {
+TEST(Logs, AnAgentLogsThatAnotherProcessHasItsRobot) {
   const test::TemporaryFolder folder;
   const test::TemporaryFolder other_folder;
   const Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "139"});
@@ -130,8 +130,8 @@ TEST(Logs, TellThatAnotherProcessIsTheSameRobot) {
   EXPECT_TRUE(other.says("another process is the agent of robot r1"));
 }
 
-// A journal that got the number of standard error would get what is logged.
-TEST(Signals, ClosedStreamsAreNoFiles) {
+// A journal that got the file number of standard error would receive the log.
+TEST(Signals, ClosedStreamsAreNotReusedForFiles) {
   const test::TemporaryFolder folder;
   const std::string log = (folder.path() / "log").string();
   const std::string once = "timeout --preserve-status -s TERM 2 '" + test::program("robot_agent") +
@@ -141,7 +141,7 @@ TEST(Signals, ClosedStreamsAreNoFiles) {
   EXPECT_EQ(std::system((once + "2> '" + log + "'").c_str()), 0) << test::contents(log);
 }
 
-/// What programs that systemd starts send to it.
+/// Receives what programs send to systemd.
 class NotifySocket {
  public:
   explicit NotifySocket(const std::filesystem::path& file)
@@ -159,7 +159,7 @@ class NotifySocket {
   }
   NotifySocket(const NotifySocket&) = delete;
   NotifySocket& operator=(const NotifySocket&) = delete;
-  /// The next message; empty: none came in time.
+  /// The next message; empty if none came in time.
   std::string next() const {
     pollfd ready{.fd = descriptor_, .events = POLLIN, .revents = 0};
     if (poll(&ready, 1, 10'000) != 1) return {};
@@ -172,7 +172,7 @@ class NotifySocket {
   int descriptor_;
 };
 
-TEST(Heartbeat, EachProgramTouchesItsFileAndTellsSystemd) {
+TEST(Heartbeat, EachProgramTouchesItsFileAndNotifiesSystemd) {
   const test::TemporaryFolder folder;
   const std::string scenario = (test::scenarios() / "blank-10.json").string();
   const std::vector<std::vector<std::string>> commands{{"tree_broker", "--domain", "137"},
@@ -198,7 +198,7 @@ TEST(Heartbeat, EachProgramTouchesItsFileAndTellsSystemd) {
   }
 }
 
-TEST(Logs, AreLinesOfJsonIfWanted) {
+TEST(Logs, LogsAreLinesOfJsonOnRequest) {
   const test::TemporaryFolder folder;
   const std::string name = "a_\\_name";  // which JSON escapes
   Program agent(folder, {"robot_agent", "--name", name, "--domain", "138", "--log-json"});
@@ -218,7 +218,7 @@ TEST(Logs, AreLinesOfJsonIfWanted) {
   EXPECT_EQ(count, 1);
 }
 
-TEST(Logs, OfADiscoveryServerAreAsWanted) {
+TEST(Logs, TheDiscoveryServerLogsAsRequested) {
   const test::TemporaryFolder folder;
   Program told(folder, {"coppice", "discovery", "--port", "23938", "--log-json"});
   EXPECT_TRUE(told.says(R"("message":"discovery server 0)")) << test::contents(told.log);
@@ -230,7 +230,7 @@ TEST(Logs, OfADiscoveryServerAreAsWanted) {
   EXPECT_EQ(test::contents(silent.log), "");
 }
 
-TEST(Heartbeat, AFileThatCannotBeWrittenIsAnError) {
+TEST(Heartbeat, AnAliveFileThatCannotBeWrittenIsAnError) {
   const test::Outcome outcome =
       test::shell("'" + test::program("robot_agent") + "' --name r1 --domain 137 --alive /nowhere/alive");
   EXPECT_EQ(outcome.exit_code, 2);

@@ -1,4 +1,4 @@
-// Two brokers over DDS: the one that leads is killed, and later comes back with what it kept.
+// Tests of two brokers over DDS. The leading one is killed, and later restarts with its journal.
 
 #include <chrono>
 #include <csignal>
@@ -31,7 +31,7 @@ struct Watch {
         trees.insert(tree->tree);
     }
   }
-  /// Brokers that said so last.
+  /// Brokers whose last status says that they lead.
   std::set<std::uint64_t> leaders() const {
     std::set<std::uint64_t> ids;
     for (const auto& [id, status] : statuses) {
@@ -49,10 +49,10 @@ struct Watch {
   DdsBus bus{{.domain = domain}, Role::observer, "watch"};
   std::map<std::uint64_t, BrokerStatus> statuses{};
   std::set<TreeId> trees{};
-  std::uint64_t gone = 0;  ///< that was killed
+  std::uint64_t gone = 0;  ///< the broker that was killed
 };
 
-struct TwoBrokers : testing::Test {
+struct BrokerTakeover : testing::Test {
   std::unique_ptr<test::Background> broker(const std::string& name) const {
     return std::make_unique<test::Background>(
         std::vector<std::string>{test::program("tree_broker"), "--domain", std::to_string(domain), "--state",
@@ -62,7 +62,7 @@ struct TwoBrokers : testing::Test {
   test::TemporaryFolder folder;
 };
 
-TEST_F(TwoBrokers, TheOneThatStandsByTakesOverWithinTwoSecondsAndNoTreeIsLost) {
+TEST_F(BrokerTakeover, TheStandbyBrokerTakesOverWithinTwoSecondsWithAllTrees) {
   DdsBus service({.domain = domain}, Role::service, "service");
   Random random(1);
   service.publish(MapMessage{"rooms", generate_map(MapKind::room, 300, 300, random), {5}});
@@ -89,7 +89,7 @@ TEST_F(TwoBrokers, TheOneThatStandsByTakesOverWithinTwoSecondsAndNoTreeIsLost) {
   EXPECT_TRUE(late.sees(5s, [&] { return std::ranges::includes(late.trees, trees); }))
       << late.trees.size() << " of " << trees.size();
 
-  // Started again it stands by: the other one leads.
+  // The restarted broker stands by, because the other one leads.
   first = broker("first");
   EXPECT_TRUE(watch.sees(5s, [&] { return watch.statuses.size() == 3; }));
   watch.sees(2s, [] { return false; });
@@ -97,7 +97,7 @@ TEST_F(TwoBrokers, TheOneThatStandsByTakesOverWithinTwoSecondsAndNoTreeIsLost) {
   EXPECT_TRUE(late.sees(2s, [&] { return late.leaders() == watch.leaders(); }));
 }
 
-TEST_F(TwoBrokers, ShareNoState) {
+TEST_F(BrokerTakeover, TwoBrokersDoNotShareAJournal) {
   const auto first = broker("shared");
   ASSERT_TRUE(test::within(5s, [&] { return std::filesystem::exists(folder.path() / "shared"); }));
   std::this_thread::sleep_for(500ms);
@@ -107,7 +107,7 @@ TEST_F(TwoBrokers, ShareNoState) {
   EXPECT_NE(outcome.output.find("is in use by another process"), std::string::npos) << outcome.output;
 }
 
-TEST_F(TwoBrokers, AFolderThatCannotBeWrittenIsTold) {
+TEST_F(BrokerTakeover, AFolderThatCannotBeWrittenIsReported) {
   folder.write("file", "");
   for (const std::string role : {"tree_broker", "robot_agent --name r1"}) {
     const test::Outcome outcome =
