@@ -1,5 +1,6 @@
-// What deploy/ holds for operations: the compose file is valid, and its fleet runs with each container a host
-// of its own on a network without multicast; the Kubernetes manifest and the systemd units are valid.
+// Tests of what deploy/ holds for operations. The compose file is valid, and its fleet runs with each
+// container as a host of its own on a network without multicast. The Kubernetes manifest and the systemd
+// units are valid.
 
 #include <cstdlib>
 #include <filesystem>
@@ -30,8 +31,8 @@ TEST(Deploy, TheKubernetesManifestFitsThePrograms) {
   EXPECT_EQ(outcome.output, "");
 }
 
-/// With the programs of this build, on this machine's own root file system; COPPICE_IMAGE_ROOT names an
-/// image's.
+/// With the programs of this build on this machine's root file system; COPPICE_IMAGE_ROOT names the root of
+/// an image instead.
 TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
 #ifdef _GLIBCXX_TSAN
   GTEST_SKIP() << "containers do not load what the thread sanitizer needs (tests/tsan)";
@@ -58,7 +59,7 @@ TEST(Deploy, TheComposedFleetDrivesWithoutMulticast) {
   EXPECT_EQ(report.collisions(), 0u);
   EXPECT_GT(report.trees_published(), 0u) << "the broker took part";
   EXPECT_NE(outcome.output.find("discovery is killed"), std::string::npos) << said;
-  // While the discovery server is gone the service finds no agents, and may say so.
+  // While the discovery server is gone, the service finds no agents and may warn of that.
   const test::Outcome warnings =
       test::shell("grep warning '" + (logs / "service.log").string() + "' | grep -v 'no agent has come'");
   EXPECT_EQ(warnings.output, "") << said;
@@ -83,8 +84,8 @@ TEST(Deploy, TheSystemdUnitsAreValid) {
   EXPECT_GE(units, 4);
 }
 
-// Who is there from boot on may find the network not ready, which ends a program as a wrong option does.
-TEST(Deploy, TheUnitsOfABootAreStartedAgainWhateverEndedThem) {
+// At boot the network may not be ready. That ends a program just as a wrong option does.
+TEST(Deploy, UnitsOfABootAreAlwaysRestarted) {
   int units = 0;
   for (const auto& unit : std::filesystem::directory_iterator(deploy / "systemd")) {
     const std::string text = test::contents(unit.path());

@@ -1,4 +1,4 @@
-// The bus over real Fast DDS, within this process and to another vendor's.
+// Tests of the bus over real Fast DDS, within this process and to another vendor's DDS.
 
 #include "dds/dds_bus.h"
 
@@ -33,7 +33,7 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 using Clock = std::chrono::steady_clock;
 
-/// Domains of this test alone: tests of one run may overlap with a fleet on the same machine.
+/// Domains of this test alone, because a fleet may run on the same machine.
 constexpr int domain = 121;
 
 TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
@@ -110,7 +110,7 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
 }
 
 // Processes may live for months.
-TEST(DdsBus, WhoComesLateGetsAllOfThisRunAndNothingOfTheOneBefore) {
+TEST(DdsBus, ALateJoinerGetsAllOfThisRunAndNothingOfTheLast) {
   DdsBus agent({.domain = domain + 2, .robot = "a"}, Role::agent, "agent");
   const auto track = [](std::uint32_t first, double run) {
     return Message(TrackMessage{"a", 1, first, {{first * 0.05, {1, 1}, {0, 0}}}, run});
@@ -123,13 +123,13 @@ TEST(DdsBus, WhoComesLateGetsAllOfThisRunAndNothingOfTheOneBefore) {
   for (std::uint32_t k = 0; k < 3; ++k) EXPECT_TRUE(all[k] == track(k, 200)) << k;
 }
 
-// At the same port, one after the other: each is told at once who is there.
-TEST(DdsBus, WhoTakesThePlaceOfAnotherFindsTheOthersAtOnce) {
+// The processes use the same port one after the other. Each must be answered at once.
+TEST(DdsBus, ASuccessorFindsTheOtherParticipantsAtOnce) {
   const test::TemporaryFolder folder;
   const test::Background agent(
       {test::program("robot_agent"), "--name", "a", "--domain", std::to_string(domain + 2)},
       folder.path() / "log");
-  std::this_thread::sleep_for(std::chrono::seconds(8));  // what it repeats from the beginning is over
+  std::this_thread::sleep_for(std::chrono::seconds(8));  // its frequent first announcements are over
   for (int k = 0; k < 4; ++k) {
     const std::filesystem::path log = folder.path() / ("probe-" + std::to_string(k));
     const test::Background probe({COPPICE_TEST_BIN_DIR "/meeting_probe", "agent", "b", "--agents", "2",
@@ -141,7 +141,7 @@ TEST(DdsBus, WhoTakesThePlaceOfAnotherFindsTheOthersAtOnce) {
   }
 }
 
-TEST(DdsBus, CarriesAMapOf4096Cells) {
+TEST(DdsBus, AMapOf4096CellsIsCarried) {
   DdsBus service({.domain = domain + 2}, Role::service, "service");
   DdsBus agent({.domain = domain + 2}, Role::agent, "agent");
   const Message map = some_map(4096);
@@ -152,7 +152,7 @@ TEST(DdsBus, CarriesAMapOf4096Cells) {
   EXPECT_TRUE(all.front() == map);
 }
 
-TEST(DdsBus, ImpossibleSamplesAreDroppedAndCounted) {
+TEST(DdsBus, InvalidSamplesAreDroppedAndCounted) {
   DdsBus broker({.domain = domain + 3}, Role::broker, "broker");
   DdsBus agent({.domain = domain + 3}, Role::agent, "agent");
   InactiveTreeMessage forged = some_tree(1, 5);
@@ -166,7 +166,7 @@ TEST(DdsBus, ImpossibleSamplesAreDroppedAndCounted) {
   EXPECT_EQ(agent.rejected(), 1u);
 }
 
-/// Sends bytes of one's own as samples of a topic.
+/// Sends arbitrary bytes as samples of a topic.
 template <class M>
 class RawWriter {
  public:
@@ -178,7 +178,7 @@ class RawWriter {
     qos.transport().user_transports.push_back(
         std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
     participant_ = factory->create_participant(static_cast<std::uint32_t>(on), qos);
-    auto* const type = new Type();  // DDS's own from here on
+    auto* const type = new Type();  // DDS owns it from here on
     type->bytes = &bytes_;
     type->auto_fill_type_information(false);
     type->auto_fill_type_object(false);
@@ -236,7 +236,7 @@ TEST(DdsBus, BytesThatAreNoSampleAreDroppedAndCounted) {
   RawWriter<Mission> writer(domain + 15, "");
   const Mission good = some_mission();
   std::vector<std::uint8_t> neither_true_nor_false = bytes_of(good);
-  const auto cancelled = neither_true_nor_false.size() - 17;  // before the clock's two numbers, and padding
+  const auto cancelled = neither_true_nor_false.size() - 17;  // before the clock and padding
   for (std::size_t k = cancelled - 8; k <= cancelled; ++k) neither_true_nor_false[k] = 7;
   std::vector<std::uint8_t> cut = bytes_of(good);
   cut.resize(cut.size() / 2);
@@ -253,7 +253,7 @@ TEST(DdsBus, BytesThatAreNoSampleAreDroppedAndCounted) {
   EXPECT_EQ(receive(agent, [&](const auto& got) { return holds(got, good); }), std::vector<Message>{good});
 }
 
-TEST(DdsBus, UsesNoSharedMemory) {
+TEST(DdsBus, TheBusUsesNoSharedMemory) {
   const auto segments = [] {
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
@@ -271,12 +271,12 @@ TEST(DdsBus, UsesNoSharedMemory) {
   EXPECT_EQ(segments(), before);
 }
 
-TEST(DdsBus, RefusesWhatTheRoleDoesNotWrite) {
+TEST(DdsBus, TheBusRefusesTopicsThatTheRoleDoesNotWrite) {
   DdsBus agent({.domain = domain + 5}, Role::agent, "agent");
   EXPECT_THROW(agent.publish(some_mission()), std::logic_error);
 }
 
-TEST(DdsBus, AnotherVendorsDdsReceivesTheRobotStates) {
+TEST(DdsBus, TheDdsOfAnotherVendorReceivesTheStates) {
   const std::string subscriber = std::string(COPPICE_TEST_BIN_DIR) + "/cyclone_subscriber";
   auto heard = std::async(std::launch::async, [&] {
     return test::shell(subscriber + " " + std::to_string(domain + 6) + " 20 20");
@@ -291,11 +291,11 @@ TEST(DdsBus, AnotherVendorsDdsReceivesTheRobotStates) {
   EXPECT_NE(outcome.output.find(" 1.500 2.500"), std::string::npos) << outcome.output;
 }
 
-class Discovery : public testing::TestWithParam<const char*> {};
+class DdsBusByDiscovery : public testing::TestWithParam<const char*> {};
 
-TEST_P(Discovery, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
+TEST_P(DdsBusByDiscovery, AStateReachesItsRecipientsAndEveryObserver) {
   const std::string discovery = GetParam();
-  // Within one process Fast DDS would hand samples over unfiltered.
+  // Within one process, Fast DDS would deliver samples unfiltered.
   using eprosima::fastrtps::LibrarySettingsAttributes;
   using eprosima::fastrtps::xmlparser::XMLProfileManager;
   const LibrarySettingsAttributes usual = XMLProfileManager::library_settings();
@@ -332,7 +332,7 @@ TEST_P(Discovery, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
   EXPECT_GE(at_watcher.size(), 60u);
 }
 
-TEST_P(Discovery, ALateAgentReceivesTheMapItsMissionAndEveryInactiveTree) {
+TEST_P(DdsBusByDiscovery, ALateAgentReceivesMapMissionAndAllInactiveTrees) {
   const std::string discovery = GetParam();
   DdsBus service({.domain = domain + 10, .discovery = discovery}, Role::service, "service");
   DdsBus broker({.domain = domain + 10, .discovery = discovery}, Role::broker, "broker");
@@ -351,20 +351,20 @@ TEST_P(Discovery, ALateAgentReceivesTheMapItsMissionAndEveryInactiveTree) {
   EXPECT_EQ(agent.rejected(), 0u);
 }
 
-TEST(DdsBus, CountsWhatItsSocketsCarry) {
+TEST(DdsBus, TheBusCountsTheBytesOfItsSockets) {
   DdsBus service({.domain = domain + 14}, Role::service, "service");
   DdsBus agent({.domain = domain + 14, .robot = "r1"}, Role::agent, "r1");
   DdsBus other({.domain = domain + 14, .robot = "r2"}, Role::agent, "r2");
   const auto end = Clock::now() + std::chrono::seconds(10);
   while (agent.counts().agents < 1 && Clock::now() < end) agent.wait(0.05);
-  EXPECT_EQ(agent.counts().agents, 1u);  // not itself
+  EXPECT_EQ(agent.counts().agents, 1u);  // not counting itself
   EXPECT_GT(agent.counts().bytes_sent, 1000u);
   EXPECT_GT(agent.counts().bytes_received, 1000u);
 }
 
-INSTANTIATE_TEST_SUITE_P(DdsBus, Discovery, testing::Values(multicast_discovery, static_discovery));
+INSTANTIATE_TEST_SUITE_P(DdsBus, DdsBusByDiscovery, testing::Values(multicast_discovery, static_discovery));
 
-TEST(DdsBus, CopiesOfAStateAndWhatAnotherPassesOnAllWaitForTheReader) {
+TEST(DdsBus, CopiesAndRelayedStatesWaitForTheReader) {
   DdsBus sender({.domain = domain + 8, .robot = "r1"}, Role::agent, "r1");
   DdsBus other({.domain = domain + 8, .robot = "r2"}, Role::agent, "r2");
   DdsBus listener({.domain = domain + 8, .robot = "r3"}, Role::agent, "r3");
@@ -388,7 +388,7 @@ TEST(DdsBus, CopiesOfAStateAndWhatAnotherPassesOnAllWaitForTheReader) {
   EXPECT_GE(std::ranges::count_if(heard, complete), 5);
 }
 
-TEST(DdsBus, ThroughADiscoveryServerThoseOfADomainWhoKnowItFindEachOther) {
+TEST(DdsBus, ParticipantsOfADomainMeetThroughADiscoveryServer) {
   const DdsDiscoveryServer server("127.0.0.1", 23917, 0);
   const std::string known = "127.0.0.1:23917";
   DdsBus service({.domain = domain + 9, .discovery = known}, Role::service, "service");
@@ -405,10 +405,10 @@ TEST(DdsBus, ThroughADiscoveryServerThoseOfADomainWhoKnowItFindEachOther) {
   }
 }
 
-TEST(DdsBus, DiscoveryServersThatAreNoAddressesAreRefused) {
+TEST(DdsBus, InvalidAddressesOfDiscoveryServersAreRefused) {
   EXPECT_THROW(DdsBus({.discovery = "nonsense"}, Role::agent, "agent"), std::runtime_error);
   EXPECT_THROW(DdsDiscoveryServer("300.1.1.1", 23918, 0), std::runtime_error);
-  EXPECT_THROW(DdsDiscoveryServer("203.0.113.1", 23918, 0), std::runtime_error);  // of no host (RFC 5737)
+  EXPECT_THROW(DdsDiscoveryServer("203.0.113.1", 23918, 0), std::runtime_error);  // unused (RFC 5737)
 }
 
 }  // namespace

@@ -19,14 +19,14 @@ Key key_of(Type& type, const std::string& robot) {
   return key;
 }
 
-/// Those that come out otherwise than alone.
+/// The number of keys that differ from the key computed alone.
 int wrong_keys(Type& type, const std::string& robot, const Key& expected) {
   int wrong = 0;
   for (int k = 0; k < 20'000; ++k) wrong += key_of(type, robot) == expected ? 0 : 1;
   return wrong;
 }
 
-// An agent writes its own state while it receives others'.
+// An agent writes its own state while it receives the states of others.
 TEST(CheckedType, ThreadsGetTheKeysOfTheirOwnSamples) {
   Type type;
   const Key a = key_of(type, "a");

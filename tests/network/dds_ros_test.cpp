@@ -1,4 +1,4 @@
-// The topics of ROS 2 over the bus's participant, from both ends.
+// Tests of the ROS 2 topics over the bus's participant, from both ends.
 #include "ros2/dds_ros.h"
 
 #include <chrono>
@@ -25,7 +25,7 @@ namespace dds = eprosima::fastdds::dds;
 
 constexpr int domain = 167;
 
-TEST(DdsRos, OdometryArrivesWithItsFrameAndTheTimeOfItsArrival) {
+TEST(DdsRos, OdometryArrivesWithItsFrameAndTheArrivalTime) {
   DdsBus here({.domain = domain, .robot = "a"}, Role::agent, "agent a");
   DdsBus there({.domain = domain}, Role::observer, "robot a");
   DdsRosRobot reader(here, "a", true);
@@ -45,13 +45,13 @@ TEST(DdsRos, OdometryArrivesWithItsFrameAndTheTimeOfItsArrival) {
   EXPECT_NEAR(heard[0].stamp, wall_now(), 10);
 }
 
-/// Says that it is a goal, and is shorter than one.
+/// Announces the type of a goal, but is shorter.
 class NoGoal final : public geometry_msgs::msg::dds_::Twist_PubSubType {
  public:
   NoGoal() { setName("geometry_msgs::msg::dds_::PoseStamped_"); }
 };
 
-TEST(DdsRos, BytesThatAreNoGoalAreNoneOfTheOrigin) {
+TEST(DdsRos, BytesThatAreNoGoalAreNotAGoalAtTheOrigin) {
   DdsBus service({.domain = domain + 1}, Role::service, "service");
   const std::vector<RobotName> robots{"a", "b"};
   DdsRosFleet fleet(service, robots);

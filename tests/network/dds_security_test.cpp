@@ -1,5 +1,5 @@
-// DDS-Security: whoever has no good credentials of its role gets nothing in or out, and whoever has does.
-// Each refusal is shown beside the same exchange with the right credentials, so that it could fail.
+// Tests of DDS-Security: a participant exchanges messages only with valid credentials of its role. Each
+// refusal is compared with the same exchange with the right credentials, so that the test can fail.
 
 #include <chrono>
 #include <cstdlib>
@@ -38,8 +38,9 @@ using namespace std::string_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr int domain = 115;
-constexpr double long_enough = 20;  // seconds for what must come
-// For what must not: the same exchange with good credentials takes a fraction of a second.
+constexpr double long_enough = 20;  // seconds for messages that must come
+// Seconds for messages that must not come: the same exchange with good credentials takes a fraction of a
+// second.
 constexpr double for_nothing = 4;
 
 std::string make_keys(const std::string& arguments) {
@@ -58,7 +59,7 @@ AgentStatus status(int number) {
 class Security : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    // Processes of a fleet share no memory; two participants of this test must not either.
+    // The processes of a fleet share no memory, so that two participants of this test must not either.
     eprosima::fastrtps::LibrarySettingsAttributes separate;
     separate.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
     eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(separate);
@@ -74,14 +75,14 @@ class Security : public testing::Test {
   static std::string of(const std::string& role, const std::string& keys = "ours") {
     return (folder->path() / keys / role).string();
   }
-  /// A folder that a test may change.
+  /// A copy of the folder that a test may change.
   static std::string copy_of(const std::string& role, const std::string& name) {
     const fs::path copy = folder->path() / name;
     fs::remove_all(copy);
     fs::copy(of(role), copy);
     return copy.string();
   }
-  /// In the folder of our authorities.
+  /// Runs a command in the folder of our authorities.
   static void as_authority(const std::string& command) {
     const test::Outcome done = test::shell("cd '" + of("ca") + "' && " + command);
     ASSERT_EQ(done.exit_code, 0) << done.output;
@@ -104,9 +105,9 @@ bool receives(DdsBus& bus, const Message& wanted, double seconds) {
   return false;
 }
 
-/// What got through between a good service and an agent of the given credentials.
+/// Which messages passed between a good service and an agent with the given credentials.
 struct Exchange {
-  bool in;   ///< the agent heard of its mission
+  bool in;   ///< the agent heard its mission
   bool out;  ///< the service heard the agent
 };
 Exchange exchange(const std::string& credentials_of_service, const std::string& credentials_of_agent,
@@ -119,13 +120,13 @@ Exchange exchange(const std::string& credentials_of_service, const std::string& 
   return {in, receives(service, status(1), in ? seconds : 0.5)};
 }
 
-TEST_F(Security, TheRightCredentialsGetThrough) {
+TEST_F(Security, ValidCredentialsPass) {
   const Exchange good = exchange(of("service"), of("agent"), domain, long_enough);
   EXPECT_TRUE(good.in);
   EXPECT_TRUE(good.out);
 }
 
-TEST_F(Security, WithoutSecurityNothingGetsInOrOut) {
+TEST_F(Security, ParticipantsWithoutSecurityAreCutOff) {
   for (const auto& [service, agent] : {std::pair{of("service"), ""s}, std::pair{""s, of("agent")}}) {
     const Exchange bad = exchange(service, agent, domain, for_nothing);
     EXPECT_FALSE(bad.in) << service << agent;
@@ -135,7 +136,7 @@ TEST_F(Security, WithoutSecurityNothingGetsInOrOut) {
   EXPECT_TRUE(open.in && open.out) << "without security on either side it would get through";
 }
 
-TEST_F(Security, CredentialsOfAnotherAuthorityGetNothingInOrOut) {
+TEST_F(Security, CredentialsOfAnotherAuthorityAreRefused) {
   const Exchange bad = exchange(of("service"), of("agent", "theirs"), domain, for_nothing);
   EXPECT_FALSE(bad.in);
   EXPECT_FALSE(bad.out);
@@ -143,8 +144,8 @@ TEST_F(Security, CredentialsOfAnotherAuthorityGetNothingInOrOut) {
   EXPECT_TRUE(among_them.in && among_them.out) << "they are good for whoever trusts that authority";
 }
 
-TEST_F(Security, PermissionsThatItHasSignedItselfGetNothingInOrOut) {
-  // Our identity, and from another authority what it may do.
+TEST_F(Security, SelfSignedPermissionsAreRefused) {
+  // An identity of our authority with permissions of another authority.
   const std::string forged = copy_of("agent", "forged");
   for (const char* file : {"permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"})
     fs::copy_file(of("agent", "theirs") + "/" + file, forged + "/" + file,
@@ -154,7 +155,7 @@ TEST_F(Security, PermissionsThatItHasSignedItselfGetNothingInOrOut) {
   EXPECT_FALSE(bad.out);
 }
 
-/// An agent's credentials whose certificate ends in so many seconds.
+/// Issues an agent's certificate that expires in so many seconds.
 void issue_for(int seconds, const std::string& agent, const std::string& authority) {
   const std::string ends = "$(date -u -d '+" + std::to_string(seconds) + " seconds' +%Y%m%d%H%M%SZ)";
   const std::string begins = "$(date -u -d '-1 hour' +%Y%m%d%H%M%SZ)";
@@ -165,7 +166,7 @@ void issue_for(int seconds, const std::string& agent, const std::string& authori
   ASSERT_EQ(done.exit_code, 0) << done.output;
 }
 
-TEST_F(Security, ExpiredCredentialsGetNothingInOrOut) {
+TEST_F(Security, ExpiredCredentialsAreRefused) {
   constexpr int valid_for = 6;
   const std::string short_lived = copy_of("agent", "short-lived");
   issue_for(valid_for, short_lived, of("ca"));
@@ -179,16 +180,16 @@ TEST_F(Security, ExpiredCredentialsGetNothingInOrOut) {
     EXPECT_TRUE(receives(service, status(1), valid_for)) << "while they are valid";
   }
   std::this_thread::sleep_until(expired);
-  // Who comes now does not believe the agent any more, though that runs on.
+  // A new participant does not trust the agent any more, though the agent still runs.
   DdsBus service({.domain = domain + 1, .security = of("service")}, Role::service, "service");
   service.publish(mission(2));
   EXPECT_FALSE(receives(agent, mission(2), for_nothing));
   EXPECT_FALSE(receives(service, status(1), 0.5));
-  // And it does not start again.
+  // And the agent does not start again.
   EXPECT_THROW(check_credentials(short_lived, Role::agent), std::runtime_error);
 }
 
-TEST_F(Security, WhatWasTakenBackGetsNothingInOrOut) {
+TEST_F(Security, RevokedCredentialsAreRefused) {
   const std::string keys = (folder->path() / "revoked").string();
   ASSERT_EQ(test::shell(make_keys("'" + keys + "'")).exit_code, 0);
   const std::string old = (folder->path() / "old-agent").string();
@@ -203,7 +204,7 @@ TEST_F(Security, WhatWasTakenBackGetsNothingInOrOut) {
   EXPECT_TRUE(renewed.in && renewed.out);
 }
 
-TEST_F(Security, ARoleDoesNotStartWithAnotherRolesCredentials) {
+TEST_F(Security, ARoleDoesNotStartWithCredentialsOfAnotherRole) {
   EXPECT_NO_THROW(DdsBus({.domain = domain, .security = of("service")}, Role::service, "service"));
   for (const auto& [credentials, role] : {std::pair{"agent", Role::service},
                                           {"agent", Role::broker},
@@ -214,8 +215,8 @@ TEST_F(Security, ARoleDoesNotStartWithAnotherRolesCredentials) {
   }
 }
 
-/// A participant alone, by static discovery, of which each topic's ends are then made or refused: by DDS, and
-/// not by what the bus checks before.
+/// A single participant with static discovery. DDS itself then accepts or refuses the endpoints of each
+/// topic, without the earlier checks of the bus.
 class Participant {
  public:
   explicit Participant(const std::string& credentials) {
@@ -238,7 +239,7 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// Null if it is refused.
+  /// Null if DDS refuses it.
   template <class M>
   dds::DataWriter* writer() {
     dds::DataWriterQos qos;
@@ -283,7 +284,7 @@ void expect_all_as_in_table(const std::variant<Ms...>*, const std::string& crede
   (expect_as_in_table<Ms>(participant, role, name), ...);
 }
 
-TEST_F(Security, PermissionsAreThoseOfTheTableOfTopics) {
+TEST_F(Security, ThePermissionsMatchTheTableOfTopics) {
   const std::vector<std::pair<Role, std::string>> roles = {
       {Role::broker, "broker"},
       {Role::claimant, "agent"},  // it may become an agent
@@ -294,10 +295,10 @@ TEST_F(Security, PermissionsAreThoseOfTheTableOfTopics) {
     expect_all_as_in_table(static_cast<const Message*>(nullptr), of(name), role, name);
 }
 
-TEST_F(Security, OthersRefuseWhatAnAgentsCredentialsDoNotAllow) {
-  // With static discovery, in which endpoints do not tell each other how they are protected: what follows
-  // would not match anyway. A process that does not refuse by itself to write what it may not: to it alone,
-  // our own authority says that writing is free.
+TEST_F(Security, PeersRefuseWritesThatTheCredentialsForbid) {
+  // With static discovery, endpoints do not announce their protection, which would keep them from matching.
+  // Our own authority tells this process alone that writing is free, so that it does not refuse forbidden
+  // writes by itself.
   as_authority(
       "sed 's/<enable_write_access_control>true/<enable_write_access_control>false/' governance.xml >lax.xml "
       "&& "
@@ -326,9 +327,9 @@ TEST_F(Security, OthersRefuseWhatAnAgentsCredentialsDoNotAllow) {
       << "with a service's credentials the same gets through";
 }
 
-class SecurityBy : public Security, public testing::WithParamInterface<const char*> {};
+class SecurityByDiscovery : public Security, public testing::WithParamInterface<const char*> {};
 
-TEST_P(SecurityBy, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
+TEST_P(SecurityByDiscovery, AStateReachesItsRecipientsAndEveryObserver) {
   const auto settings = [&](const RobotName& robot, const std::string& role) {
     return DdsSettings{.domain = domain + 4, .robot = robot, .discovery = GetParam(), .security = of(role)};
   };
@@ -368,7 +369,8 @@ TEST_P(SecurityBy, AStateReachesTheAgentsThatItIsForAndEveryObserver) {
   EXPECT_GE(at_watcher.size(), 60u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Discovery, SecurityBy, testing::Values(multicast_discovery, static_discovery));
+INSTANTIATE_TEST_SUITE_P(Discovery, SecurityByDiscovery,
+                         testing::Values(multicast_discovery, static_discovery));
 
 }  // namespace
 }  // namespace coppice

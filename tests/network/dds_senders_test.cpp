@@ -1,4 +1,4 @@
-// Who may speak for whom.
+// Tests that only an agent itself may speak for its robot.
 #include <chrono>
 #include <set>
 #include <thread>
@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 /// Domains of this test alone.
 constexpr int domain = 132;
 
-/// Of whoever speaks for another robot, or is nobody, only what it passes on is taken.
+/// From a participant that is nameless or speaks for another robot, only relayed states are accepted.
 void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on) {
   DdsBus honest({.domain = on, .robot = "r1", .discovery = discovery}, Role::agent, "r1");
   DdsBus forger({.domain = on, .robot = "r2", .discovery = discovery}, Role::agent, "r2");
@@ -28,7 +28,7 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
   const auto track = [](std::uint32_t first) {
     return TrackMessage{"r1", 1, first, {{0.05, {1, 1}, {2, 0}}}};
   };
-  // Reliable and kept: in whatever order they find each other, the honest one comes and no other.
+  // The topic is reliable and kept: in any order of discovery, only the honest message arrives.
   forger.publish(track(8));
   nobody.publish(track(9));
   honest.publish(track(1));
@@ -45,7 +45,7 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
   };
   for (std::uint32_t k = 1; !enough() && Clock::now() < end; ++k) {
     RobotState state = some_state(10 * k);
-    forger.publish(Message(state));  // as passed on
+    forger.publish(Message(state));  // as a relayed state
     state.passed_on = state.counts_as_failed = false;
     honest.publish(Message(state));
     state.sequence = 10 * k + 1;
@@ -63,20 +63,20 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
   EXPECT_TRUE(enough()) << sequences.size() << ' ' << passed_on.size() << ' ' << listener.rejected();
 }
 
-class FoundBy : public testing::TestWithParam<const char*> {};
+class SendersByDiscovery : public testing::TestWithParam<const char*> {};
 
-TEST_P(FoundBy, OnlyItsOwnAgentSpeaksForARobot) {
+TEST_P(SendersByDiscovery, OnlyTheOwnAgentSpeaksForARobot) {
   only_its_own_agent_speaks_for_a_robot(GetParam(), domain);
 }
 
-INSTANTIATE_TEST_SUITE_P(Senders, FoundBy, testing::Values(multicast_discovery, static_discovery));
+INSTANTIATE_TEST_SUITE_P(Senders, SendersByDiscovery, testing::Values(multicast_discovery, static_discovery));
 
-TEST(Senders, OnlyItsOwnAgentSpeaksForARobotWithADiscoveryServer) {
+TEST(Senders, OnlyTheOwnAgentSpeaksForARobotWithADiscoveryServer) {
   const DdsDiscoveryServer server("127.0.0.1", 23919, 0);
   only_its_own_agent_speaks_for_a_robot("127.0.0.1:23919", domain + 1);
 }
 
-TEST(Senders, WhatWasSaidBeforeASenderWentIsStillItsOwn) {
+TEST(Senders, AMessageSentBeforeItsSenderLeftIsStillAccepted) {
   DdsBus service({.domain = domain + 2}, Role::service, "service");
   {
     DdsBus agent({.domain = domain + 2, .robot = "r1"}, Role::agent, "r1");

@@ -1,4 +1,4 @@
-// What the transport decides for each datagram, and what it reads from one.
+// Tests of what the transport decides for each datagram, and of what it reads from one.
 
 #include <array>
 #include <chrono>
@@ -34,7 +34,7 @@ Bytes operator+(Bytes a, const Bytes& b) {
   return a;
 }
 
-// As DDS-RTPS 2.2 lays them out, little-endian.
+// The layout of DDS-RTPS 2.2, little-endian.
 const Bytes header{'R', 'T', 'P', 'S', 2, 2, 1, 15, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 const Bytes info_timestamp{0x09, 0x01, 8, 0, 1, 0, 0, 0, 0, 0, 0, 0};
 const Bytes of_a_vendor{0x80, 0x01, 4, 0, 9, 9, 9, 9};
@@ -48,8 +48,8 @@ const Bytes announcement = data(0x05, 0xc2, 7);
 
 struct Reader {
   bool enabled;
-  std::vector<std::size_t> unicast;    // of a few addresses
-  std::vector<std::size_t> multicast;  // of a few groups
+  std::vector<std::size_t> unicast;    // indices of a few addresses
+  std::vector<std::size_t> multicast;  // indices of a few groups
 };
 
 /// The addresses that a transport chooses for these readers.
@@ -75,7 +75,7 @@ std::vector<rtps::Locator_t> chosen(const eprosima::fastdds::rtps::TransportDesc
   return result;
 }
 
-TEST(Transport, ChoosesTheAddressesThatUdpChooses) {
+TEST(Transport, TheTransportChoosesTheAddressesThatUdpChooses) {
   Recipients recipients;
   Traffic traffic;
   const auto sparing = sparing_udp_transport({recipients, nullptr, traffic, 1'000, false});
@@ -93,7 +93,7 @@ TEST(Transport, ChoosesTheAddressesThatUdpChooses) {
   }
 }
 
-TEST(Transport, RecognisesWhatOnlyAnnouncesAParticipant) {
+TEST(Transport, AMereParticipantAnnouncementIsRecognised) {
   const auto number = announcement_in(header + info_timestamp + announcement + of_a_vendor);
   ASSERT_TRUE(number);
   EXPECT_EQ(announcement_in(header + announcement), number);
@@ -110,8 +110,8 @@ Bytes heartbeat_of(std::uint8_t writer_kind, std::uint8_t last) {
          Bytes{last, 0, 0, 0, 9, 0, 0, 0};
 }
 
-/// Of one that wants to hear of others at 10.1.2.3:7410, and of what it reads at another address; with a
-/// participant of that number.
+/// The announcement of the participant of that number. It wants to hear of others at 10.1.2.3:7410, and reads
+/// data at another address.
 Bytes announcement_of(std::uint8_t participant) {
   const auto locator = [](std::uint8_t id, std::uint8_t port) {
     return Bytes{id, 0, 24, 0, 1, 0, 0, 0, port, 0x1c, 0, 0} + Bytes(12, 0) + Bytes{10, 1, 2, 3};
@@ -128,20 +128,20 @@ rtps::GuidPrefix_t participant_of(std::uint8_t number) {
   return sender_of(announcement_of(number));
 }
 
-TEST(Transport, KnowsWhoAnnouncesItselfAndWhereItWantsToHearOfOthers) {
+TEST(Transport, AnAnnouncementYieldsItsSenderAndItsDiscoveryAddresses) {
   const Bytes whole = announcement_of(9);
   EXPECT_EQ(int{sender_of(whole).value[0]}, 9);
   EXPECT_EQ(int{sender_of(whole).value[11]}, 12);
   EXPECT_EQ(addresses_in(whole), std::vector{address("10.1.2.3", 7410)});
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-    (void)sender_of(part);  // asan looks on
+    (void)sender_of(part);  // for the address sanitizer
     EXPECT_LE(addresses_in(part).size(), 1u);
   }
 }
 
-// One that was killed, and one that takes its place, have the same address.
-TEST(Transport, WhoeverComesIsToldWhateverWasSaidBeforeToItsAddress) {
+// A killed participant and its successor have the same address.
+TEST(Transport, ANewParticipantIsToldAllAtItsAddress) {
   Announcements announcements;
   announcements.begin();
   const Announcements::Time now{100s};
@@ -165,7 +165,7 @@ TEST(Transport, WhoeverComesIsToldWhateverWasSaidBeforeToItsAddress) {
   EXPECT_FALSE(announcements.is_due(nullptr, other, 7, now + 1s));
 }
 
-TEST(Transport, RecognisesHeartbeatsOfEndpoints) {
+TEST(Transport, HeartbeatsOfEndpointsAreRecognised) {
   const auto found = endpoint_heartbeat_in(header + heartbeat_of(3, 5) + of_a_vendor);
   ASSERT_TRUE(found);
   EXPECT_EQ(endpoint_heartbeat_in(header + info_timestamp + heartbeat_of(3, 5)), found);
@@ -188,7 +188,7 @@ Bytes handshake(std::uint8_t id, std::uint8_t writer_kind = 0xc3) {
          Bytes(4 + 24 + 24, 7) + Bytes(12, id) + Bytes{0, 0, 1, 0xc1};
 }
 
-TEST(Transport, RecognisesAuthenticationsOfOthers) {
+TEST(Transport, AuthenticationsOfOthersAreRecognised) {
   EXPECT_TRUE(is_handshake_of_others(header + for_participant(1) + info_timestamp + handshake(2)));
   EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + info_timestamp + handshake(1)));
   EXPECT_FALSE(is_handshake_of_others(header + handshake(2))) << "whoever gets it may need it";
@@ -197,11 +197,11 @@ TEST(Transport, RecognisesAuthenticationsOfOthers) {
   EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + announcement));
 }
 
-TEST(Transport, LooksAtNoByteBeyondTheMessage) {
+TEST(Transport, TheParserReadsNoByteBeyondTheMessage) {
   const Bytes whole = header + info_timestamp + announcement + of_a_vendor;
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-    (void)announcement_in(part);  // asan looks on
+    (void)announcement_in(part);  // for the address sanitizer
   }
   const Bytes beat = header + heartbeat_of(3, 5);
   for (std::size_t size = 0; size < beat.size(); ++size)
@@ -215,7 +215,7 @@ TEST(Transport, LooksAtNoByteBeyondTheMessage) {
   EXPECT_TRUE(announcement_in(far));
 }
 
-TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
+TEST(Transport, AnnouncementsRepeatRarelyAndStartOnceComplete) {
   const auto all = address("239.255.0.1", 7400);
   const auto one = address("10.0.0.1", 7410);
   const auto other = address("10.0.0.1", 7412);
@@ -237,7 +237,7 @@ TEST(Transport, AnnouncesNothingNewSeldomAndNothingBeforeItIsComplete) {
   EXPECT_TRUE(due(one, 2, now + 12s));
 }
 
-TEST(Transport, SaysWithinAMomentButOnceHowManyEndpointsThereAre) {
+TEST(Transport, TheNumberOfEndpointsIsSentSoonAndOnce) {
   const auto one = address("10.0.0.1", 7410);
   const auto other = address("10.0.0.1", 7412);
   const EndpointHeartbeat five{.writer = 0x3c2, .first = 1, .last = 5};
@@ -257,7 +257,7 @@ TEST(Transport, SaysWithinAMomentButOnceHowManyEndpointsThereAre) {
   EXPECT_TRUE(due(one, six, now + 400ms));
 }
 
-TEST(Transport, AnnouncesToAGroupOnEachOfItsNetworks) {
+TEST(Transport, AGroupIsAnnouncedToOnEachOfItsNetworks) {
   const auto all = address("239.255.0.1", 7400);
   const auto senders = std::array<char, 2>();
   const auto* const first = reinterpret_cast<const rtps::SenderResource*>(&senders[0]);
@@ -271,7 +271,7 @@ TEST(Transport, AnnouncesToAGroupOnEachOfItsNetworks) {
   EXPECT_FALSE(announcements.is_due(second, all, 1, now + 400ms));
 }
 
-TEST(Transport, RepeatsTheFirstAnnouncementsSoonAndThenSeldom) {
+TEST(Transport, TheFirstAnnouncementsRepeatSoonAndThenRarely) {
   const auto all = address("239.255.0.1", 7400);
   Announcements announcements;
   announcements.begin();
@@ -295,7 +295,7 @@ rtps::ParticipantDiscoveryInfo info(rtps::ParticipantProxyData& data, const Robo
   return rtps::ParticipantDiscoveryInfo(data);
 }
 
-TEST(Transport, AnAudienceIsTheAgentsThatAreNamedAndAllWhoAreNone) {
+TEST(Transport, RecipientsAreTheNamedAgentsAndAllOtherParticipants) {
   const auto a = address("10.0.0.1", 7411);
   const auto b = address("10.0.0.1", 7413);
   const auto monitor = address("10.0.0.1", 7415);
@@ -311,7 +311,7 @@ TEST(Transport, AnAudienceIsTheAgentsThatAreNamedAndAllWhoAreNone) {
     EXPECT_FALSE(recipients.includes(a));
     EXPECT_TRUE(recipients.includes(b));
     EXPECT_TRUE(recipients.includes(monitor));
-    // One that is restarted at the same address stays known when its predecessor is given up.
+    // A participant that restarted at the same address stays known when its predecessor is given up.
     recipients.discover(info(data, "b", 4, a));
     auto gone = info(data, "a", 1, a);
     gone.status = rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
@@ -321,7 +321,7 @@ TEST(Transport, AnAudienceIsTheAgentsThatAreNamedAndAllWhoAreNone) {
   EXPECT_FALSE(recipients.is_limited());
 }
 
-TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
+TEST(Transport, OnlyAuthenticatedParticipantsAreAgentsWithSecurity) {
   const auto a = address("10.0.0.1", 7411);
   Recipients recipients(true);
   rtps::ParticipantProxyData data{rtps::RTPSParticipantAllocationAttributes()};
@@ -334,7 +334,7 @@ TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
   EXPECT_TRUE(reaches(a)) << "anybody, as far as is known";
   recipients.authenticate(agent);
   EXPECT_FALSE(reaches(a));
-  // Neither a stranger at the same address nor a forged change makes it another.
+  // Neither a stranger at the same address nor a forged change changes the owner of the address.
   recipients.discover(info(data, "b", 2, a));
   recipients.discover(info(data, "b", 1, a));
   EXPECT_FALSE(reaches(a));
@@ -344,7 +344,7 @@ TEST(Transport, WithSecurityOnlyWhoeverIsAuthenticatedIsAnAgent) {
   EXPECT_TRUE(reaches(a));
 }
 
-// Fast DDS takes the address of another host that this one has, too, for this one's loopback.
+// If another host has an address that this host has, too, Fast DDS takes it for this host's loopback.
 TEST(Transport, TwoAgentsAtOneAddressAreBothReached) {
   const auto shared = address("127.0.0.1", 7411);
   Recipients recipients;
@@ -360,7 +360,7 @@ TEST(Transport, TwoAgentsAtOneAddressAreBothReached) {
   EXPECT_FALSE(reaches("c"));
 }
 
-TEST(Transport, WhoIsNoAgentHearsAllWhereAnAgentWasKilled) {
+TEST(Transport, AnObserverAtTheAddressOfAKilledAgentHearsAll) {
   const auto a = address("10.0.0.1", 7411);
   for (const bool is_secure : {false, true}) {
     Recipients recipients(is_secure);

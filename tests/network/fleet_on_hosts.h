@@ -1,4 +1,4 @@
-// A fleet of real processes on several hosts, and what its run has to fulfil.
+// A fleet of real processes on several hosts, and what its run must fulfil.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace coppice::test {
 
 struct FleetOptions {
-  std::string scenario;  ///< of scenarios/, without ending
+  std::string scenario;  ///< a name in scenarios/ without its ending
   std::size_t robots = 0;
   int domain = 0;
   std::string discovery{};
@@ -28,7 +28,8 @@ struct FleetOptions {
   double timeout = 300;  ///< fleet seconds
 };
 
-/// Agents are dealt out to the hosts in turn; the service is on the first and the broker on the last.
+/// Agents are distributed over the hosts in turn. The service is on the first host and the broker on the
+/// last.
 class FleetOnHosts {
  public:
   FleetOnHosts(const Hosts& hosts, const FleetOptions& options) : options_(options) {
@@ -47,12 +48,12 @@ class FleetOnHosts {
   }
 
   std::string says() const { return contents(logs_.back()); }
-  /// The end of that, for whoever reads of a failure.
+  /// The end of the log, for the message of a failure.
   std::string log_end() const {
     const std::string all = says();
     return all.substr(all.size() - std::min<std::size_t>(all.size(), 2000));
   }
-  /// Whether the service says so within the time.
+  /// Whether the service prints the text within the time.
   bool says(const std::string& text, std::chrono::seconds time) const {
     return within(time, [&] { return says().find(text) != std::string::npos; });
   }
@@ -65,7 +66,8 @@ class FleetOnHosts {
     return says().find("arrived " + n + "/" + n) != std::string::npos;
   }
 
-  /// Waits for the end: all arrived, nothing was touched, and the report says what the trajectory says.
+  /// Waits for the end and checks it: all robots arrived, nothing was touched, and the report agrees with the
+  /// trajectory.
   void expect_good_end() {
     EXPECT_EQ(processes_.back()->wait(), 0) << log_end();
     const proto::Report report = read_report(file("report.json"));
@@ -104,7 +106,7 @@ class FleetOnHosts {
     processes_.push_back(hosts.start(host, command, logs_.back()));
   }
 
-  /// For whoever looks into it.
+  /// Keeps the files for an investigation.
   void keep() const {
     const auto kept = std::filesystem::path(COPPICE_TEST_BIN_DIR) / "failed" /
                       testing::UnitTest::GetInstance()->current_test_info()->name();

@@ -1,4 +1,4 @@
-// Fleets of real processes on several hosts, over networks that are as they should be and as they should not.
+// Tests of fleets of real processes on several hosts, over good and bad networks.
 
 #include "tests/network/fleet_on_hosts.h"
 
@@ -26,7 +26,7 @@ class FleetOnHostsTest : public testing::Test {
     if (const std::string reason = Hosts::why_not(); !reason.empty()) GTEST_SKIP() << reason;
   }
 
-  /// On the host, in the list of servers at this place.
+  /// Starts a discovery server on the host, with this place in the list of servers.
   std::unique_ptr<Background> discovery_server(const Hosts& hosts, std::size_t host, int place) const {
     auto server = hosts.start(host,
                               {program("coppice"), "discovery", "--address", Hosts::address(host), "--port",
@@ -43,14 +43,15 @@ class FleetOnHostsTest : public testing::Test {
   TemporaryFolder folder;
 };
 
-TEST_F(FleetOnHostsTest, MeetsByMulticastAndArrives) {
+TEST_F(FleetOnHostsTest, TheFleetMeetsByMulticastAndArrives) {
   const Hosts hosts(3);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 160, .time_scale = 4});
   fleet.expect_good_end();
 }
 
-// As bridges to containers have: they lead to nobody else, and come before the one in the common network.
-TEST_F(FleetOnHostsTest, HostsWithManyAddressesOfWhichAllHaveTheSameArrive) {
+// As bridges to containers have them: these addresses lead nowhere else, and come before the address in the
+// common network.
+TEST_F(FleetOnHostsTest, HostsThatShareAddressesArrive) {
   const Hosts hosts(2);
   for (std::size_t host = 0; host < hosts.size(); ++host) {
     hosts.on(host, [] {
@@ -62,7 +63,7 @@ TEST_F(FleetOnHostsTest, HostsWithManyAddressesOfWhichAllHaveTheSameArrive) {
   fleet.expect_good_end();
 }
 
-TEST_F(FleetOnHostsTest, WithoutMulticastMeetsThroughADiscoveryServer) {
+TEST_F(FleetOnHostsTest, TheFleetMeetsThroughADiscoveryServerWithoutMulticast) {
   Hosts hosts(3);
   hosts.links("multicast off");
   const auto server = discovery_server(hosts, 1, 0);
@@ -82,7 +83,7 @@ TEST_F(FleetOnHostsTest, ServersMayBeNamedAsInRos) {
   fleet.expect_good_end();
 }
 
-TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayDie) {
+TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayFail) {
   Hosts hosts(3);
   hosts.links("multicast off");
   const auto first = discovery_server(hosts, 1, 0);
@@ -95,11 +96,11 @@ TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayDie) {
   ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.log_end();
   first->send(SIGKILL);
   EXPECT_EQ(first->wait(), 128 + SIGKILL);
-  EXPECT_FALSE(fleet.all_have_arrived()) << "it is to die in mid-run";
+  EXPECT_FALSE(fleet.all_have_arrived()) << "the server must end during the run";
   fleet.expect_good_end();
 }
 
-TEST_F(FleetOnHostsTest, ANetworkInTwoPiecesHealsAndEverybodyArrives) {
+TEST_F(FleetOnHostsTest, APartitionedNetworkHealsAndAllRobotsArrive) {
   Hosts hosts(3);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 164});
   ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.log_end();
@@ -110,26 +111,26 @@ TEST_F(FleetOnHostsTest, ANetworkInTwoPiecesHealsAndEverybodyArrives) {
   }
   std::this_thread::sleep_for(4s);
   hosts.links("");
-  EXPECT_FALSE(fleet.all_have_arrived()) << "it is to be in mid-run";
+  EXPECT_FALSE(fleet.all_have_arrived()) << "the partition must begin during the run";
   fleet.expect_good_end();
 }
 
 constexpr const char* bad_links = "loss 20% delay 100ms 50ms";
 
-/// Another one for each --gtest_random_seed.
+/// Different for each --gtest_random_seed.
 std::uint64_t seed() {
   return static_cast<std::uint64_t>(testing::UnitTest::GetInstance()->random_seed());
 }
 
-TEST_F(FleetOnHostsTest, AFewArriveOverBadLinks) {
+TEST_F(FleetOnHostsTest, AFewRobotsArriveOverBadLinks) {
   Hosts hosts(3, seed());
   hosts.links(bad_links);
   FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 165});
   fleet.expect_good_end();
 }
 
-/// Four on each host: of the pairs of robots, 160 of 190 meet over bad links.
-TEST_F(FleetOnHostsTest, AcceptanceTwentyArriveOverBadLinks) {
+/// Four robots on each host: 160 of the 190 pairs of robots meet over bad links.
+TEST_F(FleetOnHostsTest, TwentyRobotsArriveOverBadLinks) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   Hosts hosts(5, seed());
   hosts.links(bad_links);
@@ -139,8 +140,8 @@ TEST_F(FleetOnHostsTest, AcceptanceTwentyArriveOverBadLinks) {
 
 class MeetingTest : public FleetOnHostsTest, public testing::WithParamInterface<const char*> {};
 
-/// Not how fast: that all of them do, with the map in fragments and with hundreds of trees, in a time that
-/// tells repetition from luck.
+/// The test does not measure speed. It checks that all processes meet, with the map in fragments and hundreds
+/// of trees, in a time that tells repetition from luck.
 TEST_P(MeetingTest, ProcessesMeetOverBadLinks) {
   constexpr std::size_t agents = 6;
   Hosts hosts(3, seed());

@@ -1,9 +1,9 @@
-// Hosts for tests, on one machine: network namespaces, each with an address and a /dev/shm of its own, joined
-// by an Ethernet switch whose links are as bad as the test says (lossy_switch.cpp).
+// Simulated hosts on one machine: network namespaces, each with its own address and /dev/shm, joined by an
+// Ethernet switch with links as bad as the test sets them (lossy_switch.cpp).
 //
-// The namespaces have no names: this process and the processes on the hosts hold them, and all of these end
-// with it. So the kernel removes everything, however the test ends. To look at one while a test stands in a
-// debugger: nsenter --net=/proc/PID/fd/N.
+// The namespaces have no names. This process and the processes on the hosts hold them, and all of these end
+// with it, so that the kernel removes everything however the test ends. To inspect a namespace while a test
+// is stopped in a debugger: nsenter --net=/proc/PID/fd/N.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace coppice::test {
 
-/// Closed at its end.
+/// A file number that is closed at its end.
 class FileNumber {
  public:
   explicit FileNumber(int number) : number_(number) {}
@@ -40,28 +40,29 @@ class FileNumber {
 
 class Hosts {
  public:
-  /// Why there can be none here; empty: there can.
+  /// Why this machine can have no such hosts; empty if it can.
   static std::string why_not();
 
-  /// With clean links. `seed`: of all that the links do. Throws std::runtime_error if something is missing.
+  /// Makes hosts with clean links. `seed` determines all random effects of the links. Throws
+  /// std::runtime_error if something is missing.
   explicit Hosts(std::size_t count, std::uint64_t seed = 1);
 
   std::size_t size() const { return spaces_.size(); }
   static std::string address(std::size_t host) { return "10.77.0." + std::to_string(host + 1); }
 
-  /// What every link does from now on, in each direction; see link.h. Throws std::runtime_error for an
+  /// Sets the rule of every link in each direction from now on; see link.h. Throws std::runtime_error for an
   /// unknown rule.
   void links(const std::string& rule) { tell("* * " + rule); }
-  /// The same of one direction between two hosts.
+  /// The same for one direction between two hosts.
   void link(std::size_t from, std::size_t to, const std::string& rule) {
     tell(std::to_string(from) + " " + std::to_string(to) + " " + rule);
   }
 
-  /// A process on a host. It ends with what is returned, and with this process.
+  /// Starts a process on a host. It ends with the returned object, and with this process.
   std::unique_ptr<Background> start(std::size_t host, std::vector<std::string> command,
                                     const std::filesystem::path& log) const;
 
-  /// Calls f() in a thread on the host: sockets that it opens stay there.
+  /// Calls f() in a thread on the host. Sockets that it opens stay on the host.
   template <class F>
   auto on(std::size_t host, F f) const {
     return std::async(std::launch::async,
@@ -72,7 +73,7 @@ class Hosts {
         .get();
   }
 
-  /// Ends the switch; what became of the frames of each link, a line each.
+  /// Ends the switch. Returns a line with the counts of frames for each link.
   std::string end();
 
  private:
@@ -85,7 +86,7 @@ class Hosts {
   void enter(std::size_t host) const;
   void configure(std::size_t host) const;
   void tell(const std::string& rule);
-  /// Until the switch has said `times` times that it has done what it was told.
+  /// Waits until the switch has confirmed `times` commands.
   void wait_for_switch(const std::string& word, int times);
 
   TemporaryFolder folder_;

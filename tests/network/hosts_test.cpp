@@ -1,4 +1,4 @@
-// The hosts and links that other tests stand on: what is asked for is what there is, and nothing is left.
+// Tests of the simulated hosts and links: they behave as requested, and nothing is left.
 
 #include "tests/network/hosts.h"
 
@@ -39,7 +39,7 @@ sockaddr_in address_of(const std::string& ip) {
   return address;
 }
 
-/// A UDP socket on a host, which hears what is sent to it and to the group.
+/// A UDP socket on a host that hears datagrams to its address and to the group.
 FileNumber socket_on(const Hosts& hosts, std::size_t host) {
   return hosts.on(host, [&] {
     FileNumber made(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -65,7 +65,7 @@ struct Heard {
   std::set<int> numbers;
 };
 
-/// `count` datagrams of `size` bytes, one each `pause`, each with its number and the time.
+/// Sends `count` datagrams of `size` bytes, one each `pause`, each with its number and the time.
 Heard send_and_hear(const FileNumber& from, const FileNumber& to, const std::string& ip, int count,
                     std::chrono::microseconds pause, std::size_t size = 200) {
   std::jthread sender([&] {
@@ -106,7 +106,7 @@ class HostsTest : public testing::Test {
   }
 };
 
-TEST_F(HostsTest, CleanLinksCarryEverythingToWhomItIsFor) {
+TEST_F(HostsTest, CleanLinksDeliverEverythingToItsDestination) {
   const Hosts hosts(3);
   const FileNumber a = socket_on(hosts, 0);
   const FileNumber b = socket_on(hosts, 1);
@@ -117,12 +117,12 @@ TEST_F(HostsTest, CleanLinksCarryEverythingToWhomItIsFor) {
   EXPECT_EQ(send_and_hear(b, a, Hosts::address(0), 3, 1ms, 20'000).numbers.size(), 3u) << "in fragments";
 }
 
-TEST_F(HostsTest, LossAndDelayAreWhatWasAskedForInEachDirection) {
+TEST_F(HostsTest, LossAndDelayAreAsRequestedInEachDirection) {
   Hosts hosts(2, 5);
   const FileNumber a = socket_on(hosts, 0);
   const FileNumber b = socket_on(hosts, 1);
   send_and_hear(a, b, Hosts::address(1), 1,
-                1ms);  // so that addresses are known: who asks in vain waits a second
+                1ms);  // so that addresses are known: an unanswered request takes a second
   hosts.link(0, 1, "loss 20% delay 100ms 50ms");
   hosts.link(1, 0, "duplicate 50%");
   constexpr int count = 2000;
@@ -137,19 +137,19 @@ TEST_F(HostsTest, LossAndDelayAreWhatWasAskedForInEachDirection) {
   EXPECT_LE(quantile(back.delays, 0.5), 0.02);
 }
 
-TEST_F(HostsTest, ARateIsKept) {
+TEST_F(HostsTest, TheRateIsKept) {
   Hosts hosts(2);
   hosts.links("rate 1mbit limit 50");
   const FileNumber a = socket_on(hosts, 0);
   const FileNumber b = socket_on(hosts, 1);
   const auto begin = Clock::now();
-  // 1042 bytes with their headers, every 2 ms: four times what passes.
+  // 1042 bytes with their headers every 2 ms: four times as much as passes.
   const Heard heard = send_and_hear(a, b, Hosts::address(1), 500, 2ms, 1000);
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count() - 0.5;  // its patience
+  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count() - 0.5;  // its wait
   EXPECT_NEAR(static_cast<double>(heard.numbers.size()) * 1042 * 8, 1e6 * seconds, 0.15e6 * seconds);
 }
 
-TEST_F(HostsTest, WithoutMulticastHostsStillFindEachOthersAddresses) {
+TEST_F(HostsTest, HostsFindEachOthersAddressesWithoutMulticast) {
   Hosts hosts(2);
   hosts.links("multicast off");
   const FileNumber a = socket_on(hosts, 0);
@@ -172,7 +172,7 @@ TEST_F(HostsTest, ALinkGoesDownAndHeals) {
   EXPECT_THROW(hosts.links("loss much"), std::runtime_error);
 }
 
-TEST_F(HostsTest, EachHasASharedMemoryOfItsOwn) {
+TEST_F(HostsTest, EachHostHasItsOwnSharedMemory) {
   const Hosts hosts(2);
   const TemporaryFolder folder;
   const auto run = [&](std::size_t host, const std::string& script) {
@@ -183,7 +183,7 @@ TEST_F(HostsTest, EachHasASharedMemoryOfItsOwn) {
   EXPECT_FALSE(std::filesystem::exists("/dev/shm/coppice_test"));
 }
 
-/// The network namespaces that some process is in.
+/// The network namespaces of all processes.
 std::set<ino_t> network_namespaces() {
   std::set<ino_t> all;
   for (const ProcessInfo& process : processes()) {
@@ -194,7 +194,7 @@ std::set<ino_t> network_namespaces() {
   return all;
 }
 
-TEST_F(HostsTest, NothingOutlivesATestThatIsKilled) {
+TEST_F(HostsTest, NothingOutlivesAKilledTest) {
   const TemporaryFolder folder;
   const auto before = network_namespaces();
   const auto log = folder.path() / "log";

@@ -24,7 +24,7 @@ constexpr Unit times[] = {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}};
 constexpr Unit rates[] = {{"bit", 1}, {"kbit", 1e3}, {"mbit", 1e6}, {"gbit", 1e9}};
 constexpr Unit counts[] = {{"", 1}};
 
-/// A number that is not negative, with one of the units; nothing if it is something else.
+/// A non-negative number with one of the units; nothing otherwise.
 std::optional<double> quantity(const std::string& word, std::span<const Unit> units) {
   double value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -119,7 +119,7 @@ std::vector<double> Link::pass(std::size_t size, bool multicast, double now, std
     return {};
   }
   std::uniform_real_distribution<double> share(0, 1);
-  // Both are drawn for every frame, so that one rule's chance does not depend on another's.
+  // Both are drawn for every frame, so that the chance of one rule does not depend on another.
   const bool is_lost = share(random) < rule.loss;
   const bool is_doubled = share(random) < rule.duplicate;
   if (is_lost || rule.down) {

@@ -1,13 +1,11 @@
-// lossy_switch NETNS...: an Ethernet switch between hosts that are network namespaces, whose links lose,
-// delay and double frames (link.h).
+// lossy_switch NETNS...: an Ethernet switch between hosts in network namespaces, with links that lose, delay
+// and duplicate frames (link.h).
 //
-// Each namespace is named by a file: /run/netns/NAME, or /proc/PID/ns/net. In each it makes the TAP device
-// eth0, which goes when the switch does. It says "ready", and then takes rules, one a line, from standard
-// input until that ends:
-//     FROM TO RULE
-// with places of namespaces in the list, from 0 on, or * for all: "* * loss 20% delay 100ms 50ms", "0 2
-// down". A rule replaces all that was said of the link before. In the end it tells what became of the frames
-// of each link.
+// A file names each namespace: /run/netns/NAME, or /proc/PID/ns/net. The switch makes the TAP device eth0 in
+// each. The devices vanish with the switch. It prints "ready" and then reads rules from standard input until
+// that ends, one in each line: FROM TO RULE with the places of namespaces in the list, from 0 on, or * for
+// all: "* * loss 20% delay 100ms 50ms", "0 2 down". A rule replaces the earlier rule of the link. In the end
+// it prints the counts of frames for each link.
 
 #include <algorithm>
 #include <array>
@@ -49,8 +47,8 @@ namespace {
 using namespace coppice::test;
 
 constexpr const char* interface = "eth0";
-constexpr std::size_t longest_frame = 65536 + 18;  // bytes, whatever the interface's MTU
-constexpr int most_read = 64;                      // frames of one port at a time: all have their turn
+constexpr std::size_t longest_frame = 65536 + 18;  // bytes, for any MTU of the interface
+constexpr int most_read = 64;  // frames of one port at a time, so that all ports have their turn
 
 int checked(int result, const std::string& what) {
   if (result < 0) throw std::system_error(errno, std::generic_category(), what);
@@ -71,7 +69,7 @@ class File {
   int number_;
 };
 
-/// A device belongs to the namespace of whoever opened it.
+/// A device belongs to the namespace of the thread that opened it.
 File tap_in(const std::string& space) {
   const File home("/proc/thread-self/ns/net", O_RDONLY);
   const File there(space, O_RDONLY);
@@ -136,7 +134,7 @@ class Switch {
  private:
   struct UnderWay {
     double due = 0;
-    std::uint64_t order = 0;  ///< among those that are due at once
+    std::uint64_t order = 0;  ///< order among frames that are due at the same time
     std::size_t from = 0;
     std::size_t to = 0;
     std::shared_ptr<const Frame> frame;
@@ -163,7 +161,7 @@ class Switch {
     for (int k = 0; k < most_read; ++k) {
       std::array<unsigned char, longest_frame> buffer;  // NOLINT(cppcoreguidelines-pro-type-member-init)
       const ssize_t size = read(ports_[from].number(), buffer.data(), buffer.size());
-      if (size < 14) return;  // nothing more
+      if (size < 14) return;  // no more frames
       forward(from, std::make_shared<const Frame>(buffer.begin(), buffer.begin() + size));
     }
   }
@@ -192,13 +190,13 @@ class Switch {
     while (!queue_.empty() && queue_.top().due <= time) {
       const UnderWay& next = queue_.top();
       link(next.from, next.to).came_out();
-      // What its host does not take is lost, as on a wire (an interface that is not up).
+      // A frame that the host does not take is lost, as on a wire (the interface may be down).
       (void)!write(ports_[next.to].number(), next.frame->data(), next.frame->size());
       queue_.pop();
     }
   }
 
-  /// False when there will be no more.
+  /// Returns false when standard input has ended.
   bool read_rules() {
     std::array<char, 4096> buffer{};
     const ssize_t size = read(STDIN_FILENO, buffer.data(), buffer.size());

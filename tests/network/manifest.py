@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""manifest.py MANIFEST PROGRAMS: what is wrong with a Kubernetes manifest, as far as the programs can tell."""
+"""manifest.py MANIFEST PROGRAMS: prints the faults of a Kubernetes manifest that the programs' help reveals."""
 import os
 import re
 import subprocess

@@ -1,6 +1,6 @@
-// meeting_probe ROLE NAME: a process of a fleet that does nothing but meet the others, and tells when:
-// "matched" when its states, its trees or its missions have all of their readers, and for an agent "map" and
-// "trees" when it has the map and all inactive trees. Seconds since its start. It stays until it is ended.
+// meeting_probe ROLE NAME: a process of a fleet that only meets the others, and prints when: "matched" when
+// its states, trees or missions have all of their readers. An agent also prints "map" and "trees" when it has
+// the map and all inactive trees. Times are seconds since its start. It stays until it is stopped.
 
 #include <chrono>
 #include <cstdint>
@@ -51,7 +51,7 @@ void publish_map(DdsBus& bus, int side) {
   bus.publish(Message(std::move(m)));
 }
 
-/// Some of one node and some of many, as a broker's are.
+/// Some trees have one node and some have many, as a broker's trees.
 void publish_trees(DdsBus& bus, std::uint32_t count) {
   for (std::uint32_t k = 0; k < count; ++k) {
     InactiveTreeMessage tree{.tree = {1, k}, .map_id = "map", .radius = 5, .nodes = {}};

@@ -1,13 +1,13 @@
-// A program of ROS 2 as far as DDS can tell, on another vendor's DDS: it knows idl/ros2.idl and no more of
+// A program that looks like ROS 2 to DDS, on another vendor's DDS. It knows idl/ros2.idl and nothing else of
 // Coppice.
 //
-//   ros2_peer DOMAIN ROBOT goal X Y SECONDS
-//     reads /map and /ROBOT/odom, says /ROBOT/goal_pose, and waits until the robot stands there
-//   ros2_peer DOMAIN ROBOT robot X Y LAG NOISE PAUSE_AT PAUSE
-//     is the robot, holonomic, and begins at X Y: does what /ROBOT/cmd_vel says with a lag (first order,
-//     seconds), and says /ROBOT/odom, with noise (metres, uniform); PAUSE_AT seconds after it first moved
-//     that stops for PAUSE seconds. Prints time, where it truly is, its speed, and whether it is silent;
-//     until it is ended
+// ros2_peer DOMAIN ROBOT goal X Y SECONDS
+//     reads /map and /ROBOT/odom, writes /ROBOT/goal_pose, and waits until the robot stands there
+// ros2_peer DOMAIN ROBOT robot X Y LAG NOISE PAUSE_AT PAUSE
+//     is a holonomic robot that begins at X Y. It obeys /ROBOT/cmd_vel with a lag (first order, seconds), and
+//     writes /ROBOT/odom with noise (metres, uniform). PAUSE_AT seconds after it first moved, the odometry
+//     stops for PAUSE seconds. Prints time, true position, speed, and whether it is silent, until it is
+//     stopped
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -19,7 +19,7 @@
 
 #define ODOMETRY_PERIOD 0.04      // seconds
 #define STEP 0.01                 // seconds
-#define COMMAND_IS_OLD_AFTER 0.5  // seconds: then it stops, as drives do
+#define COMMAND_IS_OLD_AFTER 0.5  // seconds; then it stops, as real drives do
 
 static dds_entity_t participant;
 
@@ -39,7 +39,7 @@ static dds_entity_t topic_of(const dds_topic_descriptor_t* type, const char* rob
   return checked(dds_create_topic(participant, type, topic, NULL, NULL), topic);
 }
 
-// As ROS 2 asks for by default; `keeps`: and what was said before, as map displays do.
+// The default QoS of ROS 2. `keeps`: also earlier samples, as map displays request.
 static dds_qos_t* qos_of(int keeps) {
   dds_qos_t* qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
@@ -65,7 +65,7 @@ static dds_entity_t writer_of(const dds_topic_descriptor_t* type, const char* ro
   return writer;
 }
 
-// The next sample, to be given back; null if there is none.
+// The next sample, which must be given back; null if there is none.
 static void* take(dds_entity_t reader) {
   void* sample[1] = {NULL};
   dds_sample_info_t info;
@@ -153,7 +153,7 @@ static int be_the_robot(const char* robot, double x, double y, double lag, doubl
                         double pause_at, double pause) {
   const dds_entity_t commands = reader_of(&geometry_msgs_msg_dds__Twist__desc, robot, "cmd_vel", 0);
   const dds_entity_t places = writer_of(&nav_msgs_msg_dds__Odometry__desc, robot, "odom");
-  const double yaw = 0.5;  // it faces that way all the time: velocities are in its frame, not the map's
+  const double yaw = 0.5;  // it always faces that way: velocities are in its frame, not the map's
   double wanted_x = 0, wanted_y = 0, vx = 0, vy = 0, heard = 0, set_off = 0, next_odometry = 0;
   for (double t = now_in_seconds();; t += STEP) {
     while (now_in_seconds() < t) dds_sleepfor(DDS_MSECS(1));

@@ -1,4 +1,4 @@
-// Messages in which each field says something, and what a bus receives.
+// Messages in which each field has a value of its own, and a helper that receives from a bus.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace coppice {
 
-/// Everything that arrives until `enough` says so or the time is over.
+/// All messages that arrive until `enough` returns true or the time is over.
 template <class Enough>
 std::vector<Message> receive(DdsBus& bus, Enough&& enough, double seconds = 10) {
   std::vector<Message> all;

@@ -1,5 +1,5 @@
-// What is recorded can be read by others: the reference reader of MCAP, run by node, and Protobuf by the
-// schemas in the file alone.
+// Test that other programs can read a recording: the reference reader of MCAP, run by node, and Protobuf with
+// only the schemas in the file.
 
 #include <filesystem>
 #include <string>
@@ -18,13 +18,13 @@ using test::shell;
 
 const std::filesystem::path scripts = std::filesystem::path(COPPICE_SOURCE_DIR) / "tests" / "web";
 
-/// What `node` says of a recording and its run's trajectory.
+/// What `node` prints for a recording and its run's trajectory.
 Outcome reference_reader(const std::string& recording, const std::string& trajectory) {
   return shell(
       fmt::format("node '{}' '{}' '{}'", (scripts / "read_recording.mjs").string(), recording, trajectory));
 }
 
-TEST(McapOfARun, IsReadByTheReferenceReader) {
+TEST(RecordedMcap, TheReferenceReaderReadsTheRecording) {
   ASSERT_TRUE(std::filesystem::exists(scripts / "node_modules" / "@mcap"))
       << "needs node, and `npm ci` in tests/web: tests/run installs them";
   const test::TemporaryFolder folder;
@@ -45,7 +45,7 @@ TEST(McapOfARun, IsReadByTheReferenceReader) {
     EXPECT_NE(found.output.find(line), std::string::npos) << line << found.output;
   }
 
-  // That it looks: of a damaged file it complains.
+  // The reader must complain about a damaged file.
   std::string damaged = test::contents(recording);
   const McapReader::Piece& piece = ours.file().pieces().front();
   damaged[piece.offset + piece.length - 4] ^= 1;

@@ -1,9 +1,10 @@
-// What a running monitor tells of a fleet is what the fleet drove: Foxglove's own client, with the schemas that it is sent,
-// and a page's, by idl/live.proto, both compared with the trajectory that the run leaves.
+// Checks that a monitor shows what the fleet drove. Foxglove's own client with the schemas that it is sent,
+// and a page's client by idl/live.proto, are compared with the trajectory of the run.
 //
-//   node monitor_fleet.js URL live.proto TRAJECTORY.csv TIME_SCALE
+// node monitor_fleet.js URL live.proto TRAJECTORY.csv TIME_SCALE
 //
-// Waits for the trajectory, which is written when the run ends. Prints what was measured; exit code 1 if it is not so.
+// Waits for the trajectory, which is written when the run ends. Prints the measurements. Exit code 1 if a
+// check fails.
 import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -17,7 +18,7 @@ const [url, liveProto, trajectoryFile, timeScale] = process.argv.slice(2);
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 const socketUrl = url.replace("http", "ws");
 
-/** Everything that each topic says, decoded: {at (wall seconds), message}. */
+/** All messages of each topic, decoded: {at (wall seconds), message}. */
 function followFoxglove() {
   const socket = new WebSocket(socketUrl, [FoxgloveClient.SUPPORTED_SUBPROTOCOL]);
   const client = new FoxgloveClient({ ws: socket });
@@ -44,7 +45,7 @@ function followFoxglove() {
   return seen;
 }
 
-/** All that a page is told, in order. */
+/** All messages to a page, in order. */
 async function followAsPage() {
   const type = (await protobuf.load(liveProto)).lookupType("coppice.live.ToPage");
   const messages = [];
@@ -53,7 +54,7 @@ async function followAsPage() {
   return { messages, close: () => socket.close() };
 }
 
-/** Of each robot: [time, x, y], sorted by time. */
+/** For each robot: [time, x, y], sorted by time. */
 function readTrajectory() {
   const robots = new Map();
   for (const line of readFileSync(trajectoryFile, "utf8").trim().split("\n").slice(1)) {
@@ -64,7 +65,7 @@ function readTrajectory() {
   return robots;
 }
 
-/** Where the robot was by its trajectory; undefined before and after that. */
+/** The position of the robot by its trajectory; undefined before and after that. */
 function placeAt(points, time) {
   const next = points.findIndex((point) => point[0] >= time);
   if (next <= 0) return undefined;
@@ -74,8 +75,9 @@ function placeAt(points, time) {
 }
 
 /**
- * How far what was shown lies from what was driven, metres. A monitor goes by what robots have promised; where the machine
- * is so busy that a promise runs out before the next state is there, it is wrong by some metres. So not all is held to it.
+ * The distance between the shown and the driven positions in metres. A monitor follows the promises of robots. If the
+ * machine is so busy that a promise ends before the next state arrives, the monitor is wrong by some metres. So the check
+ * allows some outliers.
  */
 function check(name, places, trajectory, least) {
   const errors = [];
@@ -139,7 +141,8 @@ const ofScenes = heard("/robots").flatMap(({ at, message }) =>
   }),
 );
 check("/robots", ofScenes, trajectory, 300);
-// Subscribed one after the other: the first of either may have had a turn of its own. The last may be on its way.
+// The channels were subscribed one after the other, so that the first may have a frame of its own. The last
+// frame may be under way.
 const timesOfTransforms = new Set(heard("/tf").map(({ at }) => at));
 const bothSince = heard("/poses").find(({ at }) => timesOfTransforms.has(at)).at;
 const [poses, transforms] = ["/poses", "/tf"].map((topic) => heard(topic).filter(({ at }) => at >= bothSince));

@@ -1,5 +1,5 @@
-// What a monitor costs where 200 robots say 20 times a second where they are, with a page that looks on. The
-// fleet is made up, and comes without a bus: what that takes is told in docs/metrics.md.
+// Test of what a monitor costs if 200 robots send their positions 20 times a second, and a page looks on. The
+// fleet is simulated without a bus. docs/metrics.md tells the cost of the bus.
 
 #include <array>
 #include <atomic>
@@ -23,7 +23,7 @@ namespace {
 constexpr int robots = 200;
 constexpr double period = 1.0 / 20;
 
-/// Of this thread, seconds.
+/// Processor seconds of this thread.
 double processor_seconds() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
@@ -78,7 +78,7 @@ std::vector<Arrival> beginning(WallTime now) {
   return all;
 }
 
-/// What a robot says in a period; once a second of how it is.
+/// The messages of a robot in a period; once a second with its status.
 void say(std::vector<Arrival>& all, int robot, std::uint32_t step, double time, WallTime now) {
   all.push_back(arrival_of(RobotState{.robot = name(robot),
                                       .sequence = step,
@@ -98,7 +98,7 @@ void say(std::vector<Arrival>& all, int robot, std::uint32_t step, double time, 
                            now));
 }
 
-/// Takes all that comes, as fast as it comes.
+/// A client that reads all that arrives as fast as it arrives.
 class Onlooker {
  public:
   Onlooker(const std::string& url, const std::string& handshake)
@@ -160,7 +160,7 @@ struct MonitorLoadTest : testing::Test {
     const double before = processor_seconds();
     const double had = onlooker.bytes();
     const WallTime start = wall_now();
-    double making = 0;  // of the fleet: no work of a monitor's
+    double making = 0;  // time to make the messages, which is no cost of a monitor
     while (wall_now() < start + seconds) {
       const WallTime now = wall_now();
       const double made_from = processor_seconds();
@@ -187,7 +187,7 @@ TEST_F(MonitorLoadTest, TwoHundredRobotsTakeLessThanAThirdOfACore) {
   std::cout << "with a page: " << 100 * with_page.of_one_core << " % of a core, "
             << with_page.megabytes_a_second << " MB/s, " << memory << " MB of memory\n";
   EXPECT_LT(with_page.of_one_core, 0.3);
-  EXPECT_GT(with_page.megabytes_a_second, 0.1) << "the page was told nothing";
+  EXPECT_GT(with_page.megabytes_a_second, 0.1) << "the page received nothing";
   EXPECT_LT(memory, 200);
 
   const Onlooker foxglove(monitor.url(), handshake("/", "Sec-WebSocket-Protocol: foxglove.websocket.v1\r\n"));
@@ -201,7 +201,7 @@ TEST_F(MonitorLoadTest, TwoHundredRobotsTakeLessThanAThirdOfACore) {
   const Cost with_both = run(10, foxglove);
   std::cout << "with Foxglove on all topics, too: " << 100 * with_both.of_one_core << " % of a core, "
             << with_both.megabytes_a_second << " MB/s to it, " << resident_megabytes() << " MB of memory\n";
-  EXPECT_GT(with_both.megabytes_a_second, 0.1) << "Foxglove was told nothing";
+  EXPECT_GT(with_both.megabytes_a_second, 0.1) << "Foxglove received nothing";
   EXPECT_LT(resident_megabytes(), 200);
 }
 

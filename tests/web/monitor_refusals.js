@@ -1,6 +1,6 @@
-// What a monitor refuses, and that it goes on all the same.
+// Checks what a monitor refuses, and that it goes on afterwards.
 //
-//   node monitor_refusals.js URL
+// node monitor_refusals.js URL
 import assert from "node:assert/strict";
 import net from "node:net";
 
@@ -9,7 +9,7 @@ import WebSocket from "ws";
 const url = new URL(process.argv[2]);
 const host = url.host;
 
-/** The answer to these bytes, as text: empty if the connection is just closed. */
+/** The answer to these bytes as text; empty if the connection is closed without one. */
 function ask(bytes) {
   return new Promise((done) => {
     const socket = net.connect(Number(url.port), url.hostname, () => socket.write(bytes));
@@ -29,7 +29,7 @@ async function status(bytes) {
 const get = (target, headers = `Host: ${host}\r\n`, method = "GET") =>
   `${method} ${target} HTTP/1.1\r\n${headers}Connection: close\r\n\r\n`;
 
-/** The status with which the server refuses a WebSocket; 101: it does not. */
+/** The status with which the server refuses a WebSocket; 101 if it accepts. */
 function upgrade(path, options, subprotocols = []) {
   return new Promise((done) => {
     const socket = new WebSocket(`ws://${host}${path}`, subprotocols, options);
@@ -39,7 +39,7 @@ function upgrade(path, options, subprotocols = []) {
   });
 }
 
-/** The code with which the server ends a WebSocket to which this was said. */
+/** The code with which the server closes a WebSocket after this message. */
 function closed(path, say, subprotocols = []) {
   return new Promise((done, fail) => {
     const socket = new WebSocket(`ws://${host}${path}`, subprotocols);
@@ -52,7 +52,7 @@ function closed(path, say, subprotocols = []) {
 
 const foxglove = "foxglove.websocket.v1";
 
-/** Which of these subprotocols the server speaks, and what it says first. */
+/** Which of these subprotocols the server speaks, and its first message. */
 function greeting(subprotocols) {
   return new Promise((done, fail) => {
     const socket = new WebSocket(`ws://${host}/`, subprotocols);
@@ -62,7 +62,7 @@ function greeting(subprotocols) {
 }
 const alive = async () => assert.equal(await status(get("/healthz")), 200);
 
-// What there is
+// Existing resources
 const page = await ask(get("/"));
 assert.match(page, /^HTTP\/1.1 200 /);
 assert.match(page, /Content-Security-Policy: default-src 'self'; connect-src 'self'; img-src 'self' data:; style-src 'self'\r\n/);
@@ -120,7 +120,7 @@ assert.notEqual(await closed("/", (socket) => socket.send("x".repeat(100_000)), 
 await closed("/live", (socket) => socket._socket.write(Buffer.alloc(20, 0xff)));
 const seek = new WebSocket(`ws://${host}/live`);
 await new Promise((open) => seek.on("open", open));
-seek.send(Buffer.from([0x19, 0, 0, 0, 0, 0, 0, 0, 0x40])); // FromPage{seek: 2}: fine, and of no effect here
+seek.send(Buffer.from([0x19, 0, 0, 0, 0, 0, 0, 0, 0x40])); // FromPage{seek: 2}: valid, and without effect here
 await new Promise((heard) => setTimeout(heard, 300));
 assert.equal(seek.readyState, WebSocket.OPEN);
 seek.close();
@@ -135,7 +135,7 @@ const complained = await new Promise((heard) => {
 assert.equal(complained.level, 2);
 await alive();
 
-// Many at a time: some are turned away, and when they are gone there is room again
+// Many connections at a time: some are refused, and when they are gone there is room again
 const crowd = [];
 for (let k = 0; k < 200; ++k) {
   const socket = net.connect(Number(url.port), url.hostname);

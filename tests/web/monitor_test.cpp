@@ -1,6 +1,6 @@
-// A real monitor of a real fleet, seen by others' programs: Foxglove's client, promtool, a Prometheus server;
-// and what it refuses. Needs Node.js with what tests/web/package.json names, and Prometheus: tests/run
-// installs them.
+// Tests of a real monitor of a real fleet, seen by other programs: Foxglove's client, promtool, a Prometheus
+// server; and of what it refuses. They need Node.js with the packages of tests/web/package.json, and
+// Prometheus: tests/run installs them.
 
 #include <algorithm>
 #include <functional>
@@ -59,7 +59,7 @@ struct MonitorTest : testing::Test {
     EXPECT_TRUE(test::within(20s, [&] { return !url().empty(); })) << test::contents(path("monitor.log"));
     return process;
   }
-  /// As the monitor said: its first line.
+  /// The address in the first line of the monitor.
   std::string url() const {
     const std::string said = test::contents(path("monitor.log"));
     return said.starts_with("http://") ? said.substr(0, said.find('\n')) : std::string();
@@ -82,7 +82,7 @@ struct MonitorTest : testing::Test {
   }
 };
 
-TEST_F(MonitorTest, ShowsFoxgloveAndAPageWhatTheFleetDrives) {
+TEST_F(MonitorTest, FoxgloveAndThePageShowWhatTheFleetDrives) {
   const auto watcher = monitor(domain);
   const auto run = fleet(domain);
   const test::Outcome outcome =
@@ -95,14 +95,14 @@ TEST_F(MonitorTest, ShowsFoxgloveAndAPageWhatTheFleetDrives) {
   EXPECT_EQ(watcher->wait(), 0) << test::contents(path("monitor.log"));
 }
 
-TEST_F(MonitorTest, RefusesWhatItShouldAndGoesOn) {
+TEST_F(MonitorTest, TheMonitorRefusesInvalidRequestsAndGoesOn) {
   const auto watcher = monitor(domain + 1);
   const test::Outcome outcome = node("monitor_refusals.js", url());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_FALSE(test::has_ended(watcher->pid())) << test::contents(path("monitor.log"));
 }
 
-TEST_F(MonitorTest, PrometheusReadsIt) {
+TEST_F(MonitorTest, PrometheusReadsTheMetrics) {
   ASSERT_FALSE(which("prometheus").empty()) << "needs prometheus: tests/run installs it";
   const auto watcher = monitor(domain + 2);
   const auto run = fleet(domain + 2);
@@ -117,7 +117,7 @@ TEST_F(MonitorTest, PrometheusReadsIt) {
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
   EXPECT_EQ(checked.output, "");
 
-  // The example of deploy/, told to ask this monitor, and more often.
+  // The example of deploy/, changed to scrape this monitor, and more often.
   std::string config = test::contents(std::filesystem::path(COPPICE_SOURCE_DIR) / "deploy/prometheus.yml");
   const std::string usual = "127.0.0.1:8090";
   ASSERT_NE(config.find(usual), std::string::npos);
@@ -138,14 +138,14 @@ TEST_F(MonitorTest, PrometheusReadsIt) {
       << value(query, "up") << test::contents(path("prometheus.log"));
 }
 
-TEST_F(MonitorTest, LetsTheFleetGoFirst) {
-  constexpr int of_agents = 10;  // how nice `coppice run` makes them
+TEST_F(MonitorTest, TheMonitorIsNicerThanTheFleet) {
+  constexpr int of_agents = 10;  // the niceness that `coppice run` gives them
   const auto watcher = monitor(domain + 5);
   EXPECT_GT(getpriority(PRIO_PROCESS, static_cast<id_t>(watcher->pid())), of_agents);
 }
 
-/// The robot that was late for the largest share of its control periods, of a fleet that drives for half a
-/// minute; `meanwhile` is done while it does.
+/// The largest share of missed control periods among the robots of a fleet that drives for half a minute.
+/// `meanwhile` is called while it drives.
 double worst_share_missed(const std::filesystem::path& folder, int of_domain,
                           const std::function<void()>& meanwhile) {
   const std::string report = (folder / "report.json").string();
@@ -165,7 +165,7 @@ double worst_share_missed(const std::filesystem::path& folder, int of_domain,
   return worst;
 }
 
-TEST_F(MonitorTest, TenThatComeAndGoCostNoRobotItsDeadlines) {
+TEST_F(MonitorTest, TenMonitorsCostNoRobotItsDeadlines) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   const double alone = worst_share_missed(folder.path(), domain + 6, [] {});
   const double watched = worst_share_missed(folder.path(), domain + 7, [&] {
@@ -188,14 +188,14 @@ TEST_F(MonitorTest, TenThatComeAndGoCostNoRobotItsDeadlines) {
   EXPECT_LE(watched, alone + 0.01);
 }
 
-TEST_F(MonitorTest, ListensAtTheLoopbackAlone) {
+TEST_F(MonitorTest, TheMonitorListensOnlyAtTheLoopback) {
   const auto watcher = monitor(domain + 3);
   const test::Outcome listening = test::shell(fmt::format("ss -Htlnp | grep 'pid={},'", watcher->pid()));
   EXPECT_EQ(std::ranges::count(listening.output, '\n'), 1) << listening.output;
   EXPECT_NE(listening.output.find(" 127.0.0.1:" + port() + " "), std::string::npos) << listening.output;
 }
 
-TEST_F(MonitorTest, TakesAnotherPortIfAskedToWhereItsOwnIsTakenAndSaysSo) {
+TEST_F(MonitorTest, TheMonitorTakesAnotherPortOnRequestAndSaysSo) {
   const auto first = monitor(domain + 4);
   const std::string taken = port();
   const test::Background second({test::program("coppice"), "monitor", "--domain", std::to_string(domain + 4),
@@ -208,8 +208,8 @@ TEST_F(MonitorTest, TakesAnotherPortIfAskedToWhereItsOwnIsTakenAndSaysSo) {
   EXPECT_EQ(said().find("http://127.0.0.1:" + taken + "/"), std::string::npos) << said();
 }
 
-/// The rules of deploy/, by Prometheus's own tool: they are well formed, and call when they should.
-TEST_F(MonitorTest, AlertsCallWhenTheyShould) {
+/// Prometheus's own tool checks that the rules of deploy/ are well formed and fire as they should.
+TEST_F(MonitorTest, TheAlertsFireAsTheyShould) {
   if (which("promtool").empty()) GTEST_SKIP() << "needs prometheus";
   const std::string rules = std::string(COPPICE_SOURCE_DIR) + "/deploy/prometheus-alerts.yml";
   const test::Outcome checked = test::shell("promtool check rules '" + rules + "' 2>&1");
@@ -222,8 +222,8 @@ TEST_F(MonitorTest, AlertsCallWhenTheyShould) {
   EXPECT_EQ(tested.exit_code, 0) << tested.output;
 }
 
-/// Of a recording there are no figures of a bus, and those of the process are true.
-TEST_F(MonitorTest, OfARecordingItsOwnFiguresAreNotNought) {
+/// The monitor of a recording has no figures of a bus, and its process figures are true.
+TEST_F(MonitorTest, TheMonitorOfARecordingReportsItsOwnFigures) {
   if (which("curl").empty()) GTEST_SKIP() << "needs curl";
   const std::string file = path("fleet.mcap").string();
   ASSERT_EQ(
@@ -244,7 +244,7 @@ TEST_F(MonitorTest, OfARecordingItsOwnFiguresAreNotNought) {
   EXPECT_EQ(metrics.find("coppice_monitor_rejected_messages_total"), std::string::npos) << metrics;
 }
 
-TEST_F(MonitorTest, SaysWhereItCannotListen) {
+TEST_F(MonitorTest, TheMonitorSaysWhereItCannotListen) {
   const auto refused = [&](const std::string& options) {
     return test::shell(
         fmt::format("timeout 20 '{}' monitor --domain {} {}", test::program("coppice"), domain + 4, options));

@@ -1,5 +1,5 @@
-// The page's sources, with what `npm install` gets (monitor/web/README.md): their own tests, and that the
-// bundle that is committed is what they make.
+// Tests of the page's sources, with the packages of `npm install` (monitor/web/README.md): their own tests,
+// and that they make the committed bundle.
 
 #include <cstdlib>
 
@@ -15,7 +15,7 @@ struct PageSources : testing::Test {
     ASSERT_TRUE(std::filesystem::exists(sources / "node_modules/vite"))
         << "needs `npm install --no-save` in monitor/web: tests/run installs it";
   }
-  /// By a shell in their folder.
+  /// Runs a shell command in their folder.
   test::Outcome there(const std::string& command) const {
     return test::shell("cd '" + sources.string() + "' && " + command);
   }
@@ -24,20 +24,20 @@ struct PageSources : testing::Test {
   test::TemporaryFolder folder;
 };
 
-TEST_F(PageSources, PassTheirTests) {
+TEST_F(PageSources, ThePageSourcesPassTheirTests) {
   const test::Outcome outcome = there("npm test");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
-TEST_F(PageSources, MakeTheBundleThatIsCommitted) {
+TEST_F(PageSources, ThePageSourcesMakeTheCommittedBundle) {
   const std::string made = (folder.path() / "dist").string();
   const test::Outcome outcome = there("npm run protocol && npx tsc && npx vite build --outDir '" + made +
                                       "' && diff -r dist '" + made + "'");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
-/// Cells, badges, ends of runs, far map origins: by Debian's chromium.
-TEST_F(PageSources, AreClearAtFirstSight) {
+/// Table cells, badges, ends of runs and far map origins, in Debian's chromium.
+TEST_F(PageSources, ThePageIsClearAtFirstSight) {
   if (test::shell("command -v chromium").exit_code != 0 ||
       !std::filesystem::exists(sources / "../../tests/web/node_modules/playwright-core"))
     GTEST_SKIP() << "needs chromium, and `npm ci` in tests/web";
@@ -46,15 +46,15 @@ TEST_F(PageSources, AreClearAtFirstSight) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
-/// Recordings, a monitor that goes away, bytes that are no message, 200 robots: what a mock alone can play.
-TEST_F(PageSources, HoldWithAMadeUpFleet) {
+/// What only a mock can play: recordings, a monitor that ends, invalid bytes, 200 robots.
+TEST_F(PageSources, ThePageWorksWithAMadeUpFleet) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
-  setenv("COPPICE_PAGE_FPS", "1", 1);  // how fast it draws is measured elsewhere
+  setenv("COPPICE_PAGE_FPS", "1", 1);  // the drawing speed is measured elsewhere
   const test::Outcome outcome = there("npm run test:page");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
-TEST(WebPackages, RunOnTheNodeJsOfDebian12) {
+TEST(WebPackages, TheWebPackagesRunOnTheNodeJsOfDebian12) {
   const std::string ours = COPPICE_SOURCE_DIR;
   const test::Outcome outcome =
       test::shell("cd '" + ours +

@@ -1,5 +1,5 @@
-// The page of a real monitor, of a fleet that drives and of a recording of one, used as a person uses it: by
-// Debian's chromium, which playwright-core drives. tests/run installs both.
+// Tests of the page of a real monitor, for a driving fleet and for a recording, as a user works with it: in
+// Debian's chromium, driven by playwright-core. tests/run installs both.
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 
@@ -36,7 +36,7 @@ struct Page : testing::Test {
     arguments.insert(arguments.begin(), test::program("coppice"));
     return std::make_unique<test::Background>(arguments, path(log));
   }
-  /// The monitor's first line.
+  /// The address in the monitor's first line.
   std::string url() const {
     const auto line = [&] {
       const std::string said = test::contents(path("monitor.log"));
@@ -64,19 +64,19 @@ struct Page : testing::Test {
   test::TemporaryFolder folder;
 };
 
-TEST_F(Page, ShowsAFleetThatDrives) {
+TEST_F(Page, ThePageShowsADrivingFleet) {
   const auto monitor = start({"monitor", "--domain", std::to_string(domain), "--port", "0"}, "monitor.log");
   const auto run = start({"run", (test::scenarios() / "rooms-20.json").string(), "--domain",
                           std::to_string(domain), "--quiet", "--time-scale", "1", "--lifelong", "200"},
                          "run.log");
   use_page("fleet");
   EXPECT_FALSE(test::has_ended(run->pid()))
-      << "the fleet drove all the time: " << test::contents(path("run.log"));
+      << "the fleet must drive all the time: " << test::contents(path("run.log"));
   run->send(SIGINT);
   run->wait();
 }
 
-TEST_F(Page, ShowsARecording) {
+TEST_F(Page, ThePageShowsARecording) {
   const std::string file = path("fleet.mcap").string();
   EXPECT_EQ(
       start({"run", (test::scenarios() / "rooms-8.json").string(), "--domain", std::to_string(domain + 1),
@@ -89,7 +89,7 @@ TEST_F(Page, ShowsARecording) {
   run_spec("recording.spec.mjs");
 }
 
-TEST_F(Page, EndsWithTheRunsOutcomeAndKeepsTheRobotsThatArrived) {
+TEST_F(Page, ThePageShowsTheOutcomeAndTheRobotsThatArrived) {
   const auto run = start({"run", (test::scenarios() / "rooms-8.json").string(), "--robots", "2", "--domain",
                           std::to_string(domain + 2), "--quiet", "--time-scale", "2", "--watch"},
                          "monitor.log");
@@ -99,8 +99,8 @@ TEST_F(Page, EndsWithTheRunsOutcomeAndKeepsTheRobotsThatArrived) {
   EXPECT_EQ(std::ranges::count(said, '\n'), 1) << "one line, with the address: " << said;
 }
 
-/// Whatever `coppice replay` says on a bus, no fleet is alive there.
-TEST_F(Page, CallsAReplayNeverLive) {
+/// No fleet is alive on the bus of `coppice replay`.
+TEST_F(Page, ThePageNeverCallsAReplayLive) {
   const std::string file = path("fleet.mcap").string();
   EXPECT_EQ(start({"simulate", (test::scenarios() / "rooms-8.json").string(), "--robots", "2", "--quiet",
                    "--record", file},
@@ -118,7 +118,7 @@ TEST_F(Page, CallsAReplayNeverLive) {
   run_spec("badge.spec.mjs", "'waiting for a fleet' replay 'fleet silent since '");
 }
 
-TEST_F(Page, ShowsPlacesOfFarMapsToAMillimetre) {
+TEST_F(Page, ThePageShowsPositionsOfFarMapsToAMillimetre) {
   folder.write("far.pgm", "P5 40 20 255\n" + std::string(800, '\xff'));
   folder.write("far.yaml",
                "image: far.pgm\nresolution: 0.5\norigin: [500000.0, 5400000.0, 0.0]\nnegate: 0\n"

@@ -1,7 +1,8 @@
-// Reads a recording with the reference reader of MCAP, whole and by its index, and compares what it finds with the
-// trajectory of the same run: node read_recording.mjs RECORDING TRAJECTORY. Says how many messages each channel has.
+// Reads a recording with the reference reader of MCAP, whole and by its index, and compares it with the
+// trajectory of the same run: node read_recording.mjs RECORDING TRAJECTORY. Prints the number of messages of
+// each channel.
 //
-// Chunks' checksums are checked by the reader; those of the data section and of the summary here.
+// The reader checks the checksums of chunks. This script checks those of the data section and of the summary.
 import assert from "node:assert/strict";
 import {readFileSync} from "node:fs";
 import {McapIndexedReader, McapStreamReader} from "@mcap/core";
@@ -21,7 +22,7 @@ function crc32(bytes) {
   return ~crc >>> 0;
 }
 
-// --- from its beginning to its end ---
+// --- from the beginning to the end ---
 
 const records = {};
 const streamed = {};
@@ -49,7 +50,7 @@ const crcs = {
       footer.summaryCrc === view.getUint32(file.length - 8 - 4, true),
 };
 
-// --- by its index ---
+// --- by the index ---
 
 const reader = await McapIndexedReader.Initialize({
   readable: {
@@ -78,7 +79,7 @@ for await (const message of reader.readMessages()) {
       (track[decoded.robot] ??= []).push([p.time, p.position.x, p.position.y, p.velocity.x, p.velocity.y]);
 }
 
-// --- a part of it ---
+// --- a part ---
 
 const statistics = Object.fromEntries([...reader.statistics.channelMessageCounts].map(
     ([id, count]) => [reader.channelsById.get(id).topic, Number(count)]));
@@ -89,9 +90,9 @@ for await (const message of reader.readMessages({startTime: middle, topics: ["/c
   part.early += message.logTime < middle;
 }
 
-// --- what is found ---
+// --- results ---
 
-// Each row of the trajectory is a point of the robot's track, to the digits that it has.
+// Each row of the trajectory is a point of the robot's track, within the precision of its digits.
 const rows = readFileSync(process.argv[3], "utf8").trim().split("\n").slice(1).map((line) => line.split(","));
 const points = new Set();
 for (const [robot, all] of Object.entries(track))

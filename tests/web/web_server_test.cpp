@@ -1,5 +1,5 @@
-// The web server's limits, with short ones: who does not take what it is sent, who does not ask, who is one
-// too many.
+// Tests of the web server's limits, with small values: clients that do not read, clients that do not ask, and
+// too many clients.
 
 #include "monitor/web_server.h"
 
@@ -38,7 +38,7 @@ class Client {
     say("GET /live HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
         "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
   }
-  /// What has come by now.
+  /// What has arrived so far.
   std::string heard() const {
     std::string all(1 << 16, '\0');
     const ssize_t size = recv(socket_, all.data(), all.size(), MSG_DONTWAIT);
@@ -87,7 +87,7 @@ bool serves_until(WebServer& server, Condition condition) {
 
 constexpr const char* request = "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n";
 
-TEST_F(WebServerTest, WhoDoesNotTakeWhatItIsSentIsCutOffAndHoldsUpNobody) {
+TEST_F(WebServerTest, AClientThatDoesNotReadIsCutOffAndDelaysNobody) {
   const auto served = server({.blocked_seconds = 1}, 16 << 20);
   const Client slow(served->port());
   slow.ask_for_web_socket();
@@ -97,10 +97,10 @@ TEST_F(WebServerTest, WhoDoesNotTakeWhatItIsSentIsCutOffAndHoldsUpNobody) {
   EXPECT_TRUE(serves_until(*served, [&] { return other.heard().ends_with("here"); }));
   EXPECT_EQ(served->web_sockets(), 1u);
   EXPECT_TRUE(serves_until(*served, [&] { return served->web_sockets() == 0; }));
-  EXPECT_EQ(asked, 1) << "nothing is made for somebody who does not read";
+  EXPECT_EQ(asked, 1) << "no frame is made for a client that does not read";
 }
 
-TEST_F(WebServerTest, WhoTakesItIsAskedAgainAtEachTurn) {
+TEST_F(WebServerTest, AClientThatReadsIsServedAgainAtEachTurn) {
   const auto served = server({});
   const Client reader(served->port());
   reader.ask_for_web_socket();
@@ -109,7 +109,7 @@ TEST_F(WebServerTest, WhoTakesItIsAskedAgainAtEachTurn) {
   EXPECT_GE(served->bytes_sent(), 19'000u);
 }
 
-TEST_F(WebServerTest, WhoDoesNotAskIsLetGo) {
+TEST_F(WebServerTest, AClientThatSendsNoRequestIsDisconnected) {
   const auto served = server({.request_seconds = 0.2});
   const Client silent(served->port());
   const Client halting(served->port());
@@ -117,7 +117,7 @@ TEST_F(WebServerTest, WhoDoesNotAskIsLetGo) {
   EXPECT_TRUE(serves_until(*served, [&] { return silent.is_closed() && halting.is_closed(); }));
 }
 
-TEST_F(WebServerTest, WhoIsOneTooManyIsTurnedAway) {
+TEST_F(WebServerTest, AClientBeyondTheLimitIsRefused) {
   const auto served = server({.connections = 2});
   const Client one(served->port());
   const Client two(served->port());
@@ -134,7 +134,7 @@ TEST_F(WebServerTest, WhoIsOneTooManyIsTurnedAway) {
   EXPECT_TRUE(serves_until(*served, [&] { return four.heard().ends_with("here"); })) << "there is room again";
 }
 
-TEST_F(WebServerTest, AServerThatGoesTakesItsConnectionsAlong) {
+TEST_F(WebServerTest, AServerThatEndsClosesItsConnections) {
   auto served = server({}, 16 << 20);
   const Client talks(served->port());
   const Client asks(served->port());
@@ -144,7 +144,7 @@ TEST_F(WebServerTest, AServerThatGoesTakesItsConnectionsAlong) {
   EXPECT_TRUE(test::within(1s, [&] { return asks.is_closed(); }));
 }
 
-TEST_F(WebServerTest, AddressesThatAreNoneAreRefused) {
+TEST_F(WebServerTest, InvalidAddressesAreRefused) {
   EXPECT_THROW(WebServer({.address = "localhost"}, {}), InputError);
   EXPECT_THROW(WebServer({.address = "192.0.2.1", .port = 0}, {}), InputError)
       << "no address of this machine";

@@ -1,6 +1,7 @@
-// What the badge of a monitor's page (COPPICE_PAGE_URL) comes to say, and that it never says that a fleet is live.
+// Checks what the badge of a monitor's page (COPPICE_PAGE_URL) shows in turn, and that it never says that a
+// fleet is live.
 //
-//   node badge.spec.mjs TEXT...    (what it comes to begin with, one after the other)
+// node badge.spec.mjs TEXT...    (the beginnings of what it must show, one after the other)
 import assert from 'node:assert/strict';
 
 import {chromium} from 'playwright-core';

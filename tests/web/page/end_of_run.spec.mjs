@@ -1,6 +1,7 @@
-// What a person sees of a run that ends (COPPICE_PAGE_URL: its monitor, which goes with it), by Debian's chromium.
+// Checks what a user sees of a run that ends (COPPICE_PAGE_URL: its monitor, which ends with it), in Debian's
+// chromium.
 //
-//   node end_of_run.spec.mjs ROBOTS
+// node end_of_run.spec.mjs ROBOTS
 import assert from 'node:assert/strict';
 
 import {chromium} from 'playwright-core';
@@ -24,7 +25,7 @@ await until(() => document.querySelector('#connection').textContent === 'run end
 while (await serverIsThere()) await new Promise((resolve) => setTimeout(resolve, 100));
 await new Promise((resolve) => setTimeout(resolve, 1500));
 
-assert.equal(await badge.textContent(), 'run ended', 'also when the monitor has gone');
+assert.equal(await badge.textContent(), 'run ended', 'the outcome stays after the monitor has ended');
 assert.equal(await page.locator('#notice-title').textContent(), `run ended: ${robots} of ${robots} arrived`);
 assert.equal(await page.locator('#arrived').textContent(), `${robots} / ${robots}`);
 assert.equal(await page.locator('body.lost').count(), 0, 'nothing is dimmed');

@@ -1,7 +1,7 @@
-// Places on the page of a recording (COPPICE_PAGE_URL) whose map begins far from the origin of its frame are those of the
-// trajectory, to a millimetre.
+// Checks that positions on the page of a recording (COPPICE_PAGE_URL) agree with the trajectory to 1 mm, for
+// a map that begins far from the origin of its frame.
 //
-//   node far_map.spec.mjs TRAJECTORY.csv
+// node far_map.spec.mjs TRAJECTORY.csv
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 
@@ -12,7 +12,7 @@ import {arguments_of_chromium, program_of_chromium} from './chromium.mjs';
 const driven = readFileSync(process.argv[2], 'utf8').trim().split('\n').slice(1).map((line) => line.split(','))
   .map(([time, , x, y]) => [Number(time), Number(x), Number(y)]);
 
-/// How far a place lies from the line that was driven.
+/// The distance of a position from the line that was driven.
 function aside({x, y}) {
   let least = Infinity;
   for (let k = 1; k < driven.length; ++k) {

@@ -1,7 +1,8 @@
-// A monitor with a made-up fleet, for working on the page and for its tests: serves monitor/web/dist under the real
-// Content-Security-Policy, and says on /live what idl/live.proto allows. No robot here plans or gives way.
+// A monitor with a made-up fleet, for work on the page and for its tests. It serves monitor/web/dist under
+// the real Content-Security-Policy, and sends on /live what idl/live.proto allows. Its robots neither plan
+// nor give way.
 //
-//   node mock-monitor.mjs [--robots 20] [--port 8080] [--recorded] [--hz 20]
+// node mock-monitor.mjs [--robots 20] [--port 8080] [--recorded] [--hz 20]
 
 import {readFile} from 'node:fs/promises';
 import {createServer} from 'node:http';
@@ -20,7 +21,7 @@ export {LifeState};
 const policy = "default-src 'self'; connect-src 'self'; img-src 'self' data:; style-src 'self'";
 const types = {'.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'};
 
-const rooms = {across: 8, down: 6, cells: 50};  // each room's walls are two cells thick
+const rooms = {across: 8, down: 6, cells: 50};  // the walls of each room are two cells thick
 const door = 14;  // cells
 
 /// The same numbers each time (mulberry32).
@@ -109,7 +110,7 @@ function growTree(x, y, nodes, reach, draw) {
   return points;
 }
 
-/// Places of robots, paths and trees are relative to the map's origin, as they travel.
+/// Positions of robots, paths and trees are relative to the map's origin, as in the messages.
 export function makeFleet(count, origin = [0, 0]) {
   const draw = random(1);
   const robots = Array.from({length: count}, (_, k) => makeRobot(k, draw));
@@ -140,7 +141,7 @@ function known(fleet) {
   return messages;
 }
 
-/// What a page is told of the fleet as a whole: it drives, unless the mock was told otherwise.
+/// What a page is told of the whole fleet: it drives, unless the mock is told otherwise.
 function lifeOf(fleet, life) {
   const arrived = fleet.robots.filter(({phase}) => phase === Phase.ARRIVED).length;
   return {state: LifeState.ALIVE, heard: 0, robots: fleet.robots.length, arrived, replayed: false, ...life};
@@ -190,7 +191,7 @@ function pack(message) {
   return writer.finish();
 }
 
-/// What one page is told: by the wall's clock, or as a recording that it may steer.
+/// Serves one page: by wall time, or as a recording that the page may control.
 function serve(socket, fleet, {recorded, hz, history, seconds}, control) {
   const say = (message) => { if (socket.bufferedAmount < 1 << 20) socket.send(pack(message)); };
   let playing = true, speed = 1, at = history, last = performance.now();
@@ -248,7 +249,7 @@ export async function startMock({robots = 20, port = 0, recorded = false, hz = 2
   const fleet = makeFleet(robots, origin);
   fleet.late = late;  // share of control periods that some robots miss
   fleet.waiting = waiting;  // seconds that every third robot has waited
-  fleet.longest = longest;  // metres that each robot has to go, for cells that must hold them
+  fleet.longest = longest;  // metres that each robot has to go, for table cells that must hold them
   const control = {life: {}};
   const server = createServer(answer);
   const sockets = new WebSocketServer({server, path: '/live'});
@@ -257,7 +258,7 @@ export async function startMock({robots = 20, port = 0, recorded = false, hz = 2
   return {
     url: `http://127.0.0.1:${server.address().port}/`,
     port: server.address().port,
-    tell: (life) => { control.life = life; },  // of lifeOf
+    tell: (life) => { control.life = life; },  // in the form of lifeOf
     say: (bytes) => { for (const socket of sockets.clients) socket.send(bytes); },
     close: () => new Promise((resolve) => {
       for (const socket of sockets.clients) socket.terminate();

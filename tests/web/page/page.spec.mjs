@@ -1,9 +1,9 @@
-// What a person does with the page, done by a browser: Debian's chromium, without a graphics card.
+// Checks what a user does with the page, in Debian's chromium without a graphics card.
 //
-// COPPICE_PAGE_URL: a monitor that runs already, with robots that move; without it, mock-monitor.mjs is one, and what only a
-// mock can play (a recording, a server that goes away, 200 robots) is checked as well.
-// With --at-first-sight, only those that are quick, and need a mock.
-// COPPICE_PAGE_SHOTS: a folder for screenshots. COPPICE_PAGE_FPS: what 200 robots need at least, 30 unless told.
+// COPPICE_PAGE_URL: a running monitor with moving robots. Without it, mock-monitor.mjs serves the page, and
+// what only a mock can play (a recording, a server that ends, 200 robots) is checked as well. With
+// --at-first-sight, only the quick checks that need a mock run. COPPICE_PAGE_SHOTS: a folder for screenshots.
+// COPPICE_PAGE_FPS: the least frame rate with 200 robots, 30 by default.
 
 import assert from 'node:assert/strict';
 import {mkdirSync} from 'node:fs';
@@ -38,7 +38,8 @@ const until = (page, check, argument) => page.waitForFunction(check, argument, {
 const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 const apart = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
-/// How many pixels of the map differ from how they were kept under that name; kept anew. All of them the first time.
+/// The number of pixels of the map that differ from those kept under that name; keeps the new ones. All
+/// pixels differ the first time.
 function pixelsChanged(page, kept) {
   return page.evaluate((name) => {
     const canvas = document.querySelector('#map');
@@ -52,7 +53,7 @@ function pixelsChanged(page, kept) {
   }, kept);
 }
 
-/// The robot of those in the table that moves furthest in a second, and is on the map.
+/// The robot of the table that moves furthest in a second, and is on the map.
 async function movingRobot(page) {
   const names = await page.locator('#table tbody tr:not(.spacer) td:first-child').allTextContents();
   const before = await Promise.all(names.map((name) => positionOf(page, name)));
@@ -64,7 +65,7 @@ async function movingRobot(page) {
   return most.name;
 }
 
-/// Clicks on a robot as it drives by; others may stand in front of it, so in a few attempts.
+/// Clicks on a driving robot. Others may stand in front of it, so that it takes a few attempts.
 async function clickOn(page, name) {
   for (let attempt = 0; attempt < 20; ++attempt) {
     const at = await positionOf(page, name);
@@ -355,7 +356,7 @@ const mockChecks = {
     await page.locator('.pill.live').waitFor({timeout: 15_000});
     await until(page, () => window.coppice.ready);
     await movingRobot(page);
-    page.said = page.said.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'));  // chromium's own word
+    page.said = page.said.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'));  // a message of chromium itself
     await close(page);
     await again.close();
   },
@@ -364,7 +365,7 @@ const mockChecks = {
     const mock = await mocked.startMock({});
     const page = await openReady(mock.url);
     const before = (await state(page)).frames;
-    mock.say(Uint8Array.from([0x3a, 0xff, 0xff, 0xff, 0xff]));  // a frame that ends before it should
+    mock.say(Uint8Array.from([0x3a, 0xff, 0xff, 0xff, 0xff]));  // a truncated frame
     await page.locator('.pill.lost').waitFor();
     await page.locator('.pill.live').waitFor({timeout: 15_000});
     await until(page, (frames) => window.coppice.ready && window.coppice.frames > frames + 10, before);
@@ -406,7 +407,7 @@ const mockChecks = {
   },
 };
 
-// What somebody sees who looks for the first time; these take little time.
+// What a new user sees. These checks take little time.
 const checksAtFirstSight = {
   async 'cells hold their numbers whole, on every page'() {
     const mock = await mocked.startMock({longest: 1255.04, late: 0.5});
@@ -554,7 +555,7 @@ const checksAtFirstSight = {
   },
 };
 
-/// Of the view, how much shows the mock's map of 400 x 300 m, with a robot selected.
+/// The share of the mock's map of 400 x 300 m that the view shows, with a robot selected.
 async function shareOfMapInSight(page) {
   await pause(150);
   const [robot, {scale}, box] = [(await state(page)).selected, await state(page), await page.locator('#map').boundingBox()];

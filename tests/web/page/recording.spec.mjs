@@ -1,4 +1,4 @@
-// What a person does with a recording that a monitor plays (COPPICE_PAGE_URL), by Debian's chromium.
+// Checks what a user does with a recording that a monitor plays (COPPICE_PAGE_URL), in Debian's chromium.
 
 import assert from 'node:assert/strict';
 
@@ -24,7 +24,7 @@ await until(() => !window.coppice.playing);
 await new Promise((resolve) => setTimeout(resolve, 500));
 const held = await time();
 await new Promise((resolve) => setTimeout(resolve, 700));
-assert.equal(await time(), held, 'a pause holds it');
+assert.equal(await time(), held, 'a pause stops the time');
 
 await page.locator('#scrubber').fill('12');
 const late = await (await until(() => Math.abs(window.coppice.time - 12) < 2 && window.coppice.positionOf('r1'))).jsonValue();
