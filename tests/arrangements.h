@@ -1,4 +1,4 @@
-// A few robots on a small grid of cells, and an exhaustive search that tells whether they can get to their
+// A few robots on a small grid of cells, and an exhaustive search that tells whether they can reach their
 // goals.
 #pragma once
 
@@ -21,9 +21,9 @@ struct Arrangement {
   int height = 0;
   std::vector<std::uint8_t> blocked{};  ///< by cell
   std::vector<int> starts{};            ///< cells, by robot
-  std::vector<int> goals{};             ///< likewise
+  std::vector<int> goals{};             ///< cells, by robot
 
-  /// Each cell as scale x scale cells of a map.
+  /// Each cell becomes scale x scale cells of a map.
   OccupancyMap map(int scale) const {
     OccupancyMap map{.width = width * scale, .height = height * scale, .blocked = {}};
     for (int y = 0; y < map.height; ++y) {
@@ -32,7 +32,7 @@ struct Arrangement {
     }
     return map;
   }
-  /// Of a cell, on that map.
+  /// The centre of a cell on that map.
   Point2 centre(int cell, int scale) const {
     return scale * Point2(cell % width + 0.5, static_cast<double>(cell / width) + 0.5);
   }
@@ -49,7 +49,8 @@ inline std::string drawing(const Arrangement& a) {
   return text;
 }
 
-/// From rows of '.' for free cells and anything else for blocked ones, and the start and goal of each robot.
+/// Rows have '.' for free cells and any other character for blocked ones. The tasks are the start and goal of
+/// each robot.
 inline Arrangement arrangement(const std::vector<std::string>& rows,
                                const std::vector<std::pair<int, int>>& tasks) {
   Arrangement a{.width = static_cast<int>(rows.front().size()), .height = static_cast<int>(rows.size())};
@@ -63,7 +64,7 @@ inline Arrangement arrangement(const std::vector<std::string>& rows,
   return a;
 }
 
-/// Small arrangements that need a robot to leave its way for another.
+/// Small arrangements that need a robot to leave its path for another.
 inline std::vector<Arrangement> known_arrangements() {
   return {
       arrangement({"@.@",  //
@@ -100,7 +101,7 @@ inline std::vector<Arrangement> known_arrangements() {
   };
 }
 
-/// Turned by a right angle.
+/// The arrangement, rotated by a right angle.
 inline Arrangement turned(const Arrangement& a) {
   const auto moved = [&](int cell) { return cell % a.width * a.height + a.height - 1 - cell / a.width; };
   Arrangement turned{.width = a.height, .height = a.width, .blocked = a.blocked};
@@ -121,14 +122,15 @@ inline Arrangement mirrored(const Arrangement& a) {
   return mirrored;
 }
 
-/// Turned and mirrored in all eight ways.
+/// The arrangement in all eight rotations and reflections.
 inline std::vector<Arrangement> all_symmetries(const Arrangement& a) {
   std::vector<Arrangement> all{a, mirrored(a)};
   while (all.size() < 8) all.push_back(turned(all[all.size() - 2]));
   return all;
 }
 
-/// Breadth first over all configurations: one robot after the other moves to one of the four cells beside.
+/// Breadth-first search over all configurations: one robot at a time moves to one of the four neighbouring
+/// cells.
 inline bool has_solution(const Arrangement& a) {
   std::set<std::vector<int>> seen{a.starts};
   std::deque<std::vector<int>> open{a.starts};
@@ -159,7 +161,7 @@ inline int between(int least, int most, Random& random) {
   return least + static_cast<int>(random.index(static_cast<std::size_t>(most - least + 1)));
 }
 
-/// Different free cells; none where there are not more of them.
+/// Different free cells; empty if there are too few.
 inline std::vector<int> drawn_cells(const std::vector<std::uint8_t>& blocked, std::size_t count,
                                     Random& random) {
   std::vector<int> free;
@@ -172,7 +174,7 @@ inline std::vector<int> drawn_cells(const std::vector<std::uint8_t>& blocked, st
   return free;
 }
 
-/// Two to four robots on three to six cells a side, until one has a solution.
+/// Two to four robots on a grid with sides of three to six cells; drawn until there is a solution.
 inline Arrangement drawn_arrangement(Random& random) {
   while (true) {
     Arrangement drawn{.width = between(3, 6, random), .height = between(3, 6, random)};

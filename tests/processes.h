@@ -1,5 +1,5 @@
-// Processes as a test sees them from outside: started in the background, found by their parent, looked for
-// afterwards.
+// Processes as a test sees them from outside: it starts them in the background, finds them by their parent,
+// and checks afterwards whether they have ended.
 #pragma once
 
 #include <algorithm>
@@ -22,11 +22,12 @@
 
 namespace coppice::test {
 
-/// A command in the background, in a process group of its own; killed and reaped if it still runs at the end.
-/// What it keeps in temporary folders, and leaves when it is killed, lies in the one of its log.
+/// A command in the background, in its own process group. It is killed and reaped if it still runs at the
+/// end. Its temporary folders, which it leaves when it is killed, lie in the folder of its log.
 class Background {
  public:
-  /// Standard output and error go to `log`; standard input is the file of number `input`, or this process's.
+  /// Standard output and error go to `log`. Standard input is the file of number `input`, by default this
+  /// process's.
   Background(std::vector<std::string> command, const std::filesystem::path& log, int input = STDIN_FILENO) {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
@@ -56,7 +57,7 @@ class Background {
 
   pid_t pid() const { return pid_; }
   void send(int signal) const { kill(pid_, signal); }
-  /// Exit code, or 128 + the signal that ended it.
+  /// Exit code, or 128 + the signal that ended the process.
   int wait() {
     int status = 0;
     waitpid(pid_, &status, 0);
@@ -83,7 +84,7 @@ inline std::vector<ProcessInfo> processes() {
     if (!std::isdigit(static_cast<unsigned char>(entry.path().filename().string().front()))) continue;
     std::ifstream file(entry.path() / "stat");
     std::string line;
-    if (!std::getline(file, line)) continue;  // gone in the meantime
+    if (!std::getline(file, line)) continue;  // it has ended in the meantime
     const std::size_t open = line.find('(');
     const std::size_t close = line.rfind(')');
     ProcessInfo info{.pid = std::stoi(line), .name = line.substr(open + 1, close - open - 1)};
@@ -99,7 +100,7 @@ inline std::vector<ProcessInfo> children_of(pid_t parent) {
   return all;
 }
 
-/// Gone, or dead and not reaped yet.
+/// Whether the process is gone, or has ended and is not reaped yet.
 inline bool has_ended(pid_t pid) {
   const std::vector<ProcessInfo> all = processes();
   return std::none_of(all.begin(), all.end(),
@@ -117,7 +118,7 @@ bool within(std::chrono::milliseconds time, Condition condition) {
   return true;
 }
 
-/// Fast DDS's files in shared memory: there should be none.
+/// Files of Fast DDS in shared memory: there should be none.
 inline std::set<std::string> shared_memory() {
   std::set<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {

@@ -1,5 +1,5 @@
-// What a run says, checked from outside: from the map's and the scenario's text, the report and the recorded
-// trajectory, by plain geometry over all cells near, and with none of the library's clearance.
+// Checks a run from outside: by the text of the map and the scenario, the report and the recorded trajectory,
+// with plain geometry over all near cells, and without the library's clearance field.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ inline Vertex between(Vertex a, Vertex b, double share) {
   return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
 }
 
-/// The least of a function that falls and then rises on [0, 1], by ternary search.
+/// The minimum of a function that falls and then rises on [0, 1], by ternary search.
 template <class F>
 double least_on_unit(F&& f) {
   double low = 0;
@@ -42,7 +42,7 @@ double least_on_unit(F&& f) {
   return f((low + high) / 2);
 }
 
-/// The rows of a Moving AI map; everything but '.', 'G' and 'S' is blocked.
+/// The rows of a Moving AI map; all characters but '.', 'G' and 'S' are blocked.
 class PlainMap {
  public:
   explicit PlainMap(const std::filesystem::path& path) {
@@ -53,7 +53,7 @@ class PlainMap {
     if (rows_.empty()) throw std::runtime_error(path.string() + ": no map");
   }
 
-  /// Least distance from the segment to a blocked cell or the border, as far as `reach`.
+  /// Least distance from the segment to a blocked cell or the border, up to `reach`.
   double clearance(Vertex a, Vertex b, double reach) const {
     const double width = static_cast<double>(rows_[0].size());
     const double height = static_cast<double>(rows_.size());
@@ -94,7 +94,8 @@ struct Expected {
   Vertex goal;
 };
 
-/// The robots of a Moving AI .scen, at the centres of their cells, as the contract names them.
+/// The robots of a Moving AI .scen at the centres of their cells, with the names that the scenario reader
+/// gives them.
 inline std::vector<Expected> robots_of_scen(const std::filesystem::path& path) {
   std::ifstream in(path);
   std::string line;
@@ -139,8 +140,8 @@ inline std::map<std::string, std::vector<Sample>> read_trajectory_rows(const std
   return tracks;
 }
 
-/// Where a robot is that moves straight between samples, and stands before the first and after the last;
-/// asked for later and later times.
+/// The position of a robot that moves straight between samples, and stands before the first and after the
+/// last. The times of the calls must increase.
 class Follower {
  public:
   explicit Follower(const std::vector<Sample>& track) : track_(track) {}
@@ -158,7 +159,7 @@ class Follower {
   std::size_t next_ = 0;
 };
 
-/// Least distance of two robots while both are on record; straight motion between all samples of either.
+/// Least distance of two robots while both tracks last; motion is straight between samples.
 inline double least_distance(const std::vector<Sample>& a, const std::vector<Sample>& b) {
   std::vector<double> times;
   for (const auto* track : {&a, &b}) {
@@ -174,7 +175,7 @@ inline double least_distance(const std::vector<Sample>& a, const std::vector<Sam
   for (std::size_t i = 1; i < times.size() && times[i] <= end; ++i) {
     const Vertex a1 = in_a.at(times[i]);
     const Vertex b1 = in_b.at(times[i]);
-    // Nearly always they are too far from each other to come nearer than they were.
+    // Nearly always they are too far apart to come nearer than before.
     if (distance(a0, b0) - distance(a0, a1) - distance(b0, b1) < least)
       least = std::min(
           least, least_on_unit([&](double s) { return distance(between(a0, a1, s), between(b0, b1, s)); }));

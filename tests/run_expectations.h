@@ -1,4 +1,4 @@
-// What a fleet's report and recorded trajectory have to fulfil, whatever the fleet ran on.
+// Checks of a fleet's report and recorded trajectory, for fleets on any bus.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 
 namespace coppice::test {
 
-inline constexpr double tolerance = 1e-3;  ///< metres: what rounding in files and touching may cost
+inline constexpr double tolerance = 1e-3;  ///< metres: rounding in files and contact
 
 inline double length(const proto::Report::Robot& robot) {
   double sum = 0;
@@ -49,14 +49,14 @@ inline void expect_good_paths(const proto::Report& report, const std::vector<Exp
   EXPECT_NEAR(report.path_length(), sum / static_cast<double>(robots.size()), tolerance);
 }
 
-/// What the report says of motion follows from the trajectory, and nobody touched anything.
+/// The report's figures of motion agree with the trajectory, and no robot touched anything.
 inline void expect_good_motion(const proto::Report& report, const std::filesystem::path& trajectory,
                                double radius, const PlainMap& map) {
   const auto tracks = read_trajectory_rows(trajectory);
   ASSERT_EQ(tracks.size(), static_cast<std::size_t>(report.robots_size()));
   double separation = std::numeric_limits<double>::infinity();
   const double reach =
-      radius + std::max(report.least_clearance(), 0.0) + 1;  // far enough to see it said too low
+      radius + std::max(report.least_clearance(), 0.0) + 1;  // far enough to notice a report that is too low
   double clearance = reach - radius;
   for (auto a = tracks.begin(); a != tracks.end(); ++a) {
     for (auto b = std::next(a); b != tracks.end(); ++b) {

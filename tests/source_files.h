@@ -1,4 +1,4 @@
-// The project's own C++ sources, for the tests that read them.
+// The project's own C++ sources, for tests that read them.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@ inline std::filesystem::path source_folder() {
   return COPPICE_SOURCE_DIR;
 }
 
-/// Paths from the repository's root, sorted: every .h, .cpp and .c outside of hidden folders and of what is
-/// generated.
+/// Paths from the repository's root, sorted: every .h, .cpp and .c outside of hidden folders and of generated
+/// ones.
 inline std::vector<std::string> source_files() {
   const std::set<std::filesystem::path> generated{"build", "out", "node_modules"};
   const std::set<std::filesystem::path> extensions{".h", ".cpp", ".c"};

@@ -1,4 +1,4 @@
-// What several tests need: a folder that goes away, a command's output, and paths of the build.
+// Helpers of several tests: a temporary folder, a command's output, and paths of the build.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace coppice::test {
 
-/// With files that are written into it.
+/// A temporary folder into which files can be written.
 class TemporaryFolder {
  public:
   const std::filesystem::path& path() const { return folder_.path(); }
@@ -55,7 +55,7 @@ inline Outcome shell(const std::string& command) {
 inline std::string program(const std::string& name) {
   return COPPICE_BIN_DIR "/" + name;
 }
-/// Whether tests that take minutes, and show no more than shorter ones do but at full size, are to run.
+/// Whether to run tests that take minutes and show the same as shorter tests at full size.
 inline bool wants_long_tests() {
   return std::getenv("COPPICE_LONG_TESTS") != nullptr;
 }

@@ -1,4 +1,4 @@
-// Tracks that are looked at part by part, put together again.
+// Puts tracks together that are read in parts.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Uses a layer of Coppice. By Coppice's own settings the unused arguments would be warned of.
+// Uses a layer of Coppice. Coppice's own settings would warn of the unused arguments.
 
 #include "planning/clearance_field.h"
 

@@ -1,5 +1,5 @@
-// What comes off the network: samples of each topic, from their bytes to what the roles make of them; what
-// participants announce; and addresses of discovery servers.
+// Targets for what arrives from the network: samples of each topic, from their bytes to what the processes
+// make of them; announcements of participants; and addresses of discovery servers.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,9 +26,9 @@ namespace coppice::fuzz {
 
 namespace {
 
-constexpr std::size_t most_messages = 16;  // of a sequence: what is found is to be understood
+constexpr std::size_t most_messages = 16;  // in a sequence, so that findings stay understandable
 
-// --- a small fleet under way ---
+// --- a small driving fleet ---
 
 OccupancyMap room_with_a_door() {
   OccupancyMap map{.width = 24, .height = 16, .blocked = std::vector<std::uint8_t>(384, 0)};
@@ -58,7 +58,7 @@ RobotState state_of_b(double stamp) {
           .echoes = {{"a", stamp - 0.05, stamp}}};
 }
 
-/// Agent a, a broker and a service; b is only heard of.
+/// Agent a, a broker and a service. Robot b is only heard of.
 class SmallFleet {
  public:
   SmallFleet() : service_(two_robots(), {.plan_budget = 0.01}, 0) {
@@ -82,7 +82,7 @@ class SmallFleet {
         message);
   }
 
-  /// A control period for all. What the agent says must be what others take.
+  /// One control period for all. Other participants must accept what the agent sends.
   void step() {
     for (const Outgoing& said : agent_.step(now())) {
       if (problem_with(said.message)) std::abort();
@@ -110,7 +110,7 @@ class SmallFleet {
 
 // --- samples ---
 
-/// As it comes off the bus, if it passes.
+/// A message as it comes off the bus, if it passes validation.
 template <class M>
 std::optional<Message> decoded(Bytes data) {
   CheckedType<typename DdsType<M>::Support> type;
@@ -123,7 +123,7 @@ std::optional<Message> decoded(Bytes data) {
   type.getKey(&sample, &key, false);
   M message = from_dds(sample);
   if (problem_with(message)) return std::nullopt;
-  if (from_dds(to_dds(message)) != message) std::abort();  // NaN is none of what passes
+  if (from_dds(to_dds(message)) != message) std::abort();  // no NaN passes validation
   return message;
 }
 
@@ -261,7 +261,7 @@ std::vector<Input> journal_record_seeds() {
   return {serialized(Claim{7, 2, "a"}), serialized(BrokerStatus{7, true, 1, 1, 2, 3, 4, map_id(), 5})};
 }
 
-// --- one after the other ---
+// --- sequences ---
 
 template <std::size_t... K>
 std::optional<Message> decoded_of(std::size_t topic, Bytes data, std::index_sequence<K...>) {
@@ -270,7 +270,8 @@ std::optional<Message> decoded_of(std::size_t topic, Bytes data, std::index_sequ
   return message;
 }
 
-/// Each begins with the number of its topic, how many periods later it comes, and its length in two bytes.
+/// Each message begins with the number of its topic, the periods until it arrives, and its length in two
+/// bytes.
 void sequence(Bytes data) {
   constexpr auto topics = std::make_index_sequence<std::variant_size_v<Message>>();
   SmallFleet fleet;
@@ -294,7 +295,7 @@ std::vector<Input> sequence_seeds(std::index_sequence<K...>) {
                 static_cast<std::uint8_t>(sample.size() >> 8)});
     all.insert(all.end(), sample.begin(), sample.end());
   };
-  // Of states, the one that calls to a round, which the plan after it belongs to.
+  // Of the states, the one that calls the round of the plan that follows.
   (add(K, topic_seeds<std::variant_alternative_t<K, Message>>()[K == 4 ? 1 : 0]), ...);
   return {all};
 }

@@ -1,4 +1,4 @@
-// What others say who are no part of the fleet: ROS 2's nodes, and Foxglove.
+// Targets for what others send that are not part of the fleet: ROS 2 nodes and Foxglove.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,7 @@ namespace coppice::fuzz {
 
 namespace {
 
-using namespace std::literals;  // a string with bytes 0 in it
+using namespace std::literals;  // for a string with zero bytes
 namespace nav = nav_msgs::msg::dds_;
 namespace geometry = geometry_msgs::msg::dds_;
 
@@ -44,7 +44,7 @@ typename Support::type decoded(Bytes data) {
   std::ranges::copy(data, payload.data);
   payload.length = static_cast<std::uint32_t>(data.size());
   typename Support::type sample;
-  if (!type.deserialize(&payload, &sample)) std::abort();  // bytes that are no sample show as one, too
+  if (!type.deserialize(&payload, &sample)) std::abort();  // bytes that are no sample mark it, too
   return sample;
 }
 
@@ -60,7 +60,7 @@ bool is_finite(const RosTwist& twist) {
   return twist.linear.allFinite() && std::isfinite(twist.angular);
 }
 
-/// An agent leads a robot that says where it is: once what was read, as it drives.
+/// An agent leads a robot that reports its position: once as read, and while it drives.
 void ros_odometry(Bytes data) {
   RosOdometry seen = odometry_from(decoded<nav::Odometry_PubSubType>(data), 0);
   if (problem_with(seen)) return;
@@ -96,7 +96,7 @@ std::vector<Input> ros_odometry_seeds() {
   return {at(4, -8, 0), at(5, -8, 1), at(20, 3, -2)};
 }
 
-/// Somebody wants a robot to go elsewhere.
+/// A goal for a robot is requested.
 void ros_goal(Bytes data) {
   const RosGoal goal = goal_from(decoded<geometry::PoseStamped_PubSubType>(data), "a");
   PlannerService service(one_robot(), {.waits_for_goals = true}, 0);
@@ -119,7 +119,7 @@ std::vector<Input> ros_goal_seeds() {
   return {to(10, -4, "map"), to(10, -4, ""), to(-1, 4, "map"), to(1, 1, "odom")};
 }
 
-/// Each begins with whether it is text, and ends with a byte 0. What is answered comes to an end.
+/// Each message begins with whether it is text, and ends with a zero byte. The answer must be finite.
 void foxglove_client(Bytes data) {
   test::SeenFleet fleet;
   fleet.map();

@@ -1,4 +1,4 @@
-// Maps, pictures, scenarios, recordings and journals.
+// Targets for maps, pictures, scenarios, recordings and journals.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -21,7 +21,7 @@ namespace coppice::fuzz {
 
 namespace {
 
-/// Files of this process, under fixed names; removed at its end.
+/// Files of this process under fixed names, which are removed at its end.
 class Folder {
  public:
   Folder() {
@@ -58,7 +58,7 @@ const Folder& folder() {
   return only;
 }
 
-/// Bad input is told by an InputError of one line, and by nothing else.
+/// Bad input may cause an InputError of one line and nothing else.
 template <class Fn>
 void expect_input_error_at_most(Fn&& read) {
   try {
@@ -83,7 +83,7 @@ std::vector<Input> moving_ai_map_seeds() {
   return {input(small_map), input("type octile\r\nheight 1\r\nwidth 1\r\nmap\r\n.\r\n")};
 }
 
-/// The YAML, a byte 0, and the picture: it may be named a.pgm or a.png.
+/// The YAML, a zero byte, and the picture, which may be named a.pgm or a.png.
 void ros_map(Bytes data) {
   const auto cut = std::ranges::find(data, 0);
   const auto yaml = static_cast<std::size_t>(cut - data.begin());
@@ -132,7 +132,7 @@ std::vector<Input> scenario_scen_seeds() {
   return {input("version 1\n0\tm.map\t6\t4\t0\t0\t5\t3\t6.8\n1\tm.map\t6\t4\t5\t0\t0\t3\t6.8\n")};
 }
 
-/// From its beginning, and from its middle: what comes out is in order.
+/// Plays from the beginning and from the middle: the messages must be in order.
 void recording(Bytes data) {
   const std::string file = folder().write("a.mcap", data).string();
   expect_input_error_at_most([&] {
@@ -147,7 +147,7 @@ void recording(Bytes data) {
     }
   });
 }
-/// Without descriptions of the messages, which are many times as long as these.
+/// Without the descriptions of the messages, which are much longer than the messages.
 std::vector<Input> recording_seeds() {
   std::vector<Input> seeds;
   for (const auto compression : {McapWriter::Compression::none, McapWriter::Compression::zstd}) {
@@ -170,14 +170,14 @@ std::vector<Input> recording_seeds() {
   return seeds;
 }
 
-/// An empty one, with its first line only.
+/// An empty journal with its first line only.
 std::filesystem::path new_journal() {
   const std::filesystem::path file = folder().write("a.journal", {});
   const Journal begins(file);
   return file;
 }
 
-/// Of what stands behind the first line, the whole records count: the same whenever it is opened, and more
+/// Behind the first line, the whole records count. They are the same whenever the journal is opened, and more
 /// can be added.
 void journal(Bytes data) {
   const std::filesystem::path file = new_journal();

@@ -1,4 +1,5 @@
-// With libFuzzer: --target=NAME says which; --seeds=FOLDER writes what to begin with into a folder first.
+// The main program with libFuzzer: --target=NAME selects the target; --seeds=FOLDER first writes the seeds
+// into a folder.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -22,7 +23,7 @@ void write_seeds(const std::filesystem::path& folder) {
   }
 }
 
-/// Of an argument `option=value`; empty if it is another one.
+/// The value of an argument `option=value`; empty if it is another option.
 std::string_view value_of(std::string_view argument, std::string_view option) {
   return argument.starts_with(option) ? argument.substr(option.size()) : std::string_view();
 }

@@ -1,5 +1,4 @@
-// Takes the place of the C library's: no host has a name here, so that what is tried does not wait for the
-// network.
+// Replaces the C library's function: no host has a name here, so that no target waits for the network.
 #include <netdb.h>
 
 extern "C" int getaddrinfo(const char*, const char*, const addrinfo*, addrinfo**) {

@@ -1,5 +1,5 @@
-// Without libFuzzer: `fuzz_replay TARGET FOLDER` runs a target over its seeds and the inputs in a folder,
-// each of which must come to its end; `fuzz_replay --targets` names all targets.
+// The main program without libFuzzer: `fuzz_replay TARGET FOLDER` runs a target over its seeds and the inputs
+// in a folder, each of which must end. `fuzz_replay --targets` lists all targets.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ int replay(const Target& target, const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path());
   std::ranges::sort(files);
   for (const auto& file : files) {
-    std::cout << file.filename().string() << std::endl;  // the last one named is the one that fails
+    std::cout << file.filename().string() << std::endl;  // the last printed name is the one that fails
     std::ifstream in(file, std::ios::binary);
     const Input input{std::istreambuf_iterator<char>(in), {}};
     target.run(input);

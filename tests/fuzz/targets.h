@@ -1,5 +1,5 @@
-// What is fuzzed: every parser of what comes from files and from the network. A target must come to its end
-// with any bytes, soon and with little memory; what it finds bad it says by an InputError, or drops.
+// The fuzz targets: every parser of files and of what arrives from the network. A target must end soon, with
+// little memory, for any bytes. It reports bad input by an InputError, or drops it.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ using Input = std::vector<std::uint8_t>;
 struct Target {
   std::string_view name;
   void (*run)(Bytes);
-  std::vector<Input> (*seeds)();  ///< sound inputs to begin with
+  std::vector<Input> (*seeds)();  ///< valid inputs to begin with
 };
 
 std::span<const Target> file_targets();
@@ -26,7 +26,7 @@ inline std::array<std::span<const Target>, 3> all_targets() {
   return {file_targets(), bus_targets(), client_targets()};
 }
 
-/// Null if there is none of that name.
+/// Null if there is no target of that name.
 const Target* find_target(std::string_view name);
 
 }  // namespace coppice::fuzz

@@ -1,6 +1,6 @@
-// GCC 12's thread sanitizer does not follow pthread_mutex_clocklock, with which Fast DDS locks: whatever that
-// guards would seem to race. So it becomes pthread_mutex_timedlock, which the sanitizer follows. To be
-// preloaded.
+// The thread sanitizer of GCC 12 does not follow pthread_mutex_clocklock, with which Fast DDS locks, so that
+// all guarded data would seem to race. This library, which is preloaded, calls pthread_mutex_timedlock
+// instead, which the sanitizer follows.
 #define _GNU_SOURCE
 #include <pthread.h>
 #include <time.h>
