@@ -16,7 +16,7 @@
 #include "ros2/dds_conversion.h"
 #include "ros2PubSubTypes.h"
 #include "tests/fuzz/targets.h"
-#include "tests/unit/seen_fleet.h"
+#include "tests/unit/monitor/seen_fleet.h"
 
 namespace coppice::fuzz {
 

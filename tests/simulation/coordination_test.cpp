@@ -8,7 +8,7 @@
 #include "files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
-#include "tests/unit/plans.h"
+#include "tests/unit/motion/plans.h"
 
 namespace coppice {
 namespace {

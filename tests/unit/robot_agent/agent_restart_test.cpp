@@ -1,0 +1,396 @@
+// Tests of a restarted agent as a state machine, message by message: the process was killed and a successor
+// takes over.
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "robot_agent/robot_agent.h"
+#include "robot_agent/saved_state.h"
+#include "tests/unit/planner_service/roles.h"
+#include "tests/unit/robot_agent/states.h"
+
+namespace coppice {
+namespace {
+
+/// A single agent that is stepped whenever it asks to be.
+struct AgentRun {
+  AgentRun() = default;
+  AgentRun(const AgentRun&) = delete;
+  void restore(const std::vector<Message>& kept) {
+    agent.restore(saved_state_of(kept));
+    StateKeeper chooser("a");
+    chooser.restore(kept);
+    store.messages = kept;
+    keeper = Keeper(std::move(chooser), &store);
+  }
+  void hear(const Message& message, double now) {
+    keeper.heard(message);
+    agent.on(arrival_of(message, now));
+  }
+  /// Runs the agent. A second robot that stands at its start is heard until `b_dies`.
+  void run(double from, double until, double b_dies = 0) {
+    for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
+      if (now < b_dies) hear(standing_b(now), now);
+      for (Outgoing& one : agent.step(now)) {
+        keeper.said(one.message);
+        said.push_back(std::move(one.message));
+      }
+    }
+  }
+  RobotState standing_b(double now) const {
+    RobotState state = state_of("b", now, {20, 20});
+    state.sequence = static_cast<std::uint32_t>(now / 0.05);
+    if (!said.empty()) state.echoes.push_back({"a", now, now});
+    return state;
+  }
+  RobotAgent agent{"a"};
+  KeptInMemory store{};
+  Keeper<StateKeeper, KeptInMemory> keeper{StateKeeper("a"), &store};
+  std::vector<Message> said{};
+};
+
+Mission mission_of_a(double epoch) {
+  return {.robot = "a",
+          .number = 1,
+          .map_id = "wall",
+          .start = {20, 60},
+          .goal = {100, 60},
+          .radius = 5,
+          .max_speed = 20,
+          .max_acceleration = 40,
+          .goal_tolerance = 1,
+          .plan_budget = 0.1,
+          .clock = {epoch, 1}};
+}
+
+/// Runs the agent of a driving robot and stops at `time`.
+void run_until_killed_at(double time, AgentRun& before) {
+  before.hear(map_message(), 0);
+  before.hear(mission_of_a(0), 0);
+  before.run(0, time);
+}
+
+std::vector<TrackMessage::Point> track_in(const std::vector<Message>& said) {
+  std::vector<TrackMessage::Point> track;
+  for (const TrackMessage& batch : of<TrackMessage>(said)) {
+    EXPECT_EQ(batch.first_index, track.size());
+    track.insert(track.end(), batch.points.begin(), batch.points.end());
+  }
+  return track;
+}
+
+TEST(AgentRestart, ARestartedAgentGoesOnFromWhereItsRobotStopped) {
+  AgentRun before;
+  run_until_killed_at(3, before);
+  const RobotState last = of<RobotState>(before.said).back();
+  ASSERT_GT(last.velocity.norm(), 5);  // it drives
+
+  AgentRun after;
+  after.restore(before.store.messages);
+  after.hear(map_message(), 6);
+  after.hear(mission_of_a(0), 6);
+  after.run(6, 20);
+  EXPECT_EQ(of<AgentStatus>(after.said).back().phase, Phase::arrived);
+  const RobotState first = of<RobotState>(after.said).front();
+  EXPECT_GT(first.sequence, last.sequence);
+  EXPECT_TRUE(first.velocity.isZero(0));
+  EXPECT_LT((first.position - last.position).norm(), 20 * 20 / (2 * 40) + 3);
+
+  // The track goes from the start to the goal without a gap and within the robot's limits.
+  const std::vector<TrackMessage::Point> track = track_in(after.said);
+  EXPECT_EQ(track.front().position, Point2(20, 60));
+  EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
+  for (std::size_t k = 1; k < track.size(); ++k) {
+    ASSERT_NEAR(track[k].time - track[k - 1].time, 0.05, 1e-6);
+    ASSERT_LT((track[k].position - track[k - 1].position - 0.05 * track[k - 1].velocity).norm(), 1e-9);
+    ASSERT_LE((track[k].velocity - track[k - 1].velocity).norm(), 40 * 0.05 + 1e-9);
+  }
+  // The successor repeats what the agent said before it was killed.
+  const auto said_before = of<TrackMessage>(before.said);
+  ASSERT_FALSE(said_before.empty());
+  for (const TrackMessage& batch : said_before) {
+    for (std::size_t k = 0; k < batch.points.size(); ++k)
+      ASSERT_EQ(batch.points[k], track[batch.first_index + k]);
+  }
+  const AgentStatus status = of<AgentStatus>(after.said).back();
+  EXPECT_EQ(status.path_time, of<AgentStatus>(before.said).back().path_time);
+}
+
+TEST(AgentRestart, AnAgentThatIsKilledRepeatedlyArrives) {
+  auto life = std::make_unique<AgentRun>();
+  run_until_killed_at(1.5, *life);
+  double now = 2;
+  for (int k = 0; k < 6; ++k) {
+    auto next = std::make_unique<AgentRun>();
+    next->restore(life->store.messages);
+    next->hear(map_message(), now);
+    next->hear(mission_of_a(0), now);
+    next->run(now, now + 2.5);
+    now += 2.6;
+    life = std::move(next);
+  }
+  EXPECT_EQ(of<AgentStatus>(life->said).back().phase, Phase::arrived);
+}
+
+// The part of the track that was not sent yet shows that the robot stands.
+TEST(AgentRestart, AnAgentKilledAtTheEndOfTheRunReportsWhereItsRobotStands) {
+  AgentRun before;
+  run_until_killed_at(4, before);
+  for (double now = 4; of<AgentStatus>(before.said).back().phase != Phase::arrived; now += 0.01)
+    before.run(now, now + 0.01);
+  ASSERT_FALSE(track_in(before.said).back().velocity.isZero(0));
+
+  AgentRun after;
+  after.restore(before.store.messages);
+  after.hear(map_message(), 20);
+  Mission over = mission_of_a(0);
+  over.cancelled = true;
+  after.hear(over, 20);
+  after.run(20, 23);
+  EXPECT_EQ(of<AgentStatus>(after.said).back().phase, Phase::stopped);
+  const std::vector<TrackMessage::Point> track = track_in(after.said);
+  ASSERT_FALSE(track.empty());
+  EXPECT_EQ(track.front().position, Point2(20, 60));
+  EXPECT_TRUE(track.back().velocity.isZero(0));
+  EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
+}
+
+TEST(AgentRestart, AnAgentKilledTwiceRemembersItsPartInAJointPlan) {
+  RobotState state = state_of("a", 1, {20, 60});
+  state.round = {7, "b", {20, 60}, 30};
+  state.stage = Stage::executing;
+  std::vector<Message> kept{mission_of_a(0), state};
+  state = state_of("a", 5, {20, 60});
+  state.is_new = true;
+  kept.emplace_back(state);
+  state.is_new = false;  // but it waits for its robot, which follows it, before it calls a round
+  kept.emplace_back(state);
+  EXPECT_EQ(saved_state_of(kept)->stage, Stage::executing);
+  EXPECT_EQ(saved_state_of(kept)->round_epoch, 7u);
+  state.round = {8, "a", {20, 60}, 30};
+  kept.emplace_back(state);
+  EXPECT_EQ(saved_state_of(kept)->stage, Stage::free);
+}
+
+TEST(AgentRestart, TheTrackLeavesOutThePauseThatThePredecessorLeftOut) {
+  AgentRun first;
+  run_until_killed_at(3, first);
+  ASSERT_GT(of<RobotState>(first.said).back().velocity.norm(), 5);  // it brakes, and then it stands
+  std::vector<Message> kept = first.store.messages;
+  std::vector<TrackMessage::Point> before = track_in(first.said);
+  for (const double woken : {700.0, 703.0}) {
+    AgentRun next;
+    next.restore(kept);
+    next.hear(map_message(), woken);
+    next.hear(mission_of_a(0), woken);
+    next.run(woken, woken + 2);
+    const std::vector<TrackMessage::Point> track = track_in(next.said);
+    ASSERT_GT(track.size(), before.size());
+    for (std::size_t k = 0; k < before.size(); ++k) ASSERT_EQ(track[k], before[k]) << k;
+    EXPECT_GT(track.back().time, woken);
+    EXPECT_LT(track.size(), 200u);
+    before = track;
+    kept = next.store.messages;
+  }
+}
+
+TEST(AgentRestart, TheTrackBeginsWithTheFirstState) {
+  AgentRun before;
+  before.hear(map_message(), 7.03);
+  before.hear(mission_of_a(0), 7.03);
+  before.run(7.13, 9);  // late
+  AgentRun after;
+  after.restore(before.store.messages);
+  after.hear(map_message(), 10);
+  after.hear(mission_of_a(0), 10);
+  after.run(10, 11);
+  EXPECT_EQ(track_in(before.said).front().time, of<RobotState>(before.said).front().stamp);
+  EXPECT_EQ(track_in(after.said).front(), track_in(before.said).front());
+}
+
+/// Two robots are in the run. Robot b dies at 1 s; the agent of a is killed at 3 s and restarted at 5 s.
+AgentStatus last_status_of_one_alone(bool keeps_what_it_passed_on, bool b_is_cancelled = false) {
+  Mission a = mission_of_a(0);
+  Mission b = a;
+  a.fleet_size = b.fleet_size = 2;
+  b.robot = "b";
+  b.start = b.goal = {20, 20};
+  AgentRun before;
+  for (const Mission& mission : {a, b}) before.hear(mission, 0);
+  before.hear(map_message(), 0);
+  before.run(0, 3, 1);
+  std::vector<Message> kept = before.store.messages;
+  if (!keeps_what_it_passed_on)
+    std::erase_if(kept, [](const Message& message) {
+      const auto* state = std::get_if<RobotState>(&message);
+      return state != nullptr && state->passed_on;
+    });
+  AgentRun after;
+  after.restore(kept);
+  b.cancelled = b_is_cancelled;
+  for (const Mission& mission : {a, b}) after.hear(mission, 5);
+  after.hear(map_message(), 5);
+  after.run(5, 200);
+  return of<AgentStatus>(after.said).back();
+}
+
+TEST(AgentRestart, TheJournalHoldsPeersThatFellSilentBeforeTheRestart) {
+  EXPECT_EQ(last_status_of_one_alone(true).phase, Phase::arrived);
+}
+
+TEST(AgentRestart, TheJournalForgetsTheSilenceOfAPeerThatIsHeardAgain) {
+  AgentRun run;
+  run_until_killed_at(0.5, run);
+  RobotState b = run.standing_b(0.6);
+  b.passed_on = true;
+  run.keeper.said(b);
+  ASSERT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
+  run.hear(run.standing_b(0.55), 0.7);  // it was overtaken on its way
+  EXPECT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
+  run.hear(run.standing_b(0.8), 0.8);
+  EXPECT_TRUE(saved_state_of(run.store.messages)->silent.empty());
+  b.stamp = 0.8;
+  run.keeper.said(b);
+  ASSERT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
+  EXPECT_EQ(saved_state_of(run.store.messages)->silent[0].state.stamp, 0.8);
+}
+
+TEST(AgentRestart, AnAgentThatCannotKnowWhereAPeerFailedStandsAndSaysSo) {
+  const AgentStatus status = last_status_of_one_alone(false);
+  EXPECT_EQ(status.phase, Phase::gave_up);
+  EXPECT_EQ(status.reason,
+            "its agent was started in mid-run, and nobody who is alive knows where all others are");
+}
+
+TEST(AgentRestart, ACancelledMissionDoesNotTellWhereAPeerFailed) {
+  EXPECT_EQ(last_status_of_one_alone(false, true).phase, Phase::gave_up);
+  EXPECT_EQ(last_status_of_one_alone(true, true).phase, Phase::arrived);
+}
+
+// The last peer that the agent meets may be the only one that knows where a robot failed.
+TEST(AgentRestart, TheAgentCountsAsNewForAWhileAfterItMetTheLastPeer) {
+  Mission mine = mission_of_a(0);
+  mine.fleet_size = 2;
+  Mission of_b = mine;
+  of_b.robot = "b";
+  of_b.start = of_b.goal = {20, 20};
+  AgentRun before;
+  for (const Message& message : {Message(map_message()), Message(mine), Message(of_b)})
+    before.hear(message, 0);
+  before.run(0, 3, 3);
+  AgentRun after;
+  after.restore(before.store.messages);
+  for (const Message& message : {Message(map_message()), Message(mine), Message(of_b)})
+    after.hear(message, 20);
+  after.run(20, 25);
+  after.run(25, 30, 30);
+  double last = 0;
+  for (const RobotState& state : of<RobotState>(after.said)) last = state.is_new ? state.stamp : last;
+  EXPECT_GT(last, 25.7);
+  EXPECT_LT(last, 27);
+}
+
+TEST(AgentRestart, TheSavedStateOfAnotherRunIsNotUsed) {
+  AgentRun before;
+  run_until_killed_at(3, before);
+  AgentRun after;
+  after.restore(before.store.messages);
+  after.hear(map_message(), 106);
+  after.hear(mission_of_a(106), 106);
+  after.run(106, 107);
+  EXPECT_EQ(of<RobotState>(after.said).front().position, Point2(20, 60));
+}
+
+// The service's clock was set back, or it is another host's.
+TEST(AgentRestart, TheAgentKeepsARunThatIsEarlierThanTheRunInItsJournal) {
+  AgentRun before;
+  before.hear(map_message(), 1000);
+  before.hear(mission_of_a(1000), 1000);
+  before.run(1000, 1003);
+  AgentRun after;
+  after.restore(before.store.messages);
+  after.hear(map_message(), 106);
+  after.hear(mission_of_a(106), 106);
+  after.run(106, 109);
+  const RobotState last = of<RobotState>(after.said).back();
+  EXPECT_GT(last.position.x(), 25);
+  const std::optional<SavedState> saved = saved_state_of(after.store.messages);
+  ASSERT_TRUE(saved.has_value());
+  EXPECT_EQ(saved->mission.clock.epoch, 106);
+  EXPECT_EQ(saved->track.front().position, Point2(20, 60));
+  EXPECT_EQ(saved->body.position(), last.position);
+}
+
+TEST(AgentRestart, TheKeeperStoresNothingOfARunThatItSkips) {
+  StateKeeper keeper("a");
+  Mission of_another = mission_of_a(100);
+  of_another.robot = "b";
+  EXPECT_EQ(keeper.heard(of_another), Keep::nothing);
+  EXPECT_EQ(keeper.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(keeper.heard(mission_of_a(100)), Keep::begin_anew);
+  EXPECT_EQ(keeper.heard(mission_of_a(50)), Keep::nothing);
+  EXPECT_EQ(keeper.heard(mission_of_a(100)), Keep::nothing);
+}
+
+// The clock of the next service is behind the clock of the last one.
+TEST(AgentRestart, ALivingAgentServesAnEarlierRunOnceItsOwnRunIsOver) {
+  AgentRun agent;
+  agent.hear(map_message(), 1000);
+  agent.hear(mission_of_a(1000), 1000);
+  agent.run(1000, 1020);
+  agent.hear(mission_of_a(900), 1020);
+  agent.run(1020, 1021);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 1000);
+  Mission over = mission_of_a(1000);
+  over.cancelled = true;
+  agent.hear(over, 1021);
+  agent.run(1021, 1022);
+  Mission of_long_ago = mission_of_a(900);
+  of_long_ago.cancelled = true;
+  agent.hear(of_long_ago, 1022);
+  agent.run(1022, 1023);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 1000);
+  agent.said.clear();
+  agent.hear(mission_of_a(900), 1023);
+  agent.run(1023, 1050);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 900);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
+  const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
+  ASSERT_TRUE(saved.has_value());
+  EXPECT_EQ(saved->mission.clock.epoch, 900);
+}
+
+TEST(AgentRestart, TheAgentRecordsNoTrackAfterTheRun) {
+  AgentRun agent;
+  run_until_killed_at(20, agent);
+  Mission over = of<Mission>(agent.store.messages).back();
+  over.cancelled = true;
+  agent.hear(over, 20);
+  const std::size_t kept = agent.store.messages.size();
+  agent.run(20, 90);
+  agent.said.clear();
+  agent.run(90, 400);
+  EXPECT_TRUE(of<TrackMessage>(agent.said).empty());
+  EXPECT_GT(of<RobotState>(agent.said).size(), 1000u);
+  EXPECT_LT(agent.store.messages.size(), kept + 20);
+}
+
+TEST(AgentRestart, ALivingAgentServesTheNextRun) {
+  AgentRun agent;
+  run_until_killed_at(20, agent);  // it has arrived
+  agent.hear(mission_of_a(100), 100);
+  agent.said.clear();
+  agent.run(100, 120);
+  EXPECT_EQ(of<RobotState>(agent.said).front().position, Point2(20, 60));
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
+  EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
+  const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
+  ASSERT_TRUE(saved.has_value());
+  EXPECT_EQ(saved->track.front().position, Point2(20, 60));
+  EXPECT_EQ(saved->mission.clock.epoch, 100);
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,204 @@
+// Tests of which peers count as silent, and of where a silent robot may stand.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "messages/validation.h"
+#include "motion/promise.h"
+#include "planning/quantities.h"
+#include "tests/unit/robot_agent/listener.h"
+
+namespace coppice {
+namespace {
+
+TEST(FailureDetector, UnheardDecisionsExtendTheZoneAlongTheHeading) {
+  const Limits limits{20, 40};
+  const Commitment c{.stamp = 0,
+                     .position = {0, 0},
+                     .velocity = {18, 0},
+                     .turn = 0.05,
+                     .next_velocity = {20, 0},
+                     .expiry = 0.1};
+  const std::vector<Point2> rests = rests_after(c, limits, period, 3, 1.25);
+  EXPECT_EQ(rests.front(), rest_after(c, limits, period));
+  // Three more periods at full speed before it brakes: 3 m.
+  EXPECT_NEAR(rests.back().x() - rests.front().x(), 3, 1e-9);
+  for (std::size_t k = 1; k < rests.size(); ++k) {
+    EXPECT_GT(rests[k].x(), rests[k - 1].x());
+    EXPECT_LE(rests[k].x() - rests[k - 1].x(), 1.25 + 1e-9);
+  }
+  EXPECT_EQ(rests_after(c, limits, period, 0, 1.25).size(), 1u);
+}
+
+TEST(FailureDetector, AStandingRobotStaysWhereItIs) {
+  const Commitment standing{.position = {3, 4}, .expiry = 1};
+  EXPECT_EQ(rests_after(standing, {20, 40}, period, 10, 1).size(), 1u);
+}
+
+TEST(FailureDetector, APeerThatOthersHearIsNotDeclaredFailed) {
+  Listener a;
+  double now = 0;
+  const auto go_on_until = [&](double end, bool c_hears_b) {
+    for (; now < end; now += period) {
+      a.hear("c", now, c_hears_b ? std::vector<Echo>{{"b", now - 0.1, now}} : std::vector<Echo>{});
+      a.judge(now);
+    }
+  };
+  a.hear("b", now);
+  go_on_until(1, true);
+  EXPECT_FALSE(a.cut_off());
+  go_on_until(20, true);  // b itself is not heard any more
+  EXPECT_FALSE(a.failed("b"));
+  EXPECT_TRUE(a.cut_off());
+  go_on_until(25, false);
+  EXPECT_TRUE(a.failed("b"));
+  EXPECT_FALSE(a.cut_off());
+}
+
+TEST(FailureDetector, ARobotThatNobodyHearsStands) {
+  Listener a;
+  for (double now = 0; now < 8; now += period) {
+    a.hear("b", now, {{"a", std::min(now, 5.0) - 0.01, now}});
+    a.hear("c", now);
+    a.judge(now);
+    EXPECT_EQ(a.cut_off(), now - 4.99 > 1.8) << now;
+  }
+}
+
+// The peer may only be cut off. It then drives on until it misses the others.
+TEST(FailureDetector, TheReachableSetOfASinglySilentPeerIsKeptClearForAMinute) {
+  Listener a;
+  a.hear("b", 1);
+  const double braking = 20 * 20 / (2 * 40.0);
+  for (double now = 1; now < 70; now += period) {
+    a.hear("c", now, {}, Point2::Zero(), {20, 20});
+    a.judge(now);
+    if (now > 3.2 && now < 61) {
+      ASSERT_TRUE(a.failed("b")) << now;
+      ASSERT_TRUE(a.is_suspected_near({150, 100})) << now;
+      ASSERT_GT(a.kept_clear_around("b", now), 5 + 2 * 20 + braking) << now;
+    } else if (now > 61.1) {
+      ASSERT_FALSE(a.is_suspected_near({100, 100})) << now;
+      ASSERT_EQ(a.kept_clear_around("b", now), 5) << now;
+    }
+  }
+}
+
+TEST(FailureDetector, APeerThatWasNeverHeardIsDeclaredFailedAfterTheBarrier) {
+  Listener a;
+  for (double now = 0; now < 9.5; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_FALSE(a.failed("b"));
+  for (double now = 9.5; now < 11; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.failed("b"));
+}
+
+// A robot sends often to a peer that it does not know yet, at any distance.
+TEST(FailureDetector, ADistantPeerThatNeverCameDelaysNobodyLonger) {
+  Listener a;
+  a.hear_mission("b", {9000, 9000});
+  for (double now = 0; now < 11; now += period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.failed("b"));
+}
+
+TEST(FailureDetector, TheZoneExcludesLivingRobotsAndAPlanMayLeadOutOfIt) {
+  Listener a;
+  a.hear("b", 0, {}, {0, 10});
+  for (double now = 0; now < 5; now += period) {
+    a.hear("c", now, {}, Point2::Zero(), {20, 100});
+    a.judge(now);
+  }
+  ASSERT_TRUE(a.failed("b"));
+  const std::vector<Disc> all = a.failed_seen_from({20, 20}, 5);
+  ASSERT_GT(all.size(), 3u);
+  for (const Disc& disc : all) EXPECT_NEAR(disc.radius, 5.002, 0.002);
+
+  const Point2 last = all.back().centre;
+  const std::vector<Disc> close = a.failed_seen_from(last + Point2(0, 10.0005), 5);
+  ASSERT_EQ(close.size(), all.size());
+  EXPECT_LT(close.back().radius, 5 - 0.0005);
+  EXPECT_GT(close.back().radius, 4.999);
+  a.hear("c", 5, {}, Point2::Zero(), last + Point2(0, 9.99));
+  for (double now = 5; now < 6; now += period) a.judge(now);
+  const std::vector<Disc> left = a.failed_seen_from({20, 20}, 6);
+  EXPECT_NEAR((left.back().centre - (last + Point2(0, 9.99))).norm(), 10, 0.01) << "as near as it can stand";
+}
+
+/// The zone of "b", which failed while it drove upwards, while "c" stands at `c`.
+std::vector<Disc> places_of_b(const Point2& c) {
+  Listener a;
+  a.hear("b", 0, {}, {0, 10});
+  for (double now = 0; now < 5; now += period) {
+    a.hear("c", now, {}, Point2::Zero(), c);
+    a.judge(now);
+  }
+  return a.failed_seen_from({20, 20}, 5);
+}
+
+// The robot could be touched between the discs that were kept clear: by 0.5 m where a robot stood before it,
+// and by millimetres between two discs.
+TEST(FailureDetector, TheZoneCoversEveryPositionOfAFailedRobot) {
+  const std::vector<Disc> all = places_of_b({20, 100});
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    const double apart = (all[k].centre - all[k - 1].centre).norm();
+    const double touching = 5 + std::min(all[k].radius, all[k - 1].radius);
+    EXPECT_GE(std::sqrt(touching * touching - apart * apart / 4), 10 - 1e-9) << k;
+  }
+  const double length = (all.back().centre - all.front().centre).norm();
+  ASSERT_GT(length, 1);
+  for (const double share : {0.33, 0.61, 0.87}) {
+    const Point2 ahead = all.front().centre + Point2(0, share * length + 10);
+    const std::vector<Disc> some = places_of_b(ahead);
+    EXPECT_NEAR((ahead - some.back().centre).norm(), 10, 0.02) << share;
+  }
+}
+
+TEST(FailureDetector, ARobotBesideAFailedOneAddsNoDiscsToItsZone) {
+  const std::vector<Disc> all = places_of_b({20, 100});
+  for (const double along : {-1.0, 0.0, 0.3, 1.2}) {
+    Listener a;
+    a.hear("b", 0, {}, {0, 10});
+    const Point2 beside = all.front().centre + Point2(9.9, along);
+    for (double now = 0; now < 65; now += period) {
+      a.hear("c", now, {}, Point2::Zero(), now < 5 ? Point2(20, 100) : beside);
+      a.judge(now);
+    }
+    EXPECT_LE(a.failed_seen_from({20, 20}, 65).size(), all.size() + 2) << along;
+  }
+}
+
+TEST(FailureDetector, TheZoneOfARobotOfImpossibleSpeedIsComputedQuickly) {
+  Listener a;
+  RobotState absurd{.robot = "b",
+                    .stamp = 0,
+                    .position = {100, 100},
+                    .velocity = {1e9, 0},
+                    .radius = least_quantity,
+                    .max_speed = 1e9,
+                    .max_acceleration = 1e7,
+                    .promise = {period, {1e9, 0}, 2 * period},
+                    .round = {},
+                    .echoes = {}};
+  ASSERT_FALSE(problem_with(absurd));
+  a.hear(absurd);
+  double now = 0;
+  for (; now < 200; now += 20 * period) {
+    a.hear("c", now);
+    a.judge(now);
+  }
+  EXPECT_TRUE(a.failed("b"));
+  EXPECT_FALSE(a.failed_seen_from({80, 80}, now).empty());
+}
+
+}  // namespace
+}  // namespace coppice
