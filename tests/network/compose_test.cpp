@@ -1,6 +1,8 @@
 // Tests of what deploy/ holds for operations. The compose file is valid, and its fleet runs with each
 // container as a host of its own on a network without multicast. The Kubernetes manifest and the systemd
 // units are valid.
+//
+// CTest: RESOURCE_LOCK hosts
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,4 +1,6 @@
 // Tests of the bus over real Fast DDS, within this process and to another vendor's DDS.
+//
+// CTest: RESOURCE_LOCK domains_120_to_139
 
 #include "dds/dds_bus.h"
 

@@ -1,3 +1,5 @@
+// CTest: RESOURCE_LOCK domains_that_nobody_uses
+
 #include <future>
 #include <string>
 

@@ -1,4 +1,7 @@
 // Tests of the ROS 2 topics over the bus's participant, from both ends.
+//
+// CTest: RESOURCE_LOCK other_domains
+
 #include "ros2/dds_ros.h"
 
 #include <chrono>

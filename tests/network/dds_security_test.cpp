@@ -1,5 +1,7 @@
 // Tests of DDS-Security: a participant exchanges messages only with valid credentials of its role. Each
 // refusal is compared with the same exchange with the right credentials, so that the test can fail.
+//
+// CTest: RESOURCE_LOCK other_domains
 
 #include <chrono>
 #include <cstdlib>

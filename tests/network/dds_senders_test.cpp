@@ -1,4 +1,7 @@
 // Tests that only an agent itself may speak for its robot.
+//
+// CTest: RESOURCE_LOCK domains_120_to_139
+
 #include <chrono>
 #include <set>
 #include <thread>

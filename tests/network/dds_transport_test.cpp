@@ -1,4 +1,6 @@
 // Tests of what the transport decides for each datagram, and of what it reads from one.
+//
+// CTest: RESOURCE_LOCK domains_that_nobody_uses
 
 #include <array>
 #include <chrono>

@@ -1,4 +1,6 @@
 // Tests of fleets of real processes on several hosts, over good and bad networks.
+//
+// CTest: RESOURCE_LOCK hosts
 
 #include "tests/network/fleet_on_hosts.h"
 

@@ -1,4 +1,6 @@
 // Tests of the simulated hosts and links: they behave as requested, and nothing is left.
+//
+// CTest: RESOURCE_LOCK hosts
 
 #include "tests/network/hosts.h"
 

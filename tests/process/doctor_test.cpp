@@ -1,5 +1,7 @@
 // Tests of `coppice doctor` on this machine, and on machines that lack something: limits and an empty network
 // imitate them.
+//
+// CTest: RESOURCE_LOCK domains_that_nobody_uses
 
 #include <string>
 

@@ -1,5 +1,7 @@
 // Tests that fleets on this machine are found without being named. No other fleet may run here at the same
 // time.
+//
+// CTest: RUN_SERIAL
 
 #include <memory>
 #include <regex>

@@ -1,4 +1,6 @@
 // Test of what `cmake --install` leaves below a prefix.
+//
+// CTest: RESOURCE_LOCK domains_that_nobody_uses
 
 #include <filesystem>
 #include <string>

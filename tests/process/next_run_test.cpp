@@ -1,5 +1,8 @@
 // Tests of agents and a broker that outlive runs, as systemd units do. Their messages of one run must not be
 // taken for those of the next.
+//
+// CTest: RESOURCE_LOCK domains_120_to_139
+
 #include <chrono>
 #include <csignal>
 #include <filesystem>

@@ -1,5 +1,7 @@
 // Tests of a run that is recorded over DDS, described, and replayed; and of a recorder that is killed or
 // finds no room.
+//
+// CTest: RESOURCE_LOCK other_domains
 
 #include "monitor/recording.h"
 

@@ -1,5 +1,7 @@
 // Tests of agents without a name over DDS. Each gets its own robot, and a successor gets the robot of an
 // agent that failed.
+//
+// CTest: RESOURCE_LOCK domains_120_to_139
 
 #include <csignal>
 #include <map>

@@ -1,5 +1,7 @@
 // Tests of a fleet as ROS 2 programs see it. tests/network/ros2_peer knows only ROS 2 types, and uses another
 // vendor's DDS.
+//
+// CTest: RESOURCE_LOCK hosts
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,8 @@
 // Test of the resources of a fleet that is four times as large at the same density: `coppice bench scale`.
+//
+// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: TIMEOUT 1200
+
 #include <filesystem>
 #include <string>
 

@@ -1,5 +1,7 @@
 // Tests of deploy/security/make-keys, and of what the programs report for bad credentials: exit code 2 and
 // one line that names the file, before DDS starts.
+//
+// CTest: RESOURCE_LOCK other_domains
 
 #include "dds/security.h"
 

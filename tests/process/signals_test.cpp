@@ -1,5 +1,7 @@
 // Tests of how programs end when they are stopped, and of how they show that they work. A robot brakes first,
 // and its track is complete.
+//
+// CTest: RESOURCE_LOCK domains_120_to_139
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,6 @@
 // Tests of two brokers over DDS. The leading one is killed, and later restarts with its journal.
+//
+// CTest: RUN_SERIAL
 
 #include <chrono>
 #include <csignal>

@@ -1,5 +1,7 @@
 // Test that other programs can read a recording: the reference reader of MCAP, run by node, and Protobuf with
 // only the schemas in the file.
+//
+// CTest: RESOURCE_LOCK other_domains
 
 #include <filesystem>
 #include <string>

@@ -1,5 +1,7 @@
 // Test of what a monitor costs if 200 robots send their positions 20 times a second, and a page looks on. The
 // fleet is simulated without a bus. docs/metrics.md tells the cost of the bus.
+//
+// CTest: RUN_SERIAL
 
 #include <array>
 #include <atomic>

@@ -1,6 +1,8 @@
 // Tests of a real monitor of a real fleet, seen by other programs: Foxglove's client, promtool, a Prometheus
 // server; and of what it refuses. They need Node.js with the packages of tests/web/package.json, and
 // Prometheus: tests/run installs them.
+//
+// CTest: RUN_SERIAL
 
 #include <algorithm>
 #include <functional>

@@ -2,6 +2,8 @@
 // Debian's chromium, driven by playwright-core. tests/run installs both.
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
+//
+// CTest: RUN_SERIAL
 
 #include <algorithm>
 #include <cstdlib>
