@@ -135,7 +135,7 @@ TEST_F(Security, ParticipantsWithoutSecurityAreCutOff) {
     EXPECT_FALSE(bad.out) << service << agent;
   }
   const Exchange open = exchange("", "", domain, long_enough);
-  EXPECT_TRUE(open.in && open.out) << "without security on either side it would get through";
+  EXPECT_TRUE(open.in && open.out) << "without security on either side the messages pass";
 }
 
 TEST_F(Security, CredentialsOfAnotherAuthorityAreRefused) {
@@ -143,7 +143,8 @@ TEST_F(Security, CredentialsOfAnotherAuthorityAreRefused) {
   EXPECT_FALSE(bad.in);
   EXPECT_FALSE(bad.out);
   const Exchange among_them = exchange(of("service", "theirs"), of("agent", "theirs"), domain, long_enough);
-  EXPECT_TRUE(among_them.in && among_them.out) << "they are good for whoever trusts that authority";
+  EXPECT_TRUE(among_them.in && among_them.out)
+      << "the credentials are valid for participants that trust that authority";
 }
 
 TEST_F(Security, SelfSignedPermissionsAreRefused) {
@@ -314,7 +315,7 @@ TEST_F(Security, PeersRefuseWritesThatTheCredentialsForbid) {
                "robot");
   const auto write_mission = [](Participant& participant, int number) {
     dds::DataWriter* const writer = participant.writer<Mission>();
-    ASSERT_NE(writer, nullptr) << "it does not refuse by itself";
+    ASSERT_NE(writer, nullptr) << "the process itself must not refuse the write";
     auto sample = to_dds(mission(number));
     EXPECT_TRUE(writer->write(&sample));
   };
@@ -326,7 +327,7 @@ TEST_F(Security, PeersRefuseWritesThatTheCredentialsForbid) {
   Participant service(lax_service);
   write_mission(service, 2);
   EXPECT_TRUE(receives(robot, mission(2), long_enough))
-      << "with a service's credentials the same gets through";
+      << "the same passes with the credentials of a service";
 }
 
 class SecurityByDiscovery : public Security, public testing::WithParamInterface<const char*> {};

@@ -100,10 +100,10 @@ TEST(Transport, AMereParticipantAnnouncementIsRecognised) {
   ASSERT_TRUE(number);
   EXPECT_EQ(announcement_in(header + announcement), number);
   EXPECT_NE(announcement_in(header + data(0x05, 0xc2, 8)), number);
-  EXPECT_FALSE(announcement_in(header + announcement + heartbeat)) << "says more";
+  EXPECT_FALSE(announcement_in(header + announcement + heartbeat)) << "the message holds more";
   EXPECT_FALSE(announcement_in(header + announcement + announcement));
-  EXPECT_FALSE(announcement_in(header + data(0x09, 0xc2, 7))) << "only a key: says goodbye";
-  EXPECT_FALSE(announcement_in(header + data(0x05, 0x02, 7))) << "of another writer";
+  EXPECT_FALSE(announcement_in(header + data(0x09, 0xc2, 7))) << "only a key: the participant leaves";
+  EXPECT_FALSE(announcement_in(header + data(0x05, 0x02, 7))) << "from another writer";
   EXPECT_FALSE(announcement_in(header + info_timestamp));
 }
 
@@ -152,12 +152,12 @@ TEST(Transport, ANewParticipantIsToldAllAtItsAddress) {
     EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now));
     EXPECT_FALSE(announcements.is_due(nullptr, to, 7, now + 1s));
     announcements.hear(announcement_of(1));
-    EXPECT_FALSE(announcements.is_due(nullptr, to, 7, now + 1s)) << "it is no other";
+    EXPECT_FALSE(announcements.is_due(nullptr, to, 7, now + 1s)) << "the participant is the same";
     announcements.hear(announcement_of(2));
     EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now + 1s));
     announcements.forget(participant_of(1));
     announcements.hear(announcement_of(1));
-    EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now + 1s)) << "it was gone";
+    EXPECT_TRUE(announcements.is_due(nullptr, to, 7, now + 1s)) << "the participant was gone";
     announcements.forget(participant_of(1));
     announcements.forget(participant_of(2));
   }
@@ -173,8 +173,8 @@ TEST(Transport, HeartbeatsOfEndpointsAreRecognised) {
   EXPECT_EQ(endpoint_heartbeat_in(header + info_timestamp + heartbeat_of(3, 5)), found);
   EXPECT_NE(endpoint_heartbeat_in(header + heartbeat_of(3, 6)), found);
   EXPECT_NE(endpoint_heartbeat_in(header + heartbeat_of(4, 5)), found);
-  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat)) << "of another writer";
-  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat_of(3, 5) + announcement)) << "says more";
+  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat)) << "from another writer";
+  EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat_of(3, 5) + announcement)) << "the message holds more";
   EXPECT_FALSE(endpoint_heartbeat_in(header + heartbeat_of(3, 5) + heartbeat_of(4, 5)));
   EXPECT_FALSE(endpoint_heartbeat_in(header + Bytes{0x0e, 0x01, 12, 0} + Bytes(12, 1) + heartbeat_of(3, 5)))
       << "an answer to one";
@@ -193,9 +193,9 @@ Bytes handshake(std::uint8_t id, std::uint8_t writer_kind = 0xc3) {
 TEST(Transport, AuthenticationsOfOthersAreRecognised) {
   EXPECT_TRUE(is_handshake_of_others(header + for_participant(1) + info_timestamp + handshake(2)));
   EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + info_timestamp + handshake(1)));
-  EXPECT_FALSE(is_handshake_of_others(header + handshake(2))) << "whoever gets it may need it";
+  EXPECT_FALSE(is_handshake_of_others(header + handshake(2))) << "any receiver may need it";
   EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + handshake(2, 0x03)))
-      << "of another writer";
+      << "from another writer";
   EXPECT_FALSE(is_handshake_of_others(header + for_participant(1) + announcement));
 }
 
@@ -234,8 +234,8 @@ TEST(Transport, AnnouncementsRepeatRarelyAndStartOnceComplete) {
   EXPECT_FALSE(due(one, 1, now + 1s));
   EXPECT_TRUE(due(other, 1, now + 1s));
   EXPECT_TRUE(due(all, 2, now + 1s)) << "news";
-  EXPECT_FALSE(due(one, 2, now + 1s)) << "which it hears in the group";
-  EXPECT_TRUE(due(all, 2, now + 5s)) << "for those who have come";
+  EXPECT_FALSE(due(one, 2, now + 1s)) << "it hears the change in the group";
+  EXPECT_TRUE(due(all, 2, now + 5s)) << "for new participants";
   EXPECT_TRUE(due(one, 2, now + 12s));
 }
 
@@ -250,7 +250,7 @@ TEST(Transport, TheNumberOfEndpointsIsSentSoonAndOnce) {
   const auto due = [&](const rtps::Locator_t& to, const EndpointHeartbeat& beat, Announcements::Time at) {
     return announcements.is_due(nullptr, to, beat, at);
   };
-  EXPECT_TRUE(due(one, five, now)) << "also while it is set up";
+  EXPECT_TRUE(due(one, five, now)) << "also during the setup";
   EXPECT_TRUE(due(one, readers, now));
   EXPECT_TRUE(due(other, five, now));
   EXPECT_FALSE(due(one, five, now + 100ms));
@@ -333,7 +333,7 @@ TEST(Transport, OnlyAuthenticatedParticipantsAreAgentsWithSecurity) {
     const Recipients::Limit limit(recipients, {"b"});
     return recipients.includes(at);
   };
-  EXPECT_TRUE(reaches(a)) << "anybody, as far as is known";
+  EXPECT_TRUE(reaches(a)) << "the participant is unknown";
   recipients.authenticate(agent);
   EXPECT_FALSE(reaches(a));
   // Neither a stranger at the same address nor a forged change changes the owner of the address.
@@ -379,16 +379,16 @@ TEST(Transport, AnObserverAtTheAddressOfAKilledAgentHearsAll) {
     EXPECT_FALSE(reaches_a());
     if (is_secure) {
       recipients.discover(info(data, "", 2, a));
-      EXPECT_FALSE(reaches_a()) << "a stranger may say so too";
+      EXPECT_FALSE(reaches_a()) << "a stranger may announce the same";
     }
     come("", 3);
     EXPECT_TRUE(reaches_a());
     come("a", 4);
-    EXPECT_TRUE(reaches_a()) << "it may still be there";
+    EXPECT_TRUE(reaches_a()) << "the observer may still be there";
     auto gone = info(data, "", 3, a);
     gone.status = rtps::ParticipantDiscoveryInfo::DROPPED_PARTICIPANT;
     recipients.discover(gone);
-    EXPECT_FALSE(reaches_a()) << "an agent again";
+    EXPECT_FALSE(reaches_a()) << "the participant is an agent again";
   }
 }
 

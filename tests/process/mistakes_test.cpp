@@ -195,7 +195,7 @@ TEST(Mistakes, AnOutputThatCannotBeMadeIsReportedAtOnce) {
                     {"nothing can be written to /proc"});
 }
 
-TEST(Mistakes, AnOutputIsWrittenWhereItsLinkLeads) {
+TEST(Mistakes, AnOutputIsWrittenToTheTargetOfItsLink) {
   const test::TemporaryFolder folder;
   const auto link = folder.path() / "link.json";
   std::filesystem::create_symlink("/proc/x.json", link);

@@ -5,8 +5,6 @@
 
 #include "dds/security.h"
 
-#include "dds/security.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -16,6 +14,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dds/security.h"
 #include "tests/support.h"
 
 namespace coppice {

@@ -120,7 +120,7 @@ void expect_all_arrive_who_can(const test::PlainMap& map, const FleetSimulation&
     const auto& said = report.robots(static_cast<int>(i));
     const Body body{samples[i].back().place, task.radius};
     const bool is_there = test::distance(body.end, place(task.goal)) <= goal_tolerance + tolerance;
-    EXPECT_TRUE(!said.arrived() || is_there) << task.name << " is told to have arrived";
+    EXPECT_TRUE(!said.arrived() || is_there) << task.name << " is reported to have arrived";
     EXPECT_EQ(said.arrived(), said.reason().empty()) << task.name;
     if (said.arrived() || simulation.killed(task.name)) continue;
     EXPECT_FALSE(has_way(map, scenario, body, place(task.goal), failed))

@@ -59,10 +59,10 @@ TEST(LocalFleets, AFleetIsFoundByThePortsOfItsProcesses) {
   EXPECT_EQ(choose_fleet(network, fleets, "coppice top"),
             "takes the fleet that is alive on this machine, domain 37: 2 robot agents, 1 other role");
   EXPECT_EQ(network.domain, 37);
-  EXPECT_EQ(network.discovery, "static") << "as the fleet was told";
+  EXPECT_EQ(network.discovery, "static") << "as in the command line of the fleet";
 }
 
-TEST(LocalFleets, TheServersOfTheEnvironmentAreThoseOfTheFleet) {
+TEST(LocalFleets, DiscoveryServersAreReadFromTheFleetsEnvironment) {
   const std::vector<LocalProcess> processes{{{"robot_agent", "--name", "r1"}, {7}, "10.0.0.1:11811"}};
   const std::string table = fmt::format(
       "heading\n 1: 00000000:{:04X} 00000000:0000 07 00000000:00000000 00:00000000 00000000 0 0 7 2 0 0\n",
@@ -93,7 +93,7 @@ TEST(LocalFleets, TheFleetOfAnotherUserCounts) {
   machine.join(13, 0, {"planner_service"});
   DdsSettings network;
   choose_fleet(network, machine.fleets(), "coppice top");
-  EXPECT_EQ(network.domain, 13) << "one that is known to be a fleet goes first";
+  EXPECT_EQ(network.domain, 13) << "a certain fleet goes before an uncertain one";
 }
 
 TEST(LocalFleets, AnEphemeralPortIsNoDomain) {

@@ -49,7 +49,7 @@ TEST_F(LogWatchTest, TheFirstOfManyLinesArePassedOnAndTheRestIsCounted) {
   EXPECT_TRUE(watch.news(30).empty());
 }
 
-TEST_F(LogWatchTest, ALogThatBeginsAnewIsReadFromItsBeginning) {
+TEST_F(LogWatchTest, AReplacedLogIsReadFromItsBeginning) {
   std::string old(500, 'x');
   old += '\n';
   log("robot-r1", old);
@@ -59,7 +59,7 @@ TEST_F(LogWatchTest, ALogThatBeginsAnewIsReadFromItsBeginning) {
   EXPECT_EQ(watch.news(2), Lines{"r1: warning: new"});
 }
 
-TEST_F(LogWatchTest, TheLastNewsHoldAllThatIsLeftAndTheNumberOfTheRest) {
+TEST_F(LogWatchTest, TheLastNewsHoldAllRemainingLinesAndTheNumberOfTheRest) {
   std::string noise(200'000, 'x');
   noise += '\n';
   for (int k = 0; k < 5; ++k) log("robot-r1", "2026-11-26 20:55:23.123 warning robot_agent r1: again\n");

@@ -53,18 +53,18 @@ TEST_F(FleetTableTest, TheTableShowsEachRobotInARow) {
   ASSERT_EQ(table.rows.size(), 1u);
   for (const char* part : {"r1", "driving", "20.2", "3.0", "79.8", "12.5", "0.50"})
     EXPECT_NE(table.rows[0].find(part), std::string::npos) << part << " in " << table.rows[0];
-  EXPECT_EQ(table.rows[0].rfind('-'), table.header.find("WAITS")) << "it comes on";
+  EXPECT_EQ(table.rows[0].rfind('-'), table.header.find("WAITS")) << "the robot makes progress";
   EXPECT_NE(table.summary[0].find("fleet time 10.0 s"), std::string::npos) << table.summary[0];
 }
 
-TEST_F(FleetTableTest, TellsTheLengthOfTheWayThatIsLeft) {
+TEST_F(FleetTableTest, TheTableShowsTheLengthOfTheRemainingPath) {
   add("r1", Phase::driving, {20, 0}, 9.5);
-  hear(PathMessage{"r1", 1, {{20, 0}, {20, 30}, {100, 30}, {100, 0}}});  // around something
+  hear(PathMessage{"r1", 1, {{20, 0}, {20, 30}, {100, 30}, {100, 0}}});  // around an obstacle
   const FleetTable table = fleet_table(view, RobotOrder::name, 110);
   EXPECT_NE(table.rows.at(0).find(" 140.0 "), std::string::npos) << table.rows.at(0);
 }
 
-TEST_F(FleetTableTest, SaysWhatARobotWaitsForInItsAgentsWords) {
+TEST_F(FleetTableTest, TheTableShowsTheWaitCauseThatTheAgentGives) {
   add("r1", Phase::driving, {20, 3}, 9.5);
   hear(AgentStatus{.robot = "r1",
                    .mission = 1,

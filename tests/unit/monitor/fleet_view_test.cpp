@@ -65,7 +65,7 @@ TEST_F(FleetViewTest, ARobotFollowsItsPromiseAndThenStands) {
   EXPECT_EQ(position_at(state, 99), Point2(3, 5));
 }
 
-TEST_F(FleetViewTest, TakesItsAgentsWordForWhyARobotWaits) {
+TEST_F(FleetViewTest, TheWaitCauseIsTheOneThatTheAgentGives) {
   RobotState state = state_of("a", 10, {1, 1});
   state.phase = Phase::driving;
   hear(state);
@@ -80,8 +80,8 @@ TEST_F(FleetViewTest, TakesItsAgentsWordForWhyARobotWaits) {
   EXPECT_DOUBLE_EQ(wait->seconds, 7);
 }
 
-/// As in recordings that were made before agents gave it.
-TEST_F(FleetViewTest, TellsAWaitByTheStateOfARobotWhoseAgentGivesNoCause) {
+/// Older recordings hold no cause.
+TEST_F(FleetViewTest, TheWaitCauseFollowsFromTheStateIfTheAgentGivesNone) {
   RobotState state = state_of("a", 12, {1, 1});
   state.phase = Phase::driving;
   state.waits_for = "b";
@@ -106,9 +106,8 @@ TEST_F(FleetViewTest, ANewMissionClearsPathAndRootTrees) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});
   hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}, {Side::start, {1, 0}, 0}}});
-  hear(RootNodes{
-      "a", 1, 1, {{Side::start, {1, 0}, 0}, {Side::goal, {2, 0}, -1}}});  // one node is a repetition
-  hear(RootNodes{"a", 1, 7, {{Side::goal, {9, 9}, -1}}});                 // the nodes before it are missing
+  hear(RootNodes{"a", 1, 1, {{Side::start, {1, 0}, 0}, {Side::goal, {2, 0}, -1}}});  // repeats one
+  hear(RootNodes{"a", 1, 7, {{Side::goal, {9, 9}, -1}}});  // the nodes before it are missing
   EXPECT_EQ(robot("a").root_nodes.size(), 3u);
   const auto revision = robot("a").path_revision;
   hear(mission_of("a", 2));

@@ -444,7 +444,7 @@ TEST_F(PageFeedTest, TheWayToGoIsTheRestOfThePath) {
   EXPECT_FLOAT_EQ(page.after(0.1).back().frame().to_go(0), 1);
 }
 
-TEST_F(PageFeedTest, ARobotThatDoesNotComeOnSaysWhyAndSinceWhen) {
+TEST_F(PageFeedTest, ARobotWithoutProgressShowsItsWaitCauseAndDuration) {
   fleet.map();
   fleet.mission("a");
   fleet.now = 112;

@@ -79,8 +79,7 @@ TEST(RobotAssignment, ALeaseThatIsNotRenewedEnds) {
   desk.hears(AgentStatus{.robot = "a"}, 5);
   for (std::uint32_t n = 1; n < 20; ++n) EXPECT_TRUE(desk.hears(Claim{8, n}, 5 + n * 0.5).empty()) << n;
   EXPECT_EQ(desk.hears(Claim{8, 20}, 5.1 + claim_lease), (std::vector<Assignment>{{"a", 8, 20}}));
-  EXPECT_EQ(desk.hears(Claim{7, 2, "a"}, 16),
-            (std::vector<Assignment>{{"a", 8, 20}}));  // the assignment before
+  EXPECT_EQ(desk.hears(Claim{7, 2, "a"}, 16), (std::vector<Assignment>{{"a", 8, 20}}));  // the former one
   EXPECT_EQ(desk.hears(Claim{8, 21}, 16), (std::vector<Assignment>{{"a", 8, 21}}));
 }
 

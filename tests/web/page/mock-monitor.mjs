@@ -248,7 +248,7 @@ async function answer(request, response) {
 export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest, late = 0.01, waiting = 4} = {}) {
   const fleet = makeFleet(robots, origin);
   fleet.late = late;  // share of control periods that some robots miss
-  fleet.waiting = waiting;  // seconds that every third robot has waited
+  fleet.waiting = waiting;  // seconds for which every third robot has waited
   fleet.longest = longest;  // metres that each robot has to go, for table cells that must hold them
   const control = {life: {}};
   const server = createServer(answer);

@@ -117,7 +117,7 @@ async function close(page) {
 }
 
 const checks = {
-  async 'a map and robots that move'(url) {
+  async 'the page shows a map and moving robots'(url) {
     const page = await openReady(url);
     const {robots, frames, time} = await state(page);
     assert(robots > 0);
@@ -128,15 +128,15 @@ const checks = {
     const later = await state(page);
     assert(later.frames > frames && later.time > time);
     assert(await positionOf(page, name));
-    assert.equal(await positionOf(page, 'nobody of that name'), null);
+    assert.equal(await positionOf(page, 'no robot has that name'), null);
     await pause(3000);
     await shoot(page, 'light');
     const origin = new URL(url).origin;
-    assert.deepEqual(page.asked.filter((asked) => !asked.startsWith(origin)), [], 'asks nobody else');
+    assert.deepEqual(page.asked.filter((asked) => !asked.startsWith(origin)), [], 'the page makes no other requests');
     await close(page);
   },
 
-  async 'a click shows all of a robot, and it can be followed'(url) {
+  async 'a click shows the details of a robot, and it can be followed'(url) {
     const page = await openReady(url);
     const name = await movingRobot(page);
     await clickOn(page, name);
@@ -152,7 +152,7 @@ const checks = {
     const middle = {x: box.x + box.width / 2, y: box.y + box.height / 2};
     for (let k = 0; k < 5; ++k) {
       const at = await positionOf(page, name);
-      assert(Math.abs(at.x - middle.x) < box.width / 2 && Math.abs(at.y - middle.y) < box.height / 2, 'stays in sight');
+      assert(Math.abs(at.x - middle.x) < box.width / 2 && Math.abs(at.y - middle.y) < box.height / 2, 'the followed robot stays in view');
       await pause(200);
     }
     await shoot(page, 'following');
@@ -164,7 +164,7 @@ const checks = {
     await close(page);
   },
 
-  async 'a pause holds what is shown, and live goes on at the present'(url) {
+  async 'a pause freezes the page, and live goes on at the present'(url) {
     const page = await openReady(url);
     if (await page.locator('body.recorded').count()) return close(page);
     const name = await movingRobot(page);
@@ -184,7 +184,7 @@ const checks = {
     await close(page);
   },
 
-  async 'layers can be left out'(url) {
+  async 'layers can be hidden'(url) {
     const page = await openReady(url);
     await page.keyboard.press(' ');
     await pause(500);
@@ -205,7 +205,7 @@ const checks = {
     await close(page);
   },
 
-  async 'the table sorts, finds and selects'(url) {
+  async 'the table sorts, finds and selects robots'(url) {
     const page = await openReady(url);
     const cells = async (column) =>
       (await page.locator(`#table tbody tr:not(.spacer) td:nth-child(${column})`).allTextContents()).map((text) => text.trim());
@@ -225,7 +225,7 @@ const checks = {
     assert.equal(await page.locator('#table tr.selected td').first().textContent(), selected);
     const box = await page.locator('#map').boundingBox();
     const at = await positionOf(page, selected);
-    assert(at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, 'it is in sight');
+    assert(at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, 'the selected robot is in view');
     await page.locator('#table').focus();
     await page.keyboard.press('End');
     assert.notEqual((await state(page)).selected, selected);
@@ -237,7 +237,7 @@ const checks = {
     await close(page);
   },
 
-  async 'zoom, pan and fit by keys, wheel, drag and buttons'(url) {
+  async 'keys, wheel, drag and buttons zoom, pan and fit'(url) {
     const page = await openReady(url);
     const {scale} = await state(page);
     await page.keyboard.press('+');
@@ -269,7 +269,7 @@ const checks = {
     await close(page);
   },
 
-  async 'dark, light, and help'(url) {
+  async 'the page has a dark and a light theme, and help'(url) {
     const page = await openReady(url, {colorScheme: 'dark'});
     const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
     assert.equal(await theme(), 'dark');
@@ -290,9 +290,9 @@ const checks = {
     await close(page);
   },
 
-  async 'a phone'(url) {
+  async 'the page works on a phone'(url) {
     const page = await openReady(url, {viewport: small, hasTouch: true, isMobile: true, deviceScaleFactor: 2});
-    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing sticks out');
+    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the screen');
     await shoot(page, 'phone');
     const names = await page.locator('#table tbody tr:not(.spacer) td:first-child').allTextContents();
     for (let k = 0; k < 3 * names.length && (await state(page)).selected === null; ++k) {
@@ -319,7 +319,7 @@ const checks = {
 };
 
 const mockChecks = {
-  async 'a recording is steered'() {
+  async 'a recording can be played, paused and searched'() {
     const mock = await mocked.startMock({recorded: true});
     const page = await openReady(mock.url);
     await page.locator('#scrubber').waitFor({timeout: 15_000});
@@ -336,7 +336,7 @@ const mockChecks = {
     await page.locator('#scrubber').fill('20');
     await until(page, () => Math.abs(window.coppice.time - 20) < 1);
     await until(page, (name) => window.coppice.selected === name, selected);
-    assert.equal((await state(page)).scale, scale, 'and one looks at the same place');
+    assert.equal((await state(page)).scale, scale, 'the view stays at the same position');
     await page.locator('#speed').selectOption('4');
     await page.locator('#play').click();
     await until(page, () => window.coppice.playing && window.coppice.time > 24);
@@ -345,7 +345,7 @@ const mockChecks = {
     await mock.close();
   },
 
-  async 'the server goes away, and comes again'() {
+  async 'the page reconnects to a restarted server'() {
     const mock = await mocked.startMock({});
     const page = await openReady(mock.url);
     await mock.close();
@@ -361,7 +361,7 @@ const mockChecks = {
     await again.close();
   },
 
-  async 'what is no message is refused, and asked for anew'() {
+  async 'an invalid message is refused, and the page reconnects'() {
     const mock = await mocked.startMock({});
     const page = await openReady(mock.url);
     const before = (await state(page)).frames;
@@ -373,7 +373,7 @@ const mockChecks = {
     await mock.close();
   },
 
-  async 'nothing to see yet'() {
+  async 'the page says that there is no fleet yet'() {
     const mock = await mocked.startMock({silent: true});
     const page = await open(mock.url);
     await page.locator('.pill.waiting').waitFor();
@@ -409,7 +409,7 @@ const mockChecks = {
 
 // What a new user sees. These checks take little time.
 const checksAtFirstSight = {
-  async 'cells hold their numbers whole, on every page'() {
+  async 'no width cuts off the numbers in table cells'() {
     const mock = await mocked.startMock({longest: 1255.04, late: 0.5});
     for (const viewport of viewports) {
       const page = await openReady(mock.url, {viewport});
@@ -422,7 +422,7 @@ const checksAtFirstSight = {
     await mock.close();
   },
 
-  async 'with a robot selected the map fills the view'() {
+  async 'the map fills the view while a robot is selected'() {
     const mock = await mocked.startMock({});
     for (const viewport of viewports) {
       const page = await openReady(mock.url, {viewport});
@@ -437,7 +437,7 @@ const checksAtFirstSight = {
     await mock.close();
   },
 
-  async 'a strip that scrolls looks like one'() {
+  async 'a scrollable strip looks like one'() {
     const mock = await mocked.startMock({});
     const page = await openReady(mock.url, {viewport: small});
     const last = page.locator('#chips label').last();
@@ -448,16 +448,16 @@ const checksAtFirstSight = {
       await pause(600);
     }
     const [strip, box] = [await page.locator('#chips').boundingBox(), await last.boundingBox()];
-    assert(box.x + box.width <= strip.x + strip.width + 1, 'the last layer is in sight');
+    assert(box.x + box.width <= strip.x + strip.width + 1, 'the last layer is in view');
     assert(await left.isVisible());
     await close(page);
     const wide = await openReady(mock.url);
-    assert(!(await wide.locator('#chips-right').isVisible()), 'where all are in sight, there is no more');
+    assert(!(await wide.locator('#chips-right').isVisible()), 'there is no hint if all layers are in view');
     await close(wide);
     await mock.close();
   },
 
-  async 'a map far from the origin of its frame'() {
+  async 'the page shows a map far from the origin of its frame'() {
     const [x, y] = [500000.25, 5400000.5];
     const mock = await mocked.startMock({origin: [x, y]});
     const page = await openReady(mock.url);
@@ -472,7 +472,7 @@ const checksAtFirstSight = {
     const {scale} = await state(page);
     const box = await page.locator('#map').boundingBox();
     const fit = {left: box.x + box.width / 2 - 200 * scale, bottom: box.y + box.height / 2 + 150 * scale};
-    assert(apart(at, {x: fit.left + (px - x) * scale, y: fit.bottom - (py - y) * scale}) < 3, 'it is drawn where it says that it is');
+    assert(apart(at, {x: fit.left + (px - x) * scale, y: fit.bottom - (py - y) * scale}) < 3, 'the robot is drawn at its position');
     const [gx, gy] = (await shown('Goal')).split(',').map(Number);
     assert(gx > x && gx < x + 400 && gy > y && gy < y + 300, `its goal: ${await shown('Goal')}`);
     await close(page);
@@ -499,7 +499,7 @@ const checksAtFirstSight = {
     await mock.close();
   },
 
-  async 'a run that ends says so, also when its monitor goes'() {
+  async 'the page shows the end of a run, also after its monitor ended'() {
     const mock = await mocked.startMock({});
     const page = await openReady(mock.url);
     mock.tell({state: mocked.LifeState.ENDED, robots: 20, arrived: 19});
@@ -536,7 +536,7 @@ const checksAtFirstSight = {
     await mock.close();
   },
 
-  async 'figures that alarm explain themselves'() {
+  async 'alarming figures explain themselves'() {
     const mock = await mocked.startMock({late: 0.5});
     const page = await openReady(mock.url);
     const row = page.locator('#table tbody tr', {has: page.locator('td:text-is("r3")')});

@@ -5,7 +5,7 @@
 namespace coppice {
 namespace {
 
-TEST(FileKind, AReportSaysItsOutcome) {
+TEST(FileKind, AReportIsKnownByItsOutcome) {
   EXPECT_EQ(kind_of_file(R"({"outcome": "arrived", "map": "a.map", "robots": []})"), FileKind::report);
   EXPECT_EQ(kind_of_file(R"({ "map": "a.map", "robots": [{"name": "outcome", "start": {"x": 1}}]})"),
             FileKind::scenario)
