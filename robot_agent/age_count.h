@@ -1,4 +1,4 @@
-// How old states are when they are used: counts by age, from which shares follow to within a tenth.
+// A histogram of how old states are when they are used. An age at a share is at most a tenth too large.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace coppice {
 
 class AgeCount {
  public:
-  /// Seconds. One that clocks make negative counts as new.
+  /// Counts an age in seconds. A negative age, which errors of clocks can cause, counts as 0.
   void add(double age) {
     const auto times = static_cast<float>(std::max(age, least) / least);
     ++bins_[std::min<std::size_t>(bins_.size() - 1, (std::bit_cast<std::uint32_t>(times) >> shift) - first)];
@@ -19,7 +19,7 @@ class AgeCount {
     most_ = std::max(most_, age);
   }
 
-  /// An age that this share of all does not exceed; 0 if there is none.
+  /// An age that this share of all ages does not exceed; 0 if none was counted.
   double at_share(double share) const {
     const double rank = share * static_cast<double>(count_);
     std::uint64_t below = 0;
@@ -35,7 +35,7 @@ class AgeCount {
 
  private:
   static constexpr double least = 1e-4;  // seconds
-  // A bin is what a float's exponent and the first bits of its fraction say: at most 6 % wide.
+  // The exponent of a float and the first bits of its fraction number a bin. So a bin is at most 6 % wide.
   static constexpr std::uint32_t bins_a_doubling = 16;
   static constexpr int shift = 23 - 4;
   static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(1.0F) >> shift;

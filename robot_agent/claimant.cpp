@@ -4,18 +4,9 @@
 #include <limits>
 #include <utility>
 
+#include "robot_agent/timing.h"
+
 namespace coppice {
-
-namespace {
-
-constexpr WallTime ask_period = 0.5;
-// An answer that comes later leaves too little of the lease to be heard as the robot.
-constexpr WallTime answer_counts = claim_lease / 2;
-constexpr WallTime own_lease =
-    0.8 * claim_lease;         // of silence: shorter than the service's count by any delay
-constexpr WallTime quiet = 1;  // so long nobody else may have been heard as the robot
-
-}  // namespace
 
 void Claimant::on(const Arrival& arrival) {
   std::visit(
@@ -43,16 +34,16 @@ void Claimant::receive(const RobotState& state, WallTime now) {
 
 bool Claimant::may_take(const Assignment& offer, WallTime now) const {
   const auto asked = std::ranges::find(asked_, offer.number, &Asked::number);
-  if (asked == asked_.end() || now - asked->at > answer_counts) return false;
+  if (asked == asked_.end() || now - asked->at > Timing::answer_counts) return false;
   const auto spoke = spoke_.find(offer.robot);
-  return spoke == spoke_.end() || now - spoke->second > quiet;
+  return spoke == spoke_.end() || now - spoke->second > Timing::quiet_robot;
 }
 
 void Claimant::count_silence(WallTime now) {
   const WallTime silent_for = now - std::exchange(last_sign_, now).value_or(now);
-  lost_ = lost_ || (robot_ && silent_for > own_lease);
+  lost_ = lost_ || (robot_ && silent_for > Timing::own_claim_lease);
   if (silent_for >= 0) return;
-  // The clock was set back: when it asked, and when others spoke, is known no more.
+  // The clock was set back: the times at which it asked, and others spoke, mean nothing any more.
   asked_.clear();
   for (auto& [robot, at] : spoke_) at = now;
 }
@@ -60,7 +51,7 @@ void Claimant::count_silence(WallTime now) {
 Claim Claimant::claim(WallTime now) {
   count_silence(now);
   asked_.push_back({++number_, now});
-  while (now - asked_.front().at > answer_counts) asked_.pop_front();
+  while (now - asked_.front().at > Timing::answer_counts) asked_.pop_front();
   return {.claimant = id_, .number = number_, .robot = robot_.value_or(RobotName())};
 }
 
@@ -73,11 +64,11 @@ std::vector<Outgoing> Claimant::step(WallTime now) {
     out.emplace_back(claim(now));
     spoke_.clear();
     next_wake_ = std::numeric_limits<WallTime>::infinity();
-  } else if (asked_.empty() || now - asked_.back().at >= ask_period) {
+  } else if (asked_.empty() || now - asked_.back().at >= Timing::claim_period) {
     out.emplace_back(claim(now));
-    next_wake_ = now + ask_period;
+    next_wake_ = now + Timing::claim_period;
   } else {
-    next_wake_ = asked_.back().at + ask_period;
+    next_wake_ = asked_.back().at + Timing::claim_period;
   }
   return out;
 }

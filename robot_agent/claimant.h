@@ -1,12 +1,11 @@
-// Finds out from the service which robot this agent is, where nobody has told it
-// (planner_service/robot_assignment.h).
+// Asks the service which robot this agent is, if the agent was not told (planner_service/robot_assignment.h).
 //
-// It asks until it is given a robot that nobody speaks as. What it has been given is its own as long as it
-// does not fall silent for claim_lease, and nobody else is given it. It counts the lease itself, from when it
-// sent the claim that was answered, so that an answer that took long, or a process that was stopped for a
-// while, does no harm. Whoever was silent for longer does not ask whether the robot is still its own: it is
-// lost, and a new claimant begins where its journal ends. A machine's clock that is set forward by as much
-// ends it, too. A state machine.
+// The claimant asks until it is given a robot that no other agent speaks as. The robot stays its own as long
+// as it does not fall silent for `claim_lease`; nobody else is given the robot meanwhile. The claimant counts
+// the lease itself, from the moment when it sent the claim that was answered. So a late answer, or a process
+// that was stopped for a while, does no harm. A claimant that was silent for longer has lost its robot, and
+// does not ask whether the robot is still its own. A new claimant begins where its journal ends. A machine's
+// clock that is set forward by as much ends the lease, too. A state machine.
 #pragma once
 
 #include <cstdint>
@@ -26,16 +25,16 @@ class Claimant {
   explicit Claimant(std::uint64_t id) : id_(id) {}
 
   void on(const Arrival& arrival);
-  /// This, or `claim`, at least every two seconds, also when it has its robot: whoever does not is silent.
+  /// Call this, or `claim`, at least every 2 s, also when the claimant has its robot. Otherwise it is silent.
   std::vector<Outgoing> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
   /// The next claim, which is to be sent unless the robot is lost by now.
   Claim claim(WallTime now);
 
-  /// None: not yet.
+  /// None until it is given a robot.
   const std::optional<RobotName>& robot() const { return robot_; }
-  /// The robot is another's by now, or may be: nothing must be said as that robot any more.
+  /// The robot belongs to another agent by now, or may do so: nothing must be said as that robot any more.
   bool lost() const { return lost_; }
 
  private:
@@ -51,11 +50,11 @@ class Claimant {
 
   std::uint64_t id_;
   std::uint32_t number_ = 0;
-  std::deque<Asked> asked_;  ///< those whose answers still count
+  std::deque<Asked> asked_;  ///< claims whose answers still count
   std::optional<Assignment> offer_;
-  std::map<RobotName, WallTime> spoke_;  ///< when somebody was last heard as this robot
+  std::map<RobotName, WallTime> spoke_;  ///< when an agent was last heard as this robot
   std::optional<RobotName> robot_;
-  std::optional<WallTime> last_sign_;  ///< of life
+  std::optional<WallTime> last_sign_;  ///< when the claimant was last not silent
   bool lost_ = false;
   WallTime next_wake_ = 0;
 };

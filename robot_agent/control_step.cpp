@@ -14,43 +14,36 @@ namespace coppice {
 namespace {
 
 constexpr double period = control_period;
-// A robot whose agent slept for so long, or that was cut off, stands as long again before it moves on. The
-// others may have declared it failed, and have to hear of it first.
-constexpr WallTime own_silence = 1;
-constexpr WallTime longest_startup = 10;  // seconds to wait for the others' missions before setting off
-// A process that began in mid-run waits so long to hear where all peers are. Then it says that it is stuck.
-constexpr double longest_ignorance = 120;
-constexpr WallTime least_ignorance = 30;  // the same, of the wall's clock: processes have to find each other
-constexpr double asks_for_news = 1.5;     // seconds, after a robot was out of touch
+// Timeouts: see timing.h.
+constexpr WallTime own_silence = Timing::own_silence;
+constexpr double longest_startup = Timing::longest_startup;
+constexpr double longest_ignorance = Timing::longest_ignorance;
+constexpr double least_ignorance = Timing::least_ignorance;
+constexpr double asks_for_news = Timing::asks_for_news;
+constexpr double between_retries = Timing::between_retries;
+constexpr double longest_stall = Timing::longest_stall;
+constexpr double idle_lease = Timing::idle_lease;
+constexpr double waiting_lease = Timing::waiting_lease;
+constexpr double longest_lease = Timing::longest_lease;
+constexpr double lease_for_delay = Timing::lease_for_delay;
+constexpr double longest_delay = Timing::largest_clock_error;
+constexpr double leans_after = Timing::leans_after;
+
 constexpr double decisions_counted = 16;  // of those that may be late: a pause is one
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
-// Seconds until the robot tries again if another robot got a new goal meanwhile. Its attempts stop the
-// others.
-constexpr double between_retries = 300;
-// Seconds without progress that make a robot call a round, however often it has bound itself to stand
-// meanwhile. Two robots that push each other back and forth let each other go first for ever.
-constexpr double longest_stall = 30;
-constexpr double around_radii = 16;  // within these, others' joint plans concern a robot
-// A robot that has no reason to move binds itself to stand for so long, seconds: others may pass it closely.
-// The lease grows with the delay of samples and the error of clocks.
-constexpr double idle_lease = 1;
-constexpr double waiting_lease = 0.3;
-constexpr double longest_lease = 2;
-constexpr double lease_for_delay = 4;
-constexpr double longest_delay = 5;  // seconds: a clock that seems further off is at fault
-constexpr double fair_pace = 0.5;    // of the preferred speed
-constexpr double beside = 1.3;       // sums of radii between two that hinder each other
-constexpr double level = 0.1;        // the same, of the lead of a robot that is not ahead
-constexpr double crawl = 0.05;       // of the largest speed: a slower robot is held up
+constexpr double around_radii = 16;       // within these, others' joint plans concern a robot
+constexpr double fair_pace = 0.5;         // of the preferred speed
+constexpr double beside = 1.3;            // sums of radii between two that hinder each other
+constexpr double level = 0.1;             // the same, of the lead of a robot that is not ahead
+constexpr double crawl = 0.05;            // of the largest speed: a slower robot is held up
 // Two robots that meet head-on see no reason to prefer a side: all lean a little to their right. Robots that
 // meet in one place lean more while they come no further: the jam turns like a roundabout.
 constexpr double least_lean = 0.05;  // radians
 constexpr double most_lean = 1.5;
-constexpr double leans_after = 0.3;  // seconds without progress
-constexpr double lean_rate = 3;      // radians a second
-constexpr double open_radii = 8;     // to the next obstacle: between walls, leaning leads into them
-constexpr double end_radii = 2;      // of the way: there the robot stops exactly
+constexpr double lean_rate = 3;   // radians a second
+constexpr double open_radii = 8;  // to the next obstacle: between walls, leaning leads into them
+constexpr double end_radii = 2;   // of the way: there the robot stops exactly
 
 Point2 leaning_right(const Point2& v, double stalled) {
   const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);

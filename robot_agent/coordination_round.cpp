@@ -11,16 +11,17 @@ namespace coppice {
 
 namespace {
 
-constexpr double crowd_radii = 8;  // between two robots of one crowd
-constexpr double soon = 60;        // seconds after a round in which the next one reaches further
-constexpr double long_delay = 5;   // seconds in which a joint plan comes to all
-// Seconds without a joint plan, by fleet time and by the wall's clock: the leader has lost sight of somebody.
-constexpr double longest_hold = 60;
-constexpr double least_hold = 20;
-constexpr double longest_wait = 120;  // seconds for one that does not come on: it may be cut off
-constexpr double patience = 5;        // seconds without progress though nobody earlier is in the way
-constexpr double close_radii = 3;     // between robots that may fear each other's next move, in sums of radii
-constexpr double same_place = 0.01;   // metres between where a plan begins and where the robot stands
+// Timeouts: see timing.h.
+constexpr double soon = Timing::round_again;
+constexpr double long_delay = Timing::plan_delivery;
+constexpr double longest_hold = Timing::longest_hold;
+constexpr double least_hold = Timing::least_hold;
+constexpr double longest_wait = Timing::longest_wait_for_member;
+constexpr double patience = Timing::plan_patience;
+
+constexpr double crowd_radii = 8;    // between two robots of one crowd
+constexpr double close_radii = 3;    // between robots that may fear each other's next move, in sums of radii
+constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 
 }  // namespace
 

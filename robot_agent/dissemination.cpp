@@ -1,104 +1,99 @@
-// Of Fleet: whom a state is for (interest.h).
+#include "robot_agent/dissemination.h"
+
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 #include "messages/validation.h"
-#include "robot_agent/fleet.h"
+#include "robot_agent/timing.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr int checks_per_interval = 2;  // whether it is still right
-constexpr int ticks_per_choice = 8;     // of the witnesses
-constexpr std::size_t echoes_a_state = 8;
-constexpr std::size_t most_answers = most_echoes / 2;  // likewise, to those who miss somebody
-constexpr double between_answers = 0.5;                // seconds, to each of these
-constexpr int ticks_per_echo = 4;
-constexpr int rare = 8;               // a interval, of those who get echoes of their own
-constexpr double between_echoes = 1;  // seconds, of each of these: clocks do not drift far in them
-// Until clocks are compared; for that, the other must hear of it.
-constexpr int handshakes_needed = 5;
-constexpr std::size_t handshakes_per_tick = 8;  // each robot tells so many of itself, about
-constexpr int longest_handshake_interval = 32;
+constexpr std::size_t most_answers = most_echoes / 2;  // echoes in a state, for peers that miss somebody
 
 }  // namespace
 
-bool Fleet::is_synchronised(const Peer& p) const {
-  return p.clock.known() && p.handshakes >= handshakes_needed;
+void Dissemination::forget_peers() {
+  next_echo_ = chosen_among_ = 0;
+  missed_by_others_.clear();
 }
 
-/// All strangers of all robots are many.
-int Fleet::handshake_interval() const {
-  const auto ticks = std::bit_floor(std::max<std::size_t>(1, peers_.size() / handshakes_per_tick));
-  return std::min(longest_handshake_interval, static_cast<int>(ticks));
-}
-
-/// A leader waits for all who hold, and these for it.
-bool Fleet::tells_about_round(const Peer& p) const {
-  if (!leads_) return leader_ && &p == &peers_[*leader_];
-  return p.state && (waits_in_.includes(p.place) || p.state->round == waits_in_);
-}
-
-bool Fleet::hears_about_round_from(const Peer& p) const {
-  return p.state && p.state->stage == Stage::waiting && (leads_ || waits_in_.leader == p.robot) &&
-         p.state->round == waits_in_;
-}
-
-/// It may have come closer since it was heard of.
-int Fleet::interval_to(const Peer& p, double now) const {
-  const int interval = send_interval(gap(p) - p.max_speed * since(p.heard_at, now), closing_speed(p));
-  if (!is_synchronised(p)) return std::min(interval, handshake_interval());
-  return p.waits_for_this ? 1 : interval;
-}
-
-/// In this tick. At every one, or else at those of its interval, which is looked at anew from time to time
-/// only.
-bool Fleet::is_told(std::size_t number, std::uint32_t tick, double now) {
+void Dissemination::hear(std::size_t number, double now) {
   Peer& p = peers_[number];
-  if (p.is_witness || (waits_in_.epoch > 0 && tells_about_round(p)) || p.asks) return true;
-  if (tick >= p.interval_until) {
-    p.interval = interval_to(p, now);
-    p.interval_until = tick + static_cast<std::uint32_t>(p.interval / checks_per_interval);
+  if (answers(number, now) || p.state->wants_echo) p.exchange.asks = true;
+  p.exchange.waits_for_this = p.state->waits_for == own_.name;
+  p.exchange.interval_until = 0;
+  peers_.told_from[number] = 0;
+}
+
+bool Dissemination::is_synchronised(const Peer& p) const {
+  return p.clock.known() && p.exchange.handshakes >= Timing::handshakes_needed;
+}
+
+/// A leader waits for all members that wait, and these wait for the leader.
+bool Dissemination::tells_about_round(const Peer& p) const {
+  if (const auto* follows = std::get_if<OwnRobot::Follows>(&own_.wait))
+    return follows->leader == peers_.number_of(p);
+  const auto* const leads = std::get_if<OwnRobot::Leads>(&own_.wait);
+  return leads != nullptr && p.state && (leads->round.includes(p.place) || p.state->round == leads->round);
+}
+
+/// The peer may have come closer since it was heard.
+int Dissemination::interval_to(const Peer& p, double now) const {
+  const double gap = own_.gap(p) - p.max_speed * own_.since(p.heard_at, now);
+  const int interval = send_interval(gap, own_.closing_speed(p));
+  if (!is_synchronised(p)) return std::min(interval, handshake_interval(peers_.size()));
+  return p.exchange.waits_for_this ? 1 : interval;
+}
+
+/// In this tick. The send interval is looked at again from time to time only.
+bool Dissemination::is_told(std::size_t number, std::uint32_t tick, double now) {
+  Peer& p = peers_[number];
+  StateExchange& e = p.exchange;
+  if (e.is_witness || e.asks || (own_.waits() && tells_about_round(p))) return true;
+  if (tick >= e.interval_until) {
+    e.interval = static_cast<std::uint8_t>(interval_to(p, now));
+    e.interval_until = tick + static_cast<std::uint32_t>(e.interval / Timing::checks_per_interval);
   }
-  told_from_[number] = std::min(p.interval_until, next_tick_of(p.phase, tick, p.interval));
-  return is_tick_of(p.phase, tick, p.interval);
+  peers_.told_from[number] = std::min(e.interval_until, next_tick_of(e.phase, tick, e.interval));
+  return is_tick_of(e.phase, tick, e.interval);
 }
 
-/// By a wide margin: it may think that this robot is further away.
-bool Fleet::tells_at_every_heartbeat(const Peer& p) const {
-  return peers_.size() <= witnesses || interval_from(p) <= heartbeat_interval / 2;
+/// By a wide margin: the peer may think that this robot is further away.
+bool Dissemination::tells_at_every_heartbeat(const Peer& p) const {
+  return peers_.size() <= witnesses || own_.interval_from(p) <= heartbeat_interval / 2;
 }
 
-/// The nearest that are alive.
-void Fleet::choose_witnesses() {
-  std::vector<std::pair<double, Peer*>> alive;
-  alive.reserve(peers_.size());
+/// The nearest peers that are not failed.
+void Dissemination::choose_witnesses() {
+  std::vector<std::pair<double, Peer*>> candidates;
+  candidates.reserve(peers_.size());
   for (Peer& p : peers_) {
-    p.is_witness = false;
-    if (!p.failed) alive.emplace_back(gap(p), &p);
+    p.exchange.is_witness = false;
+    if (!p.failed()) candidates.emplace_back(own_.gap(p), &p);
   }
-  const std::size_t few = std::min(witnesses, alive.size());
-  std::ranges::nth_element(alive, alive.begin() + static_cast<std::ptrdiff_t>(few));
+  const std::size_t few = std::min(witnesses, candidates.size());
+  std::ranges::nth_element(candidates, candidates.begin() + static_cast<std::ptrdiff_t>(few));
   for (std::size_t k = 0; k < few; ++k) {
-    alive[k].second->is_witness = true;
-    told_from_[static_cast<std::size_t>(alive[k].second - peers_.data())] = 0;
+    Peer& p = *candidates[k].second;
+    p.exchange.is_witness = true;
+    peers_.told_from[peers_.number_of(p)] = 0;
   }
   chosen_among_ = peers_.size();
 }
 
-Fleet::Address Fleet::address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for,
-                              double now) {
-  if (!own_mission_) return {};
-  if (is_tick_of(0, tick, ticks_per_choice) || peers_.size() != chosen_among_) choose_witnesses();
-  const auto awaited = index_.find(waits_for);
+Dissemination::Address Dissemination::address(std::uint32_t tick, const RoundId* news,
+                                              const RobotName& waits_for, double now) {
+  if (!own_.mission) return {};
+  if (is_tick_of(0, tick, Timing::ticks_per_choice) || peers_.size() != chosen_among_) choose_witnesses();
+  const auto awaited = peers_.find(waits_for);
   std::vector<Peer*> addressed;
   addressed.reserve(peers_.size());
-  const bool tells_of_a_round = news != nullptr || waits_in_.epoch > 0;
+  const bool tells_of_a_round = news != nullptr || own_.waits();
   for (std::size_t k = 0; k < peers_.size(); ++k) {
     const bool is_awaited = k == awaited;
-    if (tick < told_from_[k] && !tells_of_a_round && !is_awaited) continue;  // nearly always
+    if (tick < peers_.told_from[k] && !tells_of_a_round && !is_awaited) continue;  // nearly always
     Peer& p = peers_[k];
     const bool in_round = news != nullptr && p.state && (news->includes(p.place) || p.state->round == *news);
     if (in_round || is_awaited || is_told(k, tick, now)) addressed.push_back(&p);
@@ -109,46 +104,51 @@ Fleet::Address Fleet::address(std::uint32_t tick, const RoundId* news, const Rob
   return to;
 }
 
-/// Strangers, of whom a fleet that begins has many, hear of it until they are none.
-std::vector<RobotName> Fleet::who_hears_copies(std::span<const RobotName> agents) const {
-  std::vector<RobotName> those;
-  those.reserve(agents.size());
+/// A fleet that begins has many peers without a handshake. They hear of this robot until that is over.
+std::vector<RobotName> Dissemination::who_hears_copies(std::span<const RobotName> agents) const {
+  std::vector<RobotName> recipients;
+  recipients.reserve(agents.size());
   for (const RobotName& robot : agents) {
-    const auto known = index_.find(robot);
-    if (known && (peers_[*known].is_witness || is_synchronised(peers_[*known]))) those.push_back(robot);
+    const auto known = peers_.find(robot);
+    if (known && (peers_[*known].exchange.is_witness || is_synchronised(peers_[*known])))
+      recipients.push_back(robot);
   }
-  return those;
+  return recipients;
 }
 
-/// It says something itself, and of late, for its distance.
-bool Fleet::hears(const Peer& p, double now) const {
-  return p.state && !p.state->passed_on && !p.failed && unheard(p, now) < relay_from * second();
+/// The peer says something itself, and of late, for its distance.
+bool Dissemination::hears(const Peer& p, double now) const {
+  return p.alive() && !p.state->passed_on && detector_.unheard(p, now) < Timing::relay_from * own_.second();
 }
 
-/// Somebody is heard here whom that one misses: the next state says so, but no two shortly after each other,
-/// for those who answer may miss somebody, too.
-bool Fleet::answers(const RobotState& state, std::size_t asker, double now) {
-  if (!own_mission_ || state.passed_on) return false;
-  peers_[asker].is_ignorant = std::ranges::find(state.misses, self_) != state.misses.end();
+/// The peer misses somebody that is heard here: the next state says so. No two states say so shortly after
+/// each other, for peers that answer may miss somebody, too.
+bool Dissemination::answers(std::size_t asker, double now) {
+  Peer& p = peers_[asker];
+  const RobotState& state = *p.state;
+  if (!own_.mission || state.passed_on) return false;
+  p.exchange.misses_somebody = std::ranges::find(state.misses, own_.name) != state.misses.end();
+  if (state.misses.empty()) return false;  // nearly always
   bool tells = false;
-  const bool is_due = now >= answered_until_[asker];
+  const bool is_due = now >= peers_.answered_until[asker];
   for (const RobotName& missed : state.misses) {
-    const auto known = index_.find(missed);
+    const auto known = peers_.find(missed);
     if (!known || !hears(peers_[*known], now)) continue;
-    peers_[asker].is_ignorant = tells = true;
+    p.exchange.misses_somebody = tells = true;
     const bool noted = std::ranges::find(missed_by_others_, *known) != missed_by_others_.end();
     if (is_due && !noted && missed_by_others_.size() < most_answers) missed_by_others_.push_back(*known);
   }
   if (!is_due || !tells) return false;
-  answered_until_[asker] = now + between_answers * second();
+  peers_.answered_until[asker] = now + Timing::between_answers * own_.second();
   return true;
 }
 
-/// Who is not failed at every tick, where they are not too many. The places to go on from are odd in number:
-/// so those who hear every second, fourth, ... state hear of all.
-std::vector<RobotName> Fleet::next_missing() {
+/// Names all missing peers in each state if they are few. Otherwise each state goes on where the last one
+/// ended. The positions to go on from are odd in number: so peers that receive every second, fourth, ...
+/// state hear of all.
+std::vector<RobotName> Dissemination::next_missing() {
   std::vector<RobotName> names;
-  for (const auto* some : {&missing_, &silent_failed_}) {
+  for (const auto* some : {&detector_.missing(), &detector_.silent_failed()}) {
     const std::size_t size = some->size();
     for (std::size_t k = 0; k < size && names.size() < most_missed; ++k) {
       const std::size_t next = size <= most_missed ? k : (asked_for_ + k) % (size | 1);
@@ -159,37 +159,87 @@ std::vector<RobotName> Fleet::next_missing() {
   return names;
 }
 
-/// Of those whom others miss; for those who ask for one, or have none yet, and now and then for those who
-/// will not hear of the next ones; from time to time whatever else is news.
-std::vector<Echo> Fleet::next_echoes(std::span<Peer* const> addressed, std::uint32_t tick) {
+/// Echoes of peers that others miss; then of recipients that ask for one, that are in a handshake, or that
+/// hear few states; from time to time of whatever else is news.
+std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, std::uint32_t tick) {
   std::vector<Echo> echoes;
   const auto echo_of = [&](const Peer& p) {
-    return Echo{p.robot, p.state->stamp, clock_.fleet_time(p.heard_at)};
+    return Echo{p.robot, p.state->stamp, own_.clock().fleet_time(p.heard_at)};
   };
   const auto add = [&](Peer& p) {
-    if (echoes.empty()) echoes.reserve(echoes_a_state);  // most states have none, and are kept for long
+    if (echoes.empty())
+      echoes.reserve(Timing::echoes_a_state);  // most states have none, and are kept for long
     p.echo_sent = p.state->stamp;
-    p.asks = false;
+    p.exchange.asks = false;
     echoes.push_back(echo_of(p));
   };
   for (const std::size_t missed : std::exchange(missed_by_others_, {}))
     echoes.push_back(echo_of(peers_[missed]));
-  const std::size_t most_news = echoes.size() + echoes_a_state;
+  const std::size_t most_news = echoes.size() + Timing::echoes_a_state;
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
-    Peer* p = addressed[(tick + k) % addressed.size()];
-    if (!p->state) continue;
-    const bool in_time = p->interval < rare || p->state->stamp - p->echo_sent < between_echoes;
-    if (in_time && is_synchronised(*p) && !p->asks) continue;
-    add(*p);
-    p->handshakes += p->clock.known();
+    Peer& p = *addressed[(tick + k) % addressed.size()];
+    if (!p.state) continue;
+    const bool in_time =
+        p.exchange.interval < Timing::rare || p.state->stamp - p.echo_sent < Timing::between_echoes;
+    if (in_time && is_synchronised(p) && !p.exchange.asks) continue;
+    add(p);
+    if (p.clock.known() && !is_synchronised(p)) ++p.exchange.handshakes;
   }
-  const bool all_news = is_tick_of(0, tick, ticks_per_echo);
+  const bool all_news = is_tick_of(0, tick, Timing::ticks_per_echo);
   for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < most_news; ++k) {
     next_echo_ = next_echo_ + 1 < peers_.size() ? next_echo_ + 1 : 0;
     Peer& p = peers_[next_echo_];
     if (p.state && p.echo_sent != p.state->stamp) add(p);
   }
   return echoes;
+}
+
+std::vector<RobotState> Dissemination::last_words(double now) const {
+  std::vector<RobotState> states;
+  if (detector_.all_settled(now)) return states;
+  for (const Peer& p : peers_) {
+    const double silent = detector_.unheard(p, now) / own_.second();
+    if (!p.state || silent <= Timing::relay_from || silent >= Timing::relay_until) continue;
+    states.push_back(*p.state);
+    states.back().passed_on = true;
+  }
+  return states;
+}
+
+std::vector<RobotName> Dissemination::peers_to_inform(double now) const {
+  std::vector<RobotName> names;
+  const double informs_for = Timing::informs_for * own_.second();
+  if (now - std::max(detector_.new_at(), detector_.back_at()) > informs_for) return names;
+  for (const Peer& p : peers_) {
+    const bool is_new =
+        p.alive() && p.state->is_new && own_.since(p.heard_at, now) < Timing::absence * own_.second();
+    const bool is_back = p.back_at && now - *p.back_at < informs_for;
+    if (is_new || is_back) names.push_back(p.robot);
+  }
+  return names;
+}
+
+/// A peer that never came stands where its mission begins.
+std::vector<RobotState> Dissemination::states_of_silent_peers(double now) const {
+  std::vector<RobotState> states;
+  for (const Peer& p : peers_) {
+    const bool is_silent = p.state && detector_.unheard(p, now) > Timing::relay_from * own_.second();
+    if (!p.failed() && !is_silent) continue;
+    if (p.state) {
+      states.push_back(*p.state);
+    } else {
+      const Mission& m = *p.mission;
+      states.push_back({.robot = p.robot,
+                        .position = p.place,
+                        .radius = m.radius,
+                        .max_speed = m.max_speed,
+                        .max_acceleration = m.max_acceleration,
+                        .run = own_.clock().epoch});
+    }
+    states.back().passed_on = true;
+    states.back().counts_as_failed = std::holds_alternative<liveness::Failed>(p.liveness);
+  }
+  return states;
 }
 
 }  // namespace coppice

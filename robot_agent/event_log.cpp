@@ -11,11 +11,11 @@ namespace coppice {
 namespace {
 
 constexpr double worth_a_line = 10;            // seconds of fleet time that a robot waits
-constexpr double worth_a_warning = 30;         // likewise
-constexpr double shorter = 0.01;               // of a path's length: a new one that is worth a line
-constexpr WallTime periods_counted = 10;       // seconds
-constexpr double share_worth_a_warning = 0.1;  // of the periods in these that it missed
-constexpr WallTime between_warnings = 60;      // seconds, of missed periods
+constexpr double worth_a_warning = 30;         // the same, for a warning
+constexpr double shorter = 0.01;               // change of a path's length that is worth a line, as a share
+constexpr WallTime periods_counted = 10;       // seconds in which missed periods are counted
+constexpr double share_worth_a_warning = 0.1;  // of the periods in these seconds that were missed
+constexpr WallTime between_warnings = 60;      // seconds between two warnings of missed periods
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::vector<EventLog::Line> EventLog::said(const Message& message, WallTime now)
   return lines;
 }
 
-/// The first of a mission, and others that are as long as to matter.
+/// Tells of the first path of a mission, and of others whose length differs by a share that matters.
 void EventLog::say_path(const PathMessage& path, std::vector<Line>& lines) {
   const double length = length_of(path.waypoints);
   if (path_length_ > 0 && std::abs(length - path_length_) < shorter * path_length_) return;
@@ -75,7 +75,7 @@ void EventLog::say_phase(const AgentStatus& status, std::vector<Line>& lines) co
   if (is_stuck && !status.reason.empty()) lines.push_back({true, status.reason});
 }
 
-/// Each wait once, and again when its cause has changed.
+/// Tells of each wait once, and again when its cause has changed.
 void EventLog::say_wait(const AgentStatus& status, double fleet_now, std::vector<Line>& lines) {
   const bool waits = !status.wait_cause.empty();
   if (wait_ && (!waits || wait_->since != status.came_on_at)) {
@@ -94,7 +94,7 @@ void EventLog::say_wait(const AgentStatus& status, double fleet_now, std::vector
   wait_ = {status.came_on_at, status.wait_cause, fleet_now, is_warning};
 }
 
-/// In the last ten seconds: what was missed long ago is told once.
+/// Counts the periods that were missed in the last ten seconds: what was missed long ago is told once.
 void EventLog::say_missed_periods(const AgentLoad& load, WallTime now, std::vector<Line>& lines) {
   if (!count_ || now < count_->since) count_ = {now, load};
   if (now - count_->since < periods_counted) return;

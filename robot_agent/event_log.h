@@ -1,5 +1,5 @@
-// What is worth a line of the log of what a robot's agent hears and says: its missions, its paths, where it
-// arrives, what it waits for, and periods that its process missed.
+// Chooses which of the messages of a robot's agent are worth a line of the log: missions, paths, arrivals,
+// waits and their causes, and control periods that the process missed.
 #pragma once
 
 #include <optional>
@@ -31,23 +31,23 @@ class EventLog {
   void say_wait(const AgentStatus& status, double fleet_now, std::vector<Line>& lines);
   void say_missed_periods(const AgentLoad& load, WallTime now, std::vector<Line>& lines);
 
-  /// A wait that was told.
+  /// A wait that the log has told of.
   struct Wait {
     double since;  ///< fleet time
     std::string cause;
     double told_at;  ///< fleet time
     bool warned = false;
   };
-  /// Where the count of the periods that are missed began.
+  /// When the count of missed periods began, and what the load was then.
   struct Count {
     WallTime since;
     AgentLoad load;
   };
 
   RobotName robot_;
-  std::optional<Mission> mission_{};  ///< the last that was heard of
+  std::optional<Mission> mission_{};  ///< the last one that was heard
   std::optional<AgentStatus> last_{};
-  double path_length_ = 0;  ///< metres, that was told; 0: none of this mission
+  double path_length_ = 0;  ///< metres, of the path that was told last; 0: none of this mission
   std::optional<Wait> wait_{};
   std::optional<Count> count_{};
   std::optional<WallTime> warned_of_periods_at_{};

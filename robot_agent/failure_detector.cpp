@@ -1,438 +1,360 @@
-// Of Fleet: who has fallen silent, who counts as failed, and where.
-#include <algorithm>
+#include "robot_agent/failure_detector.h"
+
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 
-#include "planning/quantities.h"
-#include "robot_agent/fleet.h"
+#include "motion/kinematics.h"
 #include "robot_agent/limits.h"
 
 namespace coppice {
 
 namespace {
 
-// Seconds without a state (of the wall's clock, or of fleet time where that is slower: states come by fleet
-// time) after which a robot counts as failed: far longer than a pause of a process or a run of lost samples
-// lasts, for one that drives on unheard may touch those who think it failed.
-constexpr double death = 2;
-// Who is silent for longer is not cut off, but failed: networks heal within that time.
-constexpr double longest_cut = 60;
-constexpr double driven_cut_off = 3;  // seconds that one may drive on until it notices
-// What was said last may have been lost, and what was heard last may have come late.
-constexpr double unheard_before = 1;
-constexpr double said_since = 0.5;
-constexpr double longest_delay = 5;
-// Who was out of touch may know more of the silent, and says so at every heartbeat.
-constexpr double informs_for = 3;
-constexpr double lost_before_it_is_away = 4;
-// Without a state for so long a robot is missing: longer than samples are under way or a process pauses.
-constexpr double absence = 1;
-constexpr double long_absence = 1.5;
-// The same for all others at once, where one is alone: nobody else needs to pause for that.
-constexpr double loneliness = 0.6;
-// Nobody says to have heard of this one, though it asks for that (Fleet::echoed), and is answered at once.
-constexpr double longest_unheard = 1.8;
-// The same for one that was never heard of: its process may still have to start.
-constexpr double longest_startup = 10;
-constexpr double from_the_beginning = 30;  // beyond that and the longest cut, no more
-// Who is far away sends less often: so many states in a row may be lost before that is silence.
-constexpr double lost_in_a_row = 10;
-constexpr double heartbeat_seconds = heartbeat_interval * control_period;  // of one that stands close by
-constexpr double looks_at_silence = 0.5;                                   // seconds between two
-constexpr double relay_until = 4;    // seconds in which the last states of the silent are passed on
-constexpr double rests_clear = 0.9;  // of its radius: it may have turned a little
-constexpr double rests_radii = 0.1;  // between the places where a failed robot may stand
-constexpr int halvings = 6;          // of that, where somebody else stands in between
-constexpr double most_rests = 1e6;   // of one robot, whatever it says of its size and speed
+constexpr double heartbeat_seconds = heartbeat_interval * control_period;  // of a peer that stands close by
 
-/// Seconds; who sends at every so many turns may not be heard for so long.
+/// Seconds for which nothing may be heard of a peer that sends at every so many ticks.
 double lost_over(int interval) {
-  return lost_in_a_row * std::max(0.0, control_period * interval - heartbeat_seconds);
+  return Timing::lost_in_a_row * std::max(0.0, control_period * interval - heartbeat_seconds);
 }
 
-/// Until a robot stands that decides nothing more after this state.
+/// Seconds from this state until the robot stands, if it decides nothing more.
 double time_to_rest(const RobotState& s) {
   const int periods = braking_periods(s.promise.velocity.norm(), limits_of(s), control_period);
   return s.promise.expiry - s.stamp + periods * control_period;
 }
 
-/// On the way from a place where a robot may stand to one where it cannot.
-template <class Possible>
-Point2 last_possible(Point2 place, Point2 impossible, Possible&& possible) {
-  for (int k = 0; k < halvings; ++k) {
-    const Point2 middle = (place + impossible) / 2;
-    (possible(middle) ? place : impossible) = middle;
-  }
-  return place;
-}
-
 }  // namespace
 
-/// The last state of one that others no longer hear, passed on.
-void Fleet::hear_again(Peer& p, WallTime arrived) {
-  const bool paused = (arrived - p.said_again_at) * clock_.scale > relay_from * second();
-  if (!p.said_again || paused) p.said_again_from = arrived;
-  p.said_again = true;
-  p.said_again_at = arrived;
-  p.settled_until = all_settled_until_ = 0;
+void FailureDetector::forget_peers() {
+  count_.missing.clear();
+  count_.silent_failed.clear();
+  count_.elsewhere.reset();
+  back_at_ = new_at_ = long_ago;
 }
 
-/// What one has heard of another robot of late tells that this is alive. A newer one is to be expected as
-/// soon as the distances between the three allow.
-void Fleet::hear_of_the_missing(const RobotState& state, const Peer& teller, double now) {
+void FailureDetector::keep(const Peer& p) {
+  if (p.state->is_new) new_at_ = std::max(new_at_, own_.clock().fleet_time(p.heard_at));
+}
+
+void FailureDetector::hear_own_echoes(const RobotState& state, ClockOffset& clock, double now) {
   for (const Echo& echo : state.echoes) {
-    const auto known = index_.find(echo.robot);
+    if (echo.robot != own_.name || echo.stamp > now) continue;  // nobody has heard what is still to be said
+    clock.hear_echo(echo.stamp, echo.received, now);
+    own_echo_ = std::max(own_echo_, echo.stamp);
+  }
+}
+
+/// An echo of a state of another peer shows that peer alive. A newer echo is to be expected as soon as the
+/// distances between the three robots allow.
+void FailureDetector::hear_of_missing(const RobotState& state, const Peer& teller, double now) {
+  for (const Echo& echo : state.echoes) {
+    const auto known = peers_.find(echo.robot);
     if (!known) continue;
     Peer& p = peers_[*known];
-    const double newest = p.state ? std::max(p.echoed, p.state->stamp) : p.echoed;
-    if (echo.stamp <= newest || is_from_the_future(echo.stamp, p, now)) continue;
-    p.echoed = echo.stamp;
+    HeardElsewhere& elsewhere = p.elsewhere;
+    const double newest = p.state ? std::max(elsewhere.stamp, p.state->stamp) : elsewhere.stamp;
+    if (echo.stamp <= newest || own_.is_from_the_future(echo.stamp, p, now)) continue;
+    elsewhere.stamp = echo.stamp;
     const double between = (p.place - state.position).norm() - p.radius - state.radius;
-    const int interval = std::max(
-        {interval_from(p), interval_from(teller), send_interval(between, p.max_speed + state.max_speed)});
-    p.echo_holds_until = std::max(p.echo_holds_until, now + death * second() + lost_over(interval));
+    const int interval = std::max({own_.interval_from(p), own_.interval_from(teller),
+                                   send_interval(between, p.max_speed + state.max_speed)});
+    elsewhere.holds_until =
+        std::max(elsewhere.holds_until, now + Timing::failure_timeout * own_.second() + lost_over(interval));
   }
 }
 
-/// And that is newer than what is known of it.
-bool Fleet::heard_elsewhere(const Peer& p, double now) const {
-  return now < p.echo_holds_until && (!p.state || p.echoed > p.state->stamp);
+void FailureDetector::hear_relay(Peer& p, WallTime arrived) {
+  const bool goes_on =
+      p.relayed && (arrived - p.relayed->last) * own_.clock().scale <= Timing::relay_from * own_.second();
+  if (!goes_on) p.relayed = std::make_unique<Relayed>(Relayed{arrived, arrived});
+  p.relayed->last = arrived;
+  p.settled_until = settled_until_ = 0;
 }
 
-std::optional<RobotName> Fleet::heard_by_others_only() const {
-  const auto one = absences_.elsewhere;
-  return one ? std::optional(peers_[*one].robot) : std::nullopt;
+bool FailureDetector::hear(Peer& p, const RobotState& state, double now) {
+  const bool had_failed = p.failed();
+  if (had_failed && p.failure()->in_larger_piece) minority_until_ = 0;
+  if (own_.mission && !state.passed_on && was_away(p, now)) p.back_at = back_at_ = now;
+  if (state.is_new && own_.run_clock) new_at_ = now;
+  if (!p.state || had_failed) settled_until_ = 0;
+  const bool reported_failed = !p.state && state.counts_as_failed;
+  some_reported_ = some_reported_ || reported_failed;
+  p.liveness = liveness::Alive{reported_failed};
+  p.relayed.reset();
+  recoveries_ += had_failed;
+  return had_failed;
 }
 
-/// For so long nothing needs to come from it, because of how far away it is.
-double Fleet::explained_silence(const Peer& p) const {
-  return lost_over(p.state ? interval_from(p) : std::min(interval_from(p), handshake_interval()));
+/// A newer state than the last one that came here.
+bool FailureDetector::heard_elsewhere(const Peer& p, double now) const {
+  return now < p.elsewhere.holds_until && (!p.state || p.elsewhere.stamp > p.state->stamp);
 }
 
-/// Robots without which all have waited for long enough may have come, driven and died.
-bool Fleet::is_under_way(double now) const {
-  return now > longest_startup * second();
+/// For so long nothing needs to come from a peer, because of how far away it is.
+double FailureDetector::explained_silence(const Peer& p) const {
+  const int interval = own_.interval_from(p);
+  return lost_over(p.state ? interval : std::min(interval, handshake_interval(peers_.size())));
 }
 
-/// More is missing than some lost samples, though it may not be enough to count as silent; or it comes when
-/// the others are under way.
-bool Fleet::was_away(const Peer& p, double now) const {
+/// The peer lost more than some samples, though it may not have been silent for long enough to count as such;
+/// or it comes when the others are under way.
+bool FailureDetector::was_away(const Peer& p, double now) const {
   if (!p.state) return is_under_way(now);
-  const double unheard_for = since(p.heard_at, now) - long_absence * second();
-  return unheard_for > 0 && unheard_for > lost_before_it_is_away * control_period * interval_from(p);
+  const double unheard_for = own_.since(p.heard_at, now) - Timing::long_absence * own_.second();
+  return unheard_for > 0 &&
+         unheard_for > Timing::lost_before_it_is_away * control_period * own_.interval_from(p);
 }
 
-/// For so long nothing came that should have.
-double Fleet::unheard(const Peer& p, double now) const {
-  return std::max(0.0, since(p.heard_at, now) - explained_silence(p));
+double FailureDetector::unheard(const Peer& p, double now) const {
+  return std::max(0.0, own_.since(p.heard_at, now) - explained_silence(p));
 }
 
-/// The same, or for so long those closer by have said that they hear no more of it.
-double Fleet::silence(const Peer& p, double now) const {
+/// The same; or for so long peers that are closer by have said that they hear no more of it.
+double FailureDetector::silence(const Peer& p, double now) const {
   const double here = unheard(p, now);
-  if (!p.said_again) return here;
-  return std::max(here, relay_from * second() + (p.said_again_at - p.said_again_from) * clock_.scale);
+  if (!p.relayed) return here;
+  const double relayed = (p.relayed->last - p.relayed->first) * own_.clock().scale;
+  return std::max(here, Timing::relay_from * own_.second() + relayed);
 }
 
-bool Fleet::missing(const Peer& p, double seconds, double now) const {
-  return p.state && !p.failed && silence(p, now) > seconds * second();
+bool FailureDetector::is_missing(const Peer& p, double seconds, double now) const {
+  return p.alive() && silence(p, now) > seconds * own_.second();
 }
 
-/// Nothing has changed while everybody was heard of a moment ago.
-const Fleet::Absences& Fleet::absences(double now) {
-  if (now >= all_settled_until_) count_absences(now);
-  return absences_;
-}
-
-void Fleet::count_absences(double now) {
-  absences_ = {};
-  counted_at_ = now;
-  missing_.clear();
-  silent_failed_.clear();
-  clock_error_ = 0;
-  all_settled_until_ = now + looks_at_silence * second();
+void FailureDetector::count(double now) {
+  Absences count{.at = now};
+  count.missing = std::move(count_.missing);
+  count.silent_failed = std::move(count_.silent_failed);
+  count.missing.clear();
+  count.silent_failed.clear();
+  count_ = std::move(count);
+  settled_until_ = now + Timing::count_interval * own_.second();
   for (Peer& p : peers_) {
-    count_absence(p, now);
-    if (p.clock.known() && !p.failed) clock_error_ = std::max(clock_error_, p.clock.error(now));
-    absences_.alive += p.state && !p.failed;
-    all_settled_until_ = std::min(all_settled_until_, p.settled_until);
+    this->count(p, now);
+    settled_until_ = std::min(settled_until_, p.settled_until);
   }
 }
 
-void Fleet::count_absence(Peer& p, double now) {
-  Absences& count = absences_;
-  const double silent = silence(p, now) / second();
-  const auto number = static_cast<std::size_t>(&p - peers_.data());
-  if (silent > long_absence && heard_elsewhere(p, now)) count.elsewhere = number;
-  if (silent > absence) (p.failed ? silent_failed_ : missing_).push_back(number);
-  count.failed += p.failed;
-  if (p.failed) return;
-  if (!p.state) {
-    count.never_came += p.mission && silent > absence;
+void FailureDetector::count(Peer& p, double now) {
+  const double silent = silence(p, now) / own_.second();
+  const std::size_t number = peers_.number_of(p);
+  if (silent > Timing::long_absence && heard_elsewhere(p, now)) count_.elsewhere = number;
+  if (silent > Timing::absence) (p.failed() ? count_.silent_failed : count_.missing).push_back(number);
+  if (p.failed()) {
+    ++count_.failed;
     return;
   }
-  if (silent <= relay_from)
-    p.settled_until = now + std::min(relay_from - silent, looks_at_silence) * second();
-  count.unheard += silent > loneliness;
-  count.absent += silent > absence;
-  count.long_absent += silent > long_absence;
+  if (p.clock.known()) count_.clock_error = std::max(count_.clock_error, p.clock.error(now));
+  if (!p.alive()) {
+    count_.never_came += p.mission && silent > Timing::absence;
+    return;
+  }
+  if (silent <= Timing::relay_from) {
+    const double settled = std::min(Timing::relay_from - silent, Timing::count_interval);
+    p.settled_until = now + settled * own_.second();
+  }
+  ++count_.alive;
+  count_.unheard += silent > Timing::loneliness;
+  count_.absent += silent > Timing::absence;
+  count_.long_absent += silent > Timing::long_absence;
 }
 
-void Fleet::detect_failures(double now, const Point2& position, const RoundId& waits_in,
-                            const ClearanceField& field) {
-  position_ = position;
-  waits_in_ = waits_in;
-  leads_ = waits_in.leader == self_;
-  leader_ = waits_in.epoch > 0 ? index_.find(waits_in.leader) : std::nullopt;
-  const Absences count = absences(now);
-  if (std::exchange(failure_reported_, false)) adopt_reported_failures(count, now, field);
-  if (count.failed > 0 && now >= next_zone_check_) shrink_zones(now);
+void FailureDetector::judge(double now, const ClearanceField& field, const LossCount& loss) {
+  if (!all_settled(now)) count(now);
+  if (std::exchange(some_reported_, false)) adopt_reported_failures(now, field, loss);
+  if (count_.failed > 0 && now >= next_pruning_) prune_zones(now);
   if (some_suspected_) end_suspicions(now);
-  if (count.never_came + count.absent > 0) declare_silent_failed(count, now, field);
-  copies_ = count.alive > 0 ? loss_.copies_for(std::min(count.alive, sure_witnesses)) : 1;
-  somebody_missing_ = count.absent + count.never_came + count.failed > 0;
-  cut_off_ = now < minority_until_ || is_alone(count) || unheard_by_all(count, now) ||
-             count.long_absent > 1 || count.elsewhere;
-  out_of_touch_ = is_alone(count) || unheard_by_all(count, now) ||
-                  (count.long_absent > 0 && 2 * count.long_absent >= count.alive);
+  if (count_.never_came + count_.absent > 0) declare_silent_failed(now, field, loss);
+  contact_ = contact(now);
 }
 
-/// Of two that miss each other the one with the first name goes on.
-bool Fleet::is_alone(const Absences& count) const {
-  if (count.alive == 0 || count.unheard < count.alive) return false;
-  return count.alive > 1 ||
-         std::ranges::any_of(peers_, [&](const Peer& p) { return p.state && !p.failed && p.robot < self_; });
+FailureDetector::Contact FailureDetector::contact(double now) const {
+  const bool lost_all = is_alone() || unheard_by_all(now);
+  const std::size_t lost = count_.long_absent;
+  return {.cut_off = now < minority_until_ || lost_all || lost > 1 || count_.elsewhere,
+          .out_of_touch = lost_all || (lost > 0 && 2 * lost >= count_.alive)};
 }
 
-bool Fleet::unheard_by_all(const Absences& count, double now) const {
-  return count.alive > 0 && own_echo_ > 0 && now - own_echo_ > longest_unheard * second();
+/// Of two robots that miss each other, the one with the first name goes on.
+bool FailureDetector::is_alone() const {
+  if (count_.alive == 0 || count_.unheard < count_.alive) return false;
+  return count_.alive > 1 ||
+         std::ranges::any_of(peers_, [&](const Peer& p) { return p.alive() && p.robot < own_.name; });
 }
 
-/// All others have said something since: so it is not part of a piece of the network, and if it is cut off,
-/// then from all.
-bool Fleet::silent_alone(const Peer& lost, double now) const {
-  const double since_then = silence(lost, now) - said_since * second();
+bool FailureDetector::unheard_by_all(double now) const {
+  return count_.alive > 0 && own_echo_ > 0 && now - own_echo_ > Timing::longest_unheard * own_.second();
+}
+
+/// All others have said something since. So the peer is not part of a piece of the network. If it is cut off,
+/// it is cut off from all.
+bool FailureDetector::silent_alone(const Peer& lost, double now) const {
+  const double since_then = silence(lost, now) - Timing::said_since * own_.second();
   return std::ranges::all_of(peers_, [&](const Peer& p) {
-    return &p == &lost || !p.state || p.failed || age_of_last_sign(p, now) < since_then;
+    return &p == &lost || !p.alive() || age_of_last_sign(p, now) < since_then;
   });
 }
 
-/// Seconds, at most, since it said what it or somebody else was heard to say of it last.
-double Fleet::age_of_last_sign(const Peer& p, double now) const {
-  if (!p.clock.known()) return since(p.heard_at, now);
-  return now - std::max(p.state->stamp, p.echoed) - p.clock.estimate() + p.clock.error(now);
+/// Seconds, at most, since the peer said what was last heard of it, here or elsewhere.
+double FailureDetector::age_of_last_sign(const Peer& p, double now) const {
+  if (!p.clock.known()) return own_.since(p.heard_at, now);
+  return now - std::max(p.state->stamp, p.elsewhere.stamp) - p.clock.estimate() + p.clock.error(now);
 }
 
-/// One that decides nothing more is failed once it must stand, too. If several are missing, all are failed
-/// when the first is.
-void Fleet::declare_silent_failed(const Absences& count, double now, const ClearanceField& field) {
-  const bool several = count.absent > 1;
+/// The first who told of these peers waited for them as long as it takes.
+void FailureDetector::adopt_reported_failures(double now, const ClearanceField& field,
+                                              const LossCount& loss) {
+  for (Peer& p : peers_) {
+    const auto* const alive = std::get_if<liveness::Alive>(&p.liveness);
+    if (alive != nullptr && alive->reported_failed) declare_failed(p, unheard_states_of(p, loss), field, now);
+  }
+}
+
+/// The peers that are to be declared failed. A silent robot must stand by now, too. If several are missing,
+/// all are lost when the first is.
+std::vector<Peer*> FailureDetector::lost_peers(double now) {
+  const bool several = count_.absent > 1;
+  const double timeout = several ? Timing::longest_partition : Timing::failure_timeout;
   const bool over = std::ranges::any_of(peers_, [&](const Peer& p) {
-    return missing(p, several ? longest_cut : death, now) && silence(p, now) > time_to_rest(*p.state) &&
+    return is_missing(p, timeout, now) && silence(p, now) > time_to_rest(*p.state) &&
            !heard_elsewhere(p, now) && (several || silent_alone(p, now));
   });
   std::vector<Peer*> lost;
   for (Peer& p : peers_) {
-    const bool never_came =
-        !p.state && p.mission && !begun_anew_ && silence(p, now) > longest_startup * second();
-    const bool given_up = (never_came && !p.failed) || (over && missing(p, absence, now));
+    const bool is_expected = !p.alive() && !p.failed() && p.mission && !own_.began_in_mid_run;
+    const bool never_came = is_expected && silence(p, now) > Timing::longest_startup * own_.second();
+    const bool given_up = never_came || (over && is_missing(p, Timing::absence, now));
     if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
-  }
-  if (lost.empty() || now - somebody_back_at_ < informs_for * second()) return;
-  const std::size_t left = 1 + count.alive - count.absent;
-  const std::vector<Peer*> missed = with_those_who_never_came(lost, now);
-  const bool minority = is_minority(missed, left);
-  if (minority) stand_as_minority(several, now);
-  for (Peer* p : missed) p->across = minority;
-  // Who fell silent with others may have driven on with them.
-  const auto first_of_piece = std::stable_partition(lost.begin(), lost.end(), [&](const Peer* p) {
-    return !several || !p->state || silent_alone(*p, now);
-  });
-  const auto until_noticed = static_cast<int>(std::ceil(driven_cut_off * second() / control_period));
-  for (auto p = lost.begin(); p != lost.end(); ++p) {
-    declare_failed(**p, p < first_of_piece ? unheard_states_of(**p, count) : until_noticed, field, now);
-    if ((*p)->state) suspect(**p, now);
-  }
-}
-
-/// A network may be in pieces from the beginning: then they are given up one by one, by when their missions
-/// came. Later they are none of a piece: networks heal.
-std::vector<Fleet::Peer*> Fleet::with_those_who_never_came(std::vector<Peer*> lost, double now) {
-  if (now > (longest_startup + longest_cut + from_the_beginning) * second()) return lost;
-  for (Peer& p : peers_) {
-    if (p.failed && !p.state) lost.push_back(&p);
   }
   return lost;
 }
 
-/// Many may have died at once, but not within the time that a network takes to heal. One robot may have, or
-/// many may never have been started.
-void Fleet::stand_as_minority(bool several_fell_silent, double now) {
-  const double until =
-      several_fell_silent ? std::numeric_limits<double>::infinity() : now + longest_cut * second();
+void FailureDetector::declare_silent_failed(double now, const ClearanceField& field, const LossCount& loss) {
+  const bool several = count_.absent > 1;
+  std::vector<Peer*> lost = lost_peers(now);
+  if (lost.empty() || now - back_at_ < Timing::informs_for * own_.second()) return;
+  const std::vector<Peer*> missed = with_those_who_never_came(lost, now);
+  const bool minority = is_minority(missed);
+  if (minority) stand_as_minority(now);
+  // A peer that fell silent with others may have driven on with them.
+  const auto first_of_piece = std::stable_partition(lost.begin(), lost.end(), [&](const Peer* p) {
+    return !several || !p->state || silent_alone(*p, now);
+  });
+  const auto until_noticed =
+      static_cast<int>(std::ceil(Timing::driven_cut_off * own_.second() / control_period));
+  for (auto p = lost.begin(); p != lost.end(); ++p) {
+    declare_failed(**p, p < first_of_piece ? unheard_states_of(**p, loss) : until_noticed, field, now);
+    if ((*p)->state) suspect(**p, now);
+  }
+  for (Peer* p : missed) p->failure()->in_larger_piece = minority;
+}
+
+/// A network may be in pieces from the beginning. Then peers are given up one by one, by when their missions
+/// came. Later these are not part of a piece: networks heal.
+std::vector<Peer*> FailureDetector::with_those_who_never_came(std::vector<Peer*> lost, double now) {
+  constexpr double pieces_end =
+      Timing::longest_startup + Timing::longest_partition + Timing::pieces_from_the_beginning;
+  if (now > pieces_end * own_.second()) return lost;
+  for (Peer& p : peers_) {
+    if (p.failed() && !p.state) lost.push_back(&p);
+  }
+  return lost;
+}
+
+/// Many peers may have failed at once, but not within the time in which a network heals. A single peer may
+/// have failed, or many may never have been started.
+void FailureDetector::stand_as_minority(double now) {
+  const bool several_fell_silent = count_.absent > 1;
+  const double until = several_fell_silent ? std::numeric_limits<double>::infinity()
+                                           : now + Timing::longest_partition * own_.second();
   minority_until_ = std::max(minority_until_, until);
 }
 
-int Fleet::unheard_states_of(const Peer& p, const Absences& count) const {
-  const std::size_t left = 1 + count.alive - count.absent;
-  return loss_.unheard_states(std::min(left, witnesses) * (p.state ? p.state->copies : 1));
-}
-
-/// They have waited for it as long as it takes.
-void Fleet::adopt_reported_failures(const Absences& count, double now, const ClearanceField& field) {
-  for (Peer& p : peers_) {
-    if (std::exchange(p.reported_failed, false)) declare_failed(p, unheard_states_of(p, count), field, now);
-  }
-}
-
-/// Of two pieces of equal size the one with the first name goes on.
-bool Fleet::is_minority(std::span<Peer* const> lost, std::size_t left) const {
-  if (lost.size() != left) return lost.size() > left;
+/// Of two pieces of equal size, the one with the first name goes on.
+bool FailureDetector::is_minority(std::span<Peer* const> lost) const {
+  if (lost.size() != count_.left()) return lost.size() > count_.left();
   return std::ranges::any_of(lost, [&](const Peer* other) {
-    return other->robot < self_ && std::ranges::none_of(peers_, [&](const Peer& p) {
-             return !p.failed && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
+    return other->robot < own_.name && std::ranges::none_of(peers_, [&](const Peer& p) {
+             return !p.failed() && std::ranges::find(lost, &p) == lost.end() && p.robot < other->robot;
            });
   });
 }
 
-/// Metres between the point and the nearest edge of a robot that is alive; this one is at `position`.
-double Fleet::room_at(const Point2& q, const Point2& position, double now) const {
-  double room = (q - position).norm() - own_mission_->radius;
-  for (const Peer& p : peers_) {
-    const bool known = p.state && !p.failed && !missing(p, absence, now);
-    if (known) room = std::min(room, (q - p.place).norm() - p.radius);
-  }
-  return room;
+int FailureDetector::unheard_states_of(const Peer& p, const LossCount& loss) const {
+  return loss.unheard_states(std::min(count_.left(), witnesses) * (p.state ? p.state->copies : 1));
 }
 
-/// Of the places where a failed robot may stand: so much around each, and nothing between two is left out.
-double Fleet::covers_rests(const Peer& p) const {
-  const double reach = own_mission_->radius + p.radius;
-  return p.rests.size() < 2 ? p.radius : p.radius + std::hypot(reach, rests_radii * p.radius / 2) - reach;
-}
-
-/// Where one that is alive has come to stand meanwhile, no failed one does.
-void Fleet::shrink_zones(double now) {
-  next_zone_check_ = now + looks_at_silence;
-  for (Peer& p : peers_) {
-    if (p.rests.size() < 2 || !p.state) continue;
-    const auto possible = [&](const Point2& rest) {
-      return room_at(rest, position_, now) >= p.state->radius;
-    };
-    std::vector<Point2> left{p.rests.front()};
-    bool was_possible = possible(p.rests.front());
-    for (std::size_t k = 1; k < p.rests.size(); ++k) {
-      const Point2& before = p.rests[k - 1];
-      const Point2& rest = p.rests[k];
-      const bool is_possible = possible(rest);
-      if (was_possible && !is_possible) left.push_back(last_possible(before, rest, possible));
-      // The first one stays, whoever stands there, and covers what is between.
-      if (!was_possible && is_possible && k > 1) left.push_back(last_possible(rest, before, possible));
-      if (is_possible) left.push_back(rest);
-      was_possible = is_possible;
-    }
-    p.rests = std::move(left);
-  }
-}
-
-/// It stands where it braked to after the last decision that anybody may know of, and not in an obstacle or
-/// in one of us.
-void Fleet::declare_failed(Peer& p, int unheard, const ClearanceField& field, double now) {
-  p.settled_until = all_settled_until_ = 0;
-  p.failed = true;
+/// The peer stands where it braked to after the last decision that anybody may know of, and not in an
+/// obstacle or in another robot.
+void FailureDetector::declare_failed(Peer& p, int unheard, const ClearanceField& field, double now) {
+  p.settled_until = settled_until_ = 0;
+  p.liveness = liveness::Failed{};
+  Zone& zone = p.failure()->zone;
   if (!p.state) {
-    p.rests = {p.place};
+    zone.rests = {p.place};
     return;
   }
-  const RobotState& s = *p.state;
-  const double furthest = s.max_speed * (unheard * control_period + longest_braking);
-  const double step = std::max(rests_radii * s.radius, furthest / most_rests);
-  p.rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, step);
-  const auto possible = [&](const Point2& q) {
-    return field.is_free(q, rests_clear * s.radius) && room_at(q, position_, now) >= s.radius + standing_gap;
-  };
-  const auto end = std::find_if_not(p.rests.begin() + 1, p.rests.end(), possible);
-  if (end != p.rests.end()) {
-    *end = last_possible(*(end - 1), *end, possible);
-    p.rests.erase(end + 1, p.rests.end());
-  }
-  p.place = p.rests.front();
+  zone =
+      zone_after(*p.state, unheard, field, [&](const Point2& q) { return room_at(q, own_.position, now); });
+  p.place = zone.rests.front();
 }
 
-/// If it is not failed, but cut off, it drives on until it notices that nobody hears it.
-void Fleet::suspect(Peer& p, double now) {
+/// A peer that was just declared failed may only be cut off. Then it drives on until it notices that nobody
+/// hears it.
+void FailureDetector::suspect(Peer& p, double now) {
   const Limits limits = limits_of(*p.state);
-  const double seconds =
-      (longest_unheard + unheard_before) * second() + std::min(p.clock.error(now), longest_delay);
-  p.strays = limits.max_speed * seconds + braking_distance(limits.max_speed, limits, control_period);
-  p.suspected_until = clock_.fleet_time(p.heard_at) + longest_cut * second();
+  const double seconds = (Timing::longest_unheard + Timing::unheard_before) * own_.second() +
+                         std::min(p.clock.error(now), Timing::largest_clock_error);
+  liveness::Suspected suspected;
+  *suspected.suspicion = {
+      .failure = std::move(*p.failure()),
+      .until = own_.clock().fleet_time(p.heard_at) + Timing::longest_partition * own_.second(),
+      .strays = limits.max_speed * seconds + braking_distance(limits.max_speed, limits, control_period)};
+  p.liveness = std::move(suspected);
   some_suspected_ = true;
 }
 
-bool Fleet::is_suspected_near(const Point2& p, double reach) const {
-  return some_suspected_ && std::ranges::any_of(peers_, [&](const Peer& q) {
-           return q.suspected_until > 0 && (q.place - p).norm() < q.strays + q.radius + reach;
-         });
-}
-
-void Fleet::end_suspicions(double now) {
+void FailureDetector::end_suspicions(double now) {
   some_suspected_ = false;
   for (Peer& p : peers_) {
-    if (p.suspected_until == 0) continue;
-    if (now < p.suspected_until) {
+    if (p.suspicion() == nullptr) continue;
+    if (now < p.suspicion()->until) {
       some_suspected_ = true;
       continue;
     }
-    p.suspected_until = 0;
+    liveness::Failed failed;
+    *failed.failure = std::move(*p.failure());
+    p.liveness = std::move(failed);
     ++recoveries_;
   }
 }
 
-std::vector<RobotName> Fleet::peers_to_inform(double now) const {
-  std::vector<RobotName> names;
-  static_assert(absence <= informs_for);
-  if (now - std::max(somebody_new_at_, somebody_back_at_) > informs_for * second()) return names;
-  for (const Peer& p : peers_) {
-    const bool is_new =
-        p.state && p.state->is_new && !p.failed && since(p.heard_at, now) < absence * second();
-    const bool is_back = p.back_at > 0 && now - p.back_at < informs_for * second();
-    if (is_new || is_back) names.push_back(p.robot);
-  }
-  return names;
+bool FailureDetector::is_suspected_near(const Point2& p, double reach) const {
+  return some_suspected_ && std::ranges::any_of(peers_, [&](const Peer& q) {
+           const Suspicion* const suspicion = q.suspicion();
+           return suspicion != nullptr && (q.place - p).norm() < suspicion->strays + q.radius + reach;
+         });
 }
 
-/// Who never came stands where its mission begins.
-std::vector<RobotState> Fleet::states_of_silent_peers(double now) const {
-  std::vector<RobotState> states;
-  for (const Peer& p : peers_) {
-    if (!p.failed && !(p.state && unheard(p, now) > relay_from * second())) continue;
-    if (p.state) {
-      states.push_back(*p.state);
-    } else {
-      const Mission& m = *p.mission;
-      states.push_back({.robot = p.robot,
-                        .position = p.place,
-                        .radius = m.radius,
-                        .max_speed = m.max_speed,
-                        .max_acceleration = m.max_acceleration,
-                        .run = clock_.epoch});
-    }
-    states.back().passed_on = true;
-    states.back().counts_as_failed = p.failed && p.suspected_until == 0;
+/// Where a robot that is alive has come to stand meanwhile, no failed one stands.
+void FailureDetector::prune_zones(double now) {
+  next_pruning_ = now + Timing::count_interval;
+  for (Peer& p : peers_) {
+    if (p.failed() && p.state)
+      prune(p.failure()->zone, p.state->radius,
+            [&](const Point2& q) { return room_at(q, own_.position, now); });
   }
-  return states;
 }
 
-std::vector<RobotState> Fleet::last_words(double now) const {
-  std::vector<RobotState> states;
-  if (now < all_settled_until_) return states;
+double FailureDetector::room_at(const Point2& q, const Point2& position, double now) const {
+  double room = (q - position).norm() - own_.mission->radius;
   for (const Peer& p : peers_) {
-    const double silent = unheard(p, now) / second();
-    if (!p.state || silent <= relay_from || silent >= relay_until) continue;
-    states.push_back(*p.state);
-    states.back().passed_on = true;
+    const bool is_heard = p.alive() && !is_missing(p, Timing::absence, now);
+    if (is_heard) room = std::min(room, (q - p.place).norm() - p.radius);
   }
-  return states;
+  return room;
 }
 
 }  // namespace coppice

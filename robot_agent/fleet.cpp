@@ -11,11 +11,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double good_clock = 0.003;    // seconds: six centimetres' drive
-constexpr double prompt_sample = 0.01;  // seconds
-constexpr double set_clock = 60;        // seconds: clocks are not set by more while a fleet drives
-constexpr double recent_echo = 0.8;     // seconds: less than it takes a robot to think that nobody hears it
-
 Commitment standing_for_ever_at(const Point2& position) {
   return {.position = position, .expiry = std::numeric_limits<double>::max()};
 }
@@ -26,37 +21,32 @@ bool wants_to_go_on(Phase phase) {
 
 }  // namespace
 
-std::size_t Fleet::number_of(const RobotName& robot) {
-  const auto [number, fresh] = index_.insert(robot);
-  if (fresh) {
-    peers_.push_back({.phase = phase_of(robot), .robot = robot});
-    away_until_.push_back(0);
-    told_from_.push_back(0);
-    answered_until_.push_back(0);
-    all_settled_until_ = 0;
+Peer& Fleet::peer(const RobotName& robot) {
+  const auto [number, is_new] = peers_.find_or_add(robot);
+  if (is_new) {
+    detector_.count_again();
     all_known_ = false;
   }
-  return number;
+  return peers_[number];
 }
 
 void Fleet::hear(const Mission& mission, WallTime arrived) {
-  if (!has_clock_ || mission.clock != clock_) {
-    clock_ = mission.clock;
-    has_clock_ = true;
+  if (own_.run_clock != mission.clock) {
+    own_.run_clock = mission.clock;
     forget_other_runs();
   }
   size_of_the_run_ = mission.fleet_size;
-  if (mission.robot == self_) {
-    own_mission_ = mission;
+  if (mission.robot == own_.name) {
+    own_.mission = mission;
     return;
   }
-  if (!has_room_for(mission.robot)) return;
-  Peer& p = peers_[number_of(mission.robot)];
+  if (!peers_.has_room_for(mission.robot)) return;
+  Peer& p = peer(mission.robot);
   if (!p.mission && !p.state) p.heard_at = arrived;
   if (!p.state) {
     p.radius = mission.radius;
     p.max_speed = mission.max_speed;
-    if (!p.failed) p.place = mission.start;
+    if (!p.failed()) p.place = mission.start;
   }
   new_goals_ += p.mission && p.mission->number != mission.number;
   p.mission = std::make_unique<const Mission>(mission);
@@ -64,138 +54,105 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
 
 /// Robots of which only another run is known may not be in this one at all.
 void Fleet::forget_other_runs() {
-  std::vector<Peer> heard = std::exchange(peers_, {});
-  index_ = {};
-  away_until_.clear();
-  told_from_.clear();
-  answered_until_.clear();
-  next_echo_ = chosen_among_ = 0;
-  missing_.clear();
-  silent_failed_.clear();
-  missed_by_others_.clear();
+  dissemination_.forget_peers();
+  detector_.forget_peers();
   all_known_ = false;
-  somebody_new_at_ = somebody_back_at_ = long_ago;
-  for (Peer& p : heard) {
-    if (!p.state || p.state->run != clock_.epoch) continue;
+  for (Peer& p : peers_.take_all()) {
+    if (!p.state || p.state->run != own_.clock().epoch) continue;
     p.clock = {};
-    p.handshakes = 0;
-    if (p.state->is_new) somebody_new_at_ = std::max(somebody_new_at_, clock_.fleet_time(p.heard_at));
-    peers_[number_of(p.robot)] = std::move(p);
+    p.exchange.handshakes = 0;
+    detector_.keep(p);
+    Peer& kept = peer(p.robot);
+    kept = std::move(p);
   }
 }
 
-bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
-  if (state->robot == self_ || !has_room_for(state->robot)) return false;
-  // Its times would be those of the run before.
-  if (has_clock_ && state->run != clock_.epoch) return false;
-  const std::size_t number = number_of(state->robot);
+inline void Fleet::compare_clocks(const RobotState& state, Peer& p, double now) {
+  p.clock.hear(state.stamp, now);
+  // Nearly all echoes tell nothing new. But a clock that was set shows in states that seem late.
+  const bool prompt = now - state.stamp < p.clock.estimate() + Timing::prompt_sample;
+  const bool known = p.clock.error(now) < Timing::good_clock && prompt && echoed(now);
+  if (!known) detector_.hear_own_echoes(state, p.clock, now);
+}
+
+inline void Fleet::take_up(std::shared_ptr<const RobotState>&& state, std::size_t number, double now) {
   Peer& p = peers_[number];
-  if (state->passed_on && is_untrustworthy(*state, p, arrived)) return false;
-  if (has_clock_) {
-    const double now = clock_.fleet_time(arrived);
-    p.clock.hear(state->stamp, now);
-    // Nothing to learn from nearly all echoes: but a clock that was set shows in samples that seem late.
-    const bool prompt = now - state->stamp < p.clock.estimate() + prompt_sample;
-    const bool known = p.clock.error(now) < good_clock && prompt && echoed(now);
-    if (!known) hear_own_echo(*state, p.clock, now);
-  }
-  if (somebody_missing_) hear_of_the_missing(*state, p, clock_.fleet_time(arrived));
-  if (state->copy == 0 && !state->passed_on) {
-    const Received::Count count = p.received.hear(state->sequence);
-    if (count.sent > 0 && own_mission_ && tells_at_every_heartbeat(p)) loss_.add(count);
-  }
-  // Best effort may reorder; a robot that was restarted begins its count anew, with a later stamp.
-  if (p.state && state->stamp <= p.state->stamp) {
-    if (state->stamp == p.state->stamp && state->passed_on) hear_again(p, arrived);
-    return false;
-  }
-  if (std::exchange(p.across, false)) minority_until_ = 0;
-  if (const double now = clock_.fleet_time(arrived); own_mission_ && !state->passed_on && was_away(p, now))
-    p.back_at = somebody_back_at_ = now;
-  p.reported_failed = !p.state && state->counts_as_failed;
-  failure_reported_ = failure_reported_ || p.reported_failed;
-  if (state->is_new) {
-    p.handshakes = 0;
-    if (has_clock_) somebody_new_at_ = clock_.fleet_time(arrived);
-  }
-  if (!p.state || p.failed) all_settled_until_ = 0;
-  if (std::exchange(p.failed, false)) {
-    all_known_ = false;
-    p.rests.clear();
-    p.suspected_until = 0;
-    ++recoveries_;
-  }
+  if (detector_.hear(p, *state, now)) all_known_ = false;
+  if (state->is_new) p.exchange.handshakes = 0;
   p.state = std::move(state);
   p.place = p.state->position;
   p.radius = p.state->radius;
   p.max_speed = p.state->max_speed;
-  if (answers(*p.state, number, clock_.fleet_time(arrived)) || p.state->wants_echo) p.asks = true;
-  p.waits_for_this = p.state->waits_for == self_;
+  dissemination_.hear(number, now);
+  peers_.away_until[number] = 0;
+}
+
+bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
+  if (state->robot == own_.name || !peers_.has_room_for(state->robot)) return false;
+  // Its times would be those of the run before.
+  if (own_.run_clock && state->run != own_.run_clock->epoch) return false;
+  Peer& p = peer(state->robot);
+  const double now = own_.clock().fleet_time(arrived);
+  if (state->passed_on && is_untrustworthy(*state, p, now)) return false;
+  if (own_.run_clock) compare_clocks(*state, p, now);
+  if (detector_.somebody_missing()) detector_.hear_of_missing(*state, p, now);
+  if (state->copy == 0 && !state->passed_on) dissemination_.count_loss(p, state->sequence);
+  // Best effort may reorder. A robot that was restarted begins its count anew, with a later stamp.
+  if (p.state && state->stamp <= p.state->stamp) {
+    if (state->stamp == p.state->stamp && state->passed_on) detector_.hear_relay(p, arrived);
+    return false;
+  }
+  take_up(std::move(state), peers_.number_of(p), now);
   p.heard_at = arrived;
-  p.said_again = false;
-  p.interval_until = 0;
-  away_until_[number] = 0;
-  told_from_[number] = 0;
   return true;
 }
 
 void Fleet::begin_anew(std::span<const Heard> silent, double now) {
-  begun_anew_ = true;
-  somebody_back_at_ = now;
+  own_.began_in_mid_run = true;
+  detector_.begin_anew(now);
   for (const Heard& last : silent)
-    hear(std::make_shared<const RobotState>(last.state), clock_.wall_time(last.at));
+    hear(std::make_shared<const RobotState>(last.state), own_.clock().wall_time(last.at));
 }
 
 void Fleet::expect(const RobotName& robot) const {
-  const auto known = index_.find(robot);
+  const auto known = peers_.find(robot);
   if (!known) return;
   const Peer& p = peers_[*known];
   __builtin_prefetch(&p.state);
   __builtin_prefetch(&p.clock);
 }
 
-/// New names cost memory and time for ever: past what a fleet may be, they are nobody's.
-bool Fleet::has_room_for(const RobotName& robot) const {
-  return peers_.size() < most_robots || index_.find(robot).has_value();
+/// Others may relay what they like of a peer. A state from the future is not believed; nor is one that is
+/// newer than the last state of a peer that is heard itself. It will be relayed again.
+bool Fleet::is_untrustworthy(const RobotState& relayed, const Peer& p, double now) const {
+  if (!own_.run_clock) return false;
+  const bool is_heard =
+      p.alive() && !p.state->passed_on && own_.since(p.heard_at, now) < Timing::relay_from * own_.second();
+  return own_.is_from_the_future(relayed.stamp, p, now) || (is_heard && relayed.stamp > p.state->stamp);
 }
 
-/// Others may pass on what they like of a robot: nothing from its future, and not that it has said something
-/// newer where it is heard itself. It is passed on again.
-bool Fleet::is_untrustworthy(const RobotState& passed_on, const Peer& p, WallTime arrived) const {
-  if (!has_clock_) return false;
-  const double now = clock_.fleet_time(arrived);
-  const bool heard_itself =
-      p.state && !p.state->passed_on && !p.failed && since(p.heard_at, now) < relay_from * second();
-  return is_from_the_future(passed_on.stamp, p, now) || (heard_itself && passed_on.stamp > p.state->stamp);
+void Fleet::detect_failures(double now, const Point2& position, const RoundId& waits_in,
+                            const ClearanceField& field) {
+  own_.position = position;
+  own_.wait_in(waits_in, peers_);
+  detector_.judge(now, field, dissemination_.loss());
+  dissemination_.choose_copies(detector_.alive());
 }
 
-/// By far: later than it can be by the other's clock, even if that was set a little.
-bool Fleet::is_from_the_future(double stamp, const Peer& p, double now) const {
-  return p.clock.known() &&
-         stamp > now - p.clock.estimate() + p.clock.error(now) + set_clock * std::max(1.0, clock_.scale);
-}
-
-bool Fleet::echoed(double now) const {
-  return now - own_echo_ < recent_echo * second();
-}
-
-void Fleet::hear_own_echo(const RobotState& state, ClockOffset& clock, double now) {
-  for (const Echo& echo : state.echoes) {
-    if (echo.robot != self_ || echo.stamp > now) continue;  // nobody has heard what is still to be said
-    clock.hear_echo(echo.stamp, echo.received, now);
-    own_echo_ = std::max(own_echo_, echo.stamp);
-  }
+std::optional<RobotName> Fleet::heard_by_others_only() const {
+  const auto number = detector_.heard_by_others_only();
+  return number ? std::optional(peers_[*number].robot) : std::nullopt;
 }
 
 void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
                            std::vector<Neighbour>& near) const {
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
-  if (p.failed && now < p.suspected_until) {
-    near.push_back({standing_for_ever_at(p.place), p.radius + p.strays, limits, 0, true});
-  } else if (p.failed) {
-    const double covers = covers_rests(p);
-    for (const Point2& rest : p.rests) {
-      const double room = (rest - position).norm() - own_mission_->radius - standing_gap;
+  if (const Suspicion* const s = p.suspicion(); s != nullptr && now < s->until) {
+    near.push_back({standing_for_ever_at(p.place), p.radius + s->strays, limits, 0, true});
+  } else if (const Failure* const failure = p.failure()) {
+    const double covers = covering_radius(failure->zone, p.radius, own_.mission->radius);
+    for (const Point2& rest : failure->zone.rests) {
+      const double room = (rest - position).norm() - own_.mission->radius - standing_gap;
       near.push_back({standing_for_ever_at(rest), std::clamp(room, p.radius, covers), limits});
     }
   } else if (p.state) {
@@ -205,25 +162,25 @@ void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
   }
 }
 
-/// Within about a second: it says something as often as one that stands, or more often.
+/// Within about a second: the peer sends at least as often as a robot that stands.
 bool Fleet::may_be_touched_soon(const Peer& p) const {
-  return send_interval(gap(p), closing_speed(p)) <= heartbeat_interval;
+  return send_interval(own_.gap(p), own_.closing_speed(p)) <= heartbeat_interval;
 }
 
 void Fleet::collect_neighbours(const Point2& position, double reach, double horizon, double now,
                                AgeCount& ages, std::vector<Neighbour>& near) {
   near.clear();
   for (std::size_t k = 0; k < peers_.size(); ++k) {
-    if (now < away_until_[k]) continue;
+    if (now < peers_.away_until[k]) continue;
     const Peer& p = peers_[k];
-    if (p.state && !p.failed) {
+    if (p.alive()) {
       const RobotState& s = *p.state;
       const double age = now - s.stamp - p.clock.estimate() + p.clock.error(now);
       const double braking = s.promise.expiry - s.stamp + s.max_speed / s.max_acceleration;
       const double far = reach + s.radius + s.max_speed * (age + std::max(horizon, braking));
       const double distance = (s.position - position).norm();
       if (distance > far) {
-        away_until_[k] = now + (distance - far) / closing_speed(p);
+        peers_.away_until[k] = now + (distance - far) / own_.closing_speed(p);
         continue;
       }
       if (p.clock.known() && may_be_touched_soon(p)) ages.add(now - s.stamp - p.clock.estimate());
@@ -239,16 +196,16 @@ FleetMember Fleet::member(const Peer& p) const {
             .goal = p.place,
             .radius = p.radius,
             .max_speed = p.max_speed,
-            .failed = p.failed,
+            .failed = p.failed(),
             .round = {}};
   }
   const RobotState& s = *p.state;
   const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
-  const Mission* const mission = p.failed ? nullptr : p.mission.get();
+  const Mission* const mission = p.failed() ? nullptr : p.mission.get();
   const bool has_given_up = has_no_way(s.phase);
   return {.robot = p.robot,
           .position = p.place,
-          .velocity = p.failed ? Point2::Zero() : s.velocity,
+          .velocity = p.failed() ? Point2::Zero() : s.velocity,
           .goal = has_given_up ? std::nullopt : std::optional(mission ? mission->goal : p.place),
           .arrives_within = mission ? arrives_within(*mission) : 0,
           .wants_to_stay = !wants_to_go_on(s.phase),
@@ -256,28 +213,31 @@ FleetMember Fleet::member(const Peer& p) const {
           .max_speed = s.max_speed,
           .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
           .stands = stands,
-          .failed = p.failed,
-          .takes_no_part = s.phase == Phase::stopped || ((s.is_new || p.is_ignorant) && has_given_up),
+          .failed = p.failed(),
+          .takes_no_part =
+              s.phase == Phase::stopped || ((s.is_new || p.exchange.misses_somebody) && has_given_up),
           .round = s.round,
           .stage = s.stage,
           .progress = s.progress};
 }
 
 std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) const {
-  std::vector<Disc> places;
+  std::vector<Disc> zones;
   for (const Peer& p : peers_) {
-    const double covers = covers_rests(p);
-    for (const Point2& rest : p.rests) {
-      // Who stands closer than a plan would lead it must get away again.
-      const double room = room_at(rest, position, now) - standing_gap;
-      places.push_back({rest, std::clamp(room, 0.0, covers)});
+    const Failure* const failure = p.failure();
+    if (failure == nullptr) continue;
+    const double covers = covering_radius(failure->zone, p.radius, own_.mission->radius);
+    for (const Point2& rest : failure->zone.rests) {
+      // A robot that stands closer than a plan would lead it must get away again.
+      const double room = detector_.room_at(rest, position, now) - standing_gap;
+      zones.push_back({rest, std::clamp(room, 0.0, covers)});
     }
   }
-  return places;
+  return zones;
 }
 
 std::optional<FleetMember> Fleet::find(const RobotName& robot) const {
-  const auto known = index_.find(robot);
+  const auto known = peers_.find(robot);
   return known ? std::optional(member(peers_[*known])) : std::nullopt;
 }
 
@@ -308,14 +268,14 @@ bool Fleet::all_wait(const RoundId& round) const {
 bool Fleet::all_free(const Point2& p, double reach) const {
   return std::ranges::all_of(peers_, [&](const Peer& peer) {
     const bool far = (peer.place - p).norm() > reach;
-    return far || peer.failed || !peer.state || peer.state->stage == Stage::free;
+    return far || peer.failed() || !peer.state || peer.state->stage == Stage::free;
   });
 }
 
 double Fleet::cluster_reach(const Point2& p, double near) const {
   std::vector<Point2> outside;
   for (const Peer& peer : peers_) {
-    if (!peer.failed) outside.push_back(peer.place);
+    if (!peer.failed()) outside.push_back(peer.place);
   }
   double reach = near;
   std::vector<Point2> open{p};
@@ -331,33 +291,29 @@ double Fleet::cluster_reach(const Point2& p, double near) const {
   return reach;
 }
 
-double Fleet::clock_error(double now) const {
-  return clock_error_ + clock_drift * (now - counted_at_);
-}
-
 bool Fleet::somebody_plans() const {
   return std::ranges::any_of(peers_,
                              [](const Peer& p) { return p.state && p.state->phase == Phase::planning; });
 }
 
 bool Fleet::run_is_over() const {
-  return own_mission_ && own_mission_->cancelled &&
+  return own_.mission && own_.mission->cancelled &&
          std::ranges::all_of(peers_, [](const Peer& p) { return !p.mission || p.mission->cancelled; });
 }
 
 std::vector<RobotName> Fleet::robots_of_the_run() const {
   std::vector<RobotName> robots;
-  if (own_mission_ && !own_mission_->cancelled) robots.push_back(self_);
+  if (own_.mission && !own_.mission->cancelled) robots.push_back(own_.name);
   for (const Peer& p : peers_) {
     if (p.mission && !p.mission->cancelled) robots.push_back(p.robot);
   }
   return robots;
 }
 
-/// One that never came is at its start; but of before this one was started anew it knows nothing.
+/// A peer that never came is at its start. But a process that began in mid-run does not know what was before.
 bool Fleet::is_known(const Peer& p) const {
-  const bool done = p.mission && p.mission->cancelled && (p.state || !begun_anew_);
-  return done || (p.state && p.clock.known()) || p.failed;
+  const bool done = p.mission && p.mission->cancelled && (p.state || !own_.began_in_mid_run);
+  return done || (p.state && p.clock.known()) || p.failed();
 }
 
 RobotName Fleet::unknown() const {
@@ -367,7 +323,7 @@ RobotName Fleet::unknown() const {
 
 std::vector<RobotName> Fleet::missing() const {
   std::vector<RobotName> robots;
-  for (const std::size_t number : missing_) robots.push_back(peers_[number].robot);
+  for (const std::size_t number : detector_.missing()) robots.push_back(peers_[number].robot);
   return robots;
 }
 

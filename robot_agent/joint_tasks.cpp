@@ -13,21 +13,21 @@ namespace coppice {
 
 namespace {
 
-constexpr double share_of_tolerance = 0.9;
-// Goals of many that are a little too close to each other are pushed apart, all together.
+constexpr double share_of_tolerance = 0.9;  // of `arrives_within`
+// Goals that are a little too close to each other are pushed apart, all together, up to so many times.
 constexpr int pushes = 100;
 constexpr double usual_gap = 0.02;  // metres: robots stop a little off their ends
-constexpr double beyond = 1e-3;     // likewise: so that they are soon apart
-// What remains disputed is looked for on rings about the goal.
+constexpr double beyond = 1e-3;     // metres further, so that they are soon apart
+// For goals that remain disputed, points on rings about the goal are tried.
 constexpr int goal_rings = 9;
 constexpr int points_on_ring = 24;
 
-/// What is between two robots at their ends.
+/// Metres between the edges of two robots at their ends.
 double gap_between(const JointTask& a, const Point2& end_a, const JointTask& b, const Point2& end_b) {
   return (end_a - end_b).norm() - a.radius - b.radius;
 }
 
-/// Whether another is to end too close to p for the one of a task.
+/// Whether another robot is to end too close to p for the robot of the task `own`.
 bool is_taken(const Point2& p, std::span<const JointTask> tasks, const JointTask& own) {
   return std::ranges::any_of(tasks, [&](const JointTask& o) {
     const std::optional<Point2> end = end_of(o);
@@ -35,7 +35,7 @@ bool is_taken(const Point2& p, std::span<const JointTask> tasks, const JointTask
   });
 }
 
-/// To p, or as close to that as its robot has arrived.
+/// Moves the end of a task to p, or as close to p as the robot has arrived there.
 void move_end(JointTask& task, const FleetMember& m, const Point2& p, const ClearanceField& field) {
   const Point2 off = p - *m.goal;
   const double most = share_of_tolerance * m.arrives_within;
@@ -43,7 +43,8 @@ void move_end(JointTask& task, const FleetMember& m, const Point2& p, const Clea
   if (field.is_free(end, task.radius)) task.goal = end;
 }
 
-/// The nearest point found to a robot's goal at which it has arrived as well, and is in nobody's way.
+/// The nearest point to a robot's goal, of those on the rings, at which the robot has arrived as well, and is
+/// in nobody's way.
 std::optional<Point2> place_at_goal(const FleetMember& m, std::span<const JointTask> tasks,
                                     const JointTask& own, const ClearanceField& field) {
   for (int ring = 0; ring <= goal_rings; ++ring) {
@@ -57,7 +58,8 @@ std::optional<Point2> place_at_goal(const FleetMember& m, std::span<const JointT
   return std::nullopt;
 }
 
-/// Ends that are a little too close to each other, pair by pair, until none are: those that yield().
+/// Pushes ends apart that are a little too close to each other, pair by pair, until none are. Only ends that
+/// yield() are moved.
 template <class Yields>
 void push_apart(std::span<const FleetMember> members, std::vector<JointTask>& tasks, Yields&& yields,
                 const ClearanceField& field) {
@@ -81,8 +83,7 @@ void push_apart(std::span<const FleetMember> members, std::vector<JointTask>& ta
   }
 }
 
-/// What the members are to do: to drive to their goals, or beside them where two would stand too close to
-/// each other.
+/// The members are to drive to their goals, or beside them where two would stand too close to each other.
 struct Aims {
   std::vector<JointTask> tasks;  ///< of the members, then of the obstacles
   bool undisputed = false;       ///< there is room for all

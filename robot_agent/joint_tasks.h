@@ -1,4 +1,4 @@
-// What the members of a round are to do, as a joint planner is told.
+// Tells a joint planner where the members of a round are to go.
 //
 // Metres in the map frame.
 #pragma once
@@ -12,13 +12,13 @@
 
 namespace coppice {
 
-/// Whether a disc there reaches into the map.
+/// Whether a disc at p reaches into the map.
 bool is_on_map(const ClearanceField& field, const Point2& p, double radius = 0);
 
-/// Each member is to drive to its goal. Where robots at their goals would stand too close to each other, or
-/// to an obstacle, it is to stand beside it, where it has arrived as well. Who has arrived stays where it is,
-/// unless others have no room then. Who has given up may be sent anywhere. The members' tasks, then the
-/// obstacles.
+/// The tasks of the members, then the obstacles. Each member is to drive to its goal. Where robots at their
+/// goals would stand too close to each other, or to an obstacle, the member is to stand beside its goal,
+/// where it has arrived as well. A robot that has arrived stays where it is, unless others have no room then.
+/// A robot that has given up may be sent anywhere.
 std::vector<JointTask> joint_tasks(std::span<const FleetMember> members, std::span<const JointTask> obstacles,
                                    const ClearanceField& field);
 

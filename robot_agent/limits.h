@@ -1,4 +1,4 @@
-// What messages say in the words of motion/.
+// Converts what messages say into the types of motion/.
 #pragma once
 
 #include "messages/messages.h"
@@ -13,8 +13,8 @@ inline Limits limits_of(const RobotState& state) {
   return {state.max_speed, state.max_acceleration};
 }
 
-/// Metres from its goal at which a robot has arrived: half of what the mission allows, for whoever sees it
-/// from elsewhere.
+/// Metres from its goal at which a robot has arrived. Half of the mission's tolerance: so an observer that
+/// knows the position less exactly agrees.
 inline double arrives_within(const Mission& mission) {
   return mission.goal_tolerance / 2;
 }

@@ -1,5 +1,5 @@
-// How many of a robot's last states may have reached nobody: the share of samples that are lost follows from
-// the numbers of those that come.
+// Estimates the share of samples that are lost, from the numbers of the states that come. From the share
+// follows how many of a robot's last states may have reached nobody.
 #pragma once
 
 #include <algorithm>
@@ -7,14 +7,14 @@
 #include <cmath>
 #include <cstdint>
 
-#include "robot_agent/send_interval.h"
+#include "robot_agent/timing.h"
 
 namespace coppice {
 
-/// Which of one robot's last states came, of those at every heartbeat (heartbeat_interval): these are for all
-/// who are not far away. They may overtake each other: what is missing counts as lost only when it is some
-/// heartbeats old. And a robot may pause, or come from far away: so it counts only if two in a row came both
-/// shortly before and shortly after it.
+/// Which of a peer's last states came. Only states at heartbeats are counted: all peers that are not far away
+/// receive these. States may overtake each other: a missing state counts as lost only when it is some
+/// heartbeats old. A peer may pause, or come from far away: so a missing state counts only if two in a row
+/// came both shortly before and shortly after it.
 class Received {
  public:
   struct Count {
@@ -22,7 +22,7 @@ class Received {
     int lost = 0;
   };
 
-  /// What has become certain now that one came, of whatever age, perhaps not for the first time.
+  /// A state came, of whatever age, perhaps not for the first time. Returns what has become certain by that.
   Count hear(std::uint32_t tick) {
     Count count;
     if (tick % heartbeat_interval != 0) return count;
@@ -44,17 +44,18 @@ class Received {
   }
 
  private:
-  static constexpr std::uint32_t window = 32;  // a longer gap is a pause, a restart or a partition
-  static constexpr std::uint32_t settled = 4;  // heartbeats: none comes later
-  static constexpr std::uint32_t reach = 4;
+  static constexpr std::uint32_t window =
+      32;  // heartbeats: a longer gap is a pause, a restart or a partition
+  static constexpr std::uint32_t settled = 4;  // heartbeats: no state comes later
+  static constexpr std::uint32_t reach = 4;    // heartbeats before and after
 
   bool two_in_a_row(std::uint32_t from) const {
     const std::uint32_t part = came_ >> from & ((1u << reach) - 1);
     return (part & part >> 1) != 0;
   }
 
-  std::uint32_t came_ = 0;  ///< the newest in bit 0
-  std::uint32_t newest_ = 0;
+  std::uint32_t came_ = 0;    ///< a bit for each heartbeat, the newest in bit 0
+  std::uint32_t newest_ = 0;  ///< heartbeat
 };
 
 class LossCount {
@@ -66,22 +67,23 @@ class LossCount {
     }
   }
 
-  /// The last states of which at most one death in a million loses all samples, so many of each.
+  /// So many of a robot's last states may have reached nobody, if `samples` were sent of each. In one failure
+  /// of a million there are more.
   int unheard_states(std::size_t samples) const {
     const double exponent = std::log(1e-6) / (static_cast<double>(samples) * std::log(share()));
     return static_cast<int>(std::ceil(exponent)) - 1;
   }
-  /// How often to say everything to so many robots, above 0, so that there is no such state, or hardly one.
+  /// How often to send each state to so many listeners, at least one, so that there is no such state. Never
+  /// more than Timing::most_copies.
   int copies_for(std::size_t listeners) const {
     const int samples = 1 + unheard_states(1);
     const auto each = static_cast<int>(listeners);
-    return std::min((samples + each - 1) / each, most_copies);
+    return std::min((samples + each - 1) / each, Timing::most_copies);
   }
 
  private:
-  static constexpr int most_copies = 16;
   static constexpr double most_lost = 0.5;
-  static constexpr double memory = 0.995;  // counts some 200 of the last
+  static constexpr double memory = 0.995;  // counts about the last 200 samples
 
   double share() const { return std::min((lost_ + 1) / (sent_ + 2), most_lost); }
 

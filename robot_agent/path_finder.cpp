@@ -6,22 +6,19 @@
 #include "messages/tree_message.h"
 #include "planning/suggestions.h"
 #include "planning/voronoi_roadmap.h"
+#include "robot_agent/timing.h"
 
 namespace coppice {
 
 namespace {
 
 constexpr int iterations_a_step = 20;
-constexpr double pause_between_steps = 0.0005;  // seconds; about what a tree needs to come over the bus
-// No tree for so many steps: there is no broker, or it has nothing for this robot.
-constexpr int patience = 40;
-constexpr int iterations_alone = 300;
-// A search that has not ended by then may have no end: worth a search of all passages, whose time is in
-// proportion to the map.
+constexpr int iterations_alone = 300;  // in a step without a broker
+// A search with more iterations may have no end. Then it is worth a search of all passages, whose time is in
+// proportion to the cells of the map.
 constexpr std::uint64_t least_iterations = 20'000;
 constexpr std::uint64_t cells_an_iteration = 8;
-// Where that finds a way, the trees may still come to it. Such a passage is as wide as the robot, or nearly
-// so.
+// Where that search finds a way, the trees may still find it, too. The passage is about as wide as the robot.
 constexpr std::uint64_t searches_until_roadmap_serves = 5;
 
 }  // namespace
@@ -76,10 +73,10 @@ bool PathFinder::grow() {
 
 double PathFinder::pause() const {
   const bool shares = mission_.planner == PlannerKind::ma_rrdt_star;
-  return shares && steps_without_news_ < patience ? pause_between_steps : 0;
+  return shares && steps_without_news_ < Timing::steps_without_a_tree ? Timing::search_pause : 0;
 }
 
-/// Straight off the trees; from now on it may become shorter.
+/// The path straight off the trees. From now on it may become shorter.
 Path PathFinder::take_first_path(Path path) {
   if (improver_.places() == 0) improver_.add_places(planner_.trees());
   improver_.forget_robots();

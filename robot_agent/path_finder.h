@@ -1,5 +1,5 @@
-// The planning of one robot: its own two root trees, over the inactive trees that the broker publishes; then
-// shorter paths, for as long as there is time.
+// Plans the path of one robot. It grows the robot's two root trees and grafts the inactive trees that the
+// broker publishes onto them. Then it looks for shorter paths, for as long as there is time.
 #pragma once
 
 #include <cstdint>
@@ -26,32 +26,34 @@ class PathFinder {
  public:
   using Result = std::variant<Path, NoPath>;
 
-  /// Plans from `start` to the mission's goal on `field`. That and the `improver`, which knows what missions
-  /// before have learnt about the map, outlive it. `known`: a path that is there already, if any, but perhaps
-  /// a long one: it is taken when the search takes so long that it may have no end.
+  /// Plans from `start` to the mission's goal on `field`. `field` and `improver` outlive it; the improver
+  /// knows what earlier missions have learnt about the map. `known`: a path that exists already, if any,
+  /// perhaps a long one. It is taken when the search takes so long that it may have no end.
   PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver, const Mission& mission,
              const Point2& start, Path known = {});
 
   void take(const InactiveTreeMessage& tree);
 
-  /// A bounded amount of growing, and at last a search of all passages. The result, once there is one.
+  /// Grows the trees by a bounded amount. After a long search, searches all passages of the map. Returns the
+  /// result, once there is one.
   std::optional<Result> step();
 
-  /// Whether the first path has been pulled taut already; pulls it taut.
+  /// Whether the first path has been pulled taut already.
   bool is_taut() const { return improver_.all_taut(); }
+  /// Pulls the first path taut.
   const Path& pull_taut();
 
-  /// A bounded amount of looking for a shorter path than the one that step() found. False once none turns up.
+  /// Looks for a shorter path than the one that step() found, for a bounded time. False once none turns up.
   bool improve();
   /// The shortest path so far.
   const Path& path() const { return improver_.path(0); }
 
-  /// Seconds to leave to the broker before the next step. The root trees get their share of the samples, as
-  /// in one process, and the disjointed trees that serve everybody the rest; without news from the broker, no
-  /// pause.
+  /// Wall-clock seconds to leave to the broker before the next step. So the root trees get their share of the
+  /// samples, as in one process, and the disjointed trees that serve all robots get the rest. Without news
+  /// from the broker there is no pause.
   double pause() const;
 
-  /// Root-tree nodes that joined since the last call, for the broker; none: nullopt.
+  /// The root-tree nodes that joined since the last call, for the broker; nullopt if there are none.
   std::optional<RootNodes> take_root_nodes();
 
   SampleCounts counts() const;
@@ -68,14 +70,14 @@ class PathFinder {
   Point2 start_;
   Path known_;
   double epsilon_;
-  std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< where the mission asks for it
+  std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< if the mission asks for this planner
   MaRrdtStar<ClearanceField> planner_;
   GroupIndex group_ = 0;
   std::uint64_t iterations_ = 0;
-  std::uint64_t samples_until_ = 0;  ///< iterations, before the known path is taken
-  int steps_without_news_ = 0;
-  std::uint32_t sent_ = 0;
-  std::map<NodeId, std::int32_t> sent_index_;
+  std::uint64_t samples_until_ = 0;            ///< iterations before the known path is taken
+  int steps_without_news_ = 0;                 ///< from the broker
+  std::uint32_t sent_ = 0;                     ///< root-tree nodes
+  std::map<NodeId, std::int32_t> sent_index_;  ///< of these nodes, in the order in which they were sent
 };
 
 }  // namespace coppice

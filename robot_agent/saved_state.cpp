@@ -12,8 +12,8 @@ namespace coppice {
 
 namespace {
 
-/// Until then, as the body drives by itself; with the points that its agent has put into its track
-/// (RobotAgent::control).
+/// Drives the body on by itself until then. Adds the points that the agent has put into its track meanwhile
+/// (Run::control).
 void drive_on(Driver& body, double until, SavedState& saved) {
   while (body.time() + body.period() / 2 < until) {
     if (body.stands() && until - body.time() > longest_sleep) return;
@@ -45,7 +45,8 @@ void SavedStateBuilder::receive(const RobotState& state) {
     drive_on(saved_->body, state.stamp, *saved_);
     saved_->body = body;
     saved_->sequence = state.sequence;
-    // One that was started anew has left its predecessor's part in a round, and has not told the others yet.
+    // A process that was started anew has left its predecessor's part in a round, and has not told the
+    // others.
     if (state.round.epoch == 0) return;
     saved_->round_epoch = state.round.epoch;
     saved_->stage = state.stage;
@@ -56,7 +57,7 @@ void SavedStateBuilder::receive(const AgentStatus& status) {
   if (saved_) saved_->status = status;
 }
 
-/// One that was started anew has said all of it again.
+/// A process that was started anew has sent the whole track again.
 void SavedStateBuilder::receive(const TrackMessage& track) {
   const std::size_t known = std::min<std::size_t>(
       track.points.size(), seen_.size() - std::min<std::size_t>(seen_.size(), track.first_index));
@@ -92,10 +93,10 @@ void StateKeeper::restore(std::span<const Message> kept) {
     heard(message);
     said(message);
   }
-  run_.reset();  // the agent has not heard of that one either
+  run_.reset();  // the agent has not heard of that run either
 }
 
-/// Who is heard of again is not where it fell silent. False if it was not silent.
+/// A peer that is heard again is not where it fell silent. False if the peer was not silent.
 bool StateKeeper::end_silence(const RobotState& state) {
   const auto silent = passed_on_.find(state.robot);
   if (silent == passed_on_.end() || state.passed_on || state.stamp <= silent->second) return false;
@@ -108,7 +109,7 @@ Keep StateKeeper::heard(const Message& message) {
     return end_silence(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr) return Keep::nothing;
-  // One that is earlier than the journal's is none that the agent passes over.
+  // The agent does not ignore a run that is earlier than the run of the journal.
   if (run_ && passes_over(*mission, *run_, mission_)) return Keep::nothing;
   run_ = mission->clock.epoch;
   if (mission->robot != robot_ || mission_ == *mission) return Keep::nothing;

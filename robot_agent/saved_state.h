@@ -1,8 +1,8 @@
-// What an agent knows again of its robot if its process was killed in mid-run and started anew.
+// What an agent still knows of its robot if its process was killed in mid-run and started anew.
 //
-// To the robot that looks like a pause: its body has braked in a straight line meanwhile, as it does whenever
-// nothing is decided. All that follows from the states that it said, for these say where the body is and what
-// it does next; so they are kept, with the mission that they belong to, before anybody hears them.
+// To the robot that looks like a pause. Its body has braked in a straight line meanwhile, as it does whenever
+// nothing is decided. Where the body is and what it does next follows from the robot's states. So the states
+// are kept, with their mission, before anybody hears them.
 #pragma once
 
 #include <cstdint>
@@ -21,24 +21,25 @@ namespace coppice {
 
 struct SavedState {
   Mission mission;                         ///< the last one
-  Driver body;                             ///< as it was when the last state was said
+  Driver body;                             ///< as it was when the last state was sent
   std::vector<TrackMessage::Point> track;  ///< from the first mission of the run until then
-  std::vector<TrackMessage::Point> seen;   ///< of a robot that follows the body (tracking.h): as it was said
+  std::vector<TrackMessage::Point> seen;   ///< of a robot that follows the body (tracking.h): as it was sent
   double driven_length = 0;                ///< metres, along the track
-  std::uint32_t sequence = 0;              ///< of the last state
-  std::uint32_t round_epoch = 0;           ///< likewise
-  Stage stage = Stage::free;               ///< likewise
+  std::uint32_t sequence = 0;              ///< tick of the last state
+  std::uint32_t round_epoch = 0;           ///< of the last state
+  Stage stage = Stage::free;               ///< of the last state
   AgentStatus status;                      ///< the last one
-  /// The last states of others that fell silent, as they were passed on, and were not heard of since.
+  /// The last states of peers that fell silent, as this robot relayed them. Peers that were heard again since
+  /// are left out.
   std::vector<Heard> silent;
 };
 
-/// Makes a memory of what was kept, a message at a time and in order: those of a long run do not fit into
-/// this process all at once.
+/// Builds a saved state from the messages that were kept, one at a time and in order. The messages of a long
+/// run do not fit into the process all at once.
 class SavedStateBuilder {
  public:
   void add(const Message& message);
-  /// Of all that was added; none if the robot had no body yet.
+  /// The saved state of all that was added; none if the robot had no body yet.
   std::optional<SavedState> saved_state() &&;
 
  private:
@@ -58,18 +59,18 @@ std::optional<SavedState> saved_state_of(std::span<const Message> kept);
 /// Whether a saved state is of the run and the map of a mission.
 bool is_of_run(const std::optional<SavedState>& saved, const Mission& mission);
 
-/// An agent serves the newest run that it has heard of, with `epoch`. One that began earlier, for its
-/// service's clock is behind, comes next if the agent's own part in that is over. `own`: its mission, of
-/// whichever run.
+/// Whether an agent ignores a mission. The agent serves the newest run that it has heard of, with `epoch`. A
+/// run that began earlier, because its service's clock is behind, comes next if the agent's own part in the
+/// newest run is over. `own`: the agent's mission, of whichever run.
 bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own);
 
-/// Chooses what to keep.
+/// Chooses which messages to keep.
 class StateKeeper {
  public:
-  /// `leads`: another robot follows the body (tracking.h): where that was does not follow from the states.
+  /// `leads`: a real robot follows the body (tracking.h). Its positions do not follow from the states.
   explicit StateKeeper(RobotName robot, bool leads = false) : robot_(std::move(robot)), leads_(leads) {}
 
-  /// Goes on after what was kept before; all at once, or in pieces.
+  /// Goes on after the messages that were kept before. They come all at once, or in pieces.
   void restore(std::span<const Message> kept);
   Keep heard(const Message& message);
   Keep said(const Message& message);
@@ -79,11 +80,11 @@ class StateKeeper {
 
   RobotName robot_;
   bool leads_;
-  std::optional<WallTime> run_;  ///< epoch of the one that the agent serves, as far as this process knows
+  std::optional<WallTime> run_;  ///< epoch of the run that the agent serves, as far as this process knows
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
-  bool stands_for_good_ = false;  ///< its mission is cancelled; and a state that says where has been kept
-  std::map<RobotName, double> passed_on_;  ///< the newest stamp of each that was not heard of since
+  bool stands_for_good_ = false;           ///< its mission is cancelled, and a state where it stands was kept
+  std::map<RobotName, double> passed_on_;  ///< the newest stamp of each peer that was not heard since
 };
 
 }  // namespace coppice

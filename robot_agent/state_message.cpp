@@ -10,9 +10,9 @@ namespace coppice {
 
 namespace {
 
-constexpr std::uint32_t heartbeats_between_relays = 2;  // of what is known of silent peers
-constexpr double share_of_overload = 0.25;              // of the last decisions that came late
-constexpr double recorded_after_the_end = 60;           // seconds
+constexpr std::uint32_t heartbeats_between_relays = Timing::heartbeats_between_relays;
+constexpr double recorded_after_the_end = Timing::recorded_after_the_end;
+constexpr double share_of_overload = 0.25;  // of the last decisions that came late
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Texts that statuses carry: names in few words, and no text longer than a message holds.
+// Texts that statuses carry: lists of names in few words, and no text longer than a message holds.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace coppice {
 
-/// The text, or as much of its beginning as a status holds; whole characters of UTF-8.
+/// The text, or as much of its beginning as a status holds. Never cuts a character of UTF-8.
 inline std::string bounded(std::string text) {
   if (text.size() <= longest_reason) return text;
   std::size_t end = longest_reason;
@@ -22,7 +22,7 @@ inline std::string bounded(std::string text) {
   return text;
 }
 
-/// As people count: r2 comes before r10.
+/// The order in which people count: r2 comes before r10.
 inline bool counts_before(const RobotName& a, const RobotName& b) {
   return a.size() != b.size() ? a.size() < b.size() : a < b;
 }

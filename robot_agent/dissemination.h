@@ -1,0 +1,92 @@
+// Tells to which peers a robot sends its state, how often, and with which echoes; and which states of silent
+// peers it relays.
+//
+// Close peers and a few witnesses receive every state, others receive states at their send interval
+// (send_interval.h). Echoes tell a peer which of its states came, so that both can compare their clocks.
+//
+// Times are fleet time by this robot's clock, seconds, unless a type says wall clock; metres.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "messages/messages.h"
+#include "robot_agent/failure_detector.h"
+#include "robot_agent/loss.h"
+#include "robot_agent/own_robot.h"
+#include "robot_agent/peer_table.h"
+#include "robot_agent/send_interval.h"
+
+namespace coppice {
+
+class Dissemination {
+ public:
+  /// All of these outlive it.
+  Dissemination(const OwnRobot& own, PeerTable& peers, const FailureDetector& detector)
+      : own_(own), peers_(peers), detector_(detector) {}
+
+  /// The peers of another run were dropped.
+  void forget_peers();
+  /// A state of a peer came, first copy, not relayed: counts which of its states were lost.
+  void count_loss(Peer& peer, std::uint32_t tick) {
+    const Received::Count count = peer.received.hear(tick);
+    if (count.sent > 0 && own_.mission && tells_at_every_heartbeat(peer)) loss_.add(count);
+  }
+  /// A newer state of the peer was taken up. Notes what the peer asks for.
+  void hear(std::size_t number, double now);
+
+  const LossCount& loss() const { return loss_; }
+  /// Chooses how often to send each state: several times where few listen or much is lost, so that one peer
+  /// hears the last of it.
+  void choose_copies(std::size_t alive) {
+    copies_ = alive > 0 ? loss_.copies_for(std::min(alive, sure_witnesses)) : 1;
+  }
+  int copies() const { return copies_; }
+
+  struct Address {
+    std::vector<RobotName> agents;  ///< recipients
+    std::vector<Echo> echoes;
+    std::vector<RobotName>
+        misses;  ///< peers that are silent here; some of them in each tick if they are many
+  };
+  /// `tick`: the number of the state. `news`: of its round, for all within that. `waits_for`: the robot that
+  /// this one waits for, if any.
+  Address address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for, double now);
+  /// The recipients that receive further copies of a state.
+  std::vector<RobotName> who_hears_copies(std::span<const RobotName> agents) const;
+
+  /// The last states of peers that have just fallen silent.
+  std::vector<RobotState> last_words(double now) const;
+  /// Peers that were started anew in mid-run, or were out of touch and are back: they may not know where all
+  /// peers are, or may have been last.
+  std::vector<RobotName> peers_to_inform(double now) const;
+  /// The last states of the peers that are silent or failed.
+  std::vector<RobotState> states_of_silent_peers(double now) const;
+
+ private:
+  bool is_synchronised(const Peer& peer) const;
+  bool tells_about_round(const Peer& peer) const;
+  bool tells_at_every_heartbeat(const Peer& peer) const;
+  int interval_to(const Peer& peer, double now) const;
+  bool is_told(std::size_t number, std::uint32_t tick, double now);
+  void choose_witnesses();
+  bool hears(const Peer& peer, double now) const;
+  bool answers(std::size_t asker, double now);
+  std::vector<RobotName> next_missing();
+  std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t tick);
+
+  const OwnRobot& own_;
+  PeerTable& peers_;
+  const FailureDetector& detector_;
+  LossCount loss_;
+  int copies_ = 1;
+  std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
+  std::size_t next_echo_ = 0;     ///< number of the peer whose echo is news next
+  std::vector<std::size_t>
+      missed_by_others_;       ///< numbers of peers that are heard here: echoed in the next state
+  std::size_t asked_for_ = 0;  ///< missing peers that all states have named so far
+};
+
+}  // namespace coppice
