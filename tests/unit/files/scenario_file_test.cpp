@@ -109,7 +109,7 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
        "robots[0].radius: -1 is not allowed"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
                               {"name": "a", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}}])"),
-       "robots[1].name: \"a\" is the name of another robot"},
+       "robots[1].name: \"a\" is also the name of another robot"},
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
                               {"name": "b", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 3}}])"),
        "robots[1].start: b and a would overlap"},
