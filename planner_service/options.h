@@ -12,7 +12,7 @@ struct ServiceOptions {
   RosOptions ros;
 };
 
-/// `options` outlives the parsing.
+/// `options` must outlive the parsing.
 void add_service_options(CLI::App& app, ServiceOptions& options);
 
 }  // namespace coppice

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "planner_service/timing.h"
+
 namespace coppice {
 
 namespace {
 
-constexpr WallTime redraw = 0.1;  // seconds, on a terminal
-constexpr WallTime plain_line = 1;
 constexpr double worth_telling = 0.01;  // of the control periods
 
 }  // namespace
@@ -26,7 +26,7 @@ std::string progress_line(const Progress& p) {
 
 void ProgressDisplay::show(const Progress& progress, WallTime now) {
   if (now < next_) return;
-  next_ = now + (terminal_ ? redraw : plain_line);
+  next_ = now + (terminal_ ? service_timing.progress_redraw : service_timing.progress_line);
   if (terminal_) {
     out_ << "\r\x1b[K" << progress_line(progress) << std::flush;
   } else {

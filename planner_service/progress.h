@@ -1,4 +1,4 @@
-// Progress of a run on the terminal.
+// The progress of a run on the terminal.
 #pragma once
 
 #include <ostream>
@@ -8,11 +8,11 @@
 
 namespace coppice {
 
-/// One line: paths found, robots arrived, elapsed fleet time, and nodes that joined trees a second of fleet
-/// time.
+/// One line: paths found, robots arrived, elapsed fleet time, and nodes that joined trees in a second of
+/// fleet time.
 std::string progress_line(const Progress& progress);
 
-/// Shows progress: on a terminal one line that is redrawn, elsewhere a plain line each second.
+/// Shows progress. On a terminal it redraws one line, elsewhere it writes a line each second.
 class ProgressDisplay {
  public:
   ProgressDisplay(std::ostream& out, bool terminal) : out_(out), terminal_(terminal) {}

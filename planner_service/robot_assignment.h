@@ -1,10 +1,11 @@
-// Tells agents that come without a name which robot they are: the first of the scenario that nobody is.
+// Tells agents that come without a name which robot they are: the first robot of the scenario that is free.
 //
-// A robot is somebody's for as long as anything is heard of it, and for claim_lease longer: an agent that was
-// given it and says so, one that was started with its name, or one from before this service began. Agents
-// know that lease too, and count it from when they last spoke, which is earlier. So no two are the same
-// robot, and none is two. While the service sleeps, its robots are held for as long. What the desk cannot see
-// is an agent that lives where nothing of it is heard for the whole lease: docs/deploy.md.
+// An agent has its robot for as long as anything is heard of that robot, and for `claim_lease` longer. This
+// holds for an agent that was assigned the robot and confirmed it, for one that was started with the robot's
+// name, and for one from before this service started. Agents know the lease too. They count it from when they
+// last spoke, which is earlier than the service heard them. So no two agents are the same robot, and no agent
+// is two robots. The leases do not run while the service is paused. The service cannot see an agent that
+// lives while nothing of it is heard for the whole lease: docs/deploy.md.
 //
 // A state machine, beside the planner service: messages and the time go in, messages come out.
 #pragma once
@@ -12,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,42 +24,50 @@ namespace coppice {
 
 class RobotAssignment {
  public:
-  /// `robots`: in the order in which they are given away; each once.
+  /// `robots`: in the order in which they are assigned; each once.
   RobotAssignment(const std::vector<RobotName>& robots, WallTime now);
 
-  /// What a service before this one kept: whoever spoke as a robot then may still do so.
-  void recall(std::span<const Message> kept, WallTime now);
+  /// What a service before this one saved: an agent that it heard may still live.
+  void recall(std::span<const Message> saved, WallTime now);
   void on(const Arrival& arrival);
-  /// At least once a second.
+  /// Call it at least once a second.
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
  private:
+  enum class Stage : unsigned char {
+    offered,
+    contested,  ///< offered; and an agent that may be another one speaks as this robot
+    confirmed,  ///< the claimant said that it is this robot
+  };
+  /// The claimant that the robot was assigned to last.
+  struct Holder {
+    std::uint64_t claimant = 0;
+    std::uint32_t number = 0;  ///< of its last claim
+    Stage stage = Stage::offered;
+    bool answer_due = false;  ///< the next step says who holds the robot
+  };
   struct Lease {
     RobotName robot;
-    std::uint64_t claimant = 0;  ///< to whom it was given last; 0: to nobody
-    std::uint32_t number = 0;    ///< of that one's last claim
-    bool taken_up = false;       ///< that one has said so
-    bool spoken_for = false;     ///< somebody speaks as this robot, since it was given
-    bool answer_due = false;
-    WallTime heard = 0;  ///< of it, or of that one
+    std::optional<Holder> holder{};  ///< none: the robot is free, or its agent was started with its name
+    WallTime heard_at = 0;           ///< when the robot, or its holder, was last heard
   };
   struct Waiting {
     std::uint64_t claimant = 0;
     std::uint32_t number = 0;
-    WallTime heard = 0;
+    WallTime heard_at = 0;
   };
 
   void receive(const Claim& claim, WallTime now);
   void receive(const AgentStatus& status, WallTime now);
   void follow_clock(WallTime now);
-  void take_up(const Claim& claim, WallTime now);
+  void confirm(const Claim& claim, WallTime now);
   void wait(const Claim& claim, WallTime now);
-  Lease* lease_given_to(std::uint64_t claimant);
+  Lease* lease_of(std::uint64_t claimant);
   Lease* free_lease(WallTime now);
 
   std::vector<Lease> leases_;
-  std::map<RobotName, std::size_t> lease_of_;
+  std::map<RobotName, std::size_t> index_;
   std::vector<Waiting> waiting_;  ///< in the order in which they came
   WallTime last_step_;
   WallTime next_wake_;

@@ -1,6 +1,6 @@
-// The roll call of a run: agents whose robots no mission names, and missions for which no agent came.
+// Log lines about agents whose robots have no mission, and about robots for which no agent came.
 //
-// A state machine, beside the planner service: messages and the time go in, lines of a log come out.
+// A state machine, beside the planner service: messages and the time go in, log lines come out.
 #pragma once
 
 #include <set>
@@ -16,19 +16,19 @@ class RollCall {
  public:
   /// `robots`: those that have missions.
   RollCall(const std::vector<RobotName>& robots, WallTime now)
-      : missing_(robots.begin(), robots.end()), robots_(missing_), begun_(now) {}
+      : missing_(robots.begin(), robots.end()), robots_(missing_), since_(now) {}
 
   void on(const Arrival& arrival);
-  /// What is to be told now: once, and again when there is news.
+  /// The lines to log now. Agents without a mission are logged again when there are more of them.
   std::vector<std::string> step(WallTime now);
 
  private:
-  std::set<RobotName> missing_;  ///< no agent has come for these
+  std::set<RobotName> missing_;  ///< robots for which no agent has come
   std::set<RobotName> robots_;
-  std::set<RobotName> strangers_;  ///< agents that came, and are in no mission
-  std::set<RobotName> missing_told_;
-  std::set<RobotName> strangers_told_;
-  WallTime begun_;
+  std::set<RobotName> without_mission_;  ///< robots of agents that came
+  std::set<RobotName> missing_logged_;
+  std::set<RobotName> without_mission_logged_;
+  WallTime since_;
 };
 
 }  // namespace coppice

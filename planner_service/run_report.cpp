@@ -1,4 +1,4 @@
-// Of PlannerService: the report, and the picture, of its run.
+// The report and the picture of a run: a part of PlannerService.
 #include <algorithm>
 #include <optional>
 #include <span>
@@ -29,11 +29,12 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
   to.set_processor_seconds(load.processor_seconds);
 }
 
-/// What the tracks tell, looked at part by part.
+/// What the tracks show. They are read part by part, for a long run does not fit into memory.
 struct Driven {
   std::vector<double> length;  ///< by robot
   std::vector<std::optional<TrackPoint>> last;
-  /// Fleet time from which on it was where it wants to be in the end, and had come to stand there.
+  /// Fleet time from which on the robot was within the tolerance of its last goal, after it came to a stop
+  /// there.
   std::vector<std::optional<double>> stands_since;
   std::optional<Separation> separation;
   std::optional<ObstacleClearance> clearance;
@@ -69,8 +70,8 @@ Driven driven(const TrackParts& tracks, std::span<const Disc> goals, const Clear
   return result;
 }
 
-/// As fine as a picture shows them.
-std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
+/// The driven tracks, as fine as a picture shows them.
+std::vector<Path> driven_ways(const TrackParts& tracks, std::size_t robots) {
   constexpr double fine = 0.1;  // radii
   std::vector<Path> result(robots);
   tracks([&](const TrackPart& part) {
@@ -85,70 +86,58 @@ std::vector<Path> ways(const TrackParts& tracks, std::size_t robots) {
   return result;
 }
 
+/// The times of the first missions.
+struct FirstMissions {
+  double last_mission = 0;  ///< when the last agent had its mission, fleet seconds
+  double last_path = 0;     ///< when the last agent had its first path, fleet seconds
+  double improving = 0;     ///< from then until the last robot had the path that it drives, wall seconds
+};
+
+FirstMissions first_missions(const RobotRecords& robots, double time_scale) {
+  FirstMissions times;
+  double last_first_path = 0;  // wall seconds
+  double last_best_path = 0;
+  for (const RobotRecord& robot : robots) {
+    if (!robot.first_status) continue;
+    const AgentStatus& first = *robot.first_status;
+    times.last_mission = std::max(times.last_mission, first.mission_time);
+    times.last_path = std::max(times.last_path, first.path_time);
+    const double path_wall = first.path_time / time_scale;
+    last_first_path = std::max(last_first_path, path_wall);
+    last_best_path = std::max(last_best_path, path_wall + first.improve_seconds);
+  }
+  times.improving = last_best_path - last_first_path;
+  return times;
+}
+
 }  // namespace
 
-std::string PlannerService::reason_of(const Robot& robot, bool at_goal) const {
-  if (at_goal) return robot.without_goal;
-  if (!missions_published_) return "the run was interrupted before it began";
-  if (robot.began_anew)
+std::string PlannerService::reason_of(const RobotRecord& robot, bool at_goal) const {
+  if (at_goal) return goals_.shortage_of(robot.index);
+  if (clock_of(phase_) == nullptr) return "the run was interrupted before it began";
+  if (robot.track_lost())
     return "its agent was started anew without its journal (--state), and does not know where the robot was";
   if (!robot.status)
     return robot.trees_received ? "its agent came, but has not taken up its mission" : "its agent never came";
   if (!robot.status->reason.empty()) return robot.status->reason;
-  return robot.lost ? when_it_fell_silent(robot) : how_far_it_came(robot);
-}
-
-std::string PlannerService::when_it_fell_silent(const Robot& robot) const {
-  const auto last = record_.last(robot.index);
+  if (!liveliness_.is_lost(robot.index)) return why_it_is_under_way(robot);
+  const auto last = tracks_.last(robot.index);
   return last ? fmt::format("the agent has fallen silent at {:.1f} s", last->time)
               : "the agent has fallen silent";
 }
 
-std::string PlannerService::how_far_it_came(const Robot& robot) const {
-  if (record_.size(robot.index) < robot.status->track_points)
+std::string PlannerService::why_it_is_under_way(const RobotRecord& robot) const {
+  if (tracks_.size(robot.index) < robot.status->track_points)
     return "the record of its track is not complete";
-  const char* const why = interrupted_ ? "the run was interrupted" : "the time was over";
+  const char* const why = was_interrupted(phase_) ? "the run was interrupted" : "the time was over";
   if (robot.path.empty()) return fmt::format("{} before it had a path", why);
   const double left = robot.status->way_left;
   const std::string rest = left < 0 ? "" : fmt::format(", {:.1f} m from its goal", left);
   return fmt::format("{} while it was under way{}", why, rest);
 }
 
-/// Of the first missions: from the moment that the last agent had its own until the last path, seconds of the
-/// wall's clock.
-double PlannerService::plan_time() const {
-  double last_mission = 0;
-  for (const auto& [name, robot] : robots_) {
-    if (robot.first_status) last_mission = std::max(last_mission, robot.first_status->mission_time);
-  }
-  return std::max(0.0, last_path() - last_mission) / settings_.time_scale;
-}
-
-/// Of the first missions, fleet time.
-double PlannerService::last_path() const {
-  double last = 0;
-  for (const auto& [name, robot] : robots_) {
-    if (robot.first_status) last = std::max(last, robot.first_status->path_time);
-  }
-  return last;
-}
-
-/// Of the first missions: from the last first path until the last robot had the path that it drives, seconds
-/// of the wall's clock.
-double PlannerService::improve_time() const {
-  double first = 0;
-  double best = 0;
-  for (const auto& [name, robot] : robots_) {
-    if (!robot.first_status) continue;
-    const double path_wall = robot.first_status->path_time / settings_.time_scale;
-    first = std::max(first, path_wall);
-    best = std::max(best, path_wall + robot.first_status->improve_seconds);
-  }
-  return best - first;
-}
-
-/// What the tracks tell is there already; the rest is what its agent said.
-void PlannerService::describe_robot(const Robot& robot, proto::Report::Robot& row) const {
+/// Adds what the agent said to a row that holds what the tracks show.
+void PlannerService::describe_robot(const RobotRecord& robot, proto::Report::Robot& row) const {
   row.set_name(robot.task.name);
   row.set_planned(!robot.path.empty());
   row.set_reason(reason_of(robot, row.arrived()));
@@ -164,11 +153,12 @@ void PlannerService::describe_robot(const Robot& robot, proto::Report::Robot& ro
   row.set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
   row.set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
   row.set_waited(status.waited);
-  if (robot.periods > 0) row.set_periods_missed(static_cast<double>(robot.periods_missed) / robot.periods);
+  if (robot.periods.all() > 0)
+    row.set_periods_missed(static_cast<double>(robot.periods.missed()) / robot.periods.all());
   if (robot.status) describe(status.load, *row.mutable_load());
 }
 
-/// The sums over its rows, and what belongs to no robot.
+/// Adds the sums over the rows, and what belongs to no robot.
 void PlannerService::describe_run(proto::Report& report) const {
   double path_sum = 0;
   int planned = 0;
@@ -183,36 +173,40 @@ void PlannerService::describe_run(proto::Report& report) const {
     report.set_nodes_invalid(report.nodes_invalid() + row.nodes_invalid());
     report.set_trees_grafted(report.trees_grafted() + row.grafted_trees());
   }
-  for (const auto& [id, broker] : brokers_) {
-    report.set_nodes_valid(report.nodes_valid() + broker.nodes_valid);
-    report.set_nodes_invalid(report.nodes_invalid() + broker.nodes_invalid);
-  }
-  report.set_trees_published(static_cast<std::uint32_t>(trees_seen_.size()));
+  const SeenForest::Nodes nodes = forest_.nodes();
+  report.set_nodes_valid(report.nodes_valid() + static_cast<std::uint32_t>(nodes.valid));
+  report.set_nodes_invalid(report.nodes_invalid() + static_cast<std::uint32_t>(nodes.invalid));
+  report.set_trees_published(static_cast<std::uint32_t>(forest_.trees()));
   const auto without_goal = static_cast<std::uint32_t>(robots_without_goal().size());
   report.set_robots_without_goal(without_goal);
   report.set_outcome(all_arrived && without_goal == 0 ? "arrived"
-                     : interrupted_                   ? "interrupted"
-                     : timed_out_                     ? "timeout"
+                     : was_interrupted(phase_)        ? "interrupted"
+                     : timed_out(phase_)              ? "timeout"
                                                       : "incomplete");
-  report.set_plan_time(plan_time());
-  report.set_improve_time(improve_time());
-  report.set_last_path_at(clock_.wall_time(last_path()));
+  const FirstMissions first = first_missions(robots_, settings_.time_scale);
+  report.set_plan_time(std::max(0.0, first.last_path - first.last_mission) / settings_.time_scale);
+  report.set_improve_time(first.improving);
+  if (const FleetClock* const clock = clock_of(phase_)) {
+    report.set_last_path_at(clock->wall_time(first.last_path));
+  } else if (const auto* const never = std::get_if<NeverBegan>(&phase_)) {
+    report.set_last_path_at(never->since);
+  }
   report.set_path_length(planned > 0 ? path_sum / planned : 0);
   report.set_seed(scenario_.seed);
   report.set_map(scenario_.map_name);
   report.set_goals_refused(goals_refused_);
-  report.set_periods_missed(share_of_periods_missed());
+  report.set_periods_missed(share_of_periods_missed(robots_));
 }
 
 proto::Report PlannerService::report(const TrackParts& tracks) const {
   std::vector<Disc> goals;
-  for (const Robot* robot : order_) goals.push_back({robot->task.goal, robot->task.goal_tolerance});
+  for (const RobotRecord& robot : robots_) goals.push_back({robot.task.goal, robot.task.goal_tolerance});
   const Driven all = driven(tracks, goals, ClearanceField(scenario_.map));
   proto::Report report;
-  for (std::size_t i = 0; i < order_.size(); ++i) {
-    const Robot& robot = *order_[i];
+  for (const RobotRecord& robot : robots_) {
+    const std::size_t i = robot.index;
     proto::Report::Robot& row = *report.add_robots();
-    row.set_arrived(at_goal(robot, all.last[i]));
+    row.set_arrived(is_at_goal(robot, all.last[i]));
     if (row.arrived() && robot.status)
       row.set_run_time(all.stands_since[i].value_or(robot.status->arrival_time));
     row.set_driven_length(all.length[i]);
@@ -232,16 +226,15 @@ proto::Report PlannerService::report(const TrackParts& tracks) const {
 }
 
 PictureContent PlannerService::picture() const {
-  PictureContent content{.map = scenario_.map, .edges = shared_edges_, .robots = {}};
-  const std::vector<Path> driven = ways(tracks(), order_.size());
-  for (std::size_t i = 0; i < order_.size(); ++i) {
-    const Robot& robot = *order_[i];
-    content.robots.push_back(
-        {robot.task.name, robot.task.radius, robot.task.start, robot.task.goal, robot.path, driven[i]});
+  PictureContent content{.map = scenario_.map, .edges = forest_.edges(), .robots = {}};
+  const std::vector<Path> driven = driven_ways(tracks(), robots_.size());
+  for (const RobotRecord& robot : robots_) {
+    content.robots.push_back({robot.task.name, robot.task.radius, robot.task.start, robot.task.goal,
+                              robot.path, driven[robot.index]});
     for (const RootNodes::Node& node : robot.root_nodes) {
       if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
       content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position,
-                               node.position, static_cast<int>(i)});
+                               node.position, static_cast<int>(robot.index)});
     }
   }
   return content;

@@ -7,16 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "planner_service/timing.h"
+
 namespace coppice {
 
 namespace {
 
-constexpr WallTime beat = 0.5;
-constexpr WallTime listening = 1;       // seconds: who is there says so at once
-constexpr WallTime listening_long = 5;  // where agents drive for another run
 constexpr std::size_t most_others = 1000;
 
-/// More right to the fleet than the other.
+/// `one` has precedence over `other`.
 bool outranks(const ServiceStatus& one, const ServiceStatus& other) {
   const auto rank = [](const ServiceStatus& s) { return std::tuple(-s.run, s.since, s.service); };
   return rank(one) < rank(other);
@@ -43,7 +42,7 @@ void SoleService::receive(const ServiceStatus& other, WallTime now) {
   next_wake_ = std::min(next_wake_, now);
 }
 
-/// One that was stopped has no part in a run any more.
+/// An agent that was stopped takes part in no run any more.
 void SoleService::receive(const AgentStatus& status, WallTime) {
   const bool drives = status.run != 0 && status.phase != Phase::stopped;
   if (drives && status.run != self_.run) agents_have_another_run_ = true;
@@ -56,13 +55,14 @@ void SoleService::begin(WallTime run) {
 }
 
 std::vector<Message> SoleService::step(WallTime now) {
-  listens_from_ = std::min(listens_from_, now);  // the clock may have been set back
-  next_wake_ = now + beat;
+  listens_since_ = std::min(listens_since_, now);  // the clock may have been set back
+  next_wake_ = now + service_timing.service_status_interval;
   return {self_};
 }
 
 bool SoleService::may_begin(WallTime now) const {
-  return now - listens_from_ >= (agents_have_another_run_ ? listening_long : listening);
+  return now - listens_since_ >=
+         (agents_have_another_run_ ? service_timing.listening_for_unknown_run : service_timing.listening);
 }
 
 std::optional<ServiceStatus> SoleService::superior() const {

@@ -1,11 +1,11 @@
-// A fleet has one service: two on one DDS domain would halt each other's robots. Each says who it is and
-// which run it has begun; the one that hears of another with more right to the fleet refuses, and the other
-// goes on.
+// A fleet has one service: two services on one DDS domain would halt each other's robots. Each service
+// publishes its identity and the run that it has begun. A service that hears of another one with precedence
+// ends, and the other one goes on.
 //
-// The right is that of the newer run, for agents follow that; before any run, of the service that was started
-// first; so a paused service that another one has replaced gives up, too. A service begins no run before it
-// has listened for a second, and for five where agents drive for a run that it does not know: theirs may
-// still be there. One that was killed says nothing, and its place is free.
+// The newer run has precedence, for agents follow it. So a paused service that was replaced ends when it
+// wakes. Of services without a run, the one that started first has precedence. A service begins no run before
+// it has listened for one second, or for five seconds where agents drive for a run that it does not know:
+// their service may still exist. A service that was killed publishes nothing, and its place is free.
 //
 // A state machine, beside the planner service: messages and the time go in, messages come out.
 #pragma once
@@ -20,24 +20,24 @@
 
 namespace coppice {
 
-/// "process 123 on host c3 (run begun 12.3 s ago)"
+/// "process 123 on host c3 (its run began 12 s ago)"
 std::string description_of(const ServiceStatus& service, WallTime now);
 
 class SoleService {
  public:
-  SoleService(ServiceStatus self, WallTime now) : self_(std::move(self)), listens_from_(now) {}
+  SoleService(ServiceStatus self, WallTime now) : self_(std::move(self)), listens_since_(now) {}
 
   void on(const Arrival& arrival);
-  /// The run whose missions this service has handed out.
+  /// This service has published the missions of that run.
   void begin(WallTime run);
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 
-  /// It has listened for long enough to begin.
+  /// It has listened for long enough to begin a run.
   bool may_begin(WallTime now) const;
-  /// One that has more right to the fleet, if there is one.
+  /// The service that has precedence over this one and all others, if it is not this one.
   std::optional<ServiceStatus> superior() const;
-  /// Others that have come since the last call, and have less: they are to refuse.
+  /// The services that came since the last call and must end, because this one has precedence.
   std::vector<ServiceStatus> take_inferiors();
 
  private:
@@ -45,10 +45,10 @@ class SoleService {
   void receive(const AgentStatus& status, WallTime now);
 
   ServiceStatus self_;
-  WallTime listens_from_;
+  WallTime listens_since_;
   bool agents_have_another_run_ = false;
-  std::map<std::uint64_t, ServiceStatus> others_;  ///< that were heard of
-  std::vector<ServiceStatus> inferiors_;           ///< not told yet
+  std::map<std::uint64_t, ServiceStatus> others_;
+  std::vector<ServiceStatus> inferiors_;  ///< that take_inferiors() has not returned
   WallTime next_wake_ = 0;
 };
 

@@ -1,5 +1,5 @@
-// What a service hears before it begins its run: of the statuses, which come twice a second, the last of each
-// agent.
+// What a service hears before it begins its run. Of the statuses, which come twice a second, it holds the
+// last of each agent.
 #pragma once
 
 #include <algorithm>
@@ -23,13 +23,13 @@ class StartupBarrier {
       others_.push_back(std::move(arrival));
     }
   }
-  /// Agents that say to have found so many others.
-  std::size_t is_synchronised(std::size_t others) const {
+  /// The number of agents that have discovered `peers` other agents or more.
+  std::size_t agents_that_discovered(std::size_t peers) const {
     return static_cast<std::size_t>(std::ranges::count_if(statuses_, [&](const auto& entry) {
-      return std::get<AgentStatus>(*entry.second.message).load.agents_matched >= others;
+      return std::get<AgentStatus>(*entry.second.message).load.agents_matched >= peers;
     }));
   }
-  /// Calls fn(arrival) for each that counts.
+  /// Calls fn(arrival) for each message that it holds.
   template <class Fn>
   void for_each(Fn&& fn) const {
     for (const Arrival& arrival : others_) fn(arrival);

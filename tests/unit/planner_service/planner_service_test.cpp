@@ -448,9 +448,9 @@ TEST(StartupBarrier, TheBarrierKeepsTheLastStatusOfEachAgentAndAllElse) {
     }
     startup_barrier.add(arrival_of(BrokerStatus{.broker = others}, others));
   }
-  EXPECT_EQ(startup_barrier.is_synchronised(0), 2u);
-  EXPECT_EQ(startup_barrier.is_synchronised(2), 1u);
-  EXPECT_EQ(startup_barrier.is_synchronised(3), 0u);
+  EXPECT_EQ(startup_barrier.agents_that_discovered(0), 2u);
+  EXPECT_EQ(startup_barrier.agents_that_discovered(2), 1u);
+  EXPECT_EQ(startup_barrier.agents_that_discovered(3), 0u);
   int statuses = 0;
   int brokers = 0;
   startup_barrier.for_each([&](const Arrival& arrival) {

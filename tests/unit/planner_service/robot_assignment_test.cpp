@@ -1,5 +1,4 @@
-// Tests of how agents without a name are assigned a robot: message by message, and over a bus that loses
-// messages.
+// Robot assignment: message by message, and with agents without a name on a bus that loses messages.
 #include "planner_service/robot_assignment.h"
 
 #include <algorithm>
@@ -24,17 +23,17 @@ std::vector<Assignment> assignments(const std::vector<Message>& messages) {
   return all;
 }
 
-/// A robot assignment that has listened for long enough, and is stepped whenever it asks.
-struct Desk {
-  explicit Desk(const std::vector<RobotName>& robots) : desk(robots, -5) {}
+/// An assignment that started long enough ago to assign robots, and that is stepped twice a second.
+struct SteppedAssignment {
+  explicit SteppedAssignment(const std::vector<RobotName>& robots) : assignment(robots, -5) {}
   std::vector<Assignment> hears(const Message& message, double at) {
-    while (now + 0.5 < at) EXPECT_TRUE(desk.step(now += 0.5).empty()) << now;
+    while (now + 0.5 < at) EXPECT_TRUE(assignment.step(now += 0.5).empty()) << now;
     return hears_after_nap(message, at);
   }
   std::vector<Assignment> hears_after_nap(const Message& message, double at) {
     now = at;
-    desk.on(arrival_of(message, now));
-    return assignments(desk.step(now));
+    assignment.on(arrival_of(message, now));
+    return assignments(assignment.step(now));
   }
   /// The time at which a claimant that begins to ask at `from` is given a robot.
   double gives_one_to(std::uint64_t claimant, double from) {
@@ -42,90 +41,91 @@ struct Desk {
     while (hears_after_nap(Claim{claimant, ++number}, from).empty() && from < now + 100) from += 0.5;
     return now;
   }
-  RobotAssignment desk;
+  RobotAssignment assignment;
   double now = -5;
 };
 
 TEST(RobotAssignment, EachClaimantGetsTheFirstFreeRobot) {
-  Desk desk({"a", "b", "c"});
-  EXPECT_TRUE(desk.hears(AgentStatus{.robot = "b"}, 0).empty());
-  EXPECT_EQ(desk.hears(Claim{7, 1}, 0), (std::vector<Assignment>{{"a", 7, 1}}));
-  EXPECT_EQ(desk.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"c", 8, 1}}));
-  EXPECT_TRUE(desk.hears(Claim{9, 1}, 0).empty());
+  SteppedAssignment assignment({"a", "b", "c"});
+  EXPECT_TRUE(assignment.hears(AgentStatus{.robot = "b"}, 0).empty());
+  EXPECT_EQ(assignment.hears(Claim{7, 1}, 0), (std::vector<Assignment>{{"a", 7, 1}}));
+  EXPECT_EQ(assignment.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"c", 8, 1}}));
+  EXPECT_TRUE(assignment.hears(Claim{9, 1}, 0).empty());
 }
 
 TEST(RobotAssignment, NoRobotIsAssignedBeforeTheServiceHasListened) {
-  RobotAssignment desk({"a"}, 0);
-  desk.on(arrival_of(Claim{7, 1}, 0));
-  for (const double now : {0.0, 1.0, 1.9}) EXPECT_TRUE(desk.step(now).empty());
-  EXPECT_LE(desk.next_wake(), 2.1);
-  EXPECT_EQ(assignments(desk.step(2.1)), (std::vector<Assignment>{{"a", 7, 1}}));
+  RobotAssignment assignment({"a"}, 0);
+  assignment.on(arrival_of(Claim{7, 1}, 0));
+  for (const double now : {0.0, 1.0, 1.9}) EXPECT_TRUE(assignment.step(now).empty());
+  EXPECT_LE(assignment.next_wake(), 2.1);
+  EXPECT_EQ(assignments(assignment.step(2.1)), (std::vector<Assignment>{{"a", 7, 1}}));
 }
 
 TEST(RobotAssignment, EachNewClaimOfTheOwnerIsAnsweredAndNoRepetition) {
-  Desk desk({"a", "b"});
-  desk.hears(Claim{7, 1}, 0);
-  EXPECT_TRUE(desk.hears(Claim{7, 1}, 0.1).empty());
-  EXPECT_EQ(desk.hears(Claim{7, 2}, 0.5), (std::vector<Assignment>{{"a", 7, 2}}));
-  EXPECT_TRUE(desk.hears(Claim{7, 1}, 0.6).empty());
-  EXPECT_TRUE(desk.hears(Claim{7, 3, "a"}, 0.7).empty());
-  EXPECT_TRUE(desk.hears(Claim{7, 2}, 0.8).empty());
+  SteppedAssignment assignment({"a", "b"});
+  assignment.hears(Claim{7, 1}, 0);
+  EXPECT_TRUE(assignment.hears(Claim{7, 1}, 0.1).empty());
+  EXPECT_EQ(assignment.hears(Claim{7, 2}, 0.5), (std::vector<Assignment>{{"a", 7, 2}}));
+  EXPECT_TRUE(assignment.hears(Claim{7, 1}, 0.6).empty());
+  EXPECT_TRUE(assignment.hears(Claim{7, 3, "a"}, 0.7).empty());
+  EXPECT_TRUE(assignment.hears(Claim{7, 2}, 0.8).empty());
 }
 
 TEST(RobotAssignment, ALeaseThatIsNotRenewedEnds) {
-  Desk desk({"a"});
-  desk.hears(Claim{7, 1}, 0);
-  desk.hears(Claim{7, 2, "a"}, 0.1);
-  desk.hears(AgentStatus{.robot = "a"}, 5);
-  for (std::uint32_t n = 1; n < 20; ++n) EXPECT_TRUE(desk.hears(Claim{8, n}, 5 + n * 0.5).empty()) << n;
-  EXPECT_EQ(desk.hears(Claim{8, 20}, 5.1 + claim_lease), (std::vector<Assignment>{{"a", 8, 20}}));
-  EXPECT_EQ(desk.hears(Claim{7, 2, "a"}, 16), (std::vector<Assignment>{{"a", 8, 20}}));  // the former one
-  EXPECT_EQ(desk.hears(Claim{8, 21}, 16), (std::vector<Assignment>{{"a", 8, 21}}));
+  SteppedAssignment assignment({"a"});
+  assignment.hears(Claim{7, 1}, 0);
+  assignment.hears(Claim{7, 2, "a"}, 0.1);
+  assignment.hears(AgentStatus{.robot = "a"}, 5);
+  for (std::uint32_t n = 1; n < 20; ++n) EXPECT_TRUE(assignment.hears(Claim{8, n}, 5 + n * 0.5).empty()) << n;
+  EXPECT_EQ(assignment.hears(Claim{8, 20}, 5.1 + claim_lease), (std::vector<Assignment>{{"a", 8, 20}}));
+  EXPECT_EQ(assignment.hears(Claim{7, 2, "a"}, 16),
+            (std::vector<Assignment>{{"a", 8, 20}}));  // the one before
+  EXPECT_EQ(assignment.hears(Claim{8, 21}, 16), (std::vector<Assignment>{{"a", 8, 21}}));
 }
 
 TEST(RobotAssignment, AClaimantThatStoppedAskingGetsNothing) {
-  Desk desk({"a"});
-  desk.hears(AgentStatus{.robot = "a"}, 0);
-  desk.hears(Claim{7, 1}, 0);
-  EXPECT_EQ(desk.hears(Claim{8, 1}, claim_lease + 1), (std::vector<Assignment>{{"a", 8, 1}}));
+  SteppedAssignment assignment({"a"});
+  assignment.hears(AgentStatus{.robot = "a"}, 0);
+  assignment.hears(Claim{7, 1}, 0);
+  EXPECT_EQ(assignment.hears(Claim{8, 1}, claim_lease + 1), (std::vector<Assignment>{{"a", 8, 1}}));
 }
 
 TEST(RobotAssignment, TheLeaseOfALivingAgentOutlivesAPauseOfTheService) {
-  Desk desk({"a"});
-  desk.hears(AgentStatus{.robot = "a"}, 0);
-  EXPECT_NEAR(desk.gives_one_to(8, 60), 60 + claim_lease, 0.6);
+  SteppedAssignment assignment({"a"});
+  assignment.hears(AgentStatus{.robot = "a"}, 0);
+  EXPECT_NEAR(assignment.gives_one_to(8, 60), 60 + claim_lease, 0.6);
 }
 
 TEST(RobotAssignment, ALeaseKeepsItsLengthIfTheClockIsSetBack) {
-  Desk silent({"a"});
+  SteppedAssignment silent({"a"});
   silent.hears(AgentStatus{.robot = "a"}, 0);
   silent.hears(Claim{7, 1}, 4);  // and is not heard any more
   EXPECT_NEAR(silent.gives_one_to(8, -1000), -1000 + claim_lease, 0.6);
-  Desk alive({"a"});
+  SteppedAssignment alive({"a"});
   alive.hears(AgentStatus{.robot = "a"}, 0);
   alive.hears_after_nap(AgentStatus{.robot = "a"}, -1000);
   EXPECT_NEAR(alive.gives_one_to(8, -999.5), -1000 + claim_lease, 0.6);
 }
 
 TEST(RobotAssignment, TheSuccessorKeepsTheLeasesOfItsPredecessor) {
-  Desk desk({"a", "b"});
-  desk.hears(Claim{7, 9, "b"}, 0);
-  desk.desk.recall(std::vector<Message>{AgentStatus{.robot = "a"}}, 0);
-  EXPECT_NEAR(desk.gives_one_to(8, 0.5), claim_lease, 0.6);
+  SteppedAssignment assignment({"a", "b"});
+  assignment.hears(Claim{7, 9, "b"}, 0);
+  assignment.assignment.recall(std::vector<Message>{AgentStatus{.robot = "a"}}, 0);
+  EXPECT_NEAR(assignment.gives_one_to(8, 0.5), claim_lease, 0.6);
 }
 
 TEST(RobotAssignment, TheServiceLearnsLeasesFromClaimsAndStatuses) {
-  Desk desk({"a", "b"});
-  EXPECT_TRUE(desk.hears(Claim{7, 9, "a"}, 0).empty());
-  EXPECT_EQ(desk.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"b", 8, 1}}));
-  EXPECT_TRUE(desk.hears(Claim{9, 1, "elsewhere"}, 0).empty());
+  SteppedAssignment assignment({"a", "b"});
+  EXPECT_TRUE(assignment.hears(Claim{7, 9, "a"}, 0).empty());
+  EXPECT_EQ(assignment.hears(Claim{8, 1}, 0), (std::vector<Assignment>{{"b", 8, 1}}));
+  EXPECT_TRUE(assignment.hears(Claim{9, 1, "elsewhere"}, 0).empty());
 }
 
 TEST(RobotAssignment, AClaimantGetsAnotherRobotIfAPeerSpeaksAsItsOwn) {
-  Desk desk({"a", "b"});
-  desk.hears(Claim{7, 1}, 0);
-  desk.hears(AgentStatus{.robot = "a"}, 0.2);
-  EXPECT_EQ(desk.hears(Claim{7, 2}, 0.5), (std::vector<Assignment>{{"b", 7, 2}}));
+  SteppedAssignment assignment({"a", "b"});
+  assignment.hears(Claim{7, 1}, 0);
+  assignment.hears(AgentStatus{.robot = "a"}, 0.2);
+  EXPECT_EQ(assignment.hears(Claim{7, 2}, 0.5), (std::vector<Assignment>{{"b", 7, 2}}));
 }
 
 std::vector<Claim> claims(std::vector<Outgoing> said) {
@@ -253,8 +253,7 @@ TEST(NamelessAgent, TheAgentGoesOnIfTheClockIsSetBack) {
   EXPECT_FALSE(statuses(agent.step(-999)).empty());
 }
 
-/// Agents and a robot assignment on a bus that loses and delays messages. Agents are killed, paused and
-/// restarted.
+/// Agents and a service on a bus that loses and delays messages. They are killed, paused, and restarted.
 class ManyClaims {
  public:
   explicit ManyClaims(std::uint64_t seed)
@@ -267,7 +266,7 @@ class ManyClaims {
     for (; now_ < until; now_ += 0.02) {
       bus_.set_time(now_);
       if (faults && random_.uniform() < 0.01) disturb();
-      turn(service_->port, service_->desk, nullptr);
+      turn(service_->port, service_->assignment, nullptr);
       for (std::size_t k = 0; k < agents_.size(); ++k) {
         Agent& agent = agents_[k];
         if (!agent.alive || now_ < agent.stopped_until) continue;
@@ -293,7 +292,7 @@ class ManyClaims {
     double stopped_until = -1;
   };
   struct Service {
-    RobotAssignment desk;
+    RobotAssignment assignment;
     SimulatedBus::Port& port;
   };
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "planner_service/planner_service.h"
-#include "planner_service/run_record.h"
+#include "planner_service/saved_run.h"
 #include "tests/tracks.h"
 #include "tests/unit/messages/kept.h"
 #include "tests/unit/planner_service/roles.h"
@@ -32,7 +32,7 @@ struct ServiceRun {
   }
   ServiceSettings settings;
   PlannerService service;
-  Kept<RunRecord> kept{};
+  Kept<RunKeeper> kept{};
 };
 
 constexpr WallTime begins = 4;  // the missions begin; until then the service waits for a broker
@@ -137,8 +137,8 @@ TEST(ServiceRestart, AStoppedRobotEndsNoRun) {
   EXPECT_FALSE(after.finished());
 }
 
-TEST(RunRecord, TheRecordHoldsNothingOfAPreviousRun) {
-  RunRecord record;
+TEST(RunKeeper, TheRecordHoldsNothingOfAPreviousRun) {
+  RunKeeper record;
   const auto track = [](WallTime run) { return TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}}, run}; };
   AgentStatus status{.robot = "a", .mission = 1};
   status.run = 50;

@@ -67,7 +67,7 @@ struct Reserved {
 const std::string tests_and_benches = "|(tests|bench)/.*";
 const std::string mains =
     "|(tree_broker|robot_agent|planner_service)/(main\\.cpp|options\\.(h|cpp))|robot_agent/"
-    "(ros_link|agent_loop|run_named|run_unnamed)\\.(h|cpp)";
+    "(ros_link|agent_loop|run_named|run_unnamed)\\.(h|cpp)|planner_service/service_loop\\.(h|cpp)";
 const std::string commands = "|coppice/.*";
 
 const std::vector<Reserved> reserved = {

@@ -1,5 +1,5 @@
-// What of a run the service keeps, so that another one can go on with it: the missions that it handed out,
-// and what the agents said that the report is made of.
+// Which messages of a run the service saves, so that a restarted service can go on with it: the missions that
+// it published, and what the agents said that the report is made of.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@
 
 namespace coppice {
 
-class RunRecord {
+class RunKeeper {
  public:
-  /// Goes on after what was kept before.
-  void recall(std::span<const Message> kept);
+  /// The messages that were saved before.
+  void recall(std::span<const Message> saved);
   Keep heard(const Message& message);
   Keep said(const Message& message);
 
@@ -27,7 +27,7 @@ class RunRecord {
   Keep choose(const TrackMessage& track);
   Keep choose(const AgentStatus& status);
 
-  WallTime run_ = 0;  ///< the one that its missions are of; 0: none yet
+  WallTime run_ = 0;  ///< the run of the missions; 0: none were published
   std::map<RobotName, AgentStatus> statuses_;
   std::map<RobotName, KnownTrack> tracks_;
 };

@@ -1,4 +1,4 @@
-#include "planner_service/run_record.h"
+#include "planner_service/saved_run.h"
 
 #include <algorithm>
 #include <utility>
@@ -6,14 +6,14 @@
 
 namespace coppice {
 
-void RunRecord::recall(std::span<const Message> kept) {
-  for (const Message& message : kept) {
+void RunKeeper::recall(std::span<const Message> saved) {
+  for (const Message& message : saved) {
     said(message);
     heard(message);
   }
 }
 
-Keep RunRecord::heard(const Message& message) {
+Keep RunKeeper::heard(const Message& message) {
   if (const auto* path = std::get_if<PathMessage>(&message))
     return path->run == run_ ? Keep::append : Keep::nothing;
   if (const auto* track = std::get_if<TrackMessage>(&message)) return choose(*track);
@@ -21,9 +21,9 @@ Keep RunRecord::heard(const Message& message) {
   return Keep::nothing;
 }
 
-/// An agent that was started anew says all of its track again; or, without its journal, begins another one:
-/// then its robot is stopped, and whoever goes on is to know why.
-Keep RunRecord::choose(const TrackMessage& track) {
+/// An agent that was restarted sends all of its track again, and nothing of it is saved twice. Without its
+/// saved state it begins another track. Then its robot is stopped, and a restarted service needs the reason.
+Keep RunKeeper::choose(const TrackMessage& track) {
   if (track.run != run_ || track.points.empty()) return Keep::nothing;
   const double begins = track.points.front().time;
   const auto [entry, fresh] = tracks_.try_emplace(track.robot, KnownTrack{0, begins});
@@ -34,7 +34,7 @@ Keep RunRecord::choose(const TrackMessage& track) {
   return longer || another ? Keep::append : Keep::nothing;
 }
 
-Keep RunRecord::choose(const AgentStatus& status) {
+Keep RunKeeper::choose(const AgentStatus& status) {
   if (status.run != run_ || status.mission == 0) return Keep::nothing;
   const auto [known, fresh] = statuses_.try_emplace(status.robot, status);
   if (!fresh && same_progress(known->second, status)) return Keep::nothing;
@@ -42,7 +42,7 @@ Keep RunRecord::choose(const AgentStatus& status) {
   return Keep::append;
 }
 
-Keep RunRecord::said(const Message& message) {
+Keep RunKeeper::said(const Message& message) {
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr) return Keep::nothing;
   run_ = mission->clock.epoch;

@@ -1,0 +1,106 @@
+#include "planner_service/goal_source.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "planner_service/timing.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double least_distance = 0.2;  // between two goals: of the diagonal of what the robot reaches
+
+}  // namespace
+
+GoalSource::GoalSource(const Scenario& scenario, double margin)
+    : scenario_(scenario), margin_(margin), random_(scenario.seed), robots_(scenario.robots.size()) {}
+
+std::optional<std::string> GoalSource::request(std::size_t robot, const Point2& goal,
+                                               std::span<const RoomOfRobot> robots) {
+  const double radius = robots[robot].task->radius + margin_;
+  if (!field().is_free(goal, radius)) return "it is in an obstacle, or not on the map";
+  const std::string* first = nullptr;  // by name
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    const RobotTask& other = *robots[i].task;
+    const double apart = radius + other.radius + margin_;
+    if (i == robot || (robots_[i].request.value_or(other.goal) - goal).norm() >= apart) continue;
+    if (first == nullptr || other.name < *first) first = &other.name;
+  }
+  if (first != nullptr) return "it is where another robot goes, " + *first;
+  robots_[robot].request = goal;
+  return std::nullopt;
+}
+
+std::optional<Point2> GoalSource::take_request(std::size_t robot) {
+  return std::exchange(robots_[robot].request, std::nullopt);
+}
+
+bool GoalSource::may_draw(std::size_t robot, WallTime now) {
+  WallTime& next = robots_[robot].next_draw;
+  next = std::min(next, now + service_timing.goal_draw_interval);  // the clock may have been set back
+  return now >= next;
+}
+
+std::optional<Point2> GoalSource::draw(std::size_t robot, std::span<const RoomOfRobot> robots, WallTime now) {
+  const auto goal = draw_goal(robot, robots);
+  Robot& own = robots_[robot];
+  if (goal) return goal;
+  own.next_draw = now + service_timing.goal_draw_interval;
+  if (!own.shortage.empty()) return std::nullopt;
+  const std::size_t places = part_of(*robots[robot].task).size();
+  own.shortage =
+      places < 2 ? "gets no new goal: it can go nowhere else"
+                 : fmt::format("gets no new goal: other robots take all {} places that it can go to", places);
+  return std::nullopt;
+}
+
+void GoalSource::clear_shortage(std::size_t robot) {
+  robots_[robot].shortage.clear();
+  robots_[robot].next_draw = 0;
+}
+
+const ClearanceField& GoalSource::field() {
+  if (!field_) field_.emplace(scenario_.map);
+  return *field_;
+}
+
+/// What the robot reaches from its goal, where it is. Few robots reach different parts, so each part is
+/// filled once.
+const ReachablePart& GoalSource::part_of(const RobotTask& task) {
+  const double radius = task.radius + margin_;
+  const auto known = std::ranges::find_if(
+      parts_, [&](const ReachablePart& part) { return part.radius() == radius && part.contains(task.goal); });
+  if (known != parts_.end()) return *known;
+  return parts_.emplace_back(ReachablePart::around(field(), radius, task.goal));
+}
+
+std::vector<KeepOut> GoalSource::taken_by_others(std::size_t robot, std::span<const RoomOfRobot> robots,
+                                                 double spare) const {
+  std::vector<KeepOut> taken;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (i == robot) continue;
+    const RobotTask& other = *robots[i].task;
+    const double apart = other.radius + robots[robot].task->radius + 2 * margin_ + spare;
+    taken.push_back({other.goal, apart});
+    if (robots[i].stays_at) taken.push_back({*robots[i].stays_at, apart});
+  }
+  return taken;
+}
+
+/// The goal leaves a cell between the robot and all others if there is room for that.
+std::optional<Point2> GoalSource::draw_goal(std::size_t robot, std::span<const RoomOfRobot> robots) {
+  const RobotTask& task = *robots[robot].task;
+  const ReachablePart& part = part_of(task);
+  if (part.empty()) return std::nullopt;
+  const double least_way = least_distance * (part.box().upper - part.box().lower).norm();
+  for (const double spare : {scenario_.map.resolution, 0.0}) {
+    const auto goal = draw_place(part, task.goal, least_way, taken_by_others(robot, robots, spare), random_);
+    if (goal) return goal;
+  }
+  return std::nullopt;
+}
+
+}  // namespace coppice

@@ -1,0 +1,39 @@
+// What the planner service knows of the disjointed trees: what the brokers say of them, and the inactive
+// trees that were published.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "files/picture.h"
+#include "messages/messages.h"
+
+namespace coppice {
+
+class SeenForest {
+ public:
+  /// False: too many brokers have been heard in this run, and this one is ignored.
+  bool add(const BrokerStatus& status);
+  /// The tree is of the map of the run. Each tree counts once.
+  void add(const InactiveTreeMessage& tree);
+
+  /// The sums over all brokers.
+  struct Nodes {
+    std::uint64_t valid = 0;
+    std::uint64_t invalid = 0;
+  };
+  Nodes nodes() const;
+  std::size_t trees() const { return trees_.size(); }
+  /// For the picture.
+  const std::vector<PictureContent::Edge>& edges() const { return edges_; }
+
+ private:
+  std::map<std::uint64_t, BrokerStatus> brokers_;
+  std::set<TreeId> trees_;
+  std::vector<PictureContent::Edge> edges_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,72 @@
+// The loop of the planner_service process: it joins the service, and the roles beside it, to the bus.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dds/dds_bus.h"
+#include "messages/keep.h"
+#include "planner_service/planner_service.h"
+#include "planner_service/progress.h"
+#include "planner_service/robot_assignment.h"
+#include "planner_service/roll_call.h"
+#include "planner_service/saved_run.h"
+#include "planner_service/sole_service.h"
+#include "planner_service/startup_barrier.h"
+#include "ros2/dds_ros.h"
+#include "runtime/journal.h"
+#include "runtime/process.h"
+
+namespace coppice {
+
+/// The journal of this process, or of the one that was killed before it. None: `folder` is empty. Throws
+/// InputError if no run can go on from it.
+std::optional<Journal> open_journal(const std::string& folder);
+
+/// If another service has precedence, the waiting functions throw std::runtime_error. serve() does so as long
+/// as no agent has heard of this service. After that it ends the run.
+class ServiceLoop {
+ public:
+  /// `bus` and `heart` outlive it. `identity`: of this process among services. `robots`: those of
+  /// the scenario. `domain`: for messages to the user.
+  ServiceLoop(DdsBus& bus, Heartbeat& heart, std::uint64_t identity, const std::vector<RobotName>& robots,
+              int domain);
+
+  /// Waits until no other service can have the fleet, and a new run can begin: an agent for each robot, and a
+  /// broker, can hear of the missions, and the agents of a large fleet have discovered each other. They do so
+  /// sooner while none of them drives. An agent that comes too late gets its mission when it comes. Returns
+  /// what was heard meanwhile.
+  StartupBarrier wait_for_agents();
+  /// Goes on with the run in the journal. It reads message by message, for an hour of a large fleet is
+  /// hundreds of megabytes. Throws InputError if the journal is of another run.
+  RunKeeper resume(PlannerService& service, const Journal& journal);
+  /// Waits until no other service can have the fleet. Returns what was heard meanwhile.
+  StartupBarrier wait_for_other_services();
+  /// Runs the service until the run has ended, or until another service has precedence. `ros`, `display`:
+  /// null for none.
+  void serve(PlannerService& service, Keeper<RunKeeper, Journal>& keeper, DdsRosFleet* ros,
+             ProgressDisplay* display);
+  /// Throws if another service has precedence.
+  void check_precedence() const;
+
+ private:
+  template <class Done>
+  StartupBarrier listen(Done&& done);
+  void on(const Arrival& arrival);
+  void step();
+  WallTime next_wake() const;
+  void log_missing_goals(const PlannerService& service);
+
+  DdsBus& bus_;
+  Heartbeat& heart_;
+  int domain_;
+  std::size_t robots_;
+  RobotAssignment assignment_;
+  SoleService sole_;
+  RollCall roll_;
+  std::vector<std::string> without_goal_;  ///< lines that were logged
+};
+
+}  // namespace coppice
