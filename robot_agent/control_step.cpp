@@ -97,8 +97,12 @@ void Run::pass_over(double now) {
   body_ = Driver(body_.position(), std::floor(now / period) * period, body_.radius(), body_.limits(), period);
 }
 
+/// Others may have driven on where this robot was not heard. They hear of it, and the line on which they
+/// brake then is over before it moves.
 double Run::listening_time() const {
-  return own_silence * std::max(1.0, mission_.clock.scale);
+  constexpr double longest_way_of_a_state = 0.3;  // seconds
+  const double others_stand = fleet_.longest_braking() + 2 * period + longest_way_of_a_state;
+  return std::max(own_silence * std::max(1.0, mission_.clock.scale), others_stand);
 }
 
 /// Of not knowing where all peers are.

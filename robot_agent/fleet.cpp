@@ -36,6 +36,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     forget_other_runs();
   }
   size_of_the_run_ = mission.fleet_size;
+  longest_braking_ = std::max(longest_braking_, mission.max_speed / mission.max_acceleration);
   if (mission.robot == own_.name) {
     own_.mission = mission;
     return;

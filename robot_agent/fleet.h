@@ -132,6 +132,8 @@ class Fleet {
   std::vector<RobotName> robots_of_the_run() const;
   /// How many robots there are to be; 0 before the first mission.
   std::size_t size_of_the_run() const { return size_of_the_run_; }
+  /// The longest time that a robot of the run takes to brake, seconds.
+  double longest_braking() const { return longest_braking_; }
   /// A robot that must be heard before this one may set off; empty: none.
   RobotName unknown() const;
   /// Peers that are silent now, and are not failed.
@@ -175,6 +177,7 @@ class Fleet {
   FailureDetector detector_{own_, peers_};
   Dissemination dissemination_{own_, peers_, detector_};
   std::uint32_t new_goals_ = 0;
+  double longest_braking_ = 0;
   std::size_t size_of_the_run_ = 0;
   bool all_known_ = false;  ///< nobody came since is_known() held for all peers
 };
