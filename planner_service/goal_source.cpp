@@ -45,7 +45,7 @@ bool GoalSource::may_draw(std::size_t robot, WallTime now) {
 }
 
 std::optional<Point2> GoalSource::draw(std::size_t robot, std::span<const RoomOfRobot> robots, WallTime now) {
-  const auto goal = draw_goal(robot, robots);
+  auto goal = draw_goal(robot, robots);
   Robot& own = robots_[robot];
   if (goal) return goal;
   own.next_draw = now + service_timing.goal_draw_interval;
@@ -97,7 +97,7 @@ std::optional<Point2> GoalSource::draw_goal(std::size_t robot, std::span<const R
   if (part.empty()) return std::nullopt;
   const double least_way = least_distance * (part.box().upper - part.box().lower).norm();
   for (const double spare : {scenario_.map.resolution, 0.0}) {
-    const auto goal = draw_place(part, task.goal, least_way, taken_by_others(robot, robots, spare), random_);
+    auto goal = draw_place(part, task.goal, least_way, taken_by_others(robot, robots, spare), random_);
     if (goal) return goal;
   }
   return std::nullopt;
