@@ -1,4 +1,4 @@
-// What a role's runner sees of a bus: publish, take, wait. DdsBus and SimulatedBus::Port both are one.
+// The interface of a bus to the loop that runs a role. DdsBus and SimulatedBus::Port implement it.
 #pragma once
 
 #include <concepts>
@@ -13,14 +13,13 @@
 
 namespace coppice {
 
-/// Who takes part in the bus: decides which topics are written and read (topics.h).
-/// A claimant is an agent that does not know yet which robot it is. A replayer says again what was recorded
-/// of others, to observers and viewers.
-/// An observer hears all that is said; a viewer only what shows the present (no tracks: whoever comes late
-/// would be told all of them).
+/// The role of a participant. It decides which topics the participant writes and reads (topics.h). A claimant
+/// is an agent that does not know yet which robot it has. A replayer sends recorded messages to observers and
+/// viewers. An observer receives all messages. A viewer receives those that show the present: no tracks, for
+/// a viewer that joins late would receive all of them.
 enum class Role : unsigned char { broker, agent, service, observer, claimant, replayer, viewer };
 
-/// A message off the bus. The others that read it may share it.
+/// A received message. Other readers may share it.
 struct Arrival {
   std::shared_ptr<const Message> message;
   WallTime at = 0;  ///< when it arrived, not when it was taken
@@ -30,7 +29,7 @@ inline Arrival arrival_of(Message message, WallTime at) {
   return {std::make_shared<const Message>(std::move(message)), at};
 }
 
-/// A message and who of the agents is to have it. Readers of other roles have whatever they read.
+/// A message and the agents that receive it. Readers of other roles receive every message.
 struct Outgoing {
   template <class M>
   // NOLINTNEXTLINE(google-explicit-constructor)
@@ -41,7 +40,7 @@ struct Outgoing {
   std::optional<std::vector<RobotName>> agents{};  ///< none: all of them
 };
 
-/// What a bus has counted since it was opened.
+/// The counters of a bus since it was opened.
 struct BusCounts {
   std::size_t rejected = 0;  ///< samples that failed validation
   std::size_t agents = 0;    ///< readers of robot states that are matched, of others

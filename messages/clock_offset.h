@@ -1,12 +1,12 @@
-// How far another process's clock is from one's own: bounds from messages that went both ways.
+// Bounds on the offset between two clocks, from messages in both directions.
 //
-// A message that is stamped s by the other's clock and arrives at r by one's own says that the offset (own
-// minus other) is at most r - s, for nothing arrives before it is sent. The other's echo of a message of
-// one's own, stamped s' and received at r' by the other's clock, says that it is at least s' - r'. The best
-// of many bounds counts; as clocks drift, each becomes looser with its age (Cristian, "Probabilistic clock
-// synchronization", 1989, without the probability).
+// A message with stamp s by the peer's clock arrives at r by the own clock. No message arrives before it is
+// sent, so the offset (own minus peer) is at most r - s. The peer's echo of an own message, stamped s' and
+// received at r' by the peer's clock, bounds it from below: at least s' - r'. The best bounds count. Clocks
+// drift, so each bound loosens with its age (Cristian, "Probabilistic clock synchronization", 1989, without
+// the probability).
 //
-// Seconds, by whichever clock, as long as it is the same on both sides.
+// Seconds. Both sides use clocks of the same kind.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace coppice {
 
-/// Two clocks of this kind may drift apart by so many seconds a second.
+/// The drift between two clocks, at most, seconds per second.
 inline constexpr double clock_drift = 1e-4;
 
 class ClockOffset {
@@ -23,21 +23,21 @@ class ClockOffset {
   void hear(double stamp, double now) {
     loosen(now);
     most_ = std::min(most_, now - stamp);
-    if (least_ > most_) least_ = -infinity;  // a clock was set anew: what was known before is void
+    if (least_ > most_) least_ = -infinity;  // a clock was set: the earlier bounds are void
   }
-  /// The other says that a message of one's own, stamped `sent`, arrived there at `received` by its clock.
+  /// The peer reports that an own message, stamped `sent`, arrived at `received` by the peer's clock.
   void hear_echo(double sent, double received, double now) {
     loosen(now);
-    // It may have been repeated for long.
+    // The peer may have repeated this report for long.
     least_ = std::max(least_, sent - received - clock_drift * std::max(0.0, now - sent));
     if (least_ > most_) most_ = infinity;
   }
 
   /// Bounded on both sides.
   bool known() const { return least_ > -infinity && most_ < infinity; }
-  /// Own clock minus the other's, in the middle of the bounds. While only one bound is known, that one.
+  /// Own clock minus the peer's, in the middle of the bounds. If only one bound is known: that bound.
   double estimate() const { return known() ? (least_ + most_) / 2 : most_ < infinity ? most_ : 0; }
-  /// By how much the estimate may be wrong at `now`; infinity until it is known.
+  /// The largest error of the estimate at `now`; infinity until both bounds are known.
   double error(double now) const {
     return known() ? (most_ - least_) / 2 + clock_drift * std::max(0.0, now - updated_) : infinity;
   }

@@ -1,4 +1,4 @@
-// What of the messages that a role hears and says is kept for whoever takes its place.
+// Keeps the messages that the successor of a role needs.
 #pragma once
 
 #include <utility>
@@ -11,10 +11,10 @@ namespace coppice {
 enum class Keep : unsigned char {
   nothing,
   append,
-  begin_anew,  ///< this one, and nothing that was kept before
+  begin_anew,  ///< keep this message, and drop all before it
 };
 
-/// On disk it is a journal (journal.h).
+/// A store in memory. A journal (runtime/journal.h) is the same on disk.
 struct KeptInMemory {
   void keep(Keep choice, const Message& message) {
     if (choice == Keep::begin_anew) messages.clear();
@@ -23,13 +23,14 @@ struct KeptInMemory {
   std::vector<Message> messages{};
 };
 
-/// Of a role that nobody will take the place of.
+/// For a role without a successor.
 struct KeepsNothing {
   void heard(const Message&) {}
   void said(const Message&) {}
 };
 
-/// Puts what a role's chooser (robot_agent/saved_state.h and the like) finds worth keeping into a store.
+/// Puts the messages that a chooser selects (StateKeeper in robot_agent/saved_state.h and the like) into a
+/// store.
 template <class Chooser, class Store>
 class Keeper {
  public:

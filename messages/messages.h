@@ -1,7 +1,8 @@
-// What travels between the processes, as plain structs: one for each topic of topics.h.
+// The messages between the processes as plain structs: one for each topic of topics.h.
 //
 // Units: metres in the map frame, seconds, metres per second. Times named `stamp`, `expiry` or `..._time` are
-// fleet time (fleet_clock.h). Nothing here is trusted when it comes off a bus: validation.h checks it first.
+// fleet time (fleet_clock.h). validation.h checks each message that comes off a bus. A field `run` names the
+// run of the mission by the epoch of its clock.
 #pragma once
 
 #include <compare>
@@ -20,7 +21,7 @@ namespace coppice {
 
 using RobotName = std::string;
 
-/// Names a disjointed tree: which broker froze it, and its number there.
+/// The name of a disjointed tree: the broker that froze it, and its number there.
 struct TreeId {
   std::uint64_t broker = 0;
   std::uint32_t number = 0;
@@ -71,7 +72,7 @@ struct RootNodes {
   };
   std::uint32_t first_index = 0;  ///< of nodes[0] among all that this agent sent for this mission
   std::vector<Node> nodes;
-  WallTime run = 0;  ///< which one its mission is of
+  WallTime run = 0;
   bool operator==(const RootNodes&) const = default;
 };
 
@@ -90,8 +91,8 @@ struct InactiveTreeMessage {
   bool operator==(const InactiveTreeMessage&) const = default;
 };
 
-/// active_trees: broker -> monitor, recorder. What the broker that leads grows just now, several times a
-/// second while it does.
+/// active_trees: broker -> monitor, recorder. The trees that the leading broker grows now, several times a
+/// second.
 struct ActiveTreesMessage {
   std::uint64_t broker = 0;
   std::string map_id;
@@ -119,8 +120,8 @@ constexpr bool has_no_way(Phase phase) {
   return phase == Phase::no_path || phase == Phase::gave_up;
 }
 
-/// What a robot binds itself to (motion/promise.h): it keeps the state's velocity until `turn`, then moves
-/// with the velocity given here until `expiry`; from then on only its limits bound it.
+/// A robot binds itself to its promise (motion/promise.h). It keeps the state's velocity until `turn`. Then
+/// it moves with the velocity given here until `expiry`. From then on only its limits bound it.
 struct Promise {
   double turn = 0;
   Point2 velocity = Point2::Zero();
@@ -128,8 +129,8 @@ struct Promise {
   bool operator==(const Promise&) const = default;
 };
 
-/// Of two epochs of rounds, whether the first is the later one. They count round (RFC 1982, serial numbers),
-/// so that there is a later one to each, also to one that nobody honestly came to; 0 is before all.
+/// Whether an epoch of a round is later than the other one. Epochs wrap around (RFC 1982, serial numbers):
+/// each has a later one, also an epoch that a faulty peer made up. 0 comes before all.
 constexpr bool is_later_epoch(std::uint32_t epoch, std::uint32_t other) {
   if (epoch == 0 || other == 0) return epoch > other;
   return epoch != other && epoch - other <= ~std::uint32_t{0} / 2;
@@ -138,8 +139,8 @@ constexpr std::uint32_t epoch_after(std::uint32_t epoch) {
   return epoch + 1 == 0 ? 1 : epoch + 1;
 }
 
-/// Names a round, a joint plan in the making or under way of the robots within reach of a place: a later
-/// epoch overrides an earlier one, and in one epoch the leader of the lower name.
+/// The name of a coordination round of the robots within reach of a centre. A later epoch overrides an
+/// earlier one. Within an epoch the leader with the lower name wins.
 struct RoundId {
   std::uint32_t epoch = 0;  ///< 0: none yet
   RobotName leader{};
@@ -153,23 +154,23 @@ struct RoundId {
   bool operator==(const RoundId&) const = default;
 };
 
-/// A robot's part in its round.
+/// The stage of a robot in its round.
 enum class Stage : std::uint8_t {
-  free,       ///< none, or done with it: drives by itself
+  free,       ///< takes part in none, or has made all its moves: drives by itself
   waiting,    ///< stands, or brakes, until there is a joint plan
   executing,  ///< drives as the joint plan says
 };
 
-/// Says when a state of another robot arrived, so that it can compare clocks (clock_offset.h).
+/// Reports when a state of another robot arrived. That robot compares clocks by it (clock_offset.h).
 struct Echo {
   RobotName robot;
   double stamp = 0;     ///< of its state
-  double received = 0;  ///< by the clock of who says so
+  double received = 0;  ///< by the clock of the robot that reports it
   bool operator==(const Echo&) const = default;
 };
 
-/// robot_state: agent -> agents, the more often the closer they are; monitor. Once a control step, or less
-/// often while it stands.
+/// robot_state: agent -> agents, monitor. Close agents receive one for each control period, distant agents at
+/// their send interval. A robot that stands sends heartbeats only.
 struct RobotState {
   RobotName robot;
   std::uint32_t sequence = 0;
@@ -183,23 +184,25 @@ struct RobotState {
   Promise promise;
   RoundId round;
   Stage stage = Stage::free;
-  double progress = 0;      ///< metres along its moves of the joint plan, while executing
-  RobotName waits_for;      ///< empty: for nobody
-  std::uint8_t copies = 1;  ///< this state and those after it are each said at least so many times, until one
-                            ///< gives another number
-  std::uint8_t copy = 0;    ///< which of these it is
-  bool passed_on = false;   ///< by another robot, which hears no more of this one
-  bool counts_as_failed = false;  ///< to the one that passes it on
-  bool is_new =
-      false;  ///< started anew in mid-run, or out of touch of late: it may not know where all others are
-  bool wants_echo = false;          ///< nobody has told it of late to have heard of it
-  std::vector<RobotName> misses{};  ///< it hears nothing of these, of all in turn: who does shall say so
-  std::vector<Echo> echoes{};       ///< of some of the others, all in turn
-  WallTime run = 0;                 ///< which one its mission is of
+  double progress = 0;  ///< metres along its moves of the joint plan, while executing
+  RobotName waits_for;  ///< empty: the robot waits for no other robot
+  /// This state and those after it are each sent at least so often, until a state gives another number.
+  std::uint8_t copies = 1;
+  std::uint8_t copy = 0;          ///< the number of this copy
+  bool passed_on = false;         ///< another robot relays it, which no longer hears this robot
+  bool counts_as_failed = false;  ///< the relaying robot counts this robot as failed
+  /// The agent was started in mid-run, or was out of touch of late: it may not know where all others are.
+  bool is_new = false;
+  bool wants_echo = false;  ///< no peer has echoed its states of late
+  std::vector<RobotName>
+      misses{};                ///< peers that are silent here, in turn; a robot that hears them echoes them
+  std::vector<Echo> echoes{};  ///< of states of other robots, in turn
+  WallTime run = 0;
   bool operator==(const RobotState&) const = default;
 };
 
-/// joint_plan: agent -> agents, monitor. What a round's leader found (motion/joint_plan.h).
+/// joint_plan: agent -> agents, monitor. The joint plan that the leader of a round made
+/// (motion/joint_plan.h).
 struct JointPlanMessage {
   RoundId round;
   struct Member {
@@ -210,7 +213,7 @@ struct JointPlanMessage {
   };
   std::vector<Member> members;
   std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
-  WallTime run = 0;         ///< which one the leader's mission is of
+  WallTime run = 0;         ///< of the leader's mission
   bool operator==(const JointPlanMessage&) const = default;
 };
 
@@ -218,8 +221,8 @@ struct JointPlanMessage {
 struct PathMessage {
   RobotName robot;
   std::uint32_t mission = 0;
-  Path waypoints;    ///< from start to goal; empty: none
-  WallTime run = 0;  ///< which one its mission is of
+  Path waypoints;  ///< from start to goal; empty: none
+  WallTime run = 0;
   bool operator==(const PathMessage&) const = default;
 };
 
@@ -235,21 +238,21 @@ struct TrackMessage {
   };
   std::uint32_t first_index = 0;  ///< of points[0] among all of this run: gaps show
   std::vector<Point> points;
-  WallTime run = 0;  ///< which one its mission is of
+  WallTime run = 0;
   bool operator==(const TrackMessage&) const = default;
 };
 
-/// What an agent's process has to do, since it began.
+/// The load of an agent's process, counted since it began.
 struct AgentLoad {
   std::uint32_t samples_received = 0;  ///< of all topics
   std::uint32_t states_received = 0;   ///< of these: states of other robots, copies included
   std::uint32_t periods = 0;           ///< of control
-  std::uint32_t periods_missed = 0;    ///< of these: over before the process came to decide for them
-  std::uint32_t agents_matched = 0;    ///< others that are told of its states
+  std::uint32_t periods_missed = 0;    ///< of these: over before the process decided for them
+  std::uint32_t agents_matched = 0;    ///< peers that receive its states
   WallTime matched_at = 0;             ///< when the last of these was matched
   std::uint64_t bytes_sent = 0;        ///< in UDP datagrams, without their headers
   std::uint64_t bytes_received = 0;
-  /// Age of a state of a robot that might be touched soon, when this robot uses it, seconds of fleet time;
+  /// Age of a state, when this robot uses it, of a robot that it might touch soon. Seconds of fleet time.
   double state_age_p50 = 0;
   double state_age_p99 = 0;  ///< to within a tenth
   double state_age_max = 0;
@@ -257,7 +260,7 @@ struct AgentLoad {
   bool operator==(const AgentLoad&) const = default;
 };
 
-/// agent_status: agent -> service, monitor. On every change and at a slow beat.
+/// agent_status: agent -> service, monitor. On every change, and twice a second.
 struct AgentStatus {
   RobotName robot;
   std::uint32_t mission = 0;
@@ -276,7 +279,7 @@ struct AgentStatus {
   std::uint32_t track_points = 0;  ///< how many the agent has sent in all
   std::uint32_t rejected = 0;      ///< messages dropped as invalid
   AgentLoad load{};
-  WallTime run = 0;          ///< which one its mission is of; 0: none yet
+  WallTime run = 0;          ///< 0: no mission yet
   double way_left = -1;      ///< metres along its way to its goal; below 0: it has none
   std::string wait_cause{};  ///< why it does not come on, though it has a goal to reach; empty: it does
   double came_on_at = 0;     ///< fleet time at which it last came on, or its mission came
@@ -284,7 +287,7 @@ struct AgentStatus {
   bool operator==(const AgentStatus&) const = default;
 };
 
-/// Nothing that the later one says is news but how far the robot has come.
+/// The later status holds no news except how far the robot has come.
 inline bool same_progress(const AgentStatus& earlier, const AgentStatus& later) {
   return earlier.run == later.run && earlier.mission == later.mission && earlier.phase == later.phase &&
          earlier.reason == later.reason && earlier.path_time == later.path_time &&
@@ -299,34 +302,33 @@ struct BrokerStatus {
   std::uint32_t nodes_valid = 0;
   std::uint32_t nodes_invalid = 0;
   std::uint32_t trees_active = 0;
-  std::uint32_t trees_published = 0;  ///< inactive ones that it knows: while it leads, it has published all
+  std::uint32_t trees_published = 0;  ///< inactive trees that it knows; a leader has published all of them
   std::string covered_map{};  ///< id of the map that its trees cover by now, for all radii; empty: not yet
   std::uint32_t rejected = 0;
   double processor_seconds = 0;  ///< of all its threads, since the process began
   bool operator==(const BrokerStatus&) const = default;
 };
 
-/// service_status: service -> services, monitor. Each fleet has one service: a second one hears of it and
-/// refuses.
+/// service_status: service -> services, monitor. A fleet has one service. A second service hears of the first
+/// and refuses to start.
 struct ServiceStatus {
-  std::uint64_t service = 0;  ///< drawn at random, above 0: another one after each start
+  std::uint64_t service = 0;  ///< drawn at random at each start, above 0
   std::string host{};
   std::uint32_t process = 0;  ///< its id there
   WallTime since = 0;         ///< it was started
-  WallTime run = 0;           ///< the one whose missions it has handed out; 0: none yet
+  WallTime run = 0;           ///< the run whose missions it handed out; 0: none yet
   bool operator==(const ServiceStatus&) const = default;
 };
 
-/// claim: agent without a name -> service. Said again and again until it has a robot, and once more with
-/// that.
+/// claim: agent without a name -> service. Repeated until the agent has a robot. The last claim names it.
 struct Claim {
-  std::uint64_t claimant = 0;  ///< drawn at random, above 0: another one after each start
+  std::uint64_t claimant = 0;  ///< drawn at random at each start, above 0
   std::uint32_t number = 0;    ///< grows with each claim of this claimant
-  RobotName robot{};           ///< which one it is by now; empty: none yet
+  RobotName robot{};           ///< the robot that the agent has; empty: none yet
   bool operator==(const Claim&) const = default;
 };
 
-/// assignment: service -> agents without a name, and those that had none. The newest of a robot counts.
+/// assignment: service -> agents that were started without a name. The newest assignment of a robot counts.
 struct Assignment {
   RobotName robot;
   std::uint64_t claimant = 0;
@@ -334,7 +336,7 @@ struct Assignment {
   bool operator==(const Assignment&) const = default;
 };
 
-/// Seconds. Whoever the service has heard nothing of for so long has lost its robot, and knows that by
+/// Seconds. An agent that the service has not heard for so long loses its robot. The agent counts this time
 /// itself.
 inline constexpr WallTime claim_lease = 10;
 

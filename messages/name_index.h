@@ -1,8 +1,8 @@
 // Numbers the names of robots in the order in which they come, and finds the number of a name.
 //
-// Every message that is heard asks for one, in each of many agents of one process: so the table is flat and
-// small (open addressing with linear probing), and short names are their own keys, where std::unordered_map
-// walks through four cache lines.
+// Each received message looks up a name, in each of many agents of one process. So the table is flat and
+// small (open addressing with linear probing), and short names are their own keys. std::unordered_map would
+// read four cache lines.
 #pragma once
 
 #include <cstddef>

@@ -40,7 +40,7 @@ inline constexpr unsigned agent = (1u << static_cast<unsigned>(Role::agent)) | c
 inline constexpr unsigned service = 1u << static_cast<unsigned>(Role::service);
 inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer);
 inline constexpr unsigned onlooker = observer | (1u << static_cast<unsigned>(Role::viewer));
-// It writes every topic, and reads one of each role that a fleet has: it stops where one is there.
+// A replayer writes every topic. It reads one topic of each role of a fleet, and stops if it hears one.
 inline constexpr unsigned replayer = 1u << static_cast<unsigned>(Role::replayer);
 }  // namespace topic_roles
 

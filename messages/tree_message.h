@@ -1,4 +1,4 @@
-// Inactive trees, from how they travel to how a planner takes them up.
+// Converts inactive trees from messages to the form that a planner takes.
 #pragma once
 
 #include "messages/messages.h"

@@ -157,14 +157,14 @@ Problem check(const RobotState& m) {
        {known(m.phase), "unknown phase"},
        {m.stage <= Stage::executing, "unknown stage"},
        {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
-        "knot's epoch and leader do not agree"},
-       {sane(m.round.centre) && not_negative(m.round.reach), "knot has no place or reach"},
+        "round's epoch and leader do not agree"},
+       {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
        {not_negative(m.progress), "progress is negative or not finite"},
        {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
        {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
         "too many robots that are missed, or one whose name is empty, too long or not printable"},
-       {m.copies > 0, "it is said less than once"},
-       {m.passed_on || !m.counts_as_failed, "it comes from a robot that is dead"},
+       {m.copies > 0, "it is sent less than once"},
+       {m.passed_on || !m.counts_as_failed, "it comes from a robot that counts as failed"},
        {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
         "too many echoes, or one without a name or a finite time"}});
 }
@@ -185,8 +185,8 @@ Problem check(const JointPlanMessage& m) {
            std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
   };
   Problem problem =
-      first_of({{m.round.epoch > 0 && named(m.round.leader), "knot has no epoch or no leader"},
-                {sane(m.round.centre) && not_negative(m.round.reach), "knot has no place or reach"},
+      first_of({{m.round.epoch > 0 && named(m.round.leader), "round has no epoch or no leader"},
+                {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
                 {std::isfinite(m.run), "run has no time"},
                 {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
                 {m.members.size() <= most_robots, "too many members"},
@@ -263,7 +263,7 @@ std::optional<std::string> problem_with(const Message& message) {
 }
 
 bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field) {
-  // What the broker has found to be free, from the other end of an edge.
+  // The broker has checked the edge from its other end.
   constexpr double rounding = 1e-6;  // metres
   return std::ranges::all_of(tree.nodes, [&](const InactiveTreeMessage::Node& node) {
     const auto parent = static_cast<std::size_t>(std::max(node.parent, 0));

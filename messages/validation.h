@@ -1,4 +1,4 @@
-// Nothing that comes off a bus is trusted: what a message must fulfil before a role sees it.
+// The checks that a message passes before a role sees it.
 #pragma once
 
 #include <optional>
@@ -19,20 +19,19 @@ inline constexpr std::size_t most_echoes = 32;
 inline constexpr std::size_t most_missed = 16;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
-/// Nobody binds itself for longer, seconds: who is silent would not count as dead before.
+/// The longest promise, seconds. A silent robot is not declared failed while its promise holds.
 inline constexpr double longest_promise = 600;
-/// Pieces of a joint plan (pieces_of, motion/precedence.h): who takes it up compares their places. Thirty
-/// times as many as in the largest that was seen, 312,479 for 250 robots on a circle.
+/// Pieces of a joint plan (pieces_of, motion/precedence.h), at most: each member compares their positions.
+/// The largest plan so far had 312,479 for 250 robots on a circle, a thirtieth of this.
 inline constexpr double most_plan_pieces = 1e7;
 
-/// What is wrong with the message, or nothing.
+/// Describes what is wrong with the message; none if it is valid.
 std::optional<std::string> problem_with(const Message& message);
 
-/// Whether the tree keeps the clearance that it claims: what others say of the map is looked at before a path
-/// may lead along it.
+/// Whether the tree keeps the clearance that it claims on this map. A path may lead along it only then.
 bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field);
 
-/// The robot whose agent alone may send this; null for what others send, or pass on.
+/// The robot whose agent alone may send this message; null if other processes may send or relay it.
 const RobotName* sender_of(const Message& message);
 
 }  // namespace coppice

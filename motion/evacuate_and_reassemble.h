@@ -30,7 +30,7 @@ class EvacuateAndReassemble {
 
   /// Does a bounded amount of work, about one robot's way. Returns true once the search has ended.
   bool step();
-  /// None if there is no such plan, or if the search takes too long.
+  /// The joint plan; none if there is no such plan, or if the search takes too long.
   std::optional<JointPlan> take_plan() { return std::exchange(plan_, std::nullopt); }
 
  private:

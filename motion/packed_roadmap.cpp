@@ -1,18 +1,16 @@
 #include "motion/packed_roadmap.h"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <queue>
-#include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 #include "motion/free_way.h"
+#include "motion/narrow_passages.h"
 #include "planning/line_of_sight.h"
 #include "planning/neighbour_grid.h"
 
@@ -77,80 +75,6 @@ Edge edge_along(Vertex to, Path path, Add&& add) {
   edge.near.erase(std::unique(edge.near.begin(), edge.near.end()), edge.near.end());
   return edge;
 }
-
-/// Passages that are too narrow for three robots side by side: the free space that no free disc of three
-/// radii covers.
-class NarrowPassages {
- public:
-  using Vertex = Lattice::Vertex;
-
-  NarrowPassages(const ClearanceField& field, double radius, double spacing)
-      : field_(field), lattice_(field, radius, spacing), wide_(wide_radii * radius) {}
-
-  /// Vertices within `reach` of a centre where passages end or bend: no two free edges lead from them in
-  /// opposite directions.
-  std::vector<Vertex> ends(const Point2& centre, double reach) {
-    std::vector<Vertex> ends;
-    lattice_.for_each_near(centre, centre, reach, [&](Vertex v) {
-      if (!lattice_.vertex_free(v) || !seen_.insert(v).second) return;
-      std::bitset<8> directions;
-      for_each_neighbour(v, [&](Vertex w, double) { directions.set(lattice_.direction(v, w)); });
-      if ((directions & directions >> 4).none() && is_narrow(v)) ends.push_back(v);
-    });
-    return ends;
-  }
-
-  /// Points that are at least `apart` from each other, in order along the passages from `end`, up to `reach`
-  /// metres from it.
-  std::vector<Point2> stack_from(Vertex end, double apart, double reach) {
-    using Entry = std::pair<double, Vertex>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    std::unordered_map<Vertex, double> distance{{end, 0}};
-    open.emplace(0, end);
-    std::vector<Point2> stack;
-    while (!open.empty()) {
-      const double here = open.top().first;
-      const Vertex v = open.top().second;
-      open.pop();
-      if (here > distance.at(v) || !is_narrow(v)) continue;
-      const Point2 p = lattice_.at(v);
-      if (std::ranges::all_of(stack, [&](const Point2& q) { return (p - q).norm() >= apart; }))
-        stack.push_back(p);
-      for_each_neighbour(v, [&](Vertex w, double metres) {
-        const auto [known, fresh] = distance.try_emplace(w, here + metres);
-        if (here + metres > reach || (!fresh && known->second <= here + metres)) return;
-        known->second = here + metres;
-        open.emplace(here + metres, w);
-      });
-    }
-    return stack;
-  }
-
- private:
-  static constexpr double wide_radii = 3;
-
-  template <class Fn>
-  void for_each_neighbour(Vertex v, Fn&& fn) {
-    lattice_.for_each_neighbour(
-        v, [](Vertex) { return true; }, std::forward<Fn>(fn));
-  }
-
-  bool is_narrow(Vertex v) {
-    const auto [known, fresh] = narrow_.try_emplace(v, true);
-    if (!fresh) return known->second;
-    bool narrow = true;
-    const Point2 p = lattice_.at(v);
-    lattice_.for_each_near(p, p, wide_,
-                           [&](Vertex w) { narrow = narrow && field_.lower_bound(lattice_.at(w)) < wide_; });
-    return narrow_[v] = narrow;
-  }
-
-  const ClearanceField& field_;
-  Lattice lattice_;
-  double wide_;  ///< metres
-  std::unordered_set<Vertex> seen_{};
-  std::unordered_map<Vertex, bool> narrow_{};
-};
 
 /// Adds an edge from a to b and one back.
 template <class Add>

@@ -37,7 +37,7 @@ struct Commitment {
   Point2 position_at_expiry() const { return position_at_turn() + (expiry - turn) * next_velocity; }
 };
 
-/// What this robot knows of another one.
+/// The knowledge of a robot about another one.
 struct Neighbour {
   Commitment commitment;
   double radius = 0;

@@ -67,8 +67,8 @@ const ClearanceField& GoalSource::field() {
   return *field_;
 }
 
-/// What the robot reaches from its goal, where it is. Few robots reach different parts, so each part is
-/// filled once.
+/// The part of the map that the robot reaches from its goal, where it stands. Few robots reach different
+/// parts, so each part is filled once.
 const ReachablePart& GoalSource::part_of(const RobotTask& task) {
   const double radius = task.radius + margin_;
   const auto known = std::ranges::find_if(

@@ -371,7 +371,7 @@ bool PlannerService::stands(const TrackPoint& point) const {
 
 /// False: the robot stays where it is, unless another one needs the room.
 bool PlannerService::drives_on(const RobotRecord& robot) const {
-  return !liveliness_.is_lost(robot.index) && !robot.track_lost() && !robot.wants_no_more();
+  return !liveliness_.is_lost(robot.index) && !robot.track_lost() && !robot.has_no_way();
 }
 
 /// The run does not wait for it. A lost robot may only be cut off or paused, so the run waits for it for
@@ -380,7 +380,7 @@ bool PlannerService::is_done(const RobotRecord& robot, WallTime now) const {
   const bool gone = liveliness_.is_lost(robot.index) &&
                     (stage_of(robot) != AgentStage::active ||
                      liveliness_.silence(robot.index, now) > service_timing.longest_cut_off);
-  return gone || robot.track_lost() || robot.arrived() || robot.wants_no_more();
+  return gone || robot.track_lost() || robot.arrived() || robot.has_no_way();
 }
 
 AgentStage PlannerService::stage_of(const RobotRecord& robot) const {

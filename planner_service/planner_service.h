@@ -93,7 +93,7 @@ class PlannerService {
   const RobotTask& task(const RobotName& robot) const { return robots_.at(robot).task; }
 
  private:
-  // What arrives.
+  // The service receives messages.
   void receive(const AgentStatus& status, WallTime now);
   void receive(const BrokerStatus& status, WallTime now);
   void receive(const PathMessage& path, WallTime now);
@@ -103,7 +103,7 @@ class PlannerService {
   RobotRecord* find_in_mission(const RobotName& name, WallTime run, std::uint32_t mission);
   bool is_this_run(WallTime run) const;
 
-  // What is published.
+  // The service publishes messages.
   MapMessage map() const;
   Mission mission_of(const RobotRecord& robot) const;
   void publish_missions(std::vector<Message>& out) const;
@@ -128,7 +128,7 @@ class PlannerService {
   void recall_silence(const Message& saved, WallTime now);
   WallTime time_to_rediscover() const;
 
-  // What became of a robot.
+  // The service judges what became of a robot.
   bool is_at_goal(const RobotRecord& robot, const std::optional<TrackPoint>& last) const;
   bool stands(const TrackPoint& point) const;
   bool drives_on(const RobotRecord& robot) const;

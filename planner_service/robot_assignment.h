@@ -27,7 +27,7 @@ class RobotAssignment {
   /// `robots`: in the order in which they are assigned; each once.
   RobotAssignment(const std::vector<RobotName>& robots, WallTime now);
 
-  /// What a service before this one saved: an agent that it heard may still live.
+  /// Restores the messages that a service before this one saved: an agent that it heard may still live.
   void recall(std::span<const Message> saved, WallTime now);
   void on(const Arrival& arrival);
   /// Call it at least once a second.

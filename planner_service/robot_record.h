@@ -1,5 +1,5 @@
-// What the planner service knows of one robot: its task, what its agent last said, and what the report
-// counts.
+// The knowledge of the planner service about one robot: its task, what its agent last said, and what the
+// report counts.
 #pragma once
 
 #include <cstddef>
@@ -57,7 +57,7 @@ struct RobotRecord {
   std::vector<RootNodes::Node> root_nodes;
 
   bool arrived() const { return has_phase(Phase::arrived); }
-  bool wants_no_more() const { return has_phase(Phase::no_path) || has_phase(Phase::gave_up); }
+  bool has_no_way() const { return status && coppice::has_no_way(status->phase); }
   /// The agent confirmed that its mission is cancelled.
   bool stopped() const { return has_phase(Phase::stopped); }
   bool track_lost() const { return std::holds_alternative<TrackLost>(track); }

@@ -29,7 +29,7 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
   to.set_processor_seconds(load.processor_seconds);
 }
 
-/// What the tracks show. They are read part by part, for a long run does not fit into memory.
+/// The facts that the tracks show. They are read part by part, for a long run does not fit into memory.
 struct Driven {
   std::vector<double> length;  ///< by robot
   std::vector<std::optional<TrackPoint>> last;

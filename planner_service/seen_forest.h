@@ -1,5 +1,5 @@
-// What the planner service knows of the disjointed trees: what the brokers say of them, and the inactive
-// trees that were published.
+// The knowledge of the planner service about the disjointed trees: what the brokers say of them, and the
+// inactive trees that were published.
 #pragma once
 
 #include <cstddef>

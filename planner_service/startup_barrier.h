@@ -1,5 +1,5 @@
-// What a service hears before it begins its run. Of the statuses, which come twice a second, it holds the
-// last of each agent.
+// Holds the messages that a service hears before it begins its run. Of the statuses, which come twice a
+// second, it holds the last of each agent.
 #pragma once
 
 #include <algorithm>

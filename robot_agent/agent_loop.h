@@ -1,5 +1,5 @@
-// What the processes of a named and of an unnamed agent share: the saved state of the robot, everybody who
-// follows what the agent hears and says, and one turn of the loop.
+// The code that the processes of named and unnamed agents share: they load the saved state of the robot, tell
+// listeners what the agent hears and says, and run the loop.
 #pragma once
 
 #include <functional>
@@ -19,10 +19,10 @@
 
 namespace coppice {
 
-/// None: the agent moves its robot itself.
+/// Returns none if the agent moves its robot itself.
 std::optional<TrackingSettings> tracking_of(const RosOptions& options);
 
-/// What the process before this one left in the robot's journal.
+/// The content of the robot's journal, which the process before this one wrote.
 struct Past {
   std::optional<Journal> journal;
   StateKeeper chooser;
@@ -35,7 +35,7 @@ struct Past {
 /// seconds. Throws JournalInUse if another process has it open, and std::runtime_error if it is of no use.
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile);
 
-/// Everybody who follows what a robot's agent hears and says.
+/// The listeners to all that a robot's agent hears and says.
 struct Listeners {
   Keeper<StateKeeper, Journal> keeper;
   std::unique_ptr<RosLink> ros;  ///< null: nothing is said in ROS 2

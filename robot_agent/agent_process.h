@@ -1,4 +1,4 @@
-// What an agent keeps for as long as its process lives, whatever runs and missions come.
+// The data that an agent keeps as long as its process lives, through all runs and missions.
 #pragma once
 
 #include <cstdint>

@@ -32,7 +32,7 @@ class Claimant {
   /// The next claim, which is to be sent unless the robot is lost by now.
   Claim claim(WallTime now);
 
-  /// None until it is given a robot.
+  /// The assigned robot; none: the service has assigned none yet.
   const std::optional<RobotName>& robot() const { return robot_; }
   /// The robot belongs to another agent by now, or may do so: nothing must be said as that robot any more.
   bool lost() const { return lost_; }

@@ -1,4 +1,4 @@
-// Of Run: what a robot does in each control period. It brings its body up to the present, listens, drives,
+// Part of class Run: a control step. The robot brings its body up to the present, listens, drives,
 // and tells the others.
 #include <algorithm>
 #include <cmath>
@@ -105,7 +105,7 @@ double Run::listening_time() const {
   return std::max(own_silence * std::max(1.0, mission_.clock.scale), others_stand);
 }
 
-/// Of not knowing where all peers are.
+/// Whether the robot has not known for too long where all peers are.
 bool Run::is_too_long(double seconds) const {
   return seconds > std::max(longest_ignorance, least_ignorance * fleet_.second());
 }
@@ -218,8 +218,8 @@ void Run::drive_freely(Driving& driving, double now, std::span<const Neighbour> 
     round_.call(self(), fleet_, now);
 }
 
-/// Of two that drive side by side each fears that the other turns, and both slow down. The robot that is
-/// behind, or has the later name, stands until the other has gone.
+/// Two robots that drive side by side slow down, for each may turn into the other. The robot that is behind,
+/// or has the later name, stands until the other has gone.
 bool Run::lets_go_first(const Point2& preferred) const {
   const Point2 ahead = preferred / std::max(preferred.norm(), 1e-9);
   const auto close = fleet_.beside(body_.position(), body_.radius(), beside);
@@ -242,7 +242,7 @@ void Run::execute_plan(double now, std::span<const Neighbour> neighbours) {
     stand_for(now, std::clamp(round_.waits_until() - now, waiting_lease, longest_lease));
   } else if (!body_.bound_to_stand()) {
     round_.led_past(body_.follow(wanted, neighbours, map_->field));
-    // Of several that fear each other's next move, one robot must go.
+    // Several robots may keep clear of each other's next moves: one of them must go.
     if (body_.commitment().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
     const bool held_up = now - last_executed_ > waiting_lease;
     if (held_up && round_.gives_way(self(), fleet_, now)) {
@@ -287,7 +287,7 @@ void Run::watch_arrival(double now) {
   }
 }
 
-/// Of a robot that drives.
+/// The robot is driving.
 void Run::give_up(std::string reason) {
   if (connectivity_.joining() || connectivity_.isolated()) round_.leave();
   status_.reason = std::move(reason);

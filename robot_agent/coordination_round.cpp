@@ -19,7 +19,7 @@ constexpr double least_hold = Timing::least_hold;
 constexpr double longest_wait = Timing::longest_wait_for_member;
 constexpr double patience = Timing::plan_patience;
 
-constexpr double crowd_radii = 8;    // between two robots of one crowd
+constexpr double cluster_radii = 8;  // between two robots of one cluster
 constexpr double close_radii = 3;    // between robots that may fear each other's next move, in sums of radii
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 
@@ -41,7 +41,7 @@ void CoordinationRound::note_epoch(std::uint32_t epoch) {
   if (is_later_epoch(epoch, latest_epoch_)) latest_epoch_ = epoch;
 }
 
-/// One that has made all its moves goes on saying so by its progress.
+/// A robot that has made all its moves goes on saying so by its progress.
 void CoordinationRound::leave() {
   const bool has_moves_left = stage_ != Stage::free;
   stage_ = Stage::free;
@@ -74,11 +74,11 @@ void CoordinationRound::hear(std::shared_ptr<const JointPlanMessage> plan) {
   if (plan->round == id_) plan_ = std::move(plan);
 }
 
-/// A crowd that was not sorted out, or that came together again, is wider than it seemed.
+/// A cluster that was not sorted out, or that formed again, is wider than it seemed.
 void CoordinationRound::call(const FleetMember& self, const Fleet& fleet, double now) {
   const bool again = called_at_ && now - *called_at_ < soon;
-  const double crowd = fleet.cluster_reach(self.position, crowd_radii * self.radius);
-  begin(self, std::min(everywhere, std::max(crowd, again ? 2 * id_.reach : 0)), now);
+  const double cluster = fleet.cluster_reach(self.position, cluster_radii * self.radius);
+  begin(self, std::min(everywhere, std::max(cluster, again ? 2 * id_.reach : 0)), now);
 }
 
 void CoordinationRound::call_everybody(const FleetMember& self, double now) {
@@ -120,8 +120,9 @@ void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, MapRoa
   }
 }
 
-/// Plans as soon as everybody alive within reach holds in this round and stands. Who stands elsewhere and
-/// wants to go nowhere is an obstacle. Who says to be off the map is neither.
+/// Plans as soon as all robots within reach that are not failed wait in this round and stand. A robot that
+/// stands elsewhere and wants to go nowhere is an obstacle. A robot that reports a position off the map is
+/// neither a member nor an obstacle.
 void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now) {
   if (planner_) {
     if (planner_->step()) publish(self, now);
@@ -207,7 +208,7 @@ Point2 CoordinationRound::preferred_velocity(const FleetMember& self, const Flee
     awaited_since_ = now;
   }
   const bool worth_waiting = (waited_for && !waited_for->failed && now - awaited_since_ < longest_wait) ||
-                             fleet.is_suspected_near(self.position, crowd_radii * self.radius);
+                             fleet.is_suspected_near(self.position, cluster_radii * self.radius);
   if (follower_->progress() > last_progress_ || worth_waiting) {
     last_progress_ = follower_->progress();
     last_progress_time_ = now;
@@ -221,14 +222,14 @@ Point2 CoordinationRound::preferred_velocity(const FleetMember& self, const Flee
   return wanted;
 }
 
-/// One that says so is out of the round; else it has left it, and where it goes no plan says.
+/// A member that has made all its moves says so by its progress. Otherwise it has left the round, and no plan
+/// says where it goes.
 bool CoordinationRound::has_made_all_moves(std::size_t member, double progress) const {
   const auto& ends = schedules_[member].ends;
   return ends.empty() || progress > ends.back() - same_place;
 }
 
-/// The place in the plan of the move that a member has come to; beyond the plan's end if it has
-/// made all.
+/// The index in the plan of the next move of a member; beyond the end of the plan if it has made all.
 std::size_t CoordinationRound::next_move(std::size_t member, double progress) const {
   const auto& [ends, at] = schedules_[member];
   const auto next = std::ranges::upper_bound(ends, progress + same_place);

@@ -1,13 +1,15 @@
-// A robot's part in sorting out a crowd that stands in its own way.
+// The part of one robot in a coordination round, which sorts out a cluster of robots that block each other.
 //
-// Whoever makes no progress calls a round: a new epoch, of which it is the leader, for everybody in the crowd
-// around it. Who hears of it, in anybody's state, and is within its reach joins: brakes and holds. Once all
-// of these that are alive stand, the leader makes a joint plan (motion/joint_planner.h) and publishes it;
-// each then drives its own moves in the plan's order (motion/precedence.h), and is free again after its last.
-// A later round overrides an earlier one at any time; who is called away from a plan leaves the others free.
-// A robot that leaves a plan with moves to make, for it was stopped or came too late, opens no gate: the
-// first one that waits for it calls a new round. A round that does not sort out its crowd is followed by one
-// of the whole fleet.
+// A robot that makes no progress calls a round: a new epoch with itself as leader, for the cluster around it.
+// Each robot within the round's reach that hears of it, in the state of any peer, joins: it brakes and waits.
+// When all members that are not failed stand, the leader makes a joint plan (motion/joint_planner.h) and
+// publishes it. Each member executes its own moves in the order of the plan (motion/precedence.h). It is free
+// again after its last move.
+//
+// A later round replaces an earlier one at any time. A member that leaves for a later round leaves the others
+// free. A member that leaves with moves to make, because it was stopped or came too late, opens no gate: the
+// first robot that waits for it calls a new round. A round of the whole fleet follows a round that did not
+// sort out its cluster.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
@@ -37,16 +39,16 @@ class CoordinationRound {
   const RoundId& id() const { return id_; }
   Stage stage() const { return stage_; }
   double progress() const { return follower_ ? follower_->progress() : 0; }
-  /// Whose progress it waits for; empty for nobody.
+  /// The robot whose progress this robot waits for; empty: none.
   const RobotName& waits_for() const { return waits_for_; }
-  /// Fleet time before which that cannot have come far enough.
+  /// Fleet time before which that robot cannot have come far enough.
   double waits_until() const { return waits_until_; }
-  /// The last joint plan, of the whole fleet, does not bring this robot to its goal.
+  /// The last joint plan of the whole fleet does not bring this robot to its goal.
   bool stranded() const { return stranded_; }
 
-  /// It leads, and is at work on the joint plan.
+  /// The robot leads the round, and is making the joint plan.
   bool plans() const { return planner_ != nullptr; }
-  /// Knots that it called one after the other from the same place.
+  /// Rounds that the robot called one after the other from the same position.
   int calls_in_vain() const { return calls_in_vain_; }
 
   /// The process before this one took part in a round with this epoch. `in_progress`: others count on moves
@@ -60,37 +62,38 @@ class CoordinationRound {
     if (std::exchange(has_lost_plan_, false) && stage_ == Stage::free) call(self, fleet, now);
   }
 
-  /// What did not help before may do so now.
+  /// Something has changed: rounds that did not help before may help now.
   void retry_after_change() { calls_in_vain_ = 0; }
-  /// It is to go elsewhere: that no plan could help it until now says nothing.
+  /// The robot has another goal: earlier failures say nothing about it.
   void forget_failures() {
     calls_in_vain_ = 0;
     stranded_ = false;
   }
 
-  /// `position`: of this robot, none before it has a body.
+  /// `position`: of this robot; none if it takes no part in rounds.
   void hear(const RobotState& state, const std::optional<Point2>& position);
   void hear(std::shared_ptr<const JointPlanMessage> plan);
 
-  /// It takes no more part.
+  /// The robot takes no part any more.
   void leave();
 
-  /// Begins a new round of the crowd around, or of the whole fleet, with this robot as its leader.
+  /// Begins a new round of the cluster around, or of the whole fleet, with this robot as its leader.
   void call(const FleetMember& self, const Fleet& fleet, double now);
   void call_everybody(const FleetMember& self, double now);
 
-  /// Once a control period while waiting. `own_plan`, once, what to publish.
+  /// To be called in each control period while the robot waits. take_own_plan() then returns a plan to
+  /// publish, once.
   void wait(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places, double now);
   std::optional<JointPlanMessage> take_own_plan();
 
-  /// Once a control period while executing: where to drive. Ends the stage when the last move is done.
-  /// `position`: at the turn, from where the velocity will be driven.
+  /// To be called in each control period while the robot executes its moves: the preferred velocity. Ends the
+  /// stage after the last move. `position`: where the velocity takes effect.
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                             const Limits& limits, double now);
-  /// Whether that leads past what stands.
+  /// Whether that velocity leads past everything that stands.
   void led_past(bool everything) { follower_->led_past(everything); }
-  /// While executing: whether somebody close by, whose next move is earlier in the plan, is under way: a
-  /// robot that is held up lets it go first.
+  /// Whether a robot close by has a next move that is earlier in the plan. A robot that is held up lets it go
+  /// first.
   bool gives_way(const FleetMember& self, const Fleet& fleet, double now);
 
  private:
@@ -99,11 +102,11 @@ class CoordinationRound {
     std::vector<std::size_t> at{};  ///< in the plan
   };
 
-  /// What is known of a member of the plan.
+  /// The part of a member in the plan, as far as this robot knows.
   enum class Part : std::uint8_t {
     under_way,
     done,  ///< it has made all its moves
-    left,  ///< it made some, and makes no more: what waits for these calls a new round
+    left,  ///< it made some moves, and makes no more: a robot that waits for it calls a new round
   };
 
   bool calls_this(const RoundId& round) const {
@@ -120,13 +123,13 @@ class CoordinationRound {
 
   RobotName robot_;
   RoundId id_;
-  std::uint32_t latest_epoch_ = 0;  ///< of all that were heard of
+  std::uint32_t latest_epoch_ = 0;  ///< of all rounds that were heard of
   std::uint32_t forgotten_ = 0;     ///< epoch
   bool has_lost_plan_ = false;
   Stage stage_ = Stage::free;
   std::shared_ptr<const JointPlanMessage> plan_;  ///< of this round, until it is taken up
   std::optional<double> waiting_since_;
-  std::optional<double> planned_since_;  ///< its leader holds no more
+  std::optional<double> planned_since_;  ///< the leader waits no more
   std::optional<double> called_at_;
   Point2 called_from_ = Point2::Zero();
   int calls_in_vain_ = 0;
@@ -144,8 +147,8 @@ class CoordinationRound {
     RobotName robot{};
     double progress = 0;
   };
-  Awaited awaited_;           ///< whom it waited for last
-  double awaited_since_ = 0;  ///< that nothing of it has changed
+  Awaited awaited_;           ///< the robot that it waited for last
+  double awaited_since_ = 0;  ///< since then its progress has not changed
   double last_progress_ = 0;
   double last_progress_time_ = 0;
 };

@@ -29,7 +29,7 @@ class FailureDetector {
   /// Both outlive it.
   FailureDetector(const OwnRobot& own, PeerTable& peers) : own_(own), peers_(peers) {}
 
-  // What is heard.
+  // The detector learns from messages.
 
   /// The process was started in mid-run.
   void begin_anew(double now) { back_at_ = now; }
@@ -71,7 +71,7 @@ class FailureDetector {
   const std::vector<std::size_t>& silent_failed() const { return count_.silent_failed; }
   /// The largest error of the clock of an alive peer.
   double clock_error(double now) const { return count_.clock_error + clock_drift * (now - count_.at); }
-  /// Nobody can be silent now.
+  /// No peer can be silent now.
   bool all_settled(double now) const { return now < settled_until_; }
   /// How often a failed peer was heard again, or a suspected one was sure to have failed.
   std::uint32_t recoveries() const { return recoveries_; }
@@ -87,7 +87,7 @@ class FailureDetector {
   double new_at() const { return new_at_; }
 
  private:
-  /// Of all peers.
+  /// The last count over all peers.
   struct Absences {
     double at = 0;
     std::size_t alive = 0;  ///< heard at some time, and not failed

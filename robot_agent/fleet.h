@@ -1,5 +1,5 @@
-// What a robot knows of all others: their missions, their last states, who failed, and how far each clock is
-// from its own.
+// The knowledge of a robot about all others: their missions, their last states, their failures, and the
+// offsets of their clocks.
 //
 // Fleet composes a table of peers (peer_table.h), a failure detector (failure_detector.h), and the
 // dissemination of states (dissemination.h).
@@ -26,7 +26,7 @@
 
 namespace coppice {
 
-/// What a robot knows of one robot of the fleet, itself or another.
+/// The knowledge of a robot about one robot of the fleet, itself or another.
 struct FleetMember {
   RobotName robot;
   Point2 position = Point2::Zero();
@@ -110,7 +110,7 @@ class Fleet {
 
   std::optional<FleetMember> find(const RobotName& robot) const;
   std::vector<FleetMember> others() const;
-  /// Those within so many sums of radii of a robot at p.
+  /// The robots within so many sums of radii of a robot at p.
   std::vector<FleetMember> beside(const Point2& p, double radius, double sums) const;
   /// Where failed robots may stand. This robot is at `position`.
   std::vector<Disc> zones_of_failed(const Point2& position, double now) const;

@@ -1,5 +1,5 @@
-// What agents work out once about a map. It follows from the map alone and serves every mission on it: the
-// robots of one process share it.
+// The data that agents compute once for a map. It follows from the map alone and serves every mission on it:
+// the robots of one process share it.
 #pragma once
 
 #include <map>

@@ -1,5 +1,6 @@
-// An agent that is not told which robot it is: it asks the service, and then is that one. What it hears
-// before is of no use to it: a bus that is opened as that robot's tells it all that it needs.
+// An agent that was started without a name. It asks the service for a robot, and then acts as the agent of
+// that robot. It needs nothing that it hears before: the bus that it opens for the robot tells it everything
+// again.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +20,24 @@ class NamelessAgent {
   std::vector<Outgoing> step(WallTime now);
   WallTime next_wake() const;
 
-  /// The same as a RobotAgent's. Who is no robot yet, or no more, stands and has nothing to say.
+  /// As in RobotAgent. An agent that has no robot stands, and has nothing to say.
   void note(const BusCounts& counts, WallTime now);
   void retire();
   bool stands() const { return !agent_ || lost() || agent_->stands(); }
   std::vector<Outgoing> final_messages(WallTime now);
 
-  /// Once it knows which robot it is: begins to be that one, and goes on from what was kept of it before
-  /// (memory.h), if anything. `tracking`: of a robot that is elsewhere.
+  /// Begins to act for the robot that was assigned, from its saved state (saved_state.h) if there is one.
+  /// `tracking`: of a robot that is elsewhere.
   void begin(std::optional<SavedState> saved, const std::optional<TrackingSettings>& tracking = {});
 
-  /// From then on.
+  /// The agent of the assigned robot. Only after begin().
   RobotAgent& agent() { return *agent_; }
 
-  /// Which it is; none: not yet.
+  /// The assigned robot; none: not yet.
   const std::optional<RobotName>& robot() const { return claimant_.robot(); }
-  /// It is that robot no more, and says nothing from now on.
+  /// The lease of the robot has ended. The agent says nothing any more.
   bool lost() const { return claimant_.lost(); }
-  /// Says again which robot it is. Who has a long journal to read does so meanwhile, at least every two
-  /// seconds: it is not silent then.
+  /// Renews the lease. An agent that reads a long journal calls this at least every two seconds.
   Claim claim(WallTime now) { return claimant_.claim(now); }
 
  private:

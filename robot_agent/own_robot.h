@@ -1,5 +1,5 @@
-// What a Fleet knows of its own robot: its position, its mission, the clock of its run, and the round that it
-// waits in. Silences, distances and send intervals of peers are measured from it.
+// The knowledge of a Fleet about its own robot: its position, its mission, the clock of its run, and the
+// round that it waits in. Silences, distances and send intervals of peers are measured from it.
 //
 // Times are fleet time by this robot's clock, seconds, unless a type says wall clock; metres.
 #pragma once

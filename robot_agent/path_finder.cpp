@@ -18,7 +18,7 @@ constexpr int iterations_alone = 300;  // in a step without a broker
 // proportion to the cells of the map.
 constexpr std::uint64_t least_iterations = 20'000;
 constexpr std::uint64_t cells_an_iteration = 8;
-// Where that search finds a way, the trees may still find it, too. The passage is about as wide as the robot.
+// If that search finds a way, the trees may still find one, too. The passage is about as wide as the robot.
 constexpr std::uint64_t searches_until_roadmap_serves = 5;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a robot knows of each peer, by number.
+// The knowledge of a robot about each peer, by number.
 //
 // A hundred agents of one process know ten thousand peers, far more than caches hold. So data that are used
 // together lie in one cache line, and data that each control step reads of all peers lie in their own arrays.
@@ -68,7 +68,7 @@ struct HeardElsewhere {
   double holds_until = 0;  ///< until then it shows the peer alive, though no newer one comes
 };
 
-/// What the class Dissemination keeps of a peer: what the two robots tell each other.
+/// The data of class Dissemination about a peer: the messages between the two robots.
 struct StateExchange {
   std::uint32_t interval_until = 0;  ///< tick at which to compute the send interval again
   std::uint8_t phase = 0;            ///< of the ticks at which the peer is sent a state (send_interval.h)
@@ -143,7 +143,7 @@ class PeerTable {
   auto begin() const { return peers_.begin(); }
   auto end() const { return peers_.end(); }
 
-  // What each control step reads of all peers, by number.
+  // Each control step reads these of all peers, by number.
   std::vector<double> away_until{};        ///< fleet time: the peer cannot come near before
   std::vector<std::uint32_t> told_from{};  ///< tick: the peer is sent nothing before, except about rounds
   std::vector<double> answered_until{};    ///< fleet time: no echo of a robot that the peer misses before

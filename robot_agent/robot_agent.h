@@ -30,8 +30,8 @@ class RobotAgent {
             AgentProcess{.name = std::move(name), .map_contexts = std::move(map_contexts)})),
         fleet_(std::make_unique<Fleet>(process_->name)) {}
 
-  /// What the process before this one saved (saved_state.h), if that was killed in mid-run. Before anything
-  /// else. It is of use if the mission that comes is of the same run.
+  /// Restores the state that the process before this one saved (saved_state.h), if that was killed in
+  /// mid-run. To be called before anything else. It is of use if the mission that comes is of the same run.
   void restore(std::optional<SavedState> saved) { process_->saved_state = std::move(saved); }
 
   /// The robot is elsewhere and follows this body: the body takes more room, and the track is that of the
@@ -48,7 +48,7 @@ class RobotAgent {
   }
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
   std::vector<Outgoing> step(WallTime now);
-  /// What the process's bus has counted, for the status.
+  /// Takes the counters of the process's bus for the status.
   void note(const BusCounts& counts, WallTime now);
   /// When `step` has something to do even if nothing arrives.
   WallTime next_wake() const { return next_wake_; }
@@ -56,7 +56,7 @@ class RobotAgent {
   /// The process is to end: the robot brakes and stands, and takes no mission any more.
   void retire();
   bool stands() const { return !run_ || run_->body().stands(); }
-  /// What is left to say: the rest of the track, and the status.
+  /// The last messages of the process: the rest of the track, and the status.
   std::vector<Outgoing> final_messages(WallTime now);
 
   /// Null before the robot's first mission in this run.

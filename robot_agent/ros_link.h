@@ -1,4 +1,4 @@
-// One agent's part in ROS 2: joins its side (ros_side.h) to the topics.
+// Connects one agent (ros_side.h) to the topics of ROS 2.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// What one agent says in ROS 2, and hears from there: plain values to and from the frames of ROS
-// (ros2/conversion.h). Pure; ros2/dds_ros.h carries them.
+// Converts between one agent and ROS 2 messages, as plain values in the frames of ROS (ros2/conversion.h).
+// ros2/dds_ros.h sends and receives them.
 #pragma once
 
 #include <optional>
@@ -16,15 +16,15 @@ class RosSide {
  public:
   explicit RosSide(RobotName robot) : robot_(std::move(robot)) {}
 
-  /// All that the agent hears, and says itself: of these it takes the map, and its path.
+  /// All messages that the agent hears and says. The map and the path are taken from them.
   void heard(const Message& message);
   void said(const Message& message);
 
-  /// Where the robot was seen, of odometry that problem_with found fine.
+  /// The position of the robot, from odometry that problem_with found valid.
   OdometrySample sighting(const RosOdometry& seen);
 
-  /// Twenty times a second: where the robot is, if that is for the agent to say, and how it is to move; and
-  /// its path when that is another one. Nothing before its first mission.
+  /// Twenty times a second: the robot's odometry, unless the robot is elsewhere, and its command; and the
+  /// path when that changes. Nothing before the first mission.
   std::vector<RosMessage> step(const RobotAgent& agent, WallTime now);
 
  private:

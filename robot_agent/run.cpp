@@ -1,4 +1,4 @@
-// Of Run: missions, and the paths to their goals.
+// Part of class Run: missions, and the paths to their goals.
 #include "robot_agent/run.h"
 
 #include <algorithm>

@@ -64,7 +64,7 @@ class Run {
   void end_track();
   /// Whether the status has changed since the last call.
   bool take_status_change();
-  /// The status but for what the process counts.
+  /// The status, without the counters of the process.
   AgentStatus status(WallTime now);
 
   const Driver& body() const { return body_; }
@@ -169,7 +169,7 @@ class Run {
   std::vector<Neighbour> near_;   ///< of the last decision
   std::uint32_t recoveries_ = 0;  ///< of peers, that the robot has reckoned with
 
-  // Of the mission.
+  // These begin anew with each mission.
   AgentStatus status_;
   bool status_changed_ = true;
   WallTime begun_at_ = 0;  ///< wall clock

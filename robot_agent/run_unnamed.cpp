@@ -20,7 +20,7 @@ namespace {
 constexpr WallTime patience = 5;      // seconds of waiting that are worth no line
 constexpr WallTime claim_period = 1;  // seconds
 
-/// False: told to stop before that.
+/// Returns false if the process was told to stop before it got a robot.
 bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
   KeepsNothing keeper;
   const WallTime patience_ends = wall_now() + patience;
@@ -38,8 +38,9 @@ bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
   return agent.robot().has_value();
 }
 
-/// Whoever was that robot before may only be paused, and have its journal open: it ends as soon as it goes
-/// on, for it has been silent for too long. None: told to stop before that, or another agent is that robot.
+/// Opens the robot's journal. The agent that had the robot before may only be paused, and hold the journal
+/// open. It ends when it continues, because its lease has ended. None: the process was told to stop before
+/// that, or another agent has the robot.
 std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& asking, NamelessAgent& agent,
                                          const std::function<void()>& meanwhile) {
   KeepsNothing keeper;
@@ -81,15 +82,15 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
   };
   if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, keep_the_claim)) {
     agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
-    // A bus of that name: who hears it knows from the beginning whose agent it is. Until it has found the
-    // service, the other one keeps the claim.
+    // The bus bears the robot's name, so that peers know from the beginning whose agent this is. Until it has
+    // found the service, the other bus renews the lease.
     DdsSettings network = options.network;
     network.robot = robot;
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
     Listeners listeners(*past, all_options, bus, robot);
     claim_again(bus);
     while (!stop_requested()) {
-      keep_the_claim();  // first, for it may have slept
+      keep_the_claim();  // first: the process may have slept
       if (agent.lost()) break;
       turn(bus, agent, listeners);
       if (asking && bus.matched_readers<Claim>() > 0) asking.reset();

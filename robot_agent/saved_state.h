@@ -1,4 +1,4 @@
-// What an agent still knows of its robot if its process was killed in mid-run and started anew.
+// The state of a robot that its agent restores after the process was killed in mid-run.
 //
 // To the robot that looks like a pause. Its body has braked in a straight line meanwhile, as it does whenever
 // nothing is decided. Where the body is and what it does next follows from the robot's states. So the states

@@ -1,4 +1,4 @@
-// Of Run: the states that a robot sends to its peers.
+// Part of class Run: the states that the robot sends to its peers.
 #include <algorithm>
 #include <cstdint>
 #include <utility>

@@ -1,4 +1,4 @@
-// What a robot does about its mission: one of these at a time, with all that belongs to it.
+// The task of a robot in its mission: one alternative at a time, with all data that belong to it.
 #pragma once
 
 #include <cstdint>

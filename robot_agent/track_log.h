@@ -15,7 +15,7 @@ namespace coppice {
 class TrackLog {
  public:
   TrackLog() = default;
-  /// What a process before this one recorded.
+  /// Begins with the points that the process before this one recorded.
   explicit TrackLog(std::vector<TrackMessage::Point> points) : points_(std::move(points)) {}
 
   void add(const TrackMessage::Point& point) { points_.push_back(point); }

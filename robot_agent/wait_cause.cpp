@@ -1,4 +1,4 @@
-// Of Run: why it does not come on, in words.
+// Part of class Run: the reason in words why the robot does not come on.
 #include <algorithm>
 #include <utility>
 
