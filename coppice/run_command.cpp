@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -14,8 +13,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include "coppice/commands.h"
@@ -24,6 +21,7 @@
 #include "coppice/log_watch.h"
 #include "coppice/process_fleet.h"
 #include "coppice/time_scale.h"
+#include "coppice/unused_domain.h"
 #include "dds/dds_bus.h"
 #include "dds/discovery.h"
 #include "dds/security.h"
@@ -55,35 +53,6 @@ constexpr std::chrono::milliseconds look_at_logs{500};
 constexpr double look_around = 1;  // seconds
 // Seconds per robot and fleet second to write report, trajectory and picture.
 constexpr double writing = 2e-4;
-
-/// Whether no process of this machine has joined the DDS domain. Each participant listens at the domain's
-/// multicast port (DDS-RTPS 2.2, 9.6.1.1: 7400 + 250 d), which participants share among themselves, but not
-/// with other sockets.
-bool is_unused(int domain) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  if (socket < 0) return false;
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_ANY);
-  address.sin_port = htons(static_cast<std::uint16_t>(domain_port(domain)));
-  const bool unused = bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  close(socket);
-  return unused;
-}
-
-/// Chooses an unused domain, so that two runs on one machine do not meet. Up to domain 100 the default ports
-/// stay below those that Linux gives to any program. The search begins at a number that depends on a name
-/// unique to this run, because another run may be searching at the same time, here or on another host of the
-/// network. Runs on two hosts meet in one case of a hundred (--domain avoids it).
-int own_domain(const std::string& unique) {
-  constexpr int domains = 100;
-  const int first = static_cast<int>(std::hash<std::string>{}(unique) % domains);
-  for (int i = 0; i < domains; ++i) {
-    const int domain = 1 + (first + i) % domains;
-    if (is_unused(domain)) return domain;
-  }
-  throw std::runtime_error("every DDS domain from 1 to 100 is in use on this machine; name one by --domain");
-}
 
 using Command = std::vector<std::string>;
 
@@ -443,11 +412,11 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
       fleet_options.logs.empty() ? run_folder.path() : made_folder(fleet_options.logs);
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
   FleetOptions fleet_on_domain = fleet_options;
-  const bool has_own_domain = !fleet_options.domain && !fleet_options.ros.on;
-  if (!fleet_options.domain)
-    fleet_on_domain.domain = has_own_domain ? own_domain(run_folder.path().string()) : usual_ros_domain();
+  std::optional<UnusedDomain> own_domain;
+  if (!fleet_options.domain && !fleet_options.ros.on) own_domain.emplace(run_folder.path().string());
+  if (!fleet_options.domain) fleet_on_domain.domain = own_domain ? own_domain->number() : usual_ros_domain();
   const std::vector<Process> processes = processes_of(scenario, options, fleet_on_domain, programs, state);
-  if (!has_own_domain) check_that_nobody_serves(settings_of(fleet_on_domain, scenario.robots.size()));
+  if (!own_domain) check_that_nobody_serves(settings_of(fleet_on_domain, scenario.robots.size()));
   if (!options.quiet)
     std::cout << fmt::format("fleet on domain {}; watch it with: {}", *fleet_on_domain.domain,
                              watching_command(fleet_on_domain, scenario.robots.size()))
