@@ -59,6 +59,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
   // The journal begins with the first state, and so does the track.
   if (due && now - body_.time() >= period) pass_over(now);
   if (now - body_.time() > listening_time()) connectivity_.stand_until(now + listening_time());
+  if (now - body_.time() > Timing::longest_nap * fleet_.second()) wake(now);
   const std::uint32_t next_heartbeat = counter_.next_heartbeat();
   int periods = 0;
   while (body_.time() + period <= now) {
@@ -95,6 +96,18 @@ void Run::control(double now, std::vector<Outgoing>& out) {
 /// The body stood all that time, and goes on standing now.
 void Run::pass_over(double now) {
   body_ = Driver(body_.position(), std::floor(now / period) * period, body_.radius(), body_.limits(), period);
+}
+
+/// After a long sleep, which is like a restart: others count on moves of a joint plan that is over by now, or
+/// took this robot for failed, and may be anywhere.
+void Run::wake(double now) {
+  const bool counted_on = round_.stage() != Stage::free;
+  const std::uint32_t epoch = round_.id().epoch;
+  round_ = CoordinationRound(process_.name);
+  round_.forget(epoch, counted_on);
+  fleet_.wake(now);
+  startup_since_ = now;
+  connectivity_.join(now + listening_time());
 }
 
 /// Others may have driven on where this robot was not heard. They hear of it, and the line on which they
@@ -161,9 +174,9 @@ bool Run::joins(double now) {
   }
   if (body_.stands()) stand_for(now, waiting_lease);
   if (driving()) {
-    status_.reason = "its agent was started in mid-run, and has not heard where all others are";
+    status_.reason = "its agent was started or woke in mid-run, and has not heard where all others are";
     if (is_too_long(now - startup_since_))
-      give_up("its agent was started in mid-run, and nobody who is alive knows where all others are");
+      give_up("its agent was started or woke in mid-run, and nobody who is alive knows where all others are");
   }
   return true;
 }

@@ -96,6 +96,7 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   const double now = own_.clock().fleet_time(arrived);
   if (state->passed_on && is_untrustworthy(*state, p, now)) return false;
   if (own_.run_clock) compare_clocks(*state, p, now);
+  if (is_overslept(*state, p)) return false;
   if (detector_.somebody_missing()) detector_.hear_of_missing(*state, p, now);
   if (state->copy == 0 && !state->passed_on) dissemination_.count_loss(p, state->sequence);
   // Best effort may reorder. A robot that was restarted begins its count anew, with a later stamp.
@@ -113,6 +114,26 @@ void Fleet::begin_anew(std::span<const Heard> silent, double now) {
   detector_.begin_anew(now);
   for (const Heard& last : silent)
     hear(std::make_shared<const RobotState>(last.state), own_.clock().wall_time(last.at));
+}
+
+void Fleet::wake(double now) {
+  begin_anew({}, now);
+  own_.woke_at = now;
+  detector_.count_again();
+  all_known_ = false;
+  for (Peer& p : peers_) {
+    if (!p.alive() && p.suspicion() == nullptr) continue;
+    p.state.reset();
+    p.liveness = liveness::Expected{};
+    p.relayed.reset();
+    p.elsewhere = {};
+  }
+}
+
+/// It came while the process slept, and was read only afterwards. What others say of a failed peer holds.
+bool Fleet::is_overslept(const RobotState& state, const Peer& p) const {
+  return own_.woke_at && !state.counts_as_failed && p.clock.known() &&
+         state.stamp + p.clock.estimate() + p.clock.error(*own_.woke_at) < *own_.woke_at;
 }
 
 void Fleet::expect(const RobotName& robot) const {

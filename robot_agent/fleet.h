@@ -66,6 +66,9 @@ class Fleet {
   /// The process was started in mid-run. Only the others know where peers are that have said nothing since.
   /// `silent`: of these it kept the last states.
   void begin_anew(std::span<const Heard> silent, double now);
+  /// The process slept for longer than Timing::longest_nap. Peers that had not failed before are unknown
+  /// until they are heard again, or others report them failed.
+  void wake(double now);
 
   /// Asks memory for what is known of a robot whose state is about to be handed over.
   void expect(const RobotName& robot) const;
@@ -163,6 +166,7 @@ class Fleet {
  private:
   Peer& peer(const RobotName& robot);
   void forget_other_runs();
+  bool is_overslept(const RobotState& state, const Peer& peer) const;
   bool is_untrustworthy(const RobotState& relayed, const Peer& peer, double now) const;
   void compare_clocks(const RobotState& state, Peer& peer, double now);
   void take_up(std::shared_ptr<const RobotState>&& state, std::size_t number, double now);

@@ -33,6 +33,8 @@ struct OwnRobot {
   Point2 position = Point2::Zero();
   std::variant<WaitsInNoRound, Leads, Follows> wait{};
   bool began_in_mid_run = false;  ///< the process: it knows nothing of what was before
+  /// From the last long sleep: the process knows little of what was before.
+  std::optional<double> woke_at{};
 
   /// `round`: without an epoch if the robot waits in none.
   void wait_in(const RoundId& round, const PeerTable& peers);

@@ -107,6 +107,7 @@ class Run {
   // control_step.cpp: the control step
   void control(double now, std::vector<Outgoing>& out);
   void pass_over(double now);
+  void wake(double now);
   double listening_time() const;
   bool is_too_long(double seconds) const;
   void decide(double now);

@@ -21,6 +21,10 @@ struct Timing {
   /// fleet s. An agent that slept longer, or whose clock was set, skips the periods in which its robot stood.
   /// Processes: a process may be stopped for any time.
   static constexpr double longest_sleep = 600;
+  /// scaled s. An agent that slept for longer does not rely on what it knew of its peers, as if it had been
+  /// restarted. Processes, network: after a shorter sleep, a loss of the network of the same length may
+  /// follow before the others take this robot for failed (`longest_partition`).
+  static constexpr double longest_nap = 30;
   /// scaled s. A robot whose agent slept for longer stands for so long before it moves on; so does a robot
   /// that was cut off. Processes, network: the others may have declared it failed, and have to hear of it
   /// first.
@@ -200,6 +204,7 @@ struct Timing {
 
   static_assert(loneliness < absence && absence < long_absence && long_absence < longest_unheard);
   static_assert(longest_unheard < failure_timeout && recent_echo < longest_unheard);
+  static_assert(2 * longest_nap <= longest_partition);
   static_assert(absence <= informs_for && failure_timeout < longest_partition);
 };
 

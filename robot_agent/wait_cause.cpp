@@ -20,7 +20,7 @@ std::string Run::wait_cause(double now) {
   if (!stands_still(now)) return {};
   if (is(Phase::planning)) return "no path yet: it looks for one";
   if (connectivity_.joining())
-    return "its agent was started in mid-run, and has not heard where all others are";
+    return "its agent was started or woke in mid-run, and has not heard where all others are";
   const WallTime wall_now = mission_.clock.wall_time(now);
   if (tracking_ && !tracking_->is_recent(wall_now)) return "no odometry came";
   if (tracking_ && !tracking_->keeps_up(wall_now))

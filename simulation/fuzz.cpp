@@ -204,8 +204,9 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
     const bool shut_in = somebody_died && !(*sorted_out)[i];
     // What the robot knew of the failed robots was lost with its own process and with all others.
-    const bool ignorant = somebody_died && simulation.suffered().restarts > 0 &&
-                          robot.reason().find("its agent was started in mid-run, and") != std::string::npos;
+    const bool ignorant =
+        somebody_died && simulation.suffered().restarts > 0 &&
+        robot.reason().find("its agent was started or woke in mid-run, and") != std::string::npos;
     std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;
     list.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
   }

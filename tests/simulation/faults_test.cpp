@@ -18,8 +18,11 @@ struct Outcome {
   std::vector<std::string> broken;
 };
 
-Outcome simulate(const Scenario& scenario, const Faults& faults) {
-  FleetSimulation simulation(scenario, {.timeout = 1000, .faults = faults});
+/// Seconds. The random faults depend on it, too.
+constexpr double usual_timeout = 1000;
+
+Outcome simulate(const Scenario& scenario, const Faults& faults, double timeout = usual_timeout) {
+  FleetSimulation simulation(scenario, {.timeout = timeout, .faults = faults});
   simulation.run([](const PlannerService&, double) { return true; });
   const std::vector<NamedTrack>& tracks = simulation.tracks();
   return {simulation.service().report(in_parts(tracks)), broken_invariants(scenario, tracks, control_period)};
@@ -254,6 +257,37 @@ TEST(Faults, ARestartedAgentKeepsClearOfRobotsThatFailedBefore) {
     const Outcome outcome = simulate("rooms", 20, seed, faults);
     EXPECT_TRUE(outcome.broken.empty()) << seed << ": " << outcome.broken.front();
     EXPECT_TRUE(outcome.report.robots(3).arrived()) << seed << ": " << outcome.report.robots(3).reason();
+  }
+}
+
+/// Robot a drives along a corridor of 1,700 m, 12 m wide. Robot b comes out of a side corridor at 1,500 m.
+Scenario crossing_of_corridors(const RobotTask& a, const RobotTask& b, std::uint32_t seed) {
+  OccupancyMap map{.width = 1700, .height = 160, .blocked = {}};
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      const bool is_free = row >= 14 && (row < 26 || (column >= 1494 && column < 1506));
+      map.blocked.push_back(is_free ? 0 : 1);
+    }
+  }
+  return {.map_name = "corridors", .map = std::move(map), .seed = seed, .robots = {a, b}};
+}
+
+// The peer takes the sleeper for failed, and drives. When the sleeper wakes, it must not take what it knew of
+// the peer before for where the peer is.
+TEST(Faults, ARobotThatSleptForLongStandsUntilItHearsItsPeer) {
+  const Scenario scenario = crossing_of_corridors({"a", {1020, 20}, {1690, 20}, 5, 20, 40, 1},
+                                                  {"b", {1500, 150}, {1500, 20}, 5, 4, 40, 1}, 9);
+  const Faults faults{.bus = {.partitions = {{91, 140}}}, .pause_rate = 15, .pause = 70};
+  expect_all_arrive(simulate(scenario, faults, 300), "one slept");
+}
+
+// A peer that counted on the restarted robot as failed brakes for ten seconds.
+TEST(Faults, ARestartedRobotStandsUntilItsPeersMustHaveBraked) {
+  const Scenario scenario = crossing_of_corridors({"a", {50, 20}, {1690, 20}, 5, 20, 2, 1},
+                                                  {"b", {1500, 31.6}, {1500, 20}, 5, 2, 2, 1}, 1);
+  for (const double after : {81.4, 82.4, 83.4}) {
+    const Outcome outcome = simulate(scenario, {.kills = {{"b", 0.01}}, .restart_after = after});
+    EXPECT_TRUE(outcome.broken.empty()) << after << ": " << outcome.broken.front();
   }
 }
 

@@ -261,7 +261,7 @@ TEST(AgentRestart, AnAgentThatCannotKnowWhereAPeerFailedStandsAndSaysSo) {
   const AgentStatus status = last_status_of_one_alone(false);
   EXPECT_EQ(status.phase, Phase::gave_up);
   EXPECT_EQ(status.reason,
-            "its agent was started in mid-run, and nobody who is alive knows where all others are");
+            "its agent was started or woke in mid-run, and nobody who is alive knows where all others are");
 }
 
 TEST(AgentRestart, ACancelledMissionDoesNotTellWhereAPeerFailed) {

@@ -45,6 +45,9 @@ class Listener {
     state.passed_on = true;
     return fleet_.hear(std::make_shared<const RobotState>(state), now);
   }
+  void wake(double now) { fleet_.wake(now); }
+  /// A robot that is neither heard nor failed; empty: none.
+  RobotName unknown() const { return fleet_.unknown(); }
   double now() const { return now_; }
   std::size_t others() const { return fleet_.others().size(); }
   bool echoed(double now) const { return fleet_.echoed(now); }

@@ -129,6 +129,38 @@ TEST(Peers, ARelayedStateReplacesNoHeardStateAndNoneIsFromTheFuture) {
   EXPECT_EQ(a.place("b"), Point2(90, 100));
 }
 
+TEST(Peers, AfterALongSleepOnlyNewerStatesTellWherePeersAre) {
+  Listener a({"b"});
+  for (double now = 0; now < 1; now += period) {
+    a.hear("b", now, {{"a", now - 0.01, now}});
+    a.judge(now);
+  }
+  a.wake(50);
+  EXPECT_EQ(a.unknown(), "b");
+  a.hear_passed_on("b", 40, 50.05, {90, 100});  // it lay in the socket
+  a.judge(50.05);
+  EXPECT_EQ(a.unknown(), "b");
+  a.judge(53);
+  EXPECT_FALSE(a.failed("b"));
+  a.hear("b", 53.1);
+  EXPECT_EQ(a.unknown(), "");
+}
+
+TEST(Peers, AfterALongSleepOthersTellWhichPeersFailed) {
+  Listener a({"b"});
+  for (double now = 0; now < 1; now += period) {
+    a.hear("b", now, {{"a", now - 0.01, now}});
+    a.judge(now);
+  }
+  a.wake(50);
+  RobotState last = state_of("b", 20, {90, 100});
+  last.passed_on = last.counts_as_failed = true;
+  a.hear(last);
+  a.judge(50.1);
+  EXPECT_TRUE(a.failed("b"));
+  EXPECT_EQ(a.unknown(), "");
+}
+
 TEST(Peers, AFleetHoldsNoMoreThanTheLargestNumberOfRobots) {
   Listener a;
   for (std::size_t k = 0; k < 2 * most_robots; ++k) a.hear("x" + std::to_string(k), 0);
