@@ -45,13 +45,13 @@ std::vector<Scene> crowds(double share) {
       places.push_back(p);
       const Point2 v = random.uniform() < share ? anywhere(12, random) : Point2::Zero();
       const double stamp = 1 - 0.05 * static_cast<double>(random.index(4));
-      const Commitment c{.stamp = stamp,
-                         .position = p,
-                         .velocity = v,
-                         .turn = stamp + period,
-                         .next_velocity = v,
-                         .expiry = stamp + (v.isZero(0) ? 0.5 : 2 * period)};
-      scene.others.push_back({.commitment = c, .radius = radius, .limits = limits, .clock_error = 0.001});
+      const Promise c{.stamp = stamp,
+                      .position = p,
+                      .velocity = v,
+                      .turn = stamp + period,
+                      .next_velocity = v,
+                      .expiry = stamp + (v.isZero(0) ? 0.5 : 2 * period)};
+      scene.others.push_back({.promise = c, .radius = radius, .limits = limits, .clock_error = 0.001});
     }
     crowds.push_back(std::move(scene));
   }

@@ -104,7 +104,7 @@ idl::RootNodes to_dds(const RootNodes& m) {
   idl::RootNodes d;
   d.robot(m.robot);
   d.mission(m.mission);
-  d.run(m.run);
+  d.run(m.run.epoch);
   d.first_index(m.first_index);
   for (const RootNodes::Node& node : m.nodes) {
     idl::RootNode& n = d.nodes().emplace_back();
@@ -120,9 +120,9 @@ RootNodes from_dds(const idl::RootNodes& d) {
               .mission = d.mission(),
               .first_index = d.first_index(),
               .nodes = {},
-              .run = d.run()};
+              .run = {d.run()}};
   for (const idl::RootNode& n : d.nodes()) {
-    m.nodes.push_back({static_cast<Side>(n.side()), from_dds(n.position()), n.parent()});
+    m.nodes.push_back({static_cast<Root>(n.side()), from_dds(n.position()), n.parent()});
   }
   return m;
 }
@@ -173,16 +173,16 @@ idl::RobotState to_dds(const RobotState& m) {
   idl::RobotState d;
   d.robot(m.robot);
   d.sequence_number(m.sequence);
-  d.stamp(m.stamp);
-  d.run(m.run);
-  d.position(to_dds(m.position));
-  d.velocity(to_dds(m.velocity));
+  d.stamp(m.promise.stamp);
+  d.run(m.run.epoch);
+  d.position(to_dds(m.promise.position));
+  d.velocity(to_dds(m.promise.velocity));
   d.radius(m.radius);
   d.max_speed(m.max_speed);
   d.max_acceleration(m.max_acceleration);
   d.phase(octet(m.phase));
   d.promise_turn(m.promise.turn);
-  d.promise_velocity(to_dds(m.promise.velocity));
+  d.promise_velocity(to_dds(m.promise.next_velocity));
   d.promise_expiry(m.promise.expiry);
   d.round_epoch(m.round.epoch);
   d.round_leader(m.round.leader);
@@ -215,14 +215,16 @@ RobotState from_dds(const idl::RobotState& d) {
     echoes.push_back({text(echo.robot()), echo.stamp(), echo.received()});
   return {.robot = text(d.robot()),
           .sequence = d.sequence_number(),
-          .stamp = d.stamp(),
-          .position = from_dds(d.position()),
-          .velocity = from_dds(d.velocity()),
+          .promise = {.stamp = d.stamp(),
+                      .position = from_dds(d.position()),
+                      .velocity = from_dds(d.velocity()),
+                      .turn = d.promise_turn(),
+                      .next_velocity = from_dds(d.promise_velocity()),
+                      .expiry = d.promise_expiry()},
           .radius = d.radius(),
           .max_speed = d.max_speed(),
           .max_acceleration = d.max_acceleration(),
           .phase = static_cast<Phase>(d.phase()),
-          .promise = {d.promise_turn(), from_dds(d.promise_velocity()), d.promise_expiry()},
           .round = {d.round_epoch(), text(d.round_leader()), from_dds(d.round_centre()), d.round_reach()},
           .stage = static_cast<Stage>(d.stage()),
           .progress = d.progress(),
@@ -235,7 +237,7 @@ RobotState from_dds(const idl::RobotState& d) {
           .wants_echo = d.wants_echo(),
           .misses = std::move(misses),
           .echoes = std::move(echoes),
-          .run = d.run()};
+          .run = {d.run()}};
 }
 
 idl::JointPlan to_dds(const JointPlanMessage& m) {
@@ -244,7 +246,7 @@ idl::JointPlan to_dds(const JointPlanMessage& m) {
   d.epoch(m.round.epoch);
   d.centre(to_dds(m.round.centre));
   d.reach(m.round.reach);
-  d.run(m.run);
+  d.run(m.run.epoch);
   for (const JointPlanMessage::Member& member : m.members) {
     idl::JointPlanMember& to = d.members().emplace_back();
     to.robot(member.robot);
@@ -264,7 +266,7 @@ JointPlanMessage from_dds(const idl::JointPlan& d) {
   JointPlanMessage m{.round = {d.epoch(), text(d.leader()), from_dds(d.centre()), d.reach()},
                      .members = {},
                      .moves = {},
-                     .run = d.run()};
+                     .run = {d.run()}};
   for (const idl::JointPlanMember& member : d.members())
     m.members.push_back({text(member.robot()), member.radius(), member.stranded()});
   // A move that claims more points than there are left gets fewer. Validation refuses a move without points.
@@ -282,13 +284,13 @@ idl::Path to_dds(const PathMessage& m) {
   idl::Path d;
   d.robot(m.robot);
   d.mission(m.mission);
-  d.run(m.run);
+  d.run(m.run.epoch);
   for (const Point2& p : m.waypoints) d.waypoints().push_back(to_dds(p));
   return d;
 }
 
 PathMessage from_dds(const idl::Path& d) {
-  PathMessage m{.robot = text(d.robot()), .mission = d.mission(), .waypoints = {}, .run = d.run()};
+  PathMessage m{.robot = text(d.robot()), .mission = d.mission(), .waypoints = {}, .run = {d.run()}};
   for (const idl::Position& p : d.waypoints()) m.waypoints.push_back(from_dds(p));
   return m;
 }
@@ -297,7 +299,7 @@ idl::Track to_dds(const TrackMessage& m) {
   idl::Track d;
   d.robot(m.robot);
   d.mission(m.mission);
-  d.run(m.run);
+  d.run(m.run.epoch);
   d.first_index(m.first_index);
   for (const TrackMessage::Point& point : m.points) {
     idl::TrackPoint& p = d.points().emplace_back();
@@ -313,7 +315,7 @@ TrackMessage from_dds(const idl::Track& d) {
                  .mission = d.mission(),
                  .first_index = d.first_index(),
                  .points = {},
-                 .run = d.run()};
+                 .run = {d.run()}};
   for (const idl::TrackPoint& p : d.points()) {
     m.points.push_back({p.time(), from_dds(p.position()), from_dds(p.velocity())});
   }
@@ -324,7 +326,7 @@ idl::AgentStatus to_dds(const AgentStatus& m) {
   idl::AgentStatus d;
   d.robot(m.robot);
   d.mission(m.mission);
-  d.run(m.run);
+  d.run(m.run.epoch);
   d.phase(octet(m.phase));
   d.reason(m.reason);
   d.mission_time(m.mission_time);
@@ -387,7 +389,7 @@ AgentStatus from_dds(const idl::AgentStatus& d) {
                    .state_age_p99 = d.state_age_p99(),
                    .state_age_max = d.state_age_max(),
                    .processor_seconds = d.processor_seconds()},
-          .run = d.run(),
+          .run = {d.run()},
           .way_left = d.way_left(),
           .wait_cause = text(d.wait_cause()),
           .came_on_at = d.came_on_at(),
@@ -428,7 +430,7 @@ idl::ServiceStatus to_dds(const ServiceStatus& m) {
   d.host(m.host);
   d.process(m.process);
   d.since(m.since);
-  d.run(m.run);
+  d.run(m.run.epoch);
   return d;
 }
 
@@ -437,7 +439,7 @@ ServiceStatus from_dds(const idl::ServiceStatus& d) {
           .host = text(d.host()),
           .process = d.process(),
           .since = d.since(),
-          .run = d.run()};
+          .run = {d.run()}};
 }
 
 idl::Claim to_dds(const Claim& m) {

@@ -100,7 +100,7 @@ template <class M>
 struct Ends {
   dds::DataWriter* writer = nullptr;
   dds::DataReader* reader = nullptr;
-  WallTime run = 0;    ///< run of the last written sample, for topics that keep all samples of a run
+  RunId run;           ///< run of the last written sample, for topics that keep all samples of a run
   std::string map_id;  ///< map of the last written sample, for topics that keep all trees of a map
 };
 

@@ -13,9 +13,11 @@
 
 #include "messages/fleet_clock.h"
 #include "motion/joint_plan.h"
+#include "motion/promise.h"
 #include "planning/geometry.h"
 #include "planning/occupancy_map.h"
 #include "planning/planner_kind.h"
+#include "planning/root.h"
 
 namespace coppice {
 
@@ -56,15 +58,12 @@ struct Mission {
   bool operator==(const Mission&) const = default;
 };
 
-/// The two root trees of a group.
-enum class Side : std::uint8_t { start, goal };
-
 /// root_nodes: agent -> broker. Nodes that joined a root tree since the last batch.
 struct RootNodes {
   RobotName robot;
   std::uint32_t mission = 0;
   struct Node {
-    Side side = Side::start;
+    Root side = Root::start;
     Point2 position = Point2::Zero();
     std::int32_t parent =
         -1;  ///< index among the root nodes that this agent sent for this mission; -1: a root
@@ -72,7 +71,7 @@ struct RootNodes {
   };
   std::uint32_t first_index = 0;  ///< of nodes[0] among all that this agent sent for this mission
   std::vector<Node> nodes;
-  WallTime run = 0;
+  RunId run;
   bool operator==(const RootNodes&) const = default;
 };
 
@@ -120,15 +119,6 @@ constexpr bool has_no_way(Phase phase) {
   return phase == Phase::no_path || phase == Phase::gave_up;
 }
 
-/// A robot binds itself to its promise (motion/promise.h). It keeps the state's velocity until `turn`. Then
-/// it moves with the velocity given here until `expiry`. From then on only its limits bound it.
-struct Promise {
-  double turn = 0;
-  Point2 velocity = Point2::Zero();
-  double expiry = 0;
-  bool operator==(const Promise&) const = default;
-};
-
 /// Whether an epoch of a round is later than the other one. Epochs wrap around (RFC 1982, serial numbers):
 /// each has a later one, also an epoch that a faulty peer made up. 0 comes before all.
 constexpr bool is_later_epoch(std::uint32_t epoch, std::uint32_t other) {
@@ -174,14 +164,11 @@ struct Echo {
 struct RobotState {
   RobotName robot;
   std::uint32_t sequence = 0;
-  double stamp = 0;
-  Point2 position = Point2::Zero();  ///< at stamp
-  Point2 velocity = Point2::Zero();  ///< from stamp on
+  Promise promise;  ///< its stamp is that of the state
   double radius = 0;
   double max_speed = 0;
   double max_acceleration = 0;
   Phase phase = Phase::waiting;
-  Promise promise;
   RoundId round;
   Stage stage = Stage::free;
   double progress = 0;  ///< metres along its moves of the joint plan, while executing
@@ -197,7 +184,7 @@ struct RobotState {
   std::vector<RobotName>
       misses{};                ///< peers that are silent here, in turn; a robot that hears them echoes them
   std::vector<Echo> echoes{};  ///< of states of other robots, in turn
-  WallTime run = 0;
+  RunId run;
   bool operator==(const RobotState&) const = default;
 };
 
@@ -213,7 +200,7 @@ struct JointPlanMessage {
   };
   std::vector<Member> members;
   std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
-  WallTime run = 0;         ///< of the leader's mission
+  RunId run;                ///< of the leader's mission
   bool operator==(const JointPlanMessage&) const = default;
 };
 
@@ -222,7 +209,7 @@ struct PathMessage {
   RobotName robot;
   std::uint32_t mission = 0;
   Path waypoints;  ///< from start to goal; empty: none
-  WallTime run = 0;
+  RunId run;
   bool operator==(const PathMessage&) const = default;
 };
 
@@ -238,7 +225,7 @@ struct TrackMessage {
   };
   std::uint32_t first_index = 0;  ///< of points[0] among all of this run: gaps show
   std::vector<Point> points;
-  WallTime run = 0;
+  RunId run;
   bool operator==(const TrackMessage&) const = default;
 };
 
@@ -279,7 +266,7 @@ struct AgentStatus {
   std::uint32_t track_points = 0;  ///< how many the agent has sent in all
   std::uint32_t rejected = 0;      ///< messages dropped as invalid
   AgentLoad load{};
-  WallTime run = 0;          ///< 0: no mission yet
+  RunId run;                 ///< 0: no mission yet
   double way_left = -1;      ///< metres along its way to its goal; below 0: it has none
   std::string wait_cause{};  ///< why it does not come on, though it has a goal to reach; empty: it does
   double came_on_at = 0;     ///< fleet time at which it last came on, or its mission came
@@ -316,7 +303,7 @@ struct ServiceStatus {
   std::string host{};
   std::uint32_t process = 0;  ///< its id there
   WallTime since = 0;         ///< it was started
-  WallTime run = 0;           ///< the run whose missions it handed out; 0: none yet
+  RunId run;                  ///< the run whose missions it handed out; 0: none yet
   bool operator==(const ServiceStatus&) const = default;
 };
 

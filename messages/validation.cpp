@@ -102,11 +102,11 @@ Problem check(const Mission& m) {
 
 Problem check(const RootNodes& m) {
   if (!named(m.robot)) return "robot name is empty, too long or not printable";
-  if (!std::isfinite(m.run)) return "run has no time";
+  if (!std::isfinite(m.run.epoch)) return "run has no time";
   for (std::size_t i = 0; i < m.nodes.size(); ++i) {
     const RootNodes::Node& node = m.nodes[i];
     if (!sane(node.position)) return "node position is not finite";
-    if (node.side > Side::goal) return "node belongs to no root tree";
+    if (node.side > Root::goal) return "node belongs to no root tree";
     const std::int64_t own = static_cast<std::int64_t>(m.first_index) + static_cast<std::int64_t>(i);
     if (node.parent < -1 || node.parent >= own) return "node's parent does not come before it";
   }
@@ -140,33 +140,35 @@ Problem check(const RobotState& m) {
   const auto echo_fine = [](const Echo& e) {
     return named(e.robot) && is_sane(e.stamp) && is_sane(e.received);
   };
-  return first_of(
-      {{named(m.robot), "robot name is empty, too long or not printable"},
-       {is_sane(m.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry), "time is not finite"},
-       {std::isfinite(m.run), "run has no time"},
-       {m.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry, "promise ends before it begins"},
-       {m.promise.expiry - m.stamp <= longest_promise, "promise is too long"},
-       {sane(m.position), "position is not finite"},
-       {is_sane_size(m.radius), "radius is out of range"},
-       {is_sane_size(m.max_speed), "speed limit is out of range"},
-       {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
-       {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
-       {sane(m.velocity) && m.velocity.norm() <= m.max_speed * 1.001, "velocity is above the limit"},
-       {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
-        "promised velocity is above the limit"},
-       {known(m.phase), "unknown phase"},
-       {m.stage <= Stage::executing, "unknown stage"},
-       {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
-        "round's epoch and leader do not agree"},
-       {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
-       {not_negative(m.progress), "progress is negative or not finite"},
-       {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
-       {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
-        "too many robots that are missed, or one whose name is empty, too long or not printable"},
-       {m.copies > 0, "it is sent less than once"},
-       {m.passed_on || !m.counts_as_failed, "it comes from a robot that counts as failed"},
-       {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
-        "too many echoes, or one without a name or a finite time"}});
+  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
+                   {is_sane(m.promise.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry),
+                    "time is not finite"},
+                   {std::isfinite(m.run.epoch), "run has no time"},
+                   {m.promise.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry,
+                    "promise ends before it begins"},
+                   {m.promise.expiry - m.promise.stamp <= longest_promise, "promise is too long"},
+                   {sane(m.promise.position), "position is not finite"},
+                   {is_sane_size(m.radius), "radius is out of range"},
+                   {is_sane_size(m.max_speed), "speed limit is out of range"},
+                   {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
+                   {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
+                   {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
+                    "velocity is above the limit"},
+                   {sane(m.promise.next_velocity) && m.promise.next_velocity.norm() <= m.max_speed * 1.001,
+                    "promised velocity is above the limit"},
+                   {known(m.phase), "unknown phase"},
+                   {m.stage <= Stage::executing, "unknown stage"},
+                   {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
+                    "round's epoch and leader do not agree"},
+                   {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
+                   {not_negative(m.progress), "progress is negative or not finite"},
+                   {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
+                   {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
+                    "too many robots that are missed, or one whose name is empty, too long or not printable"},
+                   {m.copies > 0, "it is sent less than once"},
+                   {m.passed_on || !m.counts_as_failed, "it comes from a robot that counts as failed"},
+                   {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
+                    "too many echoes, or one without a name or a finite time"}});
 }
 
 /// Asked only where the parts are fine.
@@ -187,7 +189,7 @@ Problem check(const JointPlanMessage& m) {
   Problem problem =
       first_of({{m.round.epoch > 0 && named(m.round.leader), "round has no epoch or no leader"},
                 {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
-                {std::isfinite(m.run), "run has no time"},
+                {std::isfinite(m.run.epoch), "run has no time"},
                 {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
                 {m.members.size() <= most_robots, "too many members"},
                 {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"}});
@@ -197,7 +199,7 @@ Problem check(const JointPlanMessage& m) {
 
 Problem check(const PathMessage& m) {
   return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
-                   {std::isfinite(m.run), "run has no time"},
+                   {std::isfinite(m.run.epoch), "run has no time"},
                    {std::ranges::all_of(m.waypoints, [](const Point2& p) { return sane(p); }),
                     "waypoint is not finite"}});
 }
@@ -208,7 +210,7 @@ Problem check(const TrackMessage& m) {
   };
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
-       {std::isfinite(m.run), "run has no time"},
+       {std::isfinite(m.run.epoch), "run has no time"},
        {std::ranges::all_of(m.points, fine), "point is not finite"},
        {std::ranges::is_sorted(m.points, std::less{}, &TrackMessage::Point::time), "time runs back"}});
 }
@@ -216,7 +218,7 @@ Problem check(const TrackMessage& m) {
 Problem check(const AgentStatus& m) {
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
-       {std::isfinite(m.run), "run has no time"},
+       {std::isfinite(m.run.epoch), "run has no time"},
        {known(m.phase), "unknown phase"},
        {m.reason.size() <= longest_reason && printable(m.reason), "reason is too long or not printable"},
        {is_sane(m.mission_time) && is_sane(m.path_time) && is_sane(m.arrival_time) &&
@@ -244,7 +246,7 @@ Problem check(const ServiceStatus& m) {
   return first_of({{m.service != 0, "service has no id"},
                    {named_or_empty(m.host), "host is too long or not printable"},
                    {std::isfinite(m.since) && m.since >= 0, "time since it runs is not a time"},
-                   {m.run >= 0 && m.run <= latest_run, "run is not a time"}});
+                   {m.run.epoch >= 0 && m.run.epoch <= latest_run, "run is not a time"}});
 }
 
 Problem check(const Claim& m) {

@@ -58,7 +58,7 @@ Row row_of(const SeenRobot& robot, std::optional<double> time) {
   if (time) row.wait = wait_of(robot, *time);
   if (!robot.state) return row;
   if (!time) return row;
-  row.age = std::max(0.0, *time - robot.state->stamp);
+  row.age = std::max(0.0, *time - robot.state->promise.stamp);
   row.to_go = way_left(robot, *time);
   return row;
 }
@@ -98,9 +98,9 @@ std::string line_of(const Row& row) {
   std::optional<double> y;
   std::optional<double> speed;
   if (robot.state) {
-    x = robot.state->position.x();
-    y = robot.state->position.y();
-    speed = robot.state->velocity.norm();
+    x = robot.state->promise.position.x();
+    y = robot.state->promise.position.y();
+    speed = robot.state->promise.velocity.norm();
   }
   const std::optional<double> driven =
       robot.status ? std::optional(robot.status->driven_length) : std::nullopt;

@@ -74,9 +74,11 @@ void MissedShare::on(std::uint32_t periods, std::uint32_t missed) {
 }
 
 Point2 position_at(const RobotState& state, double time) {
-  const double first = std::clamp(time, state.stamp, std::max(state.stamp, state.promise.turn));
+  const double first =
+      std::clamp(time, state.promise.stamp, std::max(state.promise.stamp, state.promise.turn));
   const double second = std::clamp(time, first, std::max(first, state.promise.expiry));
-  return state.position + (first - state.stamp) * state.velocity + (second - first) * state.promise.velocity;
+  return state.promise.position + (first - state.promise.stamp) * state.promise.velocity +
+         (second - first) * state.promise.next_velocity;
 }
 
 Phase phase_of(const SeenRobot& robot) {
@@ -173,14 +175,8 @@ void FleetView::receive(const Mission& mission, WallTime at) {
   seen->mission = mission;
 }
 
-/// Agents outlive their runs, and late readers receive an agent's last messages. Older recordings have no
-/// `run`.
-bool FleetView::is_of_earlier_run(WallTime run) const {
-  return clock_ && run != 0 && run < clock_->epoch;
-}
-
 void FleetView::receive(const RootNodes& batch, WallTime) {
-  if (is_of_earlier_run(batch.run)) return;
+  if (is_stale(batch)) return;
   const auto known = index_.find(batch.robot);
   if (!known) return;
   SeenRobot& seen = robots_[*known];
@@ -192,18 +188,18 @@ void FleetView::receive(const RootNodes& batch, WallTime) {
 }
 
 void FleetView::receive(const RobotState& state, WallTime at) {
-  if (state.passed_on || is_of_earlier_run(state.run)) return;
+  if (state.passed_on || is_stale(state)) return;
   SeenRobot* const seen = robot(state.robot);
   if (seen == nullptr) return;
   // the state is of an earlier run, or late
-  if (seen->state && seen->state->stamp > state.stamp) return;
+  if (seen->state && seen->state->promise.stamp > state.promise.stamp) return;
   seen->progress.on(state);
   seen->state = state;
   seen->heard = heard_ = at;
 }
 
 void FleetView::receive(const PathMessage& path, WallTime) {
-  if (is_of_earlier_run(path.run)) return;
+  if (is_stale(path)) return;
   SeenRobot* const seen = robot(path.robot);
   if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
   seen->path = path.waypoints;
@@ -213,7 +209,7 @@ void FleetView::receive(const PathMessage& path, WallTime) {
 }
 
 void FleetView::receive(const AgentStatus& status, WallTime at) {
-  if (is_of_earlier_run(status.run)) return;
+  if (is_stale(status)) return;
   SeenRobot* const seen = robot(status.robot);
   if (seen == nullptr) return;
   const bool arrives = status.phase == Phase::arrived && status.mission > 0;

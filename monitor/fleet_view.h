@@ -134,7 +134,10 @@ class FleetView {
   void receive(const MapMessage& map, WallTime at);
   void receive(const Mission& mission, WallTime at);
   bool is_under_way(WallTime now) const;
-  bool is_of_earlier_run(WallTime run) const;
+  template <class M>
+  bool is_stale(const M& message) const {
+    return clock_ && is_of_earlier_run(message, clock_->run());
+  }
   void receive(const RootNodes& batch, WallTime at);
   void receive(const RobotState& state, WallTime at);
   void receive(const PathMessage& path, WallTime at);

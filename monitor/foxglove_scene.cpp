@@ -132,7 +132,8 @@ struct Motion {
 
 /// The motion in Foxglove's frame.
 Motion motion_of(const RobotState& state, double time, Projection projection) {
-  const Point2 velocity = projection(time < state.promise.turn ? state.velocity : state.promise.velocity);
+  const Point2 velocity =
+      projection(time < state.promise.turn ? state.promise.velocity : state.promise.next_velocity);
   const bool moves = velocity.norm() > standing;
   return {projection(position_at(state, time)), velocity, moves ? std::atan2(velocity.y(), velocity.x()) : 0};
 }
@@ -308,9 +309,9 @@ void add_inactive_tree(fox::SceneUpdate& scene, const InactiveTreeMessage& tree,
 void add_root_trees(fox::SceneUpdate& scene, const SeenRobot& robot, std::size_t first, std::uint32_t part,
                     Projection projection, WallTime now) {
   fox::SceneEntity& entity = add_entity(scene, part_id(robot.name, part), now);
-  for (const Side side : {Side::start, Side::goal}) {
+  for (const Root side : {Root::start, Root::goal}) {
     fox::LinePrimitive& lines =
-        add_lines(entity, fox::LinePrimitive::LINE_LIST, side == Side::start ? start_colour : goal_colour,
+        add_lines(entity, fox::LinePrimitive::LINE_LIST, side == Root::start ? start_colour : goal_colour,
                   0.7, 1, projection);
     for (std::size_t k = first; k < robot.root_nodes.size(); ++k) {
       const RootNodes::Node& node = robot.root_nodes[k];

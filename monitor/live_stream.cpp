@@ -102,8 +102,8 @@ live::Figures::Point point_of(const FleetFigures& figures) {
 }
 
 Point2 velocity_at(const RobotState& state, double time) {
-  if (time < state.promise.turn) return state.velocity;
-  return time < state.promise.expiry ? state.promise.velocity : Point2(Point2::Zero());
+  if (time < state.promise.turn) return state.promise.velocity;
+  return time < state.promise.expiry ? state.promise.next_velocity : Point2(Point2::Zero());
 }
 
 void add_unheard(live::Frame& frame) {
@@ -134,10 +134,10 @@ void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot
   frame.mutable_stage()->push_back(static_cast<char>(state.stage));
   frame.add_waits_for(leader ? static_cast<std::int32_t>(*leader) : -1);
   frame.add_turn(as_float(std::max(0.0, state.promise.turn - time)));
-  frame.add_next_vx(as_float(state.promise.velocity.x()));
-  frame.add_next_vy(as_float(state.promise.velocity.y()));
+  frame.add_next_vx(as_float(state.promise.next_velocity.x()));
+  frame.add_next_vy(as_float(state.promise.next_velocity.y()));
   frame.add_expiry(as_float(std::max(0.0, state.promise.expiry - time)));
-  frame.add_age(as_float(std::max(0.0, time - state.stamp)));
+  frame.add_age(as_float(std::max(0.0, time - state.promise.stamp)));
   frame.add_to_go(as_float(way_left(robot, time).value_or(std::numeric_limits<double>::quiet_NaN())));
   frame.add_waiting(as_float(wait_of(robot, time).value_or(Wait{}).seconds));
   frame.add_idle(as_float(robot.progress.without_progress(time)));

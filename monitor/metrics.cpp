@@ -132,7 +132,7 @@ const auto& series_of_robots() {
               }},
       OfRobot{"coppice_robot_speed_meters_per_second", gauge, "Speed in the robot's last state.",
               [](const SeenRobot& robot, WallTime) {
-                return robot.state ? std::optional(robot.state->velocity.norm()) : std::nullopt;
+                return robot.state ? std::optional(robot.state->promise.velocity.norm()) : std::nullopt;
               }},
       OfRobot{"coppice_robot_arrived", gauge, "1 if the robot stands at its goal.", has_arrived},
       OfRobot{"coppice_robot_way_to_go_meters", gauge,

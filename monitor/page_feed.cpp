@@ -126,7 +126,7 @@ void PageFeed::add_root_trees(std::size_t number, const SeenRobot& robot, Batch&
     const RootNodes::Node& node = robot.root_nodes[told.root_nodes];
     if (node.parent < 0) continue;
     const Point2& parent = robot.root_nodes[static_cast<std::size_t>(node.parent)].position;
-    add_edge(node.side == Side::start ? start : goal, parent, node.position, origin_);
+    add_edge(node.side == Root::start ? start : goal, parent, node.position, origin_);
   }
   batch.add(std::move(start));
   batch.add(std::move(goal));

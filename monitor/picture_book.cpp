@@ -68,8 +68,8 @@ void PictureBook::take(const Arrival& arrival) {
   const auto* state = std::get_if<RobotState>(arrival.message.get());
   if (state == nullptr || state->passed_on) return;
   Path& way = driven_[state->robot];
-  if (way.empty() || (way.back() - state->position).norm() > fine * state->radius)
-    way.push_back(state->position);
+  if (way.empty() || (way.back() - state->promise.position).norm() > fine * state->radius)
+    way.push_back(state->promise.position);
 }
 
 PictureContent::Robot PictureBook::drawn(const SeenRobot& seen, double time) const {

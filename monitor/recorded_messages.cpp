@@ -109,7 +109,7 @@ std::optional<Message> from(const recording::Mission& m) {
 void to(const RootNodes& m, recording::RootNodes* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
-  out->set_run(m.run);
+  out->set_run(m.run.epoch);
   out->set_first_index(m.first_index);
   for (const RootNodes::Node& node : m.nodes) {
     auto* const added = out->add_nodes();
@@ -123,10 +123,10 @@ std::optional<Message> from(const recording::RootNodes& m) {
                 .mission = m.mission(),
                 .first_index = m.first_index(),
                 .nodes = {},
-                .run = m.run()};
+                .run = {m.run()}};
   for (const auto& node : m.nodes())
     all.nodes.push_back(
-        {octet<Side>(static_cast<std::uint32_t>(node.side())), from(node.position()), node.parent()});
+        {octet<Root>(static_cast<std::uint32_t>(node.side())), from(node.position()), node.parent()});
   return all;
 }
 
@@ -180,16 +180,16 @@ RoundId from(const recording::CoordinationRound& round) {
 void to(const RobotState& m, recording::RobotState* out) {
   out->set_robot(m.robot);
   out->set_sequence(m.sequence);
-  out->set_stamp(m.stamp);
-  out->set_run(m.run);
-  to(m.position, out->mutable_position());
-  to(m.velocity, out->mutable_velocity());
+  out->set_stamp(m.promise.stamp);
+  out->set_run(m.run.epoch);
+  to(m.promise.position, out->mutable_position());
+  to(m.promise.velocity, out->mutable_velocity());
   out->set_radius(m.radius);
   out->set_max_speed(m.max_speed);
   out->set_max_acceleration(m.max_acceleration);
   out->set_phase(static_cast<recording::Phase>(number(m.phase)));
   out->set_promise_turn(m.promise.turn);
-  to(m.promise.velocity, out->mutable_promise_velocity());
+  to(m.promise.next_velocity, out->mutable_promise_velocity());
   out->set_promise_expiry(m.promise.expiry);
   to(m.round, out->mutable_round());
   out->set_stage(static_cast<recording::Stage>(number(m.stage)));
@@ -212,14 +212,16 @@ void to(const RobotState& m, recording::RobotState* out) {
 std::optional<Message> from(const recording::RobotState& m) {
   RobotState state{.robot = m.robot(),
                    .sequence = m.sequence(),
-                   .stamp = m.stamp(),
-                   .position = from(m.position()),
-                   .velocity = from(m.velocity()),
+                   .promise = {.stamp = m.stamp(),
+                               .position = from(m.position()),
+                               .velocity = from(m.velocity()),
+                               .turn = m.promise_turn(),
+                               .next_velocity = from(m.promise_velocity()),
+                               .expiry = m.promise_expiry()},
                    .radius = m.radius(),
                    .max_speed = m.max_speed(),
                    .max_acceleration = m.max_acceleration(),
                    .phase = octet<Phase>(static_cast<std::uint32_t>(m.phase())),
-                   .promise = {m.promise_turn(), from(m.promise_velocity()), m.promise_expiry()},
                    .round = from(m.round()),
                    .stage = octet<Stage>(static_cast<std::uint32_t>(m.stage())),
                    .progress = m.progress(),
@@ -231,14 +233,14 @@ std::optional<Message> from(const recording::RobotState& m) {
                    .is_new = m.is_new(),
                    .wants_echo = m.wants_echo(),
                    .misses = {m.misses().begin(), m.misses().end()},
-                   .run = m.run()};
+                   .run = {m.run()}};
   for (const auto& echo : m.echoes()) state.echoes.push_back({echo.robot(), echo.stamp(), echo.received()});
   return state;
 }
 
 void to(const JointPlanMessage& m, recording::JointPlan* out) {
   to(m.round, out->mutable_round());
-  out->set_run(m.run);
+  out->set_run(m.run.epoch);
   for (const JointPlanMessage::Member& member : m.members) {
     auto* const added = out->add_members();
     added->set_robot(member.robot);
@@ -252,7 +254,7 @@ void to(const JointPlanMessage& m, recording::JointPlan* out) {
   }
 }
 std::optional<Message> from(const recording::JointPlan& m) {
-  JointPlanMessage plan{.round = from(m.round()), .members = {}, .moves = {}, .run = m.run()};
+  JointPlanMessage plan{.round = from(m.round()), .members = {}, .moves = {}, .run = {m.run()}};
   for (const auto& member : m.members())
     plan.members.push_back({member.robot(), member.radius(), member.stranded()});
   for (const auto& move : m.moves()) plan.moves.push_back({move.member(), path_in(move.path())});
@@ -262,17 +264,17 @@ std::optional<Message> from(const recording::JointPlan& m) {
 void to(const PathMessage& m, recording::Path* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
-  out->set_run(m.run);
+  out->set_run(m.run.epoch);
   for (const Point2& p : m.waypoints) to(p, out->add_waypoints());
 }
 std::optional<Message> from(const recording::Path& m) {
-  return PathMessage{m.robot(), m.mission(), path_in(m.waypoints()), m.run()};
+  return PathMessage{m.robot(), m.mission(), path_in(m.waypoints()), {m.run()}};
 }
 
 void to(const TrackMessage& m, recording::Track* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
-  out->set_run(m.run);
+  out->set_run(m.run.epoch);
   out->set_first_index(m.first_index);
   for (const TrackMessage::Point& point : m.points) {
     auto* const added = out->add_points();
@@ -286,7 +288,7 @@ std::optional<Message> from(const recording::Track& m) {
                      .mission = m.mission(),
                      .first_index = m.first_index(),
                      .points = {},
-                     .run = m.run()};
+                     .run = {m.run()}};
   for (const auto& point : m.points())
     track.points.push_back({point.time(), from(point.position()), from(point.velocity())});
   return track;
@@ -326,7 +328,7 @@ AgentLoad from(const recording::AgentStatus::Load& load) {
 void to(const AgentStatus& m, recording::AgentStatus* out) {
   out->set_robot(m.robot);
   out->set_mission(m.mission);
-  out->set_run(m.run);
+  out->set_run(m.run.epoch);
   out->set_phase(static_cast<recording::Phase>(number(m.phase)));
   out->set_reason(m.reason);
   out->set_mission_time(m.mission_time);
@@ -365,7 +367,7 @@ std::optional<Message> from(const recording::AgentStatus& m) {
                      .track_points = m.track_points(),
                      .rejected = m.rejected(),
                      .load = from(m.load()),
-                     .run = m.run(),
+                     .run = {m.run()},
                      .way_left = m.has_way_left() ? m.way_left() : AgentStatus{}.way_left,
                      .wait_cause = m.wait_cause(),
                      .came_on_at = m.came_on_at(),
@@ -420,10 +422,10 @@ void to(const ServiceStatus& m, recording::ServiceStatus* out) {
   out->set_host(m.host);
   out->set_process(m.process);
   out->set_since(m.since);
-  out->set_run(m.run);
+  out->set_run(m.run.epoch);
 }
 std::optional<Message> from(const recording::ServiceStatus& m) {
-  return ServiceStatus{m.service(), m.host(), m.process(), m.since(), m.run()};
+  return ServiceStatus{m.service(), m.host(), m.process(), m.since(), {m.run()}};
 }
 
 // --- by topic ---

@@ -23,7 +23,7 @@ void shift(BrokerStatus& status, const ReplayClock& clock) {
 Message at_present(Message message, const ReplayClock& clock) {
   std::visit(
       [&](auto& m) {
-        if constexpr (requires { m.run; }) m.run = m.run == 0 ? 0 : clock.present(m.run);
+        if constexpr (requires { m.run; }) m.run.epoch = m.run ? clock.present(m.run.epoch) : 0;
         if constexpr (requires { shift(m, clock); }) shift(m, clock);
       },
       message);

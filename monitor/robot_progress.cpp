@@ -64,23 +64,23 @@ void RobotProgress::on(const RobotState& state) {
     nearer_at_.reset();
     least_.reset();
   } else if (!nearer_at_) {
-    nearer_at_ = state.stamp;
+    nearer_at_ = state.promise.stamp;
   }
   if (!path_) return;
-  const Nearest place = nearest(*path_, state.position, along_);
+  const Nearest place = nearest(*path_, state.promise.position, along_);
   along_ = place.along;
   const double left = place.distance + path_->length() - place.along;
   if (!least_) least_ = left;
   if (left > *least_ - least_step * state.radius) return;
   least_ = left;
-  if (nearer_at_) nearer_at_ = state.stamp;
+  if (nearer_at_) nearer_at_ = state.promise.stamp;
 }
 
 void RobotProgress::note_wait(const RobotState& state) {
   if (waits(state) && has_somewhere_to_go(state.phase)) {
-    if (!waits_since_) waits_since_ = state.stamp;
+    if (!waits_since_) waits_since_ = state.promise.stamp;
   } else if (waits_since_) {
-    waited_ += std::max(0.0, state.stamp - *waits_since_);
+    waited_ += std::max(0.0, state.promise.stamp - *waits_since_);
     waits_since_.reset();
   }
 }

@@ -22,15 +22,15 @@ constexpr std::array speeds{1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03};
 
 }  // namespace
 
-Driver::Driver(const Commitment& c, double radius, const Limits& limits, double period)
-    : position_(c.position),
-      time_(c.stamp),
+Driver::Driver(const Promise& promise, double radius, const Limits& limits, double period)
+    : position_(promise.position),
+      time_(promise.stamp),
       radius_(radius),
       limits_(limits),
       period_(period),
-      velocity_(c.velocity),
-      next_velocity_(c.next_velocity) {
-  if (c.expiry > time_ + 2 * period_ + rounding) stay(c.expiry);
+      velocity_(promise.velocity),
+      next_velocity_(promise.next_velocity) {
+  if (promise.expiry > time_ + 2 * period_ + rounding) stay(promise.expiry);
 }
 
 void Driver::advance() {
@@ -44,7 +44,7 @@ void Driver::stay(double until) {
   if (stands()) stays_until_ = std::max(stays_until_, until);
 }
 
-Commitment Driver::commitment() const {
+Promise Driver::promise() const {
   return {.stamp = time_,
           .position = position_,
           .velocity = velocity_,
@@ -76,7 +76,7 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
                        obstacles);
   std::vector<HalfPlane> robots;
   for (const Neighbour& n : neighbours) {
-    const Commitment& c = n.commitment;
+    const Promise& c = n.promise;
     const bool rests = c.velocity.isZero(0) && c.next_velocity.isZero(0) && c.expiry > turn + 2 * period_;
     const bool moves = !rests;
     const Point2 position =
@@ -124,8 +124,8 @@ bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
   }
   const bool nothing_stands_there =
       safe(next_velocity_, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
-        if (!n.commitment.velocity.isZero(0) || !n.commitment.next_velocity.isZero(0)) return true;
-        n.commitment.expiry = std::numeric_limits<double>::max();
+        if (!n.promise.stands()) return true;
+        n.promise.expiry = std::numeric_limits<double>::max();
         return safe(next_velocity_, {&n, 1}, field, suspect);
       });
   next_velocity_ = braked(velocity_, limits_, period_);

@@ -10,6 +10,7 @@
 
 #include <span>
 
+#include "motion/braking_line.h"
 #include "motion/kinematics.h"
 #include "motion/promise.h"
 #include "planning/clearance_field.h"
@@ -27,7 +28,7 @@ class Driver {
       : position_(start), time_(time), radius_(radius), limits_(limits), period_(period) {}
 
   /// Continues the motion to which another driver had committed itself.
-  Driver(const Commitment& commitment, double radius, const Limits& limits, double period);
+  Driver(const Promise& promise, double radius, const Limits& limits, double period);
 
   /// Passes one period: executes the velocity that was chosen. The next velocity is that of braking, unless
   /// another one is chosen.
@@ -48,7 +49,7 @@ class Driver {
   bool bound_to_stand(int periods = 1) const { return time_ + periods * period_ + rounding < stays_until_; }
 
   /// The motion that the other robots may rely on.
-  Commitment commitment() const;
+  Promise promise() const;
 
   double time() const { return time_; }
   double period() const { return period_; }

@@ -3,155 +3,32 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/free_way.h"
-#include "motion/segments.h"
-
 namespace coppice {
 
-namespace {
-
-// Metres between two robots beyond their radii: more than all rounding between sender, bus and record.
-constexpr double margin = 0.001;
-
-/// Whether a disc that moves from a0 to a1 between the times t0 and t1 stays clear of a neighbour.
-class NeighbourRegion {
- public:
-  NeighbourRegion(const Neighbour& neighbour, double own_radius, double period)
-      : n_(neighbour),
-        period_(period),
-        reach_(own_radius + neighbour.radius + margin),
-        at_turn_(n_.commitment.position_at_turn()),
-        at_expiry_(n_.commitment.position_at_expiry()) {}
-
-  bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {
-    // The commitment bends at `turn` and ends at `expiry`: each part of the interval is checked by itself.
-    double begin = t0;
-    Point2 from = a0;
-    for (const double cut : {n_.commitment.turn, n_.commitment.expiry, t1}) {
-      const double end = std::clamp(cut, begin, t1);
-      if (end == begin) continue;
-      const Point2 to = a0 + (a1 - a0) * ((end - t0) / (t1 - t0));
-      if (!clear_part(from, to, begin, end)) return false;
-      begin = end;
-      from = to;
-    }
-    return true;
-  }
-
- private:
-  /// Metres by which a robot may be away from where its velocity would have taken it. The velocity changes at
-  /// the beginning of each period by at most the acceleration times the period, so the distance grows
-  /// linearly in between.
-  double drift_within(double seconds) const {
-    const double begun = std::floor(seconds / period_);
-    const double periods = begun * (begun + 1) / 2 + (begun + 1) * (seconds / period_ - begun);
-    return n_.limits.max_acceleration * period_ * period_ * periods;
-  }
-  bool clear_part(const Point2& a0, const Point2& a1, double t0, double t1) const {
-    const Commitment& c = n_.commitment;
-    const double e = n_.clock_error;
-    const double committed_speed = std::max(c.velocity.norm(), c.next_velocity.norm());
-    if (t1 + e <= c.expiry) {
-      const Point2 from = committed(t0);
-      // A standing neighbour may stand closer than `reach_` by rounding. The robot may then still move away.
-      const bool stands = committed_speed == 0 && !n_.doubtful;
-      const double least = stands ? std::min(reach_, (a0 - from).norm()) : reach_ + e * committed_speed;
-      return closest_approach(a0, a1, from, committed(t1)) >= least;
-    }
-    const double since = t1 + e - c.expiry;
-    // With a clock error, the neighbour may still have its old velocity around its turn.
-    const double before_turn = t0 < c.turn ? c.turn - c.stamp : std::min(e, c.turn - c.stamp);
-    const double turned = e > 0 ? before_turn * (c.next_velocity - c.velocity).norm() : 0;
-    const double drift = drift_within(since) + e * committed_speed + turned;
-    if (closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift) return true;
-    const double free_reach = n_.limits.max_speed * std::max(since, c.expiry - t0 + e);
-    return closest_approach(a0, a1, at_expiry_, at_expiry_) >= reach_ + free_reach;
-  }
-
-  Point2 committed(double t) const {
-    const Commitment& c = n_.commitment;
-    return t <= c.turn ? Point2(c.position + (t - c.stamp) * c.velocity)
-                       : Point2(at_turn_ + (t - c.turn) * c.next_velocity);
-  }
-  Point2 ballistic(double t) const {
-    return at_expiry_ + (t - n_.commitment.expiry) * n_.commitment.next_velocity;
-  }
-
-  const Neighbour& n_;
-  double period_;
-  double reach_;
-  Point2 at_turn_;
-  Point2 at_expiry_;
-};
-
-/// Metres that a neighbour may be away from its position at its stamp, until time `end`.
-double furthest_from_its_stamp(const Neighbour& n, double end) {
-  const Commitment& c = n.commitment;
-  const double committed = std::max(0.0, std::min(end, c.expiry) - c.stamp);
-  const double free = std::max(0.0, end - std::max(c.expiry, c.stamp));
-  const double pace = std::sqrt(std::max(c.velocity.squaredNorm(), c.next_velocity.squaredNorm()));
-  return pace * committed + n.limits.max_speed * (free + n.clock_error);
+Point2 rest_after(const Promise& promise, const Limits& limits, double period) {
+  const double speed = promise.next_velocity.norm();
+  if (speed == 0) return promise.position_at_expiry();
+  return promise.position_at_expiry() +
+         promise.next_velocity * (braking_distance(speed, limits, period) / speed);
 }
 
-}  // namespace
-
-Point2 rest_after(const Commitment& commitment, const Limits& limits, double period) {
-  const double speed = commitment.next_velocity.norm();
-  if (speed == 0) return commitment.position_at_expiry();
-  return commitment.position_at_expiry() +
-         commitment.next_velocity * (braking_distance(speed, limits, period) / speed);
-}
-
-std::vector<Point2> rests_after(const Commitment& commitment, const Limits& limits, double period,
-                                int unheard, double step) {
-  std::vector<Point2> rests{rest_after(commitment, limits, period)};
-  double speed = commitment.next_velocity.norm();
+std::vector<Point2> rests_after(const Promise& promise, const Limits& limits, double period, int unheard,
+                                double step) {
+  std::vector<Point2> rests{rest_after(promise, limits, period)};
+  double speed = promise.next_velocity.norm();
   if (speed == 0) return rests;
-  const Point2 heading = commitment.next_velocity / speed;
+  const Point2 heading = promise.next_velocity / speed;
   double driven = 0;
   for (int k = 0; k < unheard; ++k) {
     speed = std::min(limits.max_speed, speed + limits.max_acceleration * period);
     driven += speed * period;
   }
   const Point2 furthest =
-      commitment.position_at_expiry() + heading * (driven + braking_distance(speed, limits, period));
+      promise.position_at_expiry() + heading * (driven + braking_distance(speed, limits, period));
   const double length = (furthest - rests.front()).norm();
   const int steps = static_cast<int>(std::ceil(length / step));
   for (int k = 1; k <= steps; ++k) rests.emplace_back(rests.front() + heading * (length * k / steps));
   return rests;
-}
-
-std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
-                             const Limits& limits, double period, std::span<const Neighbour> neighbours) {
-  const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
-  const int periods = 1 + braking_periods(velocity.norm(), limits, period);
-  const double end = from + periods * period;
-  for (std::size_t i = 0; i < neighbours.size(); ++i) {
-    const Neighbour& neighbour = neighbours[i];
-    const double far = radius + neighbour.radius + margin + travel + furthest_from_its_stamp(neighbour, end);
-    if ((position - neighbour.commitment.position).squaredNorm() > far * far) continue;
-
-    const NeighbourRegion region(neighbour, radius, period);
-    Point2 here = position;
-    Point2 v = velocity;
-    double t = from;
-    for (int k = 0; k < periods; ++k) {
-      const Point2 next = here + period * v;
-      if (!region.clear(here, next, t, t + period)) return i;
-      here = next;
-      t += period;
-      v = braked(v, limits, period);
-    }
-  }
-  return neighbours.size();
-}
-
-bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,
-                        double period, const ClearanceField& field) {
-  const double speed = velocity.norm();
-  if (speed == 0) return true;
-  const double travel = speed * period + braking_distance(speed, limits, period);
-  return way_free(field, position, position + velocity * (travel / speed), radius);
 }
 
 }  // namespace coppice

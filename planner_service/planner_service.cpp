@@ -41,9 +41,9 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
       goals_(scenario_, settings_.margin),
       phase_(WaitingForTrees{now}) {}
 
-std::optional<WallTime> PlannerService::run() const {
+std::optional<RunId> PlannerService::run() const {
   const FleetClock* const clock = clock_of(phase_);
-  return clock == nullptr ? std::nullopt : std::optional(clock->epoch);
+  return clock == nullptr ? std::nullopt : std::optional(clock->run());
 }
 
 void PlannerService::interrupt() {
@@ -63,16 +63,18 @@ void PlannerService::on(const Arrival& arrival) {
       *arrival.message);
 }
 
-/// Agents outlive the service that they drove for, and tell the next service what they said last.
-bool PlannerService::is_this_run(WallTime run) const {
-  const FleetClock* const clock = clock_of(phase_);
-  return clock != nullptr && run == clock->epoch;
+/// Null: the message is not of the present run.
+template <class M>
+RobotRecord* PlannerService::find_in_run(const M& message) {
+  const std::optional<RunId> present = run();
+  return present && is_of_run(message, *present) ? robots_.find(message.robot) : nullptr;
 }
 
 /// Null: the message is not of the robot's present mission.
-RobotRecord* PlannerService::find_in_mission(const RobotName& name, WallTime run, std::uint32_t mission) {
-  RobotRecord* const robot = robots_.find(name);
-  return robot != nullptr && is_this_run(run) && mission == robot->mission ? robot : nullptr;
+template <class M>
+RobotRecord* PlannerService::find_in_mission(const M& message) {
+  RobotRecord* const robot = find_in_run(message);
+  return robot != nullptr && message.mission == robot->mission ? robot : nullptr;
 }
 
 void PlannerService::receive(const AgentStatus& status, WallTime now) {
@@ -81,8 +83,7 @@ void PlannerService::receive(const AgentStatus& status, WallTime now) {
   liveliness_.heard(known->index, now);
   known->trees_received = status.trees_received;
   if (std::holds_alternative<WaitingForTrees>(phase_)) step_at_once();
-  if (RobotRecord* const robot = find_in_mission(status.robot, status.run, status.mission))
-    robot->update(status, has_ended(phase_));
+  if (RobotRecord* const robot = find_in_mission(status)) robot->update(status, has_ended(phase_));
 }
 
 void PlannerService::receive(const BrokerStatus& status, WallTime) {
@@ -94,12 +95,12 @@ void PlannerService::receive(const BrokerStatus& status, WallTime) {
 }
 
 void PlannerService::receive(const PathMessage& path, WallTime) {
-  if (RobotRecord* const robot = find_in_mission(path.robot, path.run, path.mission)) robot->update(path);
+  if (RobotRecord* const robot = find_in_mission(path)) robot->update(path);
 }
 
 void PlannerService::receive(const TrackMessage& batch, WallTime now) {
-  RobotRecord* const known = robots_.find(batch.robot);
-  if (known == nullptr || !is_this_run(batch.run)) return;
+  RobotRecord* const known = find_in_run(batch);
+  if (known == nullptr) return;
   const std::size_t robot = known->index;
   // The report looks at each second between the first point and the last. A clock that is wrong by more than
   // `largest_clock_error` would make that too many.
@@ -122,7 +123,7 @@ void PlannerService::receive(const TrackMessage& batch, WallTime now) {
 }
 
 void PlannerService::receive(const RootNodes& batch, WallTime) {
-  if (RobotRecord* const robot = find_in_mission(batch.robot, batch.run, batch.mission)) robot->add(batch);
+  if (RobotRecord* const robot = find_in_mission(batch)) robot->add(batch);
 }
 
 void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {

@@ -70,7 +70,7 @@ class PlannerService {
   WallTime next_wake() const { return next_wake_; }
 
   /// The run whose missions it has published, by the epoch of its clock; none yet.
-  std::optional<WallTime> run() const;
+  std::optional<RunId> run() const;
 
   /// Ends the run early, as Ctrl-C does. A run that has not begun is nothing that the agents need to hear of:
   /// they may drive for another service.
@@ -100,8 +100,10 @@ class PlannerService {
   void receive(const TrackMessage& batch, WallTime now);
   void receive(const RootNodes& batch, WallTime now);
   void receive(const InactiveTreeMessage& tree, WallTime now);
-  RobotRecord* find_in_mission(const RobotName& name, WallTime run, std::uint32_t mission);
-  bool is_this_run(WallTime run) const;
+  template <class M>
+  RobotRecord* find_in_run(const M& message);
+  template <class M>
+  RobotRecord* find_in_mission(const M& message);
 
   // The service publishes messages.
   MapMessage map() const;

@@ -15,7 +15,7 @@ void RunKeeper::recall(std::span<const Message> saved) {
 
 Keep RunKeeper::heard(const Message& message) {
   if (const auto* path = std::get_if<PathMessage>(&message))
-    return path->run == run_ ? Keep::append : Keep::nothing;
+    return is_of_run(*path, run_) ? Keep::append : Keep::nothing;
   if (const auto* track = std::get_if<TrackMessage>(&message)) return choose(*track);
   if (const auto* status = std::get_if<AgentStatus>(&message)) return choose(*status);
   return Keep::nothing;
@@ -24,7 +24,7 @@ Keep RunKeeper::heard(const Message& message) {
 /// An agent that was restarted sends all of its track again, and nothing of it is saved twice. Without its
 /// saved state it begins another track. Then its robot is stopped, and a restarted service needs the reason.
 Keep RunKeeper::choose(const TrackMessage& track) {
-  if (track.run != run_ || track.points.empty()) return Keep::nothing;
+  if (!is_of_run(track, run_) || track.points.empty()) return Keep::nothing;
   const double begins = track.points.front().time;
   const auto [entry, fresh] = tracks_.try_emplace(track.robot, KnownTrack{0, begins});
   KnownTrack& known = entry->second;
@@ -35,7 +35,7 @@ Keep RunKeeper::choose(const TrackMessage& track) {
 }
 
 Keep RunKeeper::choose(const AgentStatus& status) {
-  if (status.run != run_ || status.mission == 0) return Keep::nothing;
+  if (!is_of_run(status, run_) || status.mission == 0) return Keep::nothing;
   const auto [known, fresh] = statuses_.try_emplace(status.robot, status);
   if (!fresh && same_progress(known->second, status)) return Keep::nothing;
   known->second = status;
@@ -45,7 +45,7 @@ Keep RunKeeper::choose(const AgentStatus& status) {
 Keep RunKeeper::said(const Message& message) {
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr) return Keep::nothing;
-  run_ = mission->clock.epoch;
+  run_ = mission->clock.run();
   return Keep::append;
 }
 

@@ -27,7 +27,7 @@ class RunKeeper {
   Keep choose(const TrackMessage& track);
   Keep choose(const AgentStatus& status);
 
-  WallTime run_ = 0;  ///< the run of the missions; 0: none were published
+  RunId run_;  ///< the run of the missions; none before the first one
   std::map<RobotName, AgentStatus> statuses_;
   std::map<RobotName, KnownTrack> tracks_;
 };

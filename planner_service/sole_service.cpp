@@ -17,15 +17,15 @@ constexpr std::size_t most_others = 1000;
 
 /// `one` has precedence over `other`.
 bool outranks(const ServiceStatus& one, const ServiceStatus& other) {
-  const auto rank = [](const ServiceStatus& s) { return std::tuple(-s.run, s.since, s.service); };
+  const auto rank = [](const ServiceStatus& s) { return std::tuple(-s.run.epoch, s.since, s.service); };
   return rank(one) < rank(other);
 }
 
 }  // namespace
 
 std::string description_of(const ServiceStatus& s, WallTime now) {
-  const std::string run = s.run > 0 ? fmt::format("its run began {:.0f} s ago", std::max(0.0, now - s.run))
-                                    : "it has begun no run yet";
+  const std::string run = s.run ? fmt::format("its run began {:.0f} s ago", std::max(0.0, now - s.run.epoch))
+                                : "it has begun no run yet";
   return fmt::format("process {} on host {} ({})", s.process, s.host, run);
 }
 
@@ -44,11 +44,11 @@ void SoleService::receive(const ServiceStatus& other, WallTime now) {
 
 /// An agent that was stopped takes part in no run any more.
 void SoleService::receive(const AgentStatus& status, WallTime) {
-  const bool drives = status.run != 0 && status.phase != Phase::stopped;
-  if (drives && status.run != self_.run) agents_have_another_run_ = true;
+  const bool drives = status.run && status.phase != Phase::stopped;
+  if (drives && !is_of_run(status, self_.run)) agents_have_another_run_ = true;
 }
 
-void SoleService::begin(WallTime run) {
+void SoleService::begin(RunId run) {
   if (self_.run == run) return;
   self_.run = run;
   next_wake_ = 0;

@@ -29,7 +29,7 @@ class SoleService {
 
   void on(const Arrival& arrival);
   /// This service has published the missions of that run.
-  void begin(WallTime run);
+  void begin(RunId run);
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 

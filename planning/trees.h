@@ -16,18 +16,12 @@
 
 #include "planning/geometry.h"
 #include "planning/neighbour_grid.h"
+#include "planning/root.h"
 
 namespace coppice {
 
 using TreeIndex = std::uint32_t;
 using GroupIndex = std::uint32_t;
-
-/// The two ends of a group's problem. Each is the root of one of its trees.
-enum class Root : std::uint8_t { start, goal };
-
-constexpr Root partner_of(Root side) {
-  return side == Root::start ? Root::goal : Root::start;
-}
 
 enum class TreeKind : std::uint8_t {
   active,    ///< disjointed, still grows

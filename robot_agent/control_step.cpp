@@ -87,7 +87,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
   speak(now, heartbeat, out);
   if (heartbeat) relay_states(now, out);
   if (auto plan = round_.take_own_plan()) {
-    plan->run = mission_.clock.epoch;
+    plan->run = mission_.clock.run();
     out.emplace_back(*std::move(plan));
   }
   timing_.periods_expected = periods_to_next_control();
@@ -256,7 +256,7 @@ void Run::execute_plan(double now, std::span<const Neighbour> neighbours) {
   } else if (!body_.bound_to_stand()) {
     round_.led_past(body_.follow(wanted, neighbours, map_->field));
     // Several robots may keep clear of each other's next moves: one of them must go.
-    if (body_.commitment().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
+    if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
     const bool held_up = now - last_executed_ > waiting_lease;
     if (held_up && round_.gives_way(self(), fleet_, now)) {
       body_.follow(Point2::Zero(), neighbours, map_->field);

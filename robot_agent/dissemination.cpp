@@ -164,12 +164,12 @@ std::vector<RobotName> Dissemination::next_missing() {
 std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, std::uint32_t tick) {
   std::vector<Echo> echoes;
   const auto echo_of = [&](const Peer& p) {
-    return Echo{p.robot, p.state->stamp, own_.clock().fleet_time(p.heard_at)};
+    return Echo{p.robot, p.state->promise.stamp, own_.clock().fleet_time(p.heard_at)};
   };
   const auto add = [&](Peer& p) {
     if (echoes.empty())
       echoes.reserve(Timing::echoes_a_state);  // most states have none, and are kept for long
-    p.echo_sent = p.state->stamp;
+    p.echo_sent = p.state->promise.stamp;
     p.exchange.asks = false;
     echoes.push_back(echo_of(p));
   };
@@ -180,7 +180,7 @@ std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, s
     Peer& p = *addressed[(tick + k) % addressed.size()];
     if (!p.state) continue;
     const bool in_time =
-        p.exchange.interval < Timing::rare || p.state->stamp - p.echo_sent < Timing::between_echoes;
+        p.exchange.interval < Timing::rare || p.state->promise.stamp - p.echo_sent < Timing::between_echoes;
     if (in_time && is_synchronised(p) && !p.exchange.asks) continue;
     add(p);
     if (p.clock.known() && !is_synchronised(p)) ++p.exchange.handshakes;
@@ -189,7 +189,7 @@ std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, s
   for (std::size_t k = 0; all_news && k < peers_.size() && echoes.size() < most_news; ++k) {
     next_echo_ = next_echo_ + 1 < peers_.size() ? next_echo_ + 1 : 0;
     Peer& p = peers_[next_echo_];
-    if (p.state && p.echo_sent != p.state->stamp) add(p);
+    if (p.state && p.echo_sent != p.state->promise.stamp) add(p);
   }
   return echoes;
 }
@@ -230,11 +230,11 @@ std::vector<RobotState> Dissemination::states_of_silent_peers(double now) const 
     } else {
       const Mission& m = *p.mission;
       states.push_back({.robot = p.robot,
-                        .position = p.place,
+                        .promise = {.position = p.place},
                         .radius = m.radius,
                         .max_speed = m.max_speed,
                         .max_acceleration = m.max_acceleration,
-                        .run = own_.clock().epoch});
+                        .run = own_.clock().run()});
     }
     states.back().passed_on = true;
     states.back().counts_as_failed = std::holds_alternative<liveness::Failed>(p.liveness);

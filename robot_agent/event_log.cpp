@@ -40,7 +40,7 @@ void EventLog::say_path(const PathMessage& path, std::vector<Line>& lines) {
 }
 
 void EventLog::say_status(const AgentStatus& status, WallTime now, std::vector<Line>& lines) {
-  const bool is_new = !last_ || last_->run != status.run || last_->mission != status.mission;
+  const bool is_new = !last_ || !is_of_run(status, last_->run) || last_->mission != status.mission;
   if (is_new && status.mission > 0) {
     say_mission(status, lines);
     path_length_ = 0;
@@ -48,14 +48,14 @@ void EventLog::say_status(const AgentStatus& status, WallTime now, std::vector<L
   }
   const bool same = !is_new && last_->phase == status.phase && last_->reason == status.reason;
   if (!same) say_phase(status, lines);
-  const bool is_of_run = mission_ && mission_->clock.epoch == status.run;
-  if (is_of_run) say_wait(status, mission_->clock.fleet_time(now), lines);
+  if (mission_ && is_of_run(status, mission_->clock.run()))
+    say_wait(status, mission_->clock.fleet_time(now), lines);
   say_missed_periods(status.load, now, lines);
   last_ = status;
 }
 
 void EventLog::say_mission(const AgentStatus& status, std::vector<Line>& lines) const {
-  if (!mission_ || mission_->number != status.mission || mission_->clock.epoch != status.run) return;
+  if (!mission_ || mission_->number != status.mission || !is_of_run(status, mission_->clock.run())) return;
   const Mission& m = *mission_;
   lines.push_back(
       {false,

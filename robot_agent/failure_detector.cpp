@@ -21,8 +21,8 @@ double lost_over(int interval) {
 
 /// Seconds from this state until the robot stands, if it decides nothing more.
 double time_to_rest(const RobotState& s) {
-  const int periods = braking_periods(s.promise.velocity.norm(), limits_of(s), control_period);
-  return s.promise.expiry - s.stamp + periods * control_period;
+  const int periods = braking_periods(s.promise.next_velocity.norm(), limits_of(s), control_period);
+  return s.promise.expiry - s.promise.stamp + periods * control_period;
 }
 
 }  // namespace
@@ -54,10 +54,10 @@ void FailureDetector::hear_of_missing(const RobotState& state, const Peer& telle
     if (!known) continue;
     Peer& p = peers_[*known];
     HeardElsewhere& elsewhere = p.elsewhere;
-    const double newest = p.state ? std::max(elsewhere.stamp, p.state->stamp) : elsewhere.stamp;
+    const double newest = p.state ? std::max(elsewhere.stamp, p.state->promise.stamp) : elsewhere.stamp;
     if (echo.stamp <= newest || own_.is_from_the_future(echo.stamp, p, now)) continue;
     elsewhere.stamp = echo.stamp;
-    const double between = (p.place - state.position).norm() - p.radius - state.radius;
+    const double between = (p.place - state.promise.position).norm() - p.radius - state.radius;
     const int interval = std::max({own_.interval_from(p), own_.interval_from(teller),
                                    send_interval(between, p.max_speed + state.max_speed)});
     elsewhere.holds_until =
@@ -89,7 +89,7 @@ bool FailureDetector::hear(Peer& p, const RobotState& state, double now) {
 
 /// A newer state than the last one that came here.
 bool FailureDetector::heard_elsewhere(const Peer& p, double now) const {
-  return now < p.elsewhere.holds_until && (!p.state || p.elsewhere.stamp > p.state->stamp);
+  return now < p.elsewhere.holds_until && (!p.state || p.elsewhere.stamp > p.state->promise.stamp);
 }
 
 /// For so long nothing needs to come from a peer, because of how far away it is.
@@ -200,7 +200,7 @@ bool FailureDetector::silent_alone(const Peer& lost, double now) const {
 /// Seconds, at most, since the peer said what was last heard of it, here or elsewhere.
 double FailureDetector::age_of_last_sign(const Peer& p, double now) const {
   if (!p.clock.known()) return own_.since(p.heard_at, now);
-  return now - std::max(p.state->stamp, p.elsewhere.stamp) - p.clock.estimate() + p.clock.error(now);
+  return now - std::max(p.state->promise.stamp, p.elsewhere.stamp) - p.clock.estimate() + p.clock.error(now);
 }
 
 /// The first who told of these peers waited for them as long as it takes.

@@ -11,7 +11,7 @@ namespace coppice {
 
 namespace {
 
-Commitment standing_for_ever_at(const Point2& position) {
+Promise standing_for_ever_at(const Point2& position) {
   return {.position = position, .expiry = std::numeric_limits<double>::max()};
 }
 
@@ -59,7 +59,7 @@ void Fleet::forget_other_runs() {
   detector_.forget_peers();
   all_known_ = false;
   for (Peer& p : peers_.take_all()) {
-    if (!p.state || p.state->run != own_.clock().epoch) continue;
+    if (!p.state || !is_of_run(*p.state, own_.clock().run())) continue;
     p.clock = {};
     p.exchange.handshakes = 0;
     detector_.keep(p);
@@ -69,9 +69,9 @@ void Fleet::forget_other_runs() {
 }
 
 inline void Fleet::compare_clocks(const RobotState& state, Peer& p, double now) {
-  p.clock.hear(state.stamp, now);
+  p.clock.hear(state.promise.stamp, now);
   // Nearly all echoes tell nothing new. But a clock that was set shows in states that seem late.
-  const bool prompt = now - state.stamp < p.clock.estimate() + Timing::prompt_sample;
+  const bool prompt = now - state.promise.stamp < p.clock.estimate() + Timing::prompt_sample;
   const bool known = p.clock.error(now) < Timing::good_clock && prompt && echoed(now);
   if (!known) detector_.hear_own_echoes(state, p.clock, now);
 }
@@ -81,7 +81,7 @@ inline void Fleet::take_up(std::shared_ptr<const RobotState>&& state, std::size_
   if (detector_.hear(p, *state, now)) all_known_ = false;
   if (state->is_new) p.exchange.handshakes = 0;
   p.state = std::move(state);
-  p.place = p.state->position;
+  p.place = p.state->promise.position;
   p.radius = p.state->radius;
   p.max_speed = p.state->max_speed;
   dissemination_.hear(number, now);
@@ -91,7 +91,7 @@ inline void Fleet::take_up(std::shared_ptr<const RobotState>&& state, std::size_
 bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (state->robot == own_.name || !peers_.has_room_for(state->robot)) return false;
   // Its times would be those of the run before.
-  if (own_.run_clock && state->run != own_.run_clock->epoch) return false;
+  if (own_.run_clock && !is_of_run(*state, own_.run_clock->run())) return false;
   Peer& p = peer(state->robot);
   const double now = own_.clock().fleet_time(arrived);
   if (state->passed_on && is_untrustworthy(*state, p, now)) return false;
@@ -100,8 +100,8 @@ bool Fleet::hear(std::shared_ptr<const RobotState> state, WallTime arrived) {
   if (detector_.somebody_missing()) detector_.hear_of_missing(*state, p, now);
   if (state->copy == 0 && !state->passed_on) dissemination_.count_loss(p, state->sequence);
   // Best effort may reorder. A robot that was restarted begins its count anew, with a later stamp.
-  if (p.state && state->stamp <= p.state->stamp) {
-    if (state->stamp == p.state->stamp && state->passed_on) detector_.hear_relay(p, arrived);
+  if (p.state && state->promise.stamp <= p.state->promise.stamp) {
+    if (state->promise.stamp == p.state->promise.stamp && state->passed_on) detector_.hear_relay(p, arrived);
     return false;
   }
   take_up(std::move(state), peers_.number_of(p), now);
@@ -133,7 +133,7 @@ void Fleet::wake(double now) {
 /// It came while the process slept, and was read only afterwards. What others say of a failed peer holds.
 bool Fleet::is_overslept(const RobotState& state, const Peer& p) const {
   return own_.woke_at && !state.counts_as_failed && p.clock.known() &&
-         state.stamp + p.clock.estimate() + p.clock.error(*own_.woke_at) < *own_.woke_at;
+         state.promise.stamp + p.clock.estimate() + p.clock.error(*own_.woke_at) < *own_.woke_at;
 }
 
 void Fleet::expect(const RobotName& robot) const {
@@ -150,7 +150,8 @@ bool Fleet::is_untrustworthy(const RobotState& relayed, const Peer& p, double no
   if (!own_.run_clock) return false;
   const bool is_heard =
       p.alive() && !p.state->passed_on && own_.since(p.heard_at, now) < Timing::relay_from * own_.second();
-  return own_.is_from_the_future(relayed.stamp, p, now) || (is_heard && relayed.stamp > p.state->stamp);
+  return own_.is_from_the_future(relayed.promise.stamp, p, now) ||
+         (is_heard && relayed.promise.stamp > p.state->promise.stamp);
 }
 
 void Fleet::detect_failures(double now, const Point2& position, const RoundId& waits_in,
@@ -178,7 +179,7 @@ void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
       near.push_back({standing_for_ever_at(rest), std::clamp(room, p.radius, covers), limits});
     }
   } else if (p.state) {
-    near.push_back({commitment_of(*p.state, p.clock.estimate()), p.radius, limits, p.clock.error(now)});
+    near.push_back({p.state->promise.shifted_by(p.clock.estimate()), p.radius, limits, p.clock.error(now)});
   } else {  // it stands where its mission begins
     near.push_back({standing_for_ever_at(p.place), p.radius, limits});
   }
@@ -197,15 +198,15 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
     const Peer& p = peers_[k];
     if (p.alive()) {
       const RobotState& s = *p.state;
-      const double age = now - s.stamp - p.clock.estimate() + p.clock.error(now);
-      const double braking = s.promise.expiry - s.stamp + s.max_speed / s.max_acceleration;
+      const double age = now - s.promise.stamp - p.clock.estimate() + p.clock.error(now);
+      const double braking = s.promise.expiry - s.promise.stamp + s.max_speed / s.max_acceleration;
       const double far = reach + s.radius + s.max_speed * (age + std::max(horizon, braking));
-      const double distance = (s.position - position).norm();
+      const double distance = (s.promise.position - position).norm();
       if (distance > far) {
         peers_.away_until[k] = now + (distance - far) / own_.closing_speed(p);
         continue;
       }
-      if (p.clock.known() && may_be_touched_soon(p)) ages.add(now - s.stamp - p.clock.estimate());
+      if (p.clock.known() && may_be_touched_soon(p)) ages.add(now - s.promise.stamp - p.clock.estimate());
     }
     add_neighbours(p, position, now, near);
   }
@@ -222,25 +223,26 @@ FleetMember Fleet::member(const Peer& p) const {
             .round = {}};
   }
   const RobotState& s = *p.state;
-  const bool stands = s.velocity.isZero(0) && s.promise.velocity.isZero(0);
+  const bool stands = s.promise.stands();
   const Mission* const mission = p.failed() ? nullptr : p.mission.get();
   const bool has_given_up = has_no_way(s.phase);
-  return {.robot = p.robot,
-          .position = p.place,
-          .velocity = p.failed() ? Point2::Zero() : s.velocity,
-          .goal = has_given_up ? std::nullopt : std::optional(mission ? mission->goal : p.place),
-          .arrives_within = mission ? arrives_within(*mission) : 0,
-          .wants_to_stay = !wants_to_go_on(s.phase),
-          .radius = s.radius,
-          .max_speed = s.max_speed,
-          .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.stamp + p.clock.estimate(),
-          .stands = stands,
-          .failed = p.failed(),
-          .takes_no_part =
-              s.phase == Phase::stopped || ((s.is_new || p.exchange.misses_somebody) && has_given_up),
-          .round = s.round,
-          .stage = s.stage,
-          .progress = s.progress};
+  return {
+      .robot = p.robot,
+      .position = p.place,
+      .velocity = p.failed() ? Point2::Zero() : s.promise.velocity,
+      .goal = has_given_up ? std::nullopt : std::optional(mission ? mission->goal : p.place),
+      .arrives_within = mission ? arrives_within(*mission) : 0,
+      .wants_to_stay = !wants_to_go_on(s.phase),
+      .radius = s.radius,
+      .max_speed = s.max_speed,
+      .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.promise.stamp + p.clock.estimate(),
+      .stands = stands,
+      .failed = p.failed(),
+      .takes_no_part =
+          s.phase == Phase::stopped || ((s.is_new || p.exchange.misses_somebody) && has_given_up),
+      .round = s.round,
+      .stage = s.stage,
+      .progress = s.progress};
 }
 
 std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) const {

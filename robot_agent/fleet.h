@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "messages/messages.h"
-#include "motion/promise.h"
+#include "motion/braking_line.h"
 #include "motion/segments.h"
 #include "planning/clearance_field.h"
 #include "robot_agent/age_count.h"

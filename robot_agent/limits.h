@@ -2,7 +2,7 @@
 #pragma once
 
 #include "messages/messages.h"
-#include "motion/promise.h"
+#include "motion/kinematics.h"
 
 namespace coppice {
 
@@ -17,16 +17,6 @@ inline Limits limits_of(const RobotState& state) {
 /// knows the position less exactly agrees.
 inline double arrives_within(const Mission& mission) {
   return mission.goal_tolerance / 2;
-}
-
-/// `clock_offset`: own clock minus the sender's, seconds.
-inline Commitment commitment_of(const RobotState& s, double clock_offset) {
-  return {.stamp = s.stamp + clock_offset,
-          .position = s.position,
-          .velocity = s.velocity,
-          .turn = s.promise.turn + clock_offset,
-          .next_velocity = s.promise.velocity,
-          .expiry = s.promise.expiry + clock_offset};
 }
 
 }  // namespace coppice

@@ -109,10 +109,10 @@ std::optional<RootNodes> PathFinder::take_root_nodes() {
                   .mission = mission_.number,
                   .first_index = sent_,
                   .nodes = {},
-                  .run = mission_.clock.epoch};
+                  .run = mission_.clock.run()};
   for (const NodeId n : fresh) {
     const Trees<2>& trees = planner_.trees();
-    const Side side = trees.tree(trees.tree_of(n)).side == Root::start ? Side::start : Side::goal;
+    const Root side = trees.tree(trees.tree_of(n)).side;
     const auto parent = sent_index_.find(trees.parent(n));
     batch.nodes.push_back({side, trees.position(n), parent == sent_index_.end() ? -1 : parent->second});
     sent_index_.emplace(n, static_cast<std::int32_t>(sent_++));

@@ -69,7 +69,7 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
     return;
   }
   const bool of_another_run = fleet_->run() && *fleet_->run() != mission.clock;
-  if (of_another_run && passes_over(mission, fleet_->run()->epoch, fleet_->own_mission())) return;
+  if (of_another_run && passes_over(mission, fleet_->run()->run(), fleet_->own_mission())) return;
   if (of_another_run) begin_run();
   if (!run_heard_at_) run_heard_at_ = arrived;
   fleet_->hear(mission.robot == process_->name ? as_reference(mission) : mission, arrived);

@@ -102,7 +102,7 @@ void Run::begin(const Mission& mission, double now) {
                         .mission = mission.number,
                         .reason = {},
                         .mission_time = now,
-                        .run = mission.clock.epoch,
+                        .run = mission.clock.run(),
                         .came_on_at = now};
   mission_ = mission;
   startup_since_ = now;
@@ -151,7 +151,7 @@ void Run::stop(const std::string& reason) {
 
 void Run::hear(std::shared_ptr<const JointPlanMessage> plan) {
   // A plan of an earlier run is of robots elsewhere: its leader's writer still sends it to late readers.
-  if (takes_part() && plan->run == mission_.clock.epoch) round_.hear(std::move(plan));
+  if (takes_part() && is_of_run(*plan, mission_.clock.run())) round_.hear(std::move(plan));
 }
 
 void Run::hear(const InactiveTreeMessage& tree) {

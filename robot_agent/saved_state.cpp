@@ -40,9 +40,9 @@ void SavedStateBuilder::receive(const RobotState& state) {
   } else if (state.robot != mission_->robot) {
     silent_.erase(state.robot);
   } else {
-    const Driver body(commitment_of(state, 0), state.radius, limits_of(state), control_period);
+    const Driver body(state.promise, state.radius, limits_of(state), control_period);
     if (!saved_) saved_ = SavedState{.mission = *mission_, .body = body};
-    drive_on(saved_->body, state.stamp, *saved_);
+    drive_on(saved_->body, state.promise.stamp, *saved_);
     saved_->body = body;
     saved_->sequence = state.sequence;
     // A process that was started anew has left its predecessor's part in a round, and has not told the
@@ -83,9 +83,9 @@ bool is_of_run(const std::optional<SavedState>& saved, const Mission& mission) {
   return saved && saved->mission.clock == mission.clock && saved->mission.map_id == mission.map_id;
 }
 
-bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own) {
-  const bool is_over = own && own->clock.epoch == epoch && own->cancelled;
-  return mission.clock.epoch < epoch && (mission.cancelled || !is_over);
+bool passes_over(const Mission& mission, const RunId& run, const std::optional<Mission>& own) {
+  const bool is_over = own && own->clock.run() == run && own->cancelled;
+  return mission.clock.run() < run && (mission.cancelled || !is_over);
 }
 
 void StateKeeper::restore(std::span<const Message> kept) {
@@ -99,7 +99,7 @@ void StateKeeper::restore(std::span<const Message> kept) {
 /// A peer that is heard again is not where it fell silent. False if the peer was not silent.
 bool StateKeeper::end_silence(const RobotState& state) {
   const auto silent = passed_on_.find(state.robot);
-  if (silent == passed_on_.end() || state.passed_on || state.stamp <= silent->second) return false;
+  if (silent == passed_on_.end() || state.passed_on || state.promise.stamp <= silent->second) return false;
   passed_on_.erase(silent);
   return true;
 }
@@ -111,7 +111,7 @@ Keep StateKeeper::heard(const Message& message) {
   if (mission == nullptr) return Keep::nothing;
   // The agent does not ignore a run that is earlier than the run of the journal.
   if (run_ && passes_over(*mission, *run_, mission_)) return Keep::nothing;
-  run_ = mission->clock.epoch;
+  run_ = mission->clock.run();
   if (mission->robot != robot_ || mission_ == *mission) return Keep::nothing;
   const bool same_run = mission_ && mission_->clock == mission->clock;
   mission_ = *mission;
@@ -122,14 +122,14 @@ Keep StateKeeper::heard(const Message& message) {
 
 Keep StateKeeper::said(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && state->passed_on) {
-    const auto [known, first] = passed_on_.try_emplace(state->robot, state->stamp);
-    if (!first && known->second >= state->stamp) return Keep::nothing;
-    known->second = state->stamp;
+    const auto [known, first] = passed_on_.try_emplace(state->robot, state->promise.stamp);
+    if (!first && known->second >= state->promise.stamp) return Keep::nothing;
+    known->second = state->promise.stamp;
     return Keep::append;
   }
   if (const auto* state = std::get_if<RobotState>(&message)) {
     const bool news = state->robot == robot_ && state->copy == 0 && !stands_for_good_;
-    const bool stands = state->velocity.isZero(0) && state->promise.velocity.isZero(0);
+    const bool stands = state->promise.stands();
     stands_for_good_ = stands_for_good_ || (news && stands && mission_ && mission_->cancelled);
     return news ? Keep::append : Keep::nothing;
   }

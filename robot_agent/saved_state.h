@@ -62,7 +62,7 @@ bool is_of_run(const std::optional<SavedState>& saved, const Mission& mission);
 /// Whether an agent ignores a mission. The agent serves the newest run that it has heard of, with `epoch`. A
 /// run that began earlier, because its service's clock is behind, comes next if the agent's own part in the
 /// newest run is over. `own`: the agent's mission, of whichever run.
-bool passes_over(const Mission& mission, WallTime epoch, const std::optional<Mission>& own);
+bool passes_over(const Mission& mission, const RunId& run, const std::optional<Mission>& own);
 
 /// Chooses which messages to keep.
 class StateKeeper {
@@ -80,7 +80,7 @@ class StateKeeper {
 
   RobotName robot_;
   bool leads_;
-  std::optional<WallTime> run_;  ///< epoch of the run that the agent serves, as far as this process knows
+  std::optional<RunId> run_;  ///< the run that the agent serves, as far as this process knows
   std::optional<Mission> mission_;
   std::optional<AgentStatus> status_;
   bool stands_for_good_ = false;           ///< its mission is cancelled, and a state where it stands was kept

@@ -43,18 +43,14 @@ void Run::relay_states(double now, std::vector<Outgoing>& out) {
 }
 
 RobotState Run::state(double now, std::vector<Echo> echoes) const {
-  const Commitment c = body_.commitment();
   const bool asks_for_news = now < asks_for_news_until_ && !fleet_.out_of_touch();
   return {.robot = process_.name,
           .sequence = counter_.tick(),
-          .stamp = c.stamp,
-          .position = c.position,
-          .velocity = c.velocity,
+          .promise = body_.promise(),
           .radius = body_.radius(),
           .max_speed = body_.limits().max_speed,
           .max_acceleration = body_.limits().max_acceleration,
           .phase = phase(),
-          .promise = {c.turn, c.next_velocity, c.expiry},
           .round = round_.id(),
           .stage = round_.stage(),
           .progress = round_.progress(),
@@ -63,7 +59,7 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
           .is_new = connectivity_.joining() || asks_for_news,
           .wants_echo = !fleet_.echoed(now),
           .echoes = std::move(echoes),
-          .run = mission_.clock.epoch};
+          .run = mission_.clock.run()};
 }
 
 /// How often to send each state. A robot that has stood since its mission began has decided nothing that its

@@ -26,7 +26,7 @@ class TrackLog {
   std::uint32_t sent() const { return sent_; }
 
   /// Sends all points, in messages of bounded size.
-  void send(const RobotName& robot, std::uint32_t mission, WallTime run, std::vector<Outgoing>& out) {
+  void send(const RobotName& robot, std::uint32_t mission, const RunId& run, std::vector<Outgoing>& out) {
     for (std::size_t from = 0; from < points_.size(); from += longest_message) {
       const std::size_t to = std::min(points_.size(), from + longest_message);
       TrackMessage message{robot, mission, sent_, {}, run};

@@ -35,7 +35,7 @@ Point2 last_possible(Point2 position, Point2 impossible, Possible&& possible) {
 Zone zone_after(const RobotState& s, int unheard, const ClearanceField& field, const RoomAt& room_at) {
   const double furthest = s.max_speed * (unheard * control_period + longest_braking);
   const double step = std::max(rests_radii * s.radius, furthest / most_rests);
-  std::vector<Point2> rests = rests_after(commitment_of(s, 0), limits_of(s), control_period, unheard, step);
+  std::vector<Point2> rests = rests_after(s.promise, limits_of(s), control_period, unheard, step);
   const auto possible = [&](const Point2& q) {
     return field.is_free(q, rests_clear * s.radius) && room_at(q) >= s.radius + standing_gap;
   };

@@ -138,7 +138,7 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
     }
     return;
   }
-  const WallTime run = mission.clock.epoch;
+  const RunId run = mission.clock.run();
   if (group_of(mission.robot, run, mission.number) != nullptr && !mission.cancelled) return;
   end_group(mission.robot);
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
@@ -154,7 +154,7 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
 }
 
 /// The group of that mission; null if the mission is over, or if another one is under way.
-TreeBroker::Group* TreeBroker::group_of(const RobotName& robot, WallTime run, std::uint32_t mission) {
+TreeBroker::Group* TreeBroker::group_of(const RobotName& robot, const RunId& run, std::uint32_t mission) {
   const auto known = groups_.find(robot);
   if (known == groups_.end()) return nullptr;
   Group& group = known->second;
@@ -172,8 +172,7 @@ void TreeBroker::receive(const RootNodes& batch, WallTime) {
     // A batch that is delivered again contains nothing new.
     if (batch.first_index + i < group->nodes_received) continue;
     const RootNodes::Node& node = batch.nodes[i];
-    forest_->planner.add_remote_node(group->index, node.side == Side::start ? Root::start : Root::goal,
-                                     node.position);
+    forest_->planner.add_remote_node(group->index, node.side, node.position);
     ++group->nodes_received;
   }
 }

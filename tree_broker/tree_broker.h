@@ -69,7 +69,7 @@ class TreeBroker {
     WallTime heard_at = 0;
   };
   struct Group {
-    WallTime run = 0;
+    RunId run;
     std::uint32_t mission = 0;
     GroupIndex index = 0;
     std::uint32_t nodes_received = 0;
@@ -81,7 +81,7 @@ class TreeBroker {
   void receive(const InactiveTreeMessage& tree, WallTime arrived);
   void receive(const AgentStatus& status, WallTime arrived);
   void receive(const BrokerStatus& status, WallTime arrived);
-  Group* group_of(const RobotName& robot, WallTime run, std::uint32_t mission);
+  Group* group_of(const RobotName& robot, const RunId& run, std::uint32_t mission);
   void end_group(const RobotName& robot);
   void reckon_with_a_clock_set_back(WallTime now);
   std::optional<Leader> leader_among_others() const;

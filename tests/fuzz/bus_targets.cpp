@@ -47,13 +47,15 @@ Scenario two_robots() {
 RobotState state_of_b(double stamp) {
   return {.robot = "b",
           .sequence = static_cast<std::uint32_t>(std::lround(20 * stamp)),
-          .stamp = stamp,
-          .position = {20, 4},
+          .promise = {.stamp = stamp,
+                      .position = {20, 4},
+                      .turn = stamp + 0.05,
+                      .next_velocity = Point2::Zero(),
+                      .expiry = stamp + 0.1},
           .radius = 1,
           .max_speed = 4,
           .max_acceleration = 8,
           .phase = Phase::driving,
-          .promise = {stamp + 0.05, Point2::Zero(), stamp + 0.1},
           .round = {},
           .echoes = {{"a", stamp - 0.05, stamp}}};
 }
@@ -184,7 +186,7 @@ std::vector<Input> topic_seeds<Mission>() {
 template <>
 std::vector<Input> topic_seeds<RootNodes>() {
   return {encoded(RootNodes{
-      "a", 1, 0, {{Side::start, {4, 8}, -1}, {Side::start, {6, 8}, 0}, {Side::goal, {20, 8}, -1}}})};
+      "a", 1, 0, {{Root::start, {4, 8}, -1}, {Root::start, {6, 8}, 0}, {Root::goal, {20, 8}, -1}}})};
 }
 template <>
 std::vector<Input> topic_seeds<InactiveTreeMessage>() {
@@ -200,8 +202,8 @@ std::vector<Input> topic_seeds<RobotState>() {
   calls.round = {1, "b", {12, 6}, 20};
   RobotState passed_on = state_of_b(0.45);
   passed_on.passed_on = true;
-  passed_on.velocity = {1, 1};
-  passed_on.promise.velocity = {2, 1};
+  passed_on.promise.velocity = {1, 1};
+  passed_on.promise.next_velocity = {2, 1};
   passed_on.waits_for = "a";
   RobotState stranger = state_of_b(0.45);
   stranger.robot = "c";

@@ -47,7 +47,7 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
 
   const Message map = some_map(100);
   const Message mission = some_mission();
-  const Message nodes = RootNodes{"r1", 3, 7, {{Side::goal, {1, 2}, 5}, {Side::start, {3, 4}, -1}}, 1.7e9};
+  const Message nodes = RootNodes{"r1", 3, 7, {{Root::goal, {1, 2}, 5}, {Root::start, {3, 4}, -1}}, 1.7e9};
   const Message tree = some_tree(1, 9);
   const Message path = PathMessage{"r1", 3, {{0, 0}, {1, 2}, {5, 5}}, 1.7e9};
   const Message plan = JointPlanMessage{

@@ -52,7 +52,7 @@ TEST_F(SimulationRecordingTest, ARecordingHoldsEveryStateDespiteLoss) {
   std::size_t maps = 0;
   while (const auto arrival = playback.next()) {
     if (const auto* s = std::get_if<RobotState>(arrival->message.get()))
-      said[s->robot][s->stamp] = s->position;
+      said[s->robot][s->promise.stamp] = s->promise.position;
     missions += std::holds_alternative<Mission>(*arrival->message);
     maps += std::holds_alternative<MapMessage>(*arrival->message);
   }

@@ -67,7 +67,7 @@ std::vector<Arrival> beginning(WallTime now) {
                              now));
     PathMessage path{name(robot), 1, {}};
     RootNodes nodes{.robot = name(robot), .mission = 1};
-    for (int k = 0; k < 200; ++k) nodes.nodes.push_back({Side::start, Point2(robot, k), k - 1});
+    for (int k = 0; k < 200; ++k) nodes.nodes.push_back({Root::start, Point2(robot, k), k - 1});
     for (int k = 0; k < 20; ++k) path.waypoints.emplace_back(robot, 20 * k);
     all.push_back(arrival_of(path, now));
     all.push_back(arrival_of(nodes, now));
@@ -82,15 +82,17 @@ std::vector<Arrival> beginning(WallTime now) {
 
 /// The messages of a robot in a period; once a second with its status.
 void say(std::vector<Arrival>& all, int robot, std::uint32_t step, double time, WallTime now) {
-  all.push_back(arrival_of(RobotState{.robot = name(robot),
-                                      .sequence = step,
-                                      .stamp = time,
-                                      .position = place(robot, time),
-                                      .velocity = (place(robot, time + period) - place(robot, time)) / period,
-                                      .radius = 2,
-                                      .phase = Phase::driving,
-                                      .promise = {.turn = time + period, .expiry = time + 2 * period}},
-                           now));
+  all.push_back(arrival_of(
+      RobotState{.robot = name(robot),
+                 .sequence = step,
+                 .promise = {.stamp = time,
+                             .position = place(robot, time),
+                             .velocity = (place(robot, time + period) - place(robot, time)) / period,
+                             .turn = time + period,
+                             .expiry = time + 2 * period},
+                 .radius = 2,
+                 .phase = Phase::driving},
+      now));
   if (step % 20 != static_cast<std::uint32_t>(robot % 20)) return;
   all.push_back(arrival_of(AgentStatus{.robot = name(robot),
                                        .mission = 1,

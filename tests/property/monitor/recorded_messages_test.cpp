@@ -92,7 +92,7 @@ Mission any(const Any& a) {
 template <>
 RootNodes any(const Any& a) {
   return {a.name(), a.u32(), a.u32(), a.some([&] {
-            return RootNodes::Node{a.one<Side>(), a.point(), a.i32()};
+            return RootNodes::Node{a.one<Root>(), a.point(), a.i32()};
           })};
 }
 template <>
@@ -105,14 +105,11 @@ template <>
 RobotState any(const Any& a) {
   return {a.name(),
           a.u32(),
-          a.number(),
-          a.point(),
-          a.point(),
+          {a.number(), a.point(), a.point(), a.number(), a.point(), a.number()},
           a.number(),
           a.number(),
           a.number(),
           a.one<Phase>(),
-          {a.number(), a.point(), a.number()},
           a.round(),
           a.one<Stage>(),
           a.number(),

@@ -36,7 +36,7 @@ Point2 any_velocity(double speed, Random& random) {
 struct Robot {
   Driver body;
   Point2 wanted = Point2::Zero();
-  std::vector<Commitment> heard_of;  ///< the last commitment heard from each robot
+  std::vector<Promise> heard_of;  ///< the last promise heard from each robot
 };
 
 std::vector<Robot> place_robots(const ClearanceField& field, Random& random) {
@@ -53,7 +53,7 @@ std::vector<Robot> place_robots(const ClearanceField& field, Random& random) {
           {Driver(p, 0, radius, {speed, speed * random.uniform(0.5, 4)}, period), Point2::Zero(), {}});
   }
   for (Robot& robot : robots) {
-    for (const Robot& other : robots) robot.heard_of.push_back(other.body.commitment());
+    for (const Robot& other : robots) robot.heard_of.push_back(other.body.promise());
   }
   return robots;
 }
@@ -90,14 +90,14 @@ RC_GTEST_PROP(Driver, NoRobotTouchesAnythingHoweverLittleIsHeard, (std::uint64_t
     }
     for (std::size_t k = 0; k < robots.size(); ++k) {
       for (Robot& other : robots) {
-        if (random.uniform() >= loss) other.heard_of[k] = robots[k].body.commitment();
+        if (random.uniform() >= loss) other.heard_of[k] = robots[k].body.promise();
       }
     }
     std::vector<Point2> before;
-    std::vector<Commitment> promised;
+    std::vector<Promise> promised;
     for (Robot& robot : robots) {
       before.push_back(robot.body.position());
-      promised.push_back(robot.body.commitment());
+      promised.push_back(robot.body.promise());
       robot.body.advance();
       RC_ASSERT(field.segment_clearance(before.back(), robot.body.position()) >= robot.body.radius() - 1e-6);
       RC_ASSERT((robot.body.position() - promised.back().position_at_turn()).norm() < 1e-9);
@@ -121,7 +121,7 @@ TEST(Driver, ARobotPassesAPeerThatIsBoundToStand) {
   Driver passing({20, 15.5}, 0, 5, limits, period);
   for (int step = 0; step < 200; ++step) {
     standing.stay(standing.time() + 1);
-    const std::vector<Neighbour> others{{standing.commitment(), 5, limits}};
+    const std::vector<Neighbour> others{{standing.promise(), 5, limits}};
     passing.follow({20, 0}, others, field);
     standing.advance();
     passing.advance();
@@ -134,7 +134,7 @@ TEST(Driver, ARobotStandsForAsLongAsItIsBound) {
       OccupancyMap{.width = 50, .height = 50, .blocked = std::vector<std::uint8_t>(2500, 0)});
   Driver body({25, 25}, 0, 1, {20, 40}, period);
   body.stay(0.5);
-  const double expiry = body.commitment().expiry;
+  const double expiry = body.promise().expiry;
   EXPECT_GE(expiry, 0.5);
   while (body.time() < expiry - period / 2) {
     body.choose({20, 0}, {}, field);
@@ -152,7 +152,7 @@ TEST(Driver, ARobotStandsForAsLongAsItAnnounced) {
   for (const double until : {0.5, 0.501, 0.524, 0.525, 0.549}) {
     Driver driver({50, 50}, 0, 5, {20, 40}, 0.05);
     driver.stay(until);
-    EXPECT_DOUBLE_EQ(driver.commitment().expiry, until);
+    EXPECT_DOUBLE_EQ(driver.promise().expiry, until);
     while (driver.velocity().isZero(0) && driver.time() < 1) {
       driver.choose({20, 0}, {}, field);
       driver.advance();
@@ -168,14 +168,14 @@ TEST(Driver, ARobotLeavesAPeerThatStandsTooClose) {
   const Limits limits{20, 40};
   const Point2 there(50, 50);
   const Neighbour failed{
-      .commitment = {.position = there, .expiry = 1e9}, .radius = 5, .limits = limits, .clock_error = 0};
+      .promise = {.position = there, .expiry = 1e9}, .radius = 5, .limits = limits, .clock_error = 0};
   for (const double gap : {-0.01, 0.0, 0.0005}) {
     Driver away({60 + gap, 50}, 0, 5, limits, period);
     EXPECT_TRUE(away.follow({10, 0}, {&failed, 1}, field));
-    EXPECT_GT(away.commitment().next_velocity.x(), 0) << gap;
+    EXPECT_GT(away.promise().next_velocity.x(), 0) << gap;
     Driver closer({60 + gap, 50}, 0, 5, limits, period);
     EXPECT_FALSE(closer.follow({-10, 0}, {&failed, 1}, field));
-    EXPECT_TRUE(closer.commitment().next_velocity.isZero(0)) << gap;
+    EXPECT_TRUE(closer.promise().next_velocity.isZero(0)) << gap;
   }
 }
 

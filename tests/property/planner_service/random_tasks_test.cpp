@@ -156,7 +156,7 @@ class Lifelong {
   std::optional<Point2> next_goal(std::size_t robot, std::uint32_t mission, double now) {
     const std::string& name = scenario_.robots[robot].name;
     service_.on(
-        arrival_of(AgentStatus{.robot = name, .mission = mission, .phase = Phase::arrived, .run = 4}, now));
+        arrival_of(AgentStatus{.robot = name, .mission = mission, .phase = Phase::arrived, .run = {4}}, now));
     for (const Message& message : service_.step(now)) {
       const auto* next = std::get_if<Mission>(&message);
       if (next != nullptr && next->robot == name && next->number == mission + 1) return next->goal;

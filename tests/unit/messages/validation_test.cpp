@@ -25,14 +25,16 @@ Mission mission() {
 }
 RobotState state() {
   return {.robot = "r1",
-          .stamp = 1,
-          .position = {1, 2},
-          .velocity = {1, 0},
+          .promise = {.stamp = 1,
+                      .position = {1, 2},
+                      .velocity = {1, 0},
+                      .turn = 1.05,
+                      .next_velocity = {1, 0},
+                      .expiry = 1.1},
           .radius = 1,
           .max_speed = 2,
           .max_acceleration = 4,
           .phase = Phase::driving,
-          .promise = {1.05, {1, 0}, 1.1},
           .round = {}};
 }
 InactiveTreeMessage tree() {
@@ -72,12 +74,12 @@ TEST(Validation, InvalidMissionsAreRefused) {
 
 TEST(Validation, InvalidStatesAreRefused) {
   using M = RobotState;
-  const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.position.x() = nan; },
+  const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.promise.position.x() = nan; },
                                                       [](M& m) {
-                                                        m.velocity = {3, 0};
+                                                        m.promise.velocity = {3, 0};
                                                       },
                                                       [](M& m) {
-                                                        m.promise.velocity = {0, 3};
+                                                        m.promise.next_velocity = {0, 3};
                                                       },
                                                       [](M& m) { m.promise.expiry = 1.0; },
                                                       [](M& m) { m.promise.turn = nan; },
@@ -89,7 +91,7 @@ TEST(Validation, InvalidStatesAreRefused) {
                                                       [](M& m) { m.radius = 1e-300; },
                                                       [](M& m) { m.max_acceleration = 1e-3; },
                                                       [](M& m) { m.promise.expiry = 1e8; },
-                                                      [](M& m) { m.stamp = -2e9; },
+                                                      [](M& m) { m.promise.stamp = -2e9; },
                                                       [](M& m) { m.copies = 0; },
                                                       [](M& m) { m.robot = "r\x1b[2J"; },
                                                       [](M& m) { m.waits_for = "\xff"; },
@@ -139,9 +141,9 @@ TEST(Validation, InvalidJointPlansAreRefused) {
 }
 
 TEST(Validation, InvalidRootNodesTracksAndMapsAreRefused) {
-  EXPECT_FALSE(problem_with(RootNodes{"r1", 1, 5, {{Side::goal, {0, 0}, 4}}}));
-  EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{Side::goal, {0, 0}, 5}}}));
-  EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{static_cast<Side>(2), {0, 0}, 1}}}));
+  EXPECT_FALSE(problem_with(RootNodes{"r1", 1, 5, {{Root::goal, {0, 0}, 4}}}));
+  EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{Root::goal, {0, 0}, 5}}}));
+  EXPECT_TRUE(problem_with(RootNodes{"r1", 1, 5, {{static_cast<Root>(2), {0, 0}, 1}}}));
   EXPECT_TRUE(problem_with(TrackMessage{"r1", 1, 0, {{2, {0, 0}, {0, 0}}, {1, {0, 0}, {0, 0}}}}));
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 2, .height = 2, .blocked = {0, 1}}}));
   EXPECT_TRUE(problem_with(MapMessage{"m", {.width = 1, .height = 1, .blocked = {0}}, {5, -1}}));

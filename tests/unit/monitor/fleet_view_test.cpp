@@ -20,11 +20,13 @@ Mission mission_of(const RobotName& robot, std::uint32_t number, FleetClock cloc
 
 RobotState state_of(const RobotName& robot, double stamp, const Point2& place) {
   return {.robot = robot,
-          .stamp = stamp,
-          .position = place,
-          .velocity = {2, 0},
-          .radius = 1,
-          .promise = {stamp + 1, {0, 4}, stamp + 2}};
+          .promise = {.stamp = stamp,
+                      .position = place,
+                      .velocity = {2, 0},
+                      .turn = stamp + 1,
+                      .next_velocity = {0, 4},
+                      .expiry = stamp + 2},
+          .radius = 1};
 }
 
 struct FleetViewTest : testing::Test {
@@ -46,7 +48,7 @@ TEST_F(FleetViewTest, RobotsAreListedInTheOrderOfTheirFirstMessages) {
   EXPECT_EQ(view.robots()[0].name, "b");
   EXPECT_EQ(view.robots()[1].name, "a");
   EXPECT_EQ(view.robots()[2].name, "c");
-  EXPECT_EQ(robot("b").state->stamp, 2);
+  EXPECT_EQ(robot("b").state->promise.stamp, 2);
   EXPECT_EQ(robot("b").heard, 102);
 }
 
@@ -70,7 +72,7 @@ TEST_F(FleetViewTest, TheWaitCauseIsTheOneThatTheAgentGives) {
   state.phase = Phase::driving;
   hear(state);
   EXPECT_FALSE(wait_of(robot("a"), 10));
-  state.stamp = 12;
+  state.promise.stamp = 12;
   state.waits_for = "b";
   hear(state);
   hear(AgentStatus{.robot = "a", .phase = Phase::driving, .wait_cause = "c is in the way", .came_on_at = 8});
@@ -91,12 +93,12 @@ TEST_F(FleetViewTest, TheWaitCauseFollowsFromTheStateIfTheAgentGivesNone) {
   ASSERT_TRUE(behind);
   EXPECT_EQ(behind->cause, "it lets b go first");
   EXPECT_DOUBLE_EQ(behind->seconds, 3);
-  state.stamp = 16;
+  state.promise.stamp = 16;
   state.waits_for.clear();
   state.stage = Stage::waiting;
   hear(state);
   EXPECT_EQ(wait_of(robot("a"), 16).value().cause, "it stands until there is a joint plan");
-  state.stamp = 17;
+  state.promise.stamp = 17;
   state.stage = Stage::free;
   hear(state);
   EXPECT_FALSE(wait_of(robot("a"), 17));
@@ -105,9 +107,9 @@ TEST_F(FleetViewTest, TheWaitCauseFollowsFromTheStateIfTheAgentGivesNone) {
 TEST_F(FleetViewTest, ANewMissionClearsPathAndRootTrees) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}});
-  hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}, {Side::start, {1, 0}, 0}}});
-  hear(RootNodes{"a", 1, 1, {{Side::start, {1, 0}, 0}, {Side::goal, {2, 0}, -1}}});  // repeats one
-  hear(RootNodes{"a", 1, 7, {{Side::goal, {9, 9}, -1}}});  // the nodes before it are missing
+  hear(RootNodes{"a", 1, 0, {{Root::start, {0, 0}, -1}, {Root::start, {1, 0}, 0}}});
+  hear(RootNodes{"a", 1, 1, {{Root::start, {1, 0}, 0}, {Root::goal, {2, 0}, -1}}});  // repeats one
+  hear(RootNodes{"a", 1, 7, {{Root::goal, {9, 9}, -1}}});  // the nodes before it are missing
   EXPECT_EQ(robot("a").root_nodes.size(), 3u);
   const auto revision = robot("a").path_revision;
   hear(mission_of("a", 2));
@@ -145,7 +147,7 @@ TEST_F(FleetViewTest, AnotherRunOrMapClearsTheView) {
 TEST_F(FleetViewTest, AnEarlierRunIsShownOnceTheLaterOneIsOver) {
   hear(mission_of("a", 1, {200, 1}), 210);
   RobotState state = state_of("a", 10, {1, 1});
-  state.run = 200;
+  state.run = {200};
   hear(state, 210);
   hear(mission_of("b", 1, {100, 1}), 212);
   ASSERT_EQ(view.robots().size(), 1u);
@@ -171,9 +173,9 @@ TEST_F(FleetViewTest, APathThatArrivesBeforeItsMissionIsShown) {
 TEST_F(FleetViewTest, MessagesOfThePreviousRunAreNotShown) {
   hear(mission_of("a", 1));
   hear(PathMessage{"a", 1, {{0, 0}, {1, 1}}, 50});
-  hear(RootNodes{"a", 1, 0, {{Side::start, {0, 0}, -1}}, 50});
+  hear(RootNodes{"a", 1, 0, {{Root::start, {0, 0}, -1}}, 50});
   AgentStatus status{.robot = "a", .mission = 1, .phase = Phase::arrived};
-  status.run = 50;
+  status.run = {50};
   hear(status);
   EXPECT_TRUE(robot("a").path.empty());
   EXPECT_TRUE(robot("a").root_nodes.empty());

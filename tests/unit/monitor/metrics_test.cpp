@@ -118,7 +118,7 @@ TEST(Metrics, EachRobotReportsItsPhaseItsWayAndItsWaits) {
   fleet.status("a", Phase::driving);
   fleet.now += 2;
   RobotState waits = *fleet.view.robots()[0].state;
-  waits.stamp += 2;
+  waits.promise.stamp += 2;
   waits.waits_for = "b";
   fleet.hear(waits);
   fleet.now += 3;

@@ -345,7 +345,7 @@ TEST_F(PageFeedTest, PositionsAreExactToAMillimetreForAnyOrigin) {
   fleet.hear(
       RootNodes{.robot = "a",
                 .mission = 1,
-                .nodes = {{Side::start, exact(0.5, 0.75), -1}, {Side::start, exact(0.501, 0.751), 0}}});
+                .nodes = {{Root::start, exact(0.5, 0.75), -1}, {Root::start, exact(0.501, 0.751), 0}}});
   fleet.hear(BrokerStatus{.broker = 7});
   fleet.hear(ActiveTreesMessage{7, "m", {{exact(3.001, 2.002), exact(3.003, 2.004)}}});
   std::vector<std::vector<float>> lists;

@@ -36,20 +36,22 @@ std::vector<Arrival> drive() {
   all.push_back(arrival_of(mission, epoch - 0.1));
   all.push_back(arrival_of(InactiveTreeMessage{{1, 1}, "m", 1, {{{5, 5}, -1, 3}, {{9, 5}, 0, 3}}}, epoch));
   all.push_back(
-      arrival_of(RootNodes{"a", 1, 0, {{Side::start, {20, 10}, -1}, {Side::start, {22, 10}, 0}}}, epoch));
+      arrival_of(RootNodes{"a", 1, 0, {{Root::start, {20, 10}, -1}, {Root::start, {22, 10}, 0}}}, epoch));
   all.push_back(arrival_of(PathMessage{"a", 1, {{20, 10}, {30, 10}}}, epoch));
   for (int k = 0; k <= 200; ++k) {
     const double t = 0.05 * k;
     all.push_back(arrival_of(RobotState{.robot = "a",
                                         .sequence = static_cast<std::uint32_t>(k),
-                                        .stamp = t,
-                                        .position = {20 + t, 10},
-                                        .velocity = {1, 0},
+                                        .promise = {.stamp = t,
+                                                    .position = {20 + t, 10},
+                                                    .velocity = {1, 0},
+                                                    .turn = t + 0.05,
+                                                    .next_velocity = {1, 0},
+                                                    .expiry = t + 0.1},
                                         .radius = 1,
                                         .max_speed = 4,
                                         .max_acceleration = 8,
-                                        .phase = Phase::driving,
-                                        .promise = {t + 0.05, {1, 0}, t + 0.1}},
+                                        .phase = Phase::driving},
                              epoch + t));
   }
   return all;
@@ -91,7 +93,7 @@ live::FromPage speed(double value) {
 double last_stamp(const std::vector<Arrival>& arrivals) {
   double stamp = -1;
   for (const Arrival& arrival : arrivals) {
-    if (const auto* state = std::get_if<RobotState>(arrival.message.get())) stamp = state->stamp;
+    if (const auto* state = std::get_if<RobotState>(arrival.message.get())) stamp = state->promise.stamp;
   }
   return stamp;
 }
@@ -132,7 +134,7 @@ TEST_F(PlayerTest, ASeekDeliversAllThatIsValidThere) {
   FleetView view;
   for (const Arrival& arrival : player.due(9)) view.on(arrival.message, arrival.at);
   ASSERT_EQ(view.robots().size(), 1u);
-  EXPECT_NEAR(view.robots()[0].state->stamp, 4, 0.051);
+  EXPECT_NEAR(view.robots()[0].state->promise.stamp, 4, 0.051);
   EXPECT_FALSE(view.robots()[0].path.empty());
   EXPECT_EQ(view.inactive_trees().size(), 1u);
   EXPECT_EQ(view.robots()[0].root_nodes.size(), 2u);

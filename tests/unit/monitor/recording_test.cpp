@@ -21,15 +21,14 @@ namespace {
 constexpr WallTime epoch = 1.7e9;
 
 RobotState state(const char* robot, double t) {
-  return {.robot = robot,
-          .sequence = static_cast<std::uint32_t>(20 * t),
-          .stamp = t,
-          .position = {t, 0},
-          .radius = 1,
-          .max_speed = 4,
-          .max_acceleration = 8,
-          .promise = {t, Point2::Zero(), t},
-          .round = {}};
+  return {
+      .robot = robot,
+      .sequence = static_cast<std::uint32_t>(20 * t),
+      .promise = {.stamp = t, .position = {t, 0}, .turn = t, .next_velocity = Point2::Zero(), .expiry = t},
+      .radius = 1,
+      .max_speed = 4,
+      .max_acceleration = 8,
+      .round = {}};
 }
 Mission mission(const char* robot, std::uint32_t number) {
   return {.robot = robot,
@@ -42,7 +41,7 @@ Mission mission(const char* robot, std::uint32_t number) {
           .clock = {epoch, 1}};
 }
 RootNodes nodes(const char* robot, std::uint32_t first) {
-  return {robot, 1, first, {{Side::start, {1, 1}, -1}}};
+  return {robot, 1, first, {{Root::start, {1, 1}, -1}}};
 }
 
 /// The messages of two robots over 20 s, in order and 50 ms apart. One robot stands for most of the time.

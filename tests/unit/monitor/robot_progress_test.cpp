@@ -8,7 +8,8 @@ namespace coppice {
 namespace {
 
 RobotState at(double time, const Point2& position) {
-  return {.robot = "a", .stamp = time, .position = position, .radius = 0.5, .phase = Phase::driving};
+  return {
+      .robot = "a", .promise = {.stamp = time, .position = position}, .radius = 0.5, .phase = Phase::driving};
 }
 
 /// A path there and back, 1 m apart.
@@ -54,7 +55,7 @@ TEST(RobotProgress, AWaitIsTimedFromItsBeginningAndWaitsAreSummed) {
   waits.waits_for = "b";
   progress.on(at(9, {0, 0}));
   progress.on(waits);
-  waits.stamp = 12;
+  waits.promise.stamp = 12;
   progress.on(waits);
   EXPECT_DOUBLE_EQ(progress.waiting(13), 3);
   progress.on(at(14, {0, 0}));

@@ -45,13 +45,12 @@ class SeenFleet {
   }
   void state(const RobotName& robot, Point2 position, Point2 velocity = Point2::Zero()) {
     const double time = now - 100;
-    hear(RobotState{.robot = robot,
-                    .stamp = time,
-                    .position = position,
-                    .velocity = velocity,
-                    .radius = 0.25,
-                    .phase = Phase::driving,
-                    .promise = {.turn = time + 1, .expiry = time + 1}});
+    hear(RobotState{
+        .robot = robot,
+        .promise =
+            {.stamp = time, .position = position, .velocity = velocity, .turn = time + 1, .expiry = time + 1},
+        .radius = 0.25,
+        .phase = Phase::driving});
   }
   void status(const RobotName& robot, Phase phase, double driven = 0) {
     hear(AgentStatus{.robot = robot, .mission = 1, .phase = phase, .driven_length = driven});
@@ -67,7 +66,7 @@ class SeenFleet {
     RootNodes batch{.robot = robot, .mission = mission_number, .first_index = first};
     for (int k = 0; k < nodes; ++k) {
       const int own = static_cast<int>(first) + k;
-      batch.nodes.push_back({Side::start, Point2(0.1 * own, 1), own - 1});
+      batch.nodes.push_back({Root::start, Point2(0.1 * own, 1), own - 1});
     }
     hear(batch);
   }

@@ -228,9 +228,9 @@ TEST(PlannerService, TheReportSaysWhyEachRobotDidNotArrive) {
   PlannerService service(scenario, {.timeout = 20}, 0);
   service.step(0);
   service.step(4);  // the missions, because no broker came
-  AgentStatus a{.robot = "a", .mission = 1, .phase = Phase::driving, .run = 4, .way_left = 12.34};
+  AgentStatus a{.robot = "a", .mission = 1, .phase = Phase::driving, .run = {4}, .way_left = 12.34};
   service.on(arrival_of(PathMessage{"a", 1, {{20, 60}, {100, 60}}, 4}, 5));
-  AgentStatus b{.robot = "b", .mission = 1, .phase = Phase::driving, .run = 4};
+  AgentStatus b{.robot = "b", .mission = 1, .phase = Phase::driving, .run = {4}};
   b.reason = "since 7.0 s: no odometry came";
   for (double now = 5; now < 26; now += 0.5) {
     if (now > 24) a.phase = b.phase = Phase::stopped;
@@ -386,11 +386,11 @@ TEST(PlannerService, StatusesOfThePreviousRunAreIgnored) {
     AgentStatus status{.robot = robot, .mission = 1, .phase = Phase::arrived};
     status.path_time = 3;
     status.track_points = 2;
-    status.run = before;
+    status.run = {before};
     service.on(
         arrival_of(TrackMessage{robot, 1, 0, {{0.05, start, {0, 0}}, {9, goal, {0, 0}}}, before}, 101));
     service.on(arrival_of(PathMessage{robot, 1, {start, goal}, before}, 101));
-    service.on(arrival_of(RootNodes{robot, 1, 0, {{Side::start, start, -1}}, before}, 101));
+    service.on(arrival_of(RootNodes{robot, 1, 0, {{Root::start, start, -1}}, before}, 101));
     service.on(arrival_of(status, 101));
   };
   const auto all_say_it = [&] {

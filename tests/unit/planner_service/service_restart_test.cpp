@@ -39,7 +39,7 @@ constexpr WallTime begins = 4;  // the missions begin; until then the service wa
 
 AgentStatus arrived(std::uint32_t mission, std::uint32_t points) {
   AgentStatus status{.robot = "a", .mission = mission, .phase = Phase::arrived};
-  status.run = begins;
+  status.run = {begins};
   status.arrival_time = 5;
   status.path_time = 0.5;
   status.nodes_valid = 10;
@@ -141,7 +141,7 @@ TEST(RunKeeper, TheRecordHoldsNothingOfAPreviousRun) {
   RunKeeper record;
   const auto track = [](WallTime run) { return TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}}, run}; };
   AgentStatus status{.robot = "a", .mission = 1};
-  status.run = 50;
+  status.run = {50};
   EXPECT_EQ(record.heard(track(50)), Keep::nothing);
   Mission mission{.robot = "a", .map_id = {}, .clock = {100, 1}};
   EXPECT_EQ(record.said(mission), Keep::append);

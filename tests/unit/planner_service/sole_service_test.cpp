@@ -10,7 +10,8 @@ namespace coppice {
 namespace {
 
 ServiceStatus service(std::uint64_t id, WallTime since, WallTime run = 0) {
-  return {.service = id, .host = "h", .process = static_cast<std::uint32_t>(id), .since = since, .run = run};
+  return {
+      .service = id, .host = "h", .process = static_cast<std::uint32_t>(id), .since = since, .run = {run}};
 }
 
 /// Whether the second service gives way and the first does not, when each hears of the other.
@@ -45,19 +46,19 @@ TEST(SoleService, AServiceListensFirstAndLongerIfAgentsDrive) {
   SoleService sole(service(1, 10), 10);
   EXPECT_FALSE(sole.may_begin(10.9));
   EXPECT_TRUE(sole.may_begin(11.1));
-  sole.on(arrival_of(AgentStatus{.robot = "a", .phase = Phase::stopped, .run = 3}, 10.5));
+  sole.on(arrival_of(AgentStatus{.robot = "a", .phase = Phase::stopped, .run = {3}}, 10.5));
   EXPECT_TRUE(sole.may_begin(11.1)) << "that run is over";
-  sole.on(arrival_of(AgentStatus{.robot = "a", .phase = Phase::driving, .run = 3}, 10.5));
+  sole.on(arrival_of(AgentStatus{.robot = "a", .phase = Phase::driving, .run = {3}}, 10.5));
   EXPECT_FALSE(sole.may_begin(14.9));
   EXPECT_TRUE(sole.may_begin(15.1)) << "no service claims these agents";
 }
 
 TEST(SoleService, AServiceThatResumesItsRunKnowsItsAgents) {
   SoleService sole(service(1, 10), 10);
-  sole.begin(3);
-  sole.on(arrival_of(AgentStatus{.robot = "a", .phase = Phase::driving, .run = 3}, 10.5));
+  sole.begin({3});
+  sole.on(arrival_of(AgentStatus{.robot = "a", .phase = Phase::driving, .run = {3}}, 10.5));
   EXPECT_TRUE(sole.may_begin(11.1));
-  EXPECT_EQ(of<ServiceStatus>(sole.step(11)).at(0).run, 3);
+  EXPECT_EQ(of<ServiceStatus>(sole.step(11)).at(0).run, RunId{3});
 }
 
 TEST(SoleService, AServiceIsNamedByProcessHostAndRun) {

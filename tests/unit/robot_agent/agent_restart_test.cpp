@@ -85,7 +85,7 @@ TEST(AgentRestart, ARestartedAgentGoesOnFromWhereItsRobotStopped) {
   AgentRun before;
   run_until_killed_at(3, before);
   const RobotState last = of<RobotState>(before.said).back();
-  ASSERT_GT(last.velocity.norm(), 5);  // it drives
+  ASSERT_GT(last.promise.velocity.norm(), 5);  // it drives
 
   AgentRun after;
   after.restore(before.store.messages);
@@ -95,8 +95,8 @@ TEST(AgentRestart, ARestartedAgentGoesOnFromWhereItsRobotStopped) {
   EXPECT_EQ(of<AgentStatus>(after.said).back().phase, Phase::arrived);
   const RobotState first = of<RobotState>(after.said).front();
   EXPECT_GT(first.sequence, last.sequence);
-  EXPECT_TRUE(first.velocity.isZero(0));
-  EXPECT_LT((first.position - last.position).norm(), 20 * 20 / (2 * 40) + 3);
+  EXPECT_TRUE(first.promise.velocity.isZero(0));
+  EXPECT_LT((first.promise.position - last.promise.position).norm(), 20 * 20 / (2 * 40) + 3);
 
   // The track goes from the start to the goal without a gap and within the robot's limits.
   const std::vector<TrackMessage::Point> track = track_in(after.said);
@@ -177,7 +177,7 @@ TEST(AgentRestart, AnAgentKilledTwiceRemembersItsPartInAJointPlan) {
 TEST(AgentRestart, TheTrackLeavesOutThePauseThatThePredecessorLeftOut) {
   AgentRun first;
   run_until_killed_at(3, first);
-  ASSERT_GT(of<RobotState>(first.said).back().velocity.norm(), 5);  // it brakes, and then it stands
+  ASSERT_GT(of<RobotState>(first.said).back().promise.velocity.norm(), 5);  // it brakes, and then it stands
   std::vector<Message> kept = first.store.messages;
   std::vector<TrackMessage::Point> before = track_in(first.said);
   for (const double woken : {700.0, 703.0}) {
@@ -206,7 +206,7 @@ TEST(AgentRestart, TheTrackBeginsWithTheFirstState) {
   after.hear(map_message(), 10);
   after.hear(mission_of_a(0), 10);
   after.run(10, 11);
-  EXPECT_EQ(track_in(before.said).front().time, of<RobotState>(before.said).front().stamp);
+  EXPECT_EQ(track_in(before.said).front().time, of<RobotState>(before.said).front().promise.stamp);
   EXPECT_EQ(track_in(after.said).front(), track_in(before.said).front());
 }
 
@@ -251,10 +251,10 @@ TEST(AgentRestart, TheJournalForgetsTheSilenceOfAPeerThatIsHeardAgain) {
   EXPECT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
   run.hear(run.standing_b(0.8), 0.8);
   EXPECT_TRUE(saved_state_of(run.store.messages)->silent.empty());
-  b.stamp = 0.8;
+  b.promise.stamp = 0.8;
   run.keeper.said(b);
   ASSERT_EQ(saved_state_of(run.store.messages)->silent.size(), 1u);
-  EXPECT_EQ(saved_state_of(run.store.messages)->silent[0].state.stamp, 0.8);
+  EXPECT_EQ(saved_state_of(run.store.messages)->silent[0].state.promise.stamp, 0.8);
 }
 
 TEST(AgentRestart, AnAgentThatCannotKnowWhereAPeerFailedStandsAndSaysSo) {
@@ -287,7 +287,7 @@ TEST(AgentRestart, TheAgentCountsAsNewForAWhileAfterItMetTheLastPeer) {
   after.run(20, 25);
   after.run(25, 30, 30);
   double last = 0;
-  for (const RobotState& state : of<RobotState>(after.said)) last = state.is_new ? state.stamp : last;
+  for (const RobotState& state : of<RobotState>(after.said)) last = state.is_new ? state.promise.stamp : last;
   EXPECT_GT(last, 25.7);
   EXPECT_LT(last, 27);
 }
@@ -300,7 +300,7 @@ TEST(AgentRestart, TheSavedStateOfAnotherRunIsNotUsed) {
   after.hear(map_message(), 106);
   after.hear(mission_of_a(106), 106);
   after.run(106, 107);
-  EXPECT_EQ(of<RobotState>(after.said).front().position, Point2(20, 60));
+  EXPECT_EQ(of<RobotState>(after.said).front().promise.position, Point2(20, 60));
 }
 
 // The service's clock was set back, or it is another host's.
@@ -315,12 +315,12 @@ TEST(AgentRestart, TheAgentKeepsARunThatIsEarlierThanTheRunInItsJournal) {
   after.hear(mission_of_a(106), 106);
   after.run(106, 109);
   const RobotState last = of<RobotState>(after.said).back();
-  EXPECT_GT(last.position.x(), 25);
+  EXPECT_GT(last.promise.position.x(), 25);
   const std::optional<SavedState> saved = saved_state_of(after.store.messages);
   ASSERT_TRUE(saved.has_value());
   EXPECT_EQ(saved->mission.clock.epoch, 106);
   EXPECT_EQ(saved->track.front().position, Point2(20, 60));
-  EXPECT_EQ(saved->body.position(), last.position);
+  EXPECT_EQ(saved->body.position(), last.promise.position);
 }
 
 TEST(AgentRestart, TheKeeperStoresNothingOfARunThatItSkips) {
@@ -342,7 +342,7 @@ TEST(AgentRestart, ALivingAgentServesAnEarlierRunOnceItsOwnRunIsOver) {
   agent.run(1000, 1020);
   agent.hear(mission_of_a(900), 1020);
   agent.run(1020, 1021);
-  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 1000);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, RunId{1000});
   Mission over = mission_of_a(1000);
   over.cancelled = true;
   agent.hear(over, 1021);
@@ -351,11 +351,11 @@ TEST(AgentRestart, ALivingAgentServesAnEarlierRunOnceItsOwnRunIsOver) {
   of_long_ago.cancelled = true;
   agent.hear(of_long_ago, 1022);
   agent.run(1022, 1023);
-  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 1000);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, RunId{1000});
   agent.said.clear();
   agent.hear(mission_of_a(900), 1023);
   agent.run(1023, 1050);
-  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, 900);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().run, RunId{900});
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
   const std::optional<SavedState> saved = saved_state_of(agent.store.messages);
   ASSERT_TRUE(saved.has_value());
@@ -383,7 +383,7 @@ TEST(AgentRestart, ALivingAgentServesTheNextRun) {
   agent.hear(mission_of_a(100), 100);
   agent.said.clear();
   agent.run(100, 120);
-  EXPECT_EQ(of<RobotState>(agent.said).front().position, Point2(20, 60));
+  EXPECT_EQ(of<RobotState>(agent.said).front().promise.position, Point2(20, 60));
   EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived);
   EXPECT_EQ(of<TrackMessage>(agent.said).front().first_index, 0u);
   const std::optional<SavedState> saved = saved_state_of(agent.store.messages);

@@ -23,24 +23,26 @@ TEST(RobotAgent, TheAgentJoinsARoundThatItHearsOfAndWaits) {
   RobotState other = state_of("b", 0.1, {20, 20});
   agent.on(arrival_of(other, 0.1));
   run(agent, 0.1, 1);
-  other.round = {4, "b", other.position, 50};
+  other.round = {4, "b", other.promise.position, 50};
   other.stage = Stage::waiting;
-  other.stamp = 1;
-  other.promise = {1.05, {0, 0}, 1.1};
+  other.promise.stamp = 1;
+  other.promise.turn = 1.05;
+  other.promise.expiry = 1.1;
   agent.on(arrival_of(other, 1));
   const RobotState last = last_of("a", run(agent, 1, 2));
   EXPECT_EQ(last.round, other.round);
   EXPECT_EQ(last.stage, Stage::waiting);
-  EXPECT_TRUE(last.velocity.isZero(0));
+  EXPECT_TRUE(last.promise.velocity.isZero(0));
 
   // Once the plan is there, the robot drives exactly its moves.
   agent.on(arrival_of(
-      JointPlanMessage{other.round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}},
+      JointPlanMessage{
+          other.round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.promise.position, {20, 70}}}}},
       2));
   const auto after = run(agent, 2, 70);  // meanwhile b falls silent and is declared failed in the end
   double nearest = 100;
   for (const RobotState& state : of<RobotState>(after)) {
-    if (state.robot == "a") nearest = std::min(nearest, (state.position - Point2(20, 70)).norm());
+    if (state.robot == "a") nearest = std::min(nearest, (state.promise.position - Point2(20, 70)).norm());
   }
   EXPECT_LT(nearest, 0.2);
   // The agent relays the last state of b unchanged.
@@ -52,7 +54,7 @@ TEST(RobotAgent, TheAgentJoinsARoundThatItHearsOfAndWaits) {
 RobotState after_b_says(Stage stage, RobotAgent& agent, double from, double until, RobotState last = {}) {
   for (double now = from; now < until; now += 0.1) {
     RobotState other = state_of("b", now, {20, 20});
-    other.round = {4, "b", other.position, 50};
+    other.round = {4, "b", other.promise.position, 50};
     other.stage = stage;
     agent.on(arrival_of(other, now));
     last = last_of("a", run(agent, now, now + 0.1), last);
@@ -67,7 +69,7 @@ TEST(RobotAgent, TheAgentNamesTheLeaderWhoseJointPlanItWaitsFor) {
   AgentStatus status;
   for (double now = 0.1; now < 6; now += 0.1) {
     RobotState other = state_of("b", now, {20, 20});
-    other.round = {4, "b", other.position, 50};
+    other.round = {4, "b", other.promise.position, 50};
     other.stage = Stage::waiting;
     agent.on(arrival_of(other, now));
     for (const AgentStatus& said : of<AgentStatus>(run(agent, now, now + 0.1))) status = said;
@@ -107,7 +109,8 @@ TEST(RobotAgent, TheAgentAcceptsAPlanThatArrivesAfterItsLeaderDrives) {
   EXPECT_EQ(last.round, round);
   EXPECT_EQ(last.stage, Stage::waiting);
   agent.on(arrival_of(
-      JointPlanMessage{round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.position, {20, 70}}}}}, 8));
+      JointPlanMessage{round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.promise.position, {20, 70}}}}},
+      8));
   last = after_b_says(Stage::executing, agent, 8, 8.5, last);
   EXPECT_EQ(last.stage, Stage::executing);
 }
@@ -129,7 +132,7 @@ TEST(RobotAgent, TheAgentIgnoresARoundWhoseReachItIsOutside) {
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   run(agent, 0.1, 1);
   RobotState other = state_of("b", 1, {20, 20});
-  other.round = {4, "b", other.position, 5};
+  other.round = {4, "b", other.promise.position, 5};
   other.stage = Stage::waiting;
   agent.on(arrival_of(other, 1));
   const RobotState last = last_of("a", run(agent, 1, 2));
@@ -148,8 +151,8 @@ TEST(RobotAgent, ASlowRobotThatIsAloneCallsNoRound) {
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   double driven = 0;
   for (const RobotState& state : of<RobotState>(run(agent, 0.1, 30))) {
-    EXPECT_EQ(state.round.epoch, 0u) << state.stamp;
-    driven += period * state.velocity.norm();
+    EXPECT_EQ(state.round.epoch, 0u) << state.promise.stamp;
+    driven += period * state.promise.velocity.norm();
   }
   EXPECT_GT(driven, 1);
 }

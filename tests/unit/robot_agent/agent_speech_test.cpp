@@ -141,8 +141,9 @@ std::vector<RobotState> said_by_one_unheard() {
 TEST(RobotAgent, AnUnheardAgentAsksForNewsWhenItIsHeardAgain) {
   const std::vector<RobotState> said = said_by_one_unheard();
   const auto asks = [&](double from, double until) {
-    return std::ranges::count_if(
-        said, [&](const RobotState& s) { return s.stamp > from && s.stamp < until && s.is_new; });
+    return std::ranges::count_if(said, [&](const RobotState& s) {
+      return s.promise.stamp > from && s.promise.stamp < until && s.is_new;
+    });
   };
   EXPECT_EQ(asks(0, 6), 0);
   EXPECT_GE(asks(6, 8), 4);

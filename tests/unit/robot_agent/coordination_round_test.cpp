@@ -63,7 +63,8 @@ Point2 where_a_comes(CoordinationRound& round, double b_has_come) {
     own.robot = robot;
     fleet.hear(own, 0);
   }
-  RobotState b{.robot = "b", .position = {20, 20}, .radius = 1, .max_speed = 5, .max_acceleration = 10};
+  RobotState b{
+      .robot = "b", .promise = {.position = {20, 20}}, .radius = 1, .max_speed = 5, .max_acceleration = 10};
   b.round = {4, "b", {20, 20}, 50};
   b.stage = Stage::waiting;
   FleetMember a{.robot = "a", .position = {20, 30}, .radius = 1, .max_speed = 5, .stands = true, .round = {}};

@@ -24,7 +24,7 @@ std::vector<std::string> texts(const std::vector<EventLog::Line>& lines) {
 }
 
 AgentStatus status(Phase phase) {
-  return {.robot = "a", .mission = 1, .phase = phase, .reason = {}, .run = 100};
+  return {.robot = "a", .mission = 1, .phase = phase, .reason = {}, .run = {100}};
 }
 
 class EventLogTest : public testing::Test {

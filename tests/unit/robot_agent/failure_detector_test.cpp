@@ -15,12 +15,12 @@ namespace {
 
 TEST(FailureDetector, UnheardDecisionsExtendTheZoneAlongTheHeading) {
   const Limits limits{20, 40};
-  const Commitment c{.stamp = 0,
-                     .position = {0, 0},
-                     .velocity = {18, 0},
-                     .turn = 0.05,
-                     .next_velocity = {20, 0},
-                     .expiry = 0.1};
+  const Promise c{.stamp = 0,
+                  .position = {0, 0},
+                  .velocity = {18, 0},
+                  .turn = 0.05,
+                  .next_velocity = {20, 0},
+                  .expiry = 0.1};
   const std::vector<Point2> rests = rests_after(c, limits, period, 3, 1.25);
   EXPECT_EQ(rests.front(), rest_after(c, limits, period));
   // Three more periods at full speed before it brakes: 3 m.
@@ -33,7 +33,7 @@ TEST(FailureDetector, UnheardDecisionsExtendTheZoneAlongTheHeading) {
 }
 
 TEST(FailureDetector, AStandingRobotStaysWhereItIs) {
-  const Commitment standing{.position = {3, 4}, .expiry = 1};
+  const Promise standing{.position = {3, 4}, .expiry = 1};
   EXPECT_EQ(rests_after(standing, {20, 40}, period, 10, 1).size(), 1u);
 }
 
@@ -180,13 +180,15 @@ TEST(FailureDetector, ARobotBesideAFailedOneAddsNoDiscsToItsZone) {
 TEST(FailureDetector, TheZoneOfARobotOfImpossibleSpeedIsComputedQuickly) {
   Listener a;
   RobotState absurd{.robot = "b",
-                    .stamp = 0,
-                    .position = {100, 100},
-                    .velocity = {1e9, 0},
+                    .promise = {.stamp = 0,
+                                .position = {100, 100},
+                                .velocity = {1e9, 0},
+                                .turn = period,
+                                .next_velocity = {1e9, 0},
+                                .expiry = 2 * period},
                     .radius = least_quantity,
                     .max_speed = 1e9,
                     .max_acceleration = 1e7,
-                    .promise = {period, {1e9, 0}, 2 * period},
                     .round = {},
                     .echoes = {}};
   ASSERT_FALSE(problem_with(absurd));

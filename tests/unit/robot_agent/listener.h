@@ -37,7 +37,7 @@ class Listener {
     hear(state);
   }
   void hear(const RobotState& state) {
-    fleet_.hear(std::make_shared<const RobotState>(state), state.stamp + 0.001);
+    fleet_.hear(std::make_shared<const RobotState>(state), state.promise.stamp + 0.001);
   }
   /// A peer relays a last state of `robot`. Returns false if it was not accepted.
   bool hear_passed_on(const RobotName& robot, double stamp, double now, const Point2& position) {
@@ -69,7 +69,7 @@ class Listener {
     fleet_.collect_neighbours({80, 80}, 100, 10, now, ages, near);
     double radius = 0;
     for (const Neighbour& n : near) {
-      if ((n.commitment.position - place(robot)).norm() < 1e-9) radius = std::max(radius, n.radius);
+      if ((n.promise.position - place(robot)).norm() < 1e-9) radius = std::max(radius, n.radius);
     }
     return radius;
   }

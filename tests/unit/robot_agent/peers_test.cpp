@@ -12,12 +12,14 @@ namespace {
 /// Hears a robot that stands at (100, 100) in the run `run`.
 bool hear(Fleet& fleet, const RobotName& robot, WallTime run, double stamp) {
   const RobotState state{.robot = robot,
-                         .stamp = stamp,
-                         .position = {100, 100},
+                         .promise = {.stamp = stamp,
+                                     .position = {100, 100},
+                                     .turn = stamp,
+                                     .next_velocity = Point2::Zero(),
+                                     .expiry = stamp},
                          .radius = 5,
-                         .promise = {stamp, Point2::Zero(), stamp},
                          .round = {},
-                         .run = run};
+                         .run = {run}};
   return fleet.hear(std::make_shared<const RobotState>(state), run + stamp);
 }
 
@@ -38,7 +40,8 @@ TEST(Peers, ARoundDoesNotWaitForAStoppedPeer) {
   fleet.hear(Mission{.robot = "a", .clock = {}}, 0);
   const RoundId round{1, "a", {100, 100}, 50};
   const auto says = [&](const char* robot, Phase phase, double stamp) {
-    RobotState state{.robot = robot, .stamp = stamp, .position = {100, 100}, .radius = 5, .round = {}};
+    RobotState state{
+        .robot = robot, .promise = {.stamp = stamp, .position = {100, 100}}, .radius = 5, .round = {}};
     state.phase = phase;
     fleet.hear(std::make_shared<const RobotState>(state), stamp);
   };
@@ -79,7 +82,7 @@ TEST(Peers, ARobotOutsideTheRunIsNoNeighbour) {
   std::vector<Neighbour> near;
   fleet.collect_neighbours({80, 80}, 100, 10, 0.1, ages, near);
   ASSERT_EQ(near.size(), 1u);
-  EXPECT_EQ(near.front().commitment.position, Point2(70, 70));
+  EXPECT_EQ(near.front().promise.position, Point2(70, 70));
   EXPECT_FALSE(fleet.complete(2));  // b has not been heard yet
   hear(fleet, "c", 100, 401);
   EXPECT_EQ(fleet.others().size(), 1u);

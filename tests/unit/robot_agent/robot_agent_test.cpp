@@ -31,7 +31,7 @@ TEST(RobotAgent, TheAgentDrivesAloneWithOnlyAService) {
   const AgentStatus last = of<AgentStatus>(said).back();
   EXPECT_EQ(last.phase, Phase::arrived);
   EXPECT_GT(last.arrival_time, 100.0 / 20);
-  EXPECT_LT((of<RobotState>(said).back().position - Point2(100, 60)).norm(), 1);
+  EXPECT_LT((of<RobotState>(said).back().promise.position - Point2(100, 60)).norm(), 1);
   // The track holds every control step once and in order.
   std::uint32_t points = 0;
   for (const TrackMessage& batch : of<TrackMessage>(said)) {
@@ -73,7 +73,7 @@ TEST(RobotAgent, ACancelledMissionStopsTheRobot) {
   agent.on(arrival_of(mission, 2));
   const auto said = run(agent, 2, 4);
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::stopped);
-  EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
+  EXPECT_TRUE(of<RobotState>(said).back().promise.velocity.isZero(0));
 }
 
 // The map may belong to a run that has nothing to do with this one.
@@ -93,7 +93,7 @@ TEST(RobotAgent, ACancelledMissionStopsTheRobotAfterAnotherMapWasHeard) {
   agent.on(arrival_of(mission, 2));
   const auto said = run(agent, 2, 4);
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::stopped);
-  EXPECT_TRUE(of<RobotState>(said).back().velocity.isZero(0));
+  EXPECT_TRUE(of<RobotState>(said).back().promise.velocity.isZero(0));
 }
 
 TEST(RobotAgent, TheRobotDrivesToItsNextGoalAfterAnotherMapWasHeard) {
@@ -130,7 +130,7 @@ TEST(RobotAgent, TheCountersOfTheProcessGoOnInTheNextRun) {
     for (double now = from; now < until; now += 0.1) {
       RobotState b = state_of("b", now - epoch, {20, 30});
       b.sequence = ++number;
-      b.run = epoch;
+      b.run = {epoch};
       b.echoes = {{"a", now - epoch - 0.05, now - epoch}};
       agent.on(arrival_of(b, now));
       for (const AgentStatus& status : of<AgentStatus>(run(agent, now, now + 0.1))) last = status;
@@ -144,7 +144,7 @@ TEST(RobotAgent, TheCountersOfTheProcessGoOnInTheNextRun) {
     agent.on(arrival_of(mission, 10));
   }
   const AgentStatus second = of<AgentStatus>(run(agent, 10, 10.1)).back();
-  EXPECT_EQ(second.run, 10);
+  EXPECT_EQ(second.run, RunId{10});
   EXPECT_GE(second.load.states_received, first.load.states_received);
   EXPECT_GE(second.load.state_age_max, first.load.state_age_max);
 }

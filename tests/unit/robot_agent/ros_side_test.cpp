@@ -159,7 +159,7 @@ TEST(RosSide, AnExternalRobotIsLedToItsGoal) {
   // The other robots keep clear of the tolerance, too.
   for (const RobotState& state : of<RobotState>(fleet.said)) {
     EXPECT_EQ(state.radius, 17);
-    EXPECT_LE(state.velocity.norm(), 18 + 1e-9);
+    EXPECT_LE(state.promise.velocity.norm(), 18 + 1e-9);
   }
   for (const RosCommand& command : fleet.in_ros<RosCommand>())
     EXPECT_LE(command.twist.linear.norm(), 20 + 1e-9);

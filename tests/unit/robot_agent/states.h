@@ -12,13 +12,10 @@ inline constexpr double period = control_period;
 inline RobotState state_of(const RobotName& robot, double stamp, const Point2& position,
                            const Point2& velocity = Point2::Zero()) {
   return {.robot = robot,
-          .stamp = stamp,
-          .position = position,
-          .velocity = velocity,
+          .promise = {stamp, position, velocity, stamp + period, velocity, stamp + 2 * period},
           .radius = 5,
           .max_speed = 20,
           .max_acceleration = 40,
-          .promise = {stamp + period, velocity, stamp + 2 * period},
           .round = {}};
 }
 

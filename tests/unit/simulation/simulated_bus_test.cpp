@@ -71,11 +71,10 @@ TEST(SimulatedBus, StatesAreNotKeptForLateJoiners) {
 
 RobotState state(double stamp) {
   return {.robot = "r1",
-          .stamp = stamp,
+          .promise = {.stamp = stamp, .turn = stamp + 0.05, .next_velocity = {0, 0}, .expiry = stamp + 0.1},
           .radius = 1,
           .max_speed = 1,
-          .max_acceleration = 1,
-          .promise = {stamp + 0.05, {0, 0}, stamp + 0.1}};
+          .max_acceleration = 1};
 }
 
 /// The stamps of 1000 states, one each 0.05 s, in the order of arrival.
@@ -87,7 +86,7 @@ std::vector<double> stamps_through(const BusFaults& faults) {
   for (int k = 0; k < 1100; ++k) {
     bus.set_time(0.05 * k);
     if (k < 1000) sender.publish(state(0.05 * k));
-    for (const Arrival& a : receiver.take()) stamps.push_back(std::get<RobotState>(*a.message).stamp);
+    for (const Arrival& a : receiver.take()) stamps.push_back(std::get<RobotState>(*a.message).promise.stamp);
   }
   return stamps;
 }

@@ -22,7 +22,7 @@ TEST(TreeBroker, EachTreeThatARootTreeComesNearIsPublished) {
   }
   RootNodes roots{.robot = "a", .mission = 1, .nodes = {}};
   for (int k = 0; k < 16; ++k)  // on the start's side of the wall
-    roots.nodes.push_back({Side::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
+    roots.nodes.push_back({Root::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
   broker.on(arrival_of(roots, 0));
   std::map<TreeId, int> seen;
   for (double now = 0; now < 0.2; now += 0.001) {
@@ -113,12 +113,12 @@ TEST(TreeBroker, TheBrokerRestsOnceAllIsSolvedAndCovered) {
 TEST(TreeBroker, RootNodesOfUnknownRobotsAndRepetitionsChangeNothing) {
   PlannerService service(two_robots(), {}, 0);
   TreeBroker broker(7, 1);
-  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));  // before map and mission
+  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Root::start, {20, 60}, -1}}}, 0));  // before map and mission
   for (const Message& m : map_and_missions(service)) broker.on(arrival_of(m, 0));
-  broker.on(arrival_of(RootNodes{"z", 1, 0, {{Side::start, {20, 60}, -1}}}, 0));
-  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Side::start, {-1e9, 1e9}, -1}, {Side::goal, {60, 60}, 0}}}, 0));
+  broker.on(arrival_of(RootNodes{"z", 1, 0, {{Root::start, {20, 60}, -1}}}, 0));
+  broker.on(arrival_of(RootNodes{"a", 1, 0, {{Root::start, {-1e9, 1e9}, -1}, {Root::goal, {60, 60}, 0}}}, 0));
   broker.on(
-      arrival_of(RootNodes{"a", 1, ~0u, {{Side::start, {1e9, 1e9}, -1}, {Side::goal, {60, 60}, 0}}}, 0));
+      arrival_of(RootNodes{"a", 1, ~0u, {{Root::start, {1e9, 1e9}, -1}, {Root::goal, {60, 60}, 0}}}, 0));
   for (int k = 0; k < 3; ++k) broker.step(0.1 * k);
 }
 
@@ -141,7 +141,7 @@ TEST(TreeBroker, TheBrokerGrowsForMissionsOfTheCurrentRunOnly) {
   };
   const auto has_a_path = [&](WallTime run, WallTime now) {
     AgentStatus status{.robot = "a", .mission = 1, .phase = Phase::driving};
-    status.run = run;
+    status.run = {run};
     broker.on(arrival_of(status, now));
   };
   const auto grows = [&](WallTime now) {
