@@ -1,5 +1,5 @@
 // Converts between the plain structs of messages.h and the types that fastddsgen generates from
-// idl/fleet.idl.
+// idl/fleet.idl, field by field (messages/fields.h).
 #pragma once
 
 #include "fleet.h"
@@ -12,6 +12,24 @@ namespace coppice {
 template <class M>
 struct DdsType;
 
+// clang-format off
+#define COPPICE_DDS_TYPES(EACH)            \
+  EACH(MapMessage, OccupancyMap)           \
+  EACH(Mission, Mission)                   \
+  EACH(RootNodes, RootNodes)               \
+  EACH(InactiveTreeMessage, InactiveTree)  \
+  EACH(RobotState, RobotState)             \
+  EACH(JointPlanMessage, JointPlan)        \
+  EACH(PathMessage, Path)                  \
+  EACH(TrackMessage, Track)                \
+  EACH(AgentStatus, AgentStatus)           \
+  EACH(BrokerStatus, BrokerStatus)         \
+  EACH(Claim, Claim)                       \
+  EACH(Assignment, Assignment)             \
+  EACH(ActiveTreesMessage, ActiveTrees)    \
+  EACH(ServiceStatus, ServiceStatus)
+// clang-format on
+
 #define COPPICE_DDS_TYPE(MESSAGE, TYPE)     \
   template <>                               \
   struct DdsType<MESSAGE> {                 \
@@ -19,23 +37,8 @@ struct DdsType;
     using Support = idl::TYPE##PubSubType;  \
   };                                        \
   idl::TYPE to_dds(const MESSAGE& message); \
-  MESSAGE from_dds(const idl::TYPE& sample)
-
-COPPICE_DDS_TYPE(MapMessage, OccupancyMap);
-COPPICE_DDS_TYPE(Mission, Mission);
-COPPICE_DDS_TYPE(RootNodes, RootNodes);
-COPPICE_DDS_TYPE(InactiveTreeMessage, InactiveTree);
-COPPICE_DDS_TYPE(RobotState, RobotState);
-COPPICE_DDS_TYPE(JointPlanMessage, JointPlan);
-COPPICE_DDS_TYPE(PathMessage, Path);
-COPPICE_DDS_TYPE(TrackMessage, Track);
-COPPICE_DDS_TYPE(AgentStatus, AgentStatus);
-COPPICE_DDS_TYPE(BrokerStatus, BrokerStatus);
-COPPICE_DDS_TYPE(Claim, Claim);
-COPPICE_DDS_TYPE(Assignment, Assignment);
-COPPICE_DDS_TYPE(ActiveTreesMessage, ActiveTrees);
-COPPICE_DDS_TYPE(ServiceStatus, ServiceStatus);
-
+  MESSAGE from_dds(const idl::TYPE& sample);
+COPPICE_DDS_TYPES(COPPICE_DDS_TYPE)
 #undef COPPICE_DDS_TYPE
 
 }  // namespace coppice

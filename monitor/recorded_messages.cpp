@@ -1,497 +1,241 @@
 #include "monitor/recorded_messages.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <set>
+#include <limits>
+#include <tuple>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
-#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include "messages/validation.h"
-#include "planning/packed_cells.h"
-#include "recording.pb.h"
+#include "messages/fields.h"
 
 namespace coppice {
 
 namespace {
 
-/// Our enumerations have the same numbers. A number that does not fit an octet becomes 255, which is no
-/// enumerator.
-template <class E>
-E octet(std::uint32_t number) {
-  return static_cast<E>(static_cast<std::uint8_t>(std::min<std::uint32_t>(number, 255)));
-}
-template <class E>
-int number(E value) {
-  return static_cast<int>(value);
+using google::protobuf::io::CodedInputStream;
+using google::protobuf::io::CodedOutputStream;
+using google::protobuf::io::StringOutputStream;
+
+// The encoding of Protobuf (protobuf.dev/programming-guides/encoding): a field is a tag, which holds its
+// number and the type of its value, and the value. Fields that are 0 or empty are left out.
+
+constexpr std::uint32_t varint = 0;
+constexpr std::uint32_t eight_octets = 1;
+constexpr std::uint32_t with_length = 2;
+constexpr std::uint32_t four_octets = 5;
+
+using Octets = std::vector<std::uint8_t>;
+template <class T>
+constexpr bool has_fields = requires {
+  Fields<T>::list;
+};
+template <class T>
+constexpr bool is_number = std::is_integral_v<T> || std::is_enum_v<T>;
+
+// --- writing ---
+
+void put_tag(int number, std::uint32_t type, CodedOutputStream& out) {
+  out.WriteTag(static_cast<std::uint32_t>(number) << 3 | type);
 }
 
-void to(const Point2& p, recording::Point* out) {
-  out->set_x(p.x());
-  out->set_y(p.y());
-}
-Point2 from(const recording::Point& p) {
-  return {p.x(), p.y()};
-}
-template <class Points>
-Path path_in(const Points& points) {
-  Path path;
-  path.reserve(static_cast<std::size_t>(points.size()));
-  for (const auto& p : points) path.push_back(from(p));
-  return path;
+void put_bytes(int number, const void* bytes, std::size_t size, CodedOutputStream& out) {
+  put_tag(number, with_length, out);
+  out.WriteVarint32(static_cast<std::uint32_t>(size));
+  out.WriteRaw(bytes, static_cast<int>(size));
 }
 
-// --- map ---
+template <class T>
+void put_fields(const T& value, CodedOutputStream& out);
 
-void to(const MapMessage& m, recording::Map* out) {
-  out->set_map_id(m.map_id);
-  out->set_width(static_cast<std::uint32_t>(m.map.width));
-  out->set_height(static_cast<std::uint32_t>(m.map.height));
-  out->set_resolution(m.map.resolution);
-  to(m.map.origin, out->mutable_origin());
-  out->set_y_up(m.map.y_axis == YAxis::up);
-  out->set_occupancy(packed_cells<std::string>(m.map.blocked));
-  out->mutable_radii()->Add(m.radii.begin(), m.radii.end());
-}
-std::optional<Message> from(const recording::Map& m) {
-  if (m.width() > largest_map_side || m.height() > largest_map_side) return std::nullopt;
-  const std::size_t cells = std::size_t{m.width()} * m.height();
-  if (m.occupancy().size() != (cells + 7) / 8) return std::nullopt;
-  return MapMessage{.map_id = m.map_id(),
-                    .map = {.width = static_cast<int>(m.width()),
-                            .height = static_cast<int>(m.height()),
-                            .resolution = m.resolution(),
-                            .origin = from(m.origin()),
-                            .y_axis = m.y_up() ? YAxis::up : YAxis::down,
-                            .blocked = unpacked_cells(m.occupancy(), cells)},
-                    .radii = {m.radii().begin(), m.radii().end()}};
+template <class T>
+std::string encoded(const T& value) {
+  std::string bytes;
+  StringOutputStream stream(&bytes);
+  CodedOutputStream out(&stream);
+  put_fields(value, out);
+  out.Trim();
+  return bytes;
 }
 
-// --- mission, trees ---
-
-void to(const Mission& m, recording::Mission* out) {
-  out->set_robot(m.robot);
-  out->set_number(m.number);
-  out->set_fleet_size(m.fleet_size);
-  out->set_map_id(m.map_id);
-  to(m.start, out->mutable_start());
-  to(m.goal, out->mutable_goal());
-  out->set_radius(m.radius);
-  out->set_max_speed(m.max_speed);
-  out->set_max_acceleration(m.max_acceleration);
-  out->set_goal_tolerance(m.goal_tolerance);
-  out->set_seed(m.seed);
-  out->set_planner(static_cast<recording::Planner>(number(m.planner)));
-  out->set_plan_budget(m.plan_budget);
-  out->set_cancelled(m.cancelled);
-  out->set_clock_epoch(m.clock.epoch);
-  out->set_clock_scale(m.clock.scale);
+/// Negative numbers are folded in between the others ("sint32").
+std::uint64_t as_varint(std::int32_t number) {
+  return (static_cast<std::uint32_t>(number) << 1) ^ static_cast<std::uint32_t>(number >> 31);
 }
-std::optional<Message> from(const recording::Mission& m) {
-  return Mission{.robot = m.robot(),
-                 .number = m.number(),
-                 .fleet_size = m.fleet_size(),
-                 .map_id = m.map_id(),
-                 .start = from(m.start()),
-                 .goal = from(m.goal()),
-                 .radius = m.radius(),
-                 .max_speed = m.max_speed(),
-                 .max_acceleration = m.max_acceleration(),
-                 .goal_tolerance = m.goal_tolerance(),
-                 .seed = m.seed(),
-                 .planner = octet<PlannerKind>(static_cast<std::uint32_t>(m.planner())),
-                 .plan_budget = m.plan_budget(),
-                 .cancelled = m.cancelled(),
-                 .clock = {m.clock_epoch(), m.clock_scale()}};
+template <class T>
+std::uint64_t as_varint(T number) {
+  return static_cast<std::uint64_t>(number);
 }
 
-void to(const RootNodes& m, recording::RootNodes* out) {
-  out->set_robot(m.robot);
-  out->set_mission(m.mission);
-  out->set_run(m.run.epoch);
-  out->set_first_index(m.first_index);
-  for (const RootNodes::Node& node : m.nodes) {
-    auto* const added = out->add_nodes();
-    added->set_side(static_cast<recording::Side>(number(node.side)));
-    to(node.position, added->mutable_position());
-    added->set_parent(node.parent);
+template <class T>
+void put(int number, const T& value, bool even_if_zero, CodedOutputStream& out) {
+  if constexpr (has_fields<T>) {
+    const std::string bytes = encoded(value);
+    put_bytes(number, bytes.data(), bytes.size(), out);
+  } else if constexpr (std::is_same_v<T, double>) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    if (bits == 0 && !even_if_zero) return;
+    put_tag(number, eight_octets, out);
+    out.WriteLittleEndian64(bits);
+  } else if constexpr (is_number<T>) {
+    if (as_varint(value) == 0 && !even_if_zero) return;
+    put_tag(number, varint, out);
+    out.WriteVarint64(as_varint(value));
+  } else if constexpr (std::is_same_v<T, std::string> || std::is_same_v<T, Octets>) {
+    if (!value.empty() || even_if_zero) put_bytes(number, value.data(), value.size(), out);
+  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+    if (value.empty()) return;
+    static_assert(std::endian::native == std::endian::little);
+    put_bytes(number, value.data(), 8 * value.size(), out);
+  } else {
+    for (const auto& element : value) put(number, element, true, out);
   }
 }
-std::optional<Message> from(const recording::RootNodes& m) {
-  RootNodes all{.robot = m.robot(),
-                .mission = m.mission(),
-                .first_index = m.first_index(),
-                .nodes = {},
-                .run = {m.run()}};
-  for (const auto& node : m.nodes())
-    all.nodes.push_back(
-        {octet<Root>(static_cast<std::uint32_t>(node.side())), from(node.position()), node.parent()});
-  return all;
+
+template <class T>
+void put_fields(const T& value, CodedOutputStream& out) {
+  std::apply([&](const auto&... f) { (put(f.number, f.member(value), f.may_be_absent, out), ...); },
+             Fields<T>::list);
 }
 
-void to(const InactiveTreeMessage& m, recording::InactiveTree* out) {
-  out->set_broker(m.tree.broker);
-  out->set_number(m.tree.number);
-  out->set_map_id(m.map_id);
-  out->set_radius(m.radius);
-  for (const InactiveTreeMessage::Node& node : m.nodes) {
-    auto* const added = out->add_nodes();
-    to(node.position, added->mutable_position());
-    added->set_parent(node.parent);
-    added->set_edge_clearance(node.edge_clearance);
+// --- reading ---
+
+bool skip(std::uint32_t type, CodedInputStream& in) {
+  std::uint64_t number = 0;
+  std::uint32_t half = 0;
+  std::uint32_t size = 0;
+  switch (type) {
+    case varint:
+      return in.ReadVarint64(&number);
+    case eight_octets:
+      return in.ReadLittleEndian64(&number);
+    case with_length:
+      return in.ReadVarint32(&size) && size <= INT32_MAX && in.Skip(static_cast<int>(size));
+    case four_octets:
+      return in.ReadLittleEndian32(&half);
+    default:
+      return false;
   }
 }
-std::optional<Message> from(const recording::InactiveTree& m) {
-  InactiveTreeMessage tree{
-      .tree = {m.broker(), m.number()}, .map_id = m.map_id(), .radius = m.radius(), .nodes = {}};
-  for (const auto& node : m.nodes())
-    tree.nodes.push_back({from(node.position()), node.parent(), node.edge_clearance()});
-  return tree;
+
+bool take_bytes(std::string& bytes, CodedInputStream& in) {
+  std::uint32_t size = 0;
+  return in.ReadVarint32(&size) && size <= INT32_MAX && in.ReadString(&bytes, static_cast<int>(size));
 }
 
-void to(const ActiveTreesMessage& m, recording::ActiveTrees* out) {
-  out->set_broker(m.broker);
-  out->set_map_id(m.map_id);
-  for (const ActiveTreesMessage::Edge& edge : m.edges) {
-    auto* const added = out->add_edges();
-    to(edge.from, added->mutable_from());
-    to(edge.to, added->mutable_to());
+template <class T>
+T from_varint(std::uint64_t number) {
+  if constexpr (std::is_same_v<T, std::int32_t>) {
+    const auto folded = static_cast<std::uint32_t>(number);
+    return static_cast<std::int32_t>((folded >> 1) ^ (~(folded & 1) + 1));
+  } else if constexpr (std::is_same_v<T, bool>) {
+    return number != 0;
+  } else if constexpr (sizeof(T) == 1) {  // 255 is no enumerator
+    return static_cast<T>(static_cast<std::uint8_t>(std::min<std::uint64_t>(number, 255)));
+  } else {
+    return static_cast<T>(number);
   }
 }
-std::optional<Message> from(const recording::ActiveTrees& m) {
-  ActiveTreesMessage trees{.broker = m.broker(), .map_id = m.map_id(), .edges = {}};
-  for (const auto& edge : m.edges()) trees.edges.push_back({from(edge.from()), from(edge.to())});
-  return trees;
-}
 
-// --- states and joint plans ---
+template <class T>
+bool take_fields(T& value, CodedInputStream& in);
 
-void to(const RoundId& round, recording::CoordinationRound* out) {
-  out->set_epoch(round.epoch);
-  out->set_leader(round.leader);
-  to(round.centre, out->mutable_centre());
-  out->set_reach(round.reach);
-}
-RoundId from(const recording::CoordinationRound& round) {
-  return {round.epoch(), round.leader(), from(round.centre()), round.reach()};
-}
+/// The type of a value on the wire.
+template <class T>
+constexpr std::uint32_t wire_type = std::is_same_v<T, double> ? eight_octets
+                                    : is_number<T>            ? varint
+                                                              : with_length;
 
-void to(const RobotState& m, recording::RobotState* out) {
-  out->set_robot(m.robot);
-  out->set_sequence(m.sequence);
-  out->set_stamp(m.promise.stamp);
-  out->set_run(m.run.epoch);
-  to(m.promise.position, out->mutable_position());
-  to(m.promise.velocity, out->mutable_velocity());
-  out->set_radius(m.radius);
-  out->set_max_speed(m.max_speed);
-  out->set_max_acceleration(m.max_acceleration);
-  out->set_phase(static_cast<recording::Phase>(number(m.phase)));
-  out->set_promise_turn(m.promise.turn);
-  to(m.promise.next_velocity, out->mutable_promise_velocity());
-  out->set_promise_expiry(m.promise.expiry);
-  to(m.round, out->mutable_round());
-  out->set_stage(static_cast<recording::Stage>(number(m.stage)));
-  out->set_progress(m.progress);
-  out->set_waits_for(m.waits_for);
-  out->set_copies(m.copies);
-  out->set_copy(m.copy);
-  out->set_passed_on(m.passed_on);
-  out->set_counts_as_failed(m.counts_as_failed);
-  out->set_is_new(m.is_new);
-  out->set_wants_echo(m.wants_echo);
-  for (const RobotName& robot : m.misses) out->add_misses(robot);
-  for (const Echo& echo : m.echoes) {
-    auto* const added = out->add_echoes();
-    added->set_robot(echo.robot);
-    added->set_stamp(echo.stamp);
-    added->set_received(echo.received);
+template <class T>
+bool take(T& value, CodedInputStream& in) {
+  if constexpr (has_fields<T>) {
+    std::uint32_t size = 0;
+    if (!in.ReadVarint32(&size) || size > INT32_MAX) return false;
+    const int left = in.BytesUntilLimit();  // of the message around it; -1: there is none
+    if (left >= 0 && static_cast<int>(size) > left) return false;
+    const CodedInputStream::Limit before = in.PushLimit(static_cast<int>(size));
+    const bool complete = take_fields(value, in) && in.BytesUntilLimit() == 0;
+    in.PopLimit(before);
+    return complete;
+  } else if constexpr (std::is_same_v<T, double>) {
+    std::uint64_t bits = 0;
+    if (!in.ReadLittleEndian64(&bits)) return false;
+    value = std::bit_cast<double>(bits);
+    return true;
+  } else if constexpr (is_number<T>) {
+    std::uint64_t number = 0;
+    if (!in.ReadVarint64(&number)) return false;
+    value = from_varint<T>(number);
+    return true;
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    return take_bytes(value, in);
+  } else if constexpr (std::is_same_v<T, Octets>) {
+    std::string bytes;
+    if (!take_bytes(bytes, in)) return false;
+    value.assign(bytes.begin(), bytes.end());
+    return true;
+  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+    std::string bytes;
+    if (!take_bytes(bytes, in) || bytes.size() % 8 != 0) return false;
+    const std::size_t before = value.size();
+    value.resize(before + bytes.size() / 8);
+    bytes.copy(reinterpret_cast<char*>(value.data() + before), bytes.size());
+    return true;
+  } else {
+    return take(value.emplace_back(), in);
   }
 }
-std::optional<Message> from(const recording::RobotState& m) {
-  RobotState state{.robot = m.robot(),
-                   .sequence = m.sequence(),
-                   .promise = {.stamp = m.stamp(),
-                               .position = from(m.position()),
-                               .velocity = from(m.velocity()),
-                               .turn = m.promise_turn(),
-                               .next_velocity = from(m.promise_velocity()),
-                               .expiry = m.promise_expiry()},
-                   .radius = m.radius(),
-                   .max_speed = m.max_speed(),
-                   .max_acceleration = m.max_acceleration(),
-                   .phase = octet<Phase>(static_cast<std::uint32_t>(m.phase())),
-                   .round = from(m.round()),
-                   .stage = octet<Stage>(static_cast<std::uint32_t>(m.stage())),
-                   .progress = m.progress(),
-                   .waits_for = m.waits_for(),
-                   .copies = octet<std::uint8_t>(m.copies()),
-                   .copy = octet<std::uint8_t>(m.copy()),
-                   .passed_on = m.passed_on(),
-                   .counts_as_failed = m.counts_as_failed(),
-                   .is_new = m.is_new(),
-                   .wants_echo = m.wants_echo(),
-                   .misses = {m.misses().begin(), m.misses().end()},
-                   .run = {m.run()}};
-  for (const auto& echo : m.echoes()) state.echoes.push_back({echo.robot(), echo.stamp(), echo.received()});
-  return state;
-}
 
-void to(const JointPlanMessage& m, recording::JointPlan* out) {
-  to(m.round, out->mutable_round());
-  out->set_run(m.run.epoch);
-  for (const JointPlanMessage::Member& member : m.members) {
-    auto* const added = out->add_members();
-    added->set_robot(member.robot);
-    added->set_radius(member.radius);
-    added->set_stranded(member.stranded);
-  }
-  for (const Move& move : m.moves) {
-    auto* const added = out->add_moves();
-    added->set_member(static_cast<std::uint32_t>(move.robot));
-    for (const Point2& p : move.path) to(p, added->add_path());
+/// What is left out is 0, or empty, whatever the struct's own defaults are.
+template <class T>
+void clear(T& value) {
+  if constexpr (has_fields<T>) {
+    const auto each = [&](const auto&... f) { ((f.may_be_absent ? void() : clear(f.member(value))), ...); };
+    std::apply(each, Fields<T>::list);
+  } else {
+    value = T{};
   }
 }
-std::optional<Message> from(const recording::JointPlan& m) {
-  JointPlanMessage plan{.round = from(m.round()), .members = {}, .moves = {}, .run = {m.run()}};
-  for (const auto& member : m.members())
-    plan.members.push_back({member.robot(), member.radius(), member.stranded()});
-  for (const auto& move : m.moves()) plan.moves.push_back({move.member(), path_in(move.path())});
-  return plan;
-}
 
-void to(const PathMessage& m, recording::Path* out) {
-  out->set_robot(m.robot);
-  out->set_mission(m.mission);
-  out->set_run(m.run.epoch);
-  for (const Point2& p : m.waypoints) to(p, out->add_waypoints());
-}
-std::optional<Message> from(const recording::Path& m) {
-  return PathMessage{m.robot(), m.mission(), path_in(m.waypoints()), {m.run()}};
-}
-
-void to(const TrackMessage& m, recording::Track* out) {
-  out->set_robot(m.robot);
-  out->set_mission(m.mission);
-  out->set_run(m.run.epoch);
-  out->set_first_index(m.first_index);
-  for (const TrackMessage::Point& point : m.points) {
-    auto* const added = out->add_points();
-    added->set_time(point.time);
-    to(point.position, added->mutable_position());
-    to(point.velocity, added->mutable_velocity());
+/// Reads to the end, or to the limit.
+template <class T>
+bool take_fields(T& value, CodedInputStream& in) {
+  clear(value);
+  while (const std::uint32_t tag = in.ReadTag()) {
+    const auto number = static_cast<int>(tag >> 3);
+    const std::uint32_t type = tag & 7;
+    bool valid = true;
+    const auto is_it = [&](const auto& f) {
+      auto& member = f.member(value);
+      if (f.number != number || type != wire_type<std::remove_cvref_t<decltype(member)>>) return false;
+      valid = take(member, in);
+      return true;
+    };
+    const bool known = std::apply([&](const auto&... f) { return (is_it(f) || ...); }, Fields<T>::list);
+    if (!known) valid = skip(type, in);
+    if (!valid) return false;
   }
+  return in.ConsumedEntireMessage();
 }
-std::optional<Message> from(const recording::Track& m) {
-  TrackMessage track{.robot = m.robot(),
-                     .mission = m.mission(),
-                     .first_index = m.first_index(),
-                     .points = {},
-                     .run = {m.run()}};
-  for (const auto& point : m.points())
-    track.points.push_back({point.time(), from(point.position()), from(point.velocity())});
-  return track;
-}
-
-// --- statuses and claims ---
-
-void to(const AgentLoad& load, recording::AgentStatus::Load* out) {
-  out->set_samples_received(load.samples_received);
-  out->set_states_received(load.states_received);
-  out->set_periods(load.periods);
-  out->set_periods_missed(load.periods_missed);
-  out->set_agents_matched(load.agents_matched);
-  out->set_matched_at(load.matched_at);
-  out->set_bytes_sent(load.bytes_sent);
-  out->set_bytes_received(load.bytes_received);
-  out->set_state_age_p50(load.state_age_p50);
-  out->set_state_age_p99(load.state_age_p99);
-  out->set_state_age_max(load.state_age_max);
-  out->set_processor_seconds(load.processor_seconds);
-}
-AgentLoad from(const recording::AgentStatus::Load& load) {
-  return {.samples_received = load.samples_received(),
-          .states_received = load.states_received(),
-          .periods = load.periods(),
-          .periods_missed = load.periods_missed(),
-          .agents_matched = load.agents_matched(),
-          .matched_at = load.matched_at(),
-          .bytes_sent = load.bytes_sent(),
-          .bytes_received = load.bytes_received(),
-          .state_age_p50 = load.state_age_p50(),
-          .state_age_p99 = load.state_age_p99(),
-          .state_age_max = load.state_age_max(),
-          .processor_seconds = load.processor_seconds()};
-}
-
-void to(const AgentStatus& m, recording::AgentStatus* out) {
-  out->set_robot(m.robot);
-  out->set_mission(m.mission);
-  out->set_run(m.run.epoch);
-  out->set_phase(static_cast<recording::Phase>(number(m.phase)));
-  out->set_reason(m.reason);
-  out->set_mission_time(m.mission_time);
-  out->set_path_time(m.path_time);
-  out->set_arrival_time(m.arrival_time);
-  out->set_plan_seconds(m.plan_seconds);
-  out->set_improve_seconds(m.improve_seconds);
-  out->set_driven_length(m.driven_length);
-  out->set_nodes_valid(m.nodes_valid);
-  out->set_nodes_invalid(m.nodes_invalid);
-  out->set_trees_received(m.trees_received);
-  out->set_trees_grafted(m.trees_grafted);
-  out->set_track_points(m.track_points);
-  out->set_rejected(m.rejected);
-  to(m.load, out->mutable_load());
-  out->set_way_left(m.way_left);
-  out->set_wait_cause(m.wait_cause);
-  out->set_came_on_at(m.came_on_at);
-  out->set_waited(m.waited);
-}
-std::optional<Message> from(const recording::AgentStatus& m) {
-  return AgentStatus{.robot = m.robot(),
-                     .mission = m.mission(),
-                     .phase = octet<Phase>(static_cast<std::uint32_t>(m.phase())),
-                     .reason = m.reason(),
-                     .mission_time = m.mission_time(),
-                     .path_time = m.path_time(),
-                     .arrival_time = m.arrival_time(),
-                     .plan_seconds = m.plan_seconds(),
-                     .improve_seconds = m.improve_seconds(),
-                     .driven_length = m.driven_length(),
-                     .nodes_valid = m.nodes_valid(),
-                     .nodes_invalid = m.nodes_invalid(),
-                     .trees_received = m.trees_received(),
-                     .trees_grafted = m.trees_grafted(),
-                     .track_points = m.track_points(),
-                     .rejected = m.rejected(),
-                     .load = from(m.load()),
-                     .run = {m.run()},
-                     .way_left = m.has_way_left() ? m.way_left() : AgentStatus{}.way_left,
-                     .wait_cause = m.wait_cause(),
-                     .came_on_at = m.came_on_at(),
-                     .waited = m.waited()};
-}
-
-void to(const BrokerStatus& m, recording::BrokerStatus* out) {
-  out->set_broker(m.broker);
-  out->set_leads(m.leads);
-  out->set_leading_since(m.leading_since);
-  out->set_nodes_valid(m.nodes_valid);
-  out->set_nodes_invalid(m.nodes_invalid);
-  out->set_trees_active(m.trees_active);
-  out->set_trees_published(m.trees_published);
-  out->set_covered_map(m.covered_map);
-  out->set_rejected(m.rejected);
-  out->set_processor_seconds(m.processor_seconds);
-}
-std::optional<Message> from(const recording::BrokerStatus& m) {
-  return BrokerStatus{.broker = m.broker(),
-                      .leads = m.leads(),
-                      .leading_since = m.leading_since(),
-                      .nodes_valid = m.nodes_valid(),
-                      .nodes_invalid = m.nodes_invalid(),
-                      .trees_active = m.trees_active(),
-                      .trees_published = m.trees_published(),
-                      .covered_map = m.covered_map(),
-                      .rejected = m.rejected(),
-                      .processor_seconds = m.processor_seconds()};
-}
-
-void to(const Claim& m, recording::Claim* out) {
-  out->set_claimant(m.claimant);
-  out->set_number(m.number);
-  out->set_robot(m.robot);
-}
-std::optional<Message> from(const recording::Claim& m) {
-  return Claim{m.claimant(), m.number(), m.robot()};
-}
-
-void to(const Assignment& m, recording::Assignment* out) {
-  out->set_robot(m.robot);
-  out->set_claimant(m.claimant);
-  out->set_number(m.number);
-}
-std::optional<Message> from(const recording::Assignment& m) {
-  return Assignment{m.robot(), m.claimant(), m.number()};
-}
-
-void to(const ServiceStatus& m, recording::ServiceStatus* out) {
-  out->set_service(m.service);
-  out->set_host(m.host);
-  out->set_process(m.process);
-  out->set_since(m.since);
-  out->set_run(m.run.epoch);
-}
-std::optional<Message> from(const recording::ServiceStatus& m) {
-  return ServiceStatus{m.service(), m.host(), m.process(), m.since(), {m.run()}};
-}
-
-// --- by topic ---
-
-template <class M>
-struct Recorded;
-#define COPPICE_RECORDED(MESSAGE, PROTO) \
-  template <>                            \
-  struct Recorded<MESSAGE> {             \
-    using Type = recording::PROTO;       \
-  }
-COPPICE_RECORDED(MapMessage, Map);
-COPPICE_RECORDED(Mission, Mission);
-COPPICE_RECORDED(RootNodes, RootNodes);
-COPPICE_RECORDED(InactiveTreeMessage, InactiveTree);
-COPPICE_RECORDED(RobotState, RobotState);
-COPPICE_RECORDED(JointPlanMessage, JointPlan);
-COPPICE_RECORDED(PathMessage, Path);
-COPPICE_RECORDED(TrackMessage, Track);
-COPPICE_RECORDED(AgentStatus, AgentStatus);
-COPPICE_RECORDED(BrokerStatus, BrokerStatus);
-COPPICE_RECORDED(Claim, Claim);
-COPPICE_RECORDED(Assignment, Assignment);
-COPPICE_RECORDED(ActiveTreesMessage, ActiveTrees);
-COPPICE_RECORDED(ServiceStatus, ServiceStatus);
-#undef COPPICE_RECORDED
 
 template <class M>
 std::optional<Message> parsed(std::string_view bytes) {
-  typename Recorded<M>::Type message;
-  if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return std::nullopt;
-  return from(message);
-}
-
-template <class... Ms>
-const google::protobuf::Descriptor* descriptor_of(TopicNumber topic, const std::variant<Ms...>*) {
-  const std::array all{Recorded<Ms>::Type::descriptor()...};
-  return all.at(topic);
-}
-const google::protobuf::Descriptor* descriptor_of(TopicNumber topic) {
-  return descriptor_of(topic, static_cast<const Message*>(nullptr));
-}
-
-/// Adds a file after all files that it depends on.
-void add_file(const google::protobuf::FileDescriptor& file, std::set<std::string>& added,
-              google::protobuf::FileDescriptorSet& all) {
-  if (!added.insert(file.name()).second) return;
-  for (int k = 0; k < file.dependency_count(); ++k) add_file(*file.dependency(k), added, all);
-  file.CopyTo(all.add_file());
+  CodedInputStream in(reinterpret_cast<const std::uint8_t*>(bytes.data()), static_cast<int>(bytes.size()));
+  typename WireForm<M>::Type message{};
+  if (!take_fields(message, in)) return std::nullopt;
+  return from_wire_form(std::move(message));
 }
 
 }  // namespace
 
 std::string channel_name(TopicNumber topic) {
   return "/coppice/" + std::string(topic_infos.at(topic).name);
-}
-
-std::string schema_name(TopicNumber topic) {
-  return descriptor_of(topic)->full_name();
-}
-
-std::string schema_of(TopicNumber topic) {
-  google::protobuf::FileDescriptorSet all;
-  std::set<std::string> added;
-  add_file(*descriptor_of(topic)->file(), added, all);
-  return all.SerializeAsString();
 }
 
 std::uint64_t nanoseconds(WallTime at) {
@@ -503,13 +247,7 @@ WallTime wall_time(std::uint64_t nanoseconds) {
 }
 
 std::string recorded(const Message& message) {
-  return std::visit(
-      []<class M>(const M& m) {
-        typename Recorded<M>::Type out;
-        to(m, &out);
-        return out.SerializeAsString();
-      },
-      message);
+  return std::visit([](const auto& m) { return encoded(wire_form(m)); }, message);
 }
 
 std::optional<Message> message_in(TopicNumber topic, std::string_view bytes) {

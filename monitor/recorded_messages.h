@@ -1,5 +1,5 @@
-// The messages of the bus in a recording: conversion to the Protobuf messages of idl/recording.proto and
-// back.
+// The messages of the bus in a recording: conversion to Protobuf messages and back, field by field. Their
+// schema is made from the list of fields (messages/fields.h), and each recording holds it.
 #pragma once
 
 #include <array>
@@ -43,8 +43,8 @@ constexpr std::size_t largest_recorded(TopicNumber topic) {
 std::string channel_name(TopicNumber topic);
 /// Full name of the topic's Protobuf message.
 std::string schema_name(TopicNumber topic);
-/// The description of the topic's message: a serialized FileDescriptorSet with all dependencies.
-std::string schema_of(TopicNumber topic);
+/// The description of the messages of all topics: a serialized FileDescriptorSet.
+std::string recorded_schema();
 
 /// Times in a recording are nanoseconds since 1970. Earlier times become 0.
 std::uint64_t nanoseconds(WallTime at);

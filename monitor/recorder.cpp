@@ -22,7 +22,7 @@ std::size_t chunk_of(const TopicInfo& info) {
 Recorder::Recorder(McapWriter::Compression compression) : writer_("coppice " COPPICE_VERSION, compression) {
   for (TopicNumber topic = 0; topic < topic_count; ++topic) {
     channels_[topic] =
-        writer_.add_channel(channel_name(topic), mcap::protobuf, schema_name(topic), schema_of(topic));
+        writer_.add_channel(channel_name(topic), mcap::protobuf, schema_name(topic), recorded_schema());
   }
 }
 

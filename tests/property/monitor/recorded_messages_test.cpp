@@ -15,6 +15,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "messages/validation.h"
+
 namespace coppice {
 namespace {
 
@@ -228,7 +230,7 @@ TYPED_TEST(RecordedMessages, AnyBytesAreReadAsAMessageOrRefused) {
 TYPED_TEST(RecordedMessages, TheSchemaDescribesTheMessages) {
   const TopicNumber topic = topic_number<TypeParam>();
   google::protobuf::FileDescriptorSet files;
-  ASSERT_TRUE(files.ParseFromString(schema_of(topic)));
+  ASSERT_TRUE(files.ParseFromString(recorded_schema()));
   google::protobuf::DescriptorPool pool;
   for (const auto& file : files.file()) ASSERT_NE(pool.BuildFile(file), nullptr);
   const auto* const described = pool.FindMessageTypeByName(schema_name(topic));
@@ -245,7 +247,26 @@ TYPED_TEST(RecordedMessages, TheSchemaDescribesTheMessages) {
 TEST(RecordedMessage, AMessageThatIsTooLongIsRefused) {
   const std::string long_one(largest_recorded(topic_number<Claim>()) + 1, '\0');
   EXPECT_FALSE(message_in(topic_number<Claim>(), long_one));
-  EXPECT_FALSE(message_in(topic_number<Claim>(), "\x1a\x01\xff")) << "no UTF-8";
+  EXPECT_TRUE(problem_with(message_in(topic_number<Claim>(), "\x1a\x01\xff").value())) << "no UTF-8";
+}
+
+TEST(RecordedMessage, MalformedBytesAreRefused) {
+  const TopicNumber path = topic_number<PathMessage>();
+  EXPECT_TRUE(message_in(path, "")) << "all fields are left out";
+  EXPECT_TRUE(message_in(path, std::string("\xf8\x07\x01", 3))) << "field 127 is of a later version";
+  EXPECT_FALSE(message_in(path, std::string("\x00", 1))) << "no field has the number 0";
+  EXPECT_FALSE(message_in(path, "\x0a\x05one")) << "the robot's name is cut off";
+  EXPECT_FALSE(message_in(path, "\x1a\x09\x09")) << "a waypoint is cut off";
+  EXPECT_FALSE(message_in(path, "\x1a\x02\x09\x01")) << "a number is longer than its waypoint";
+  EXPECT_FALSE(message_in(path, "\x0b")) << "groups are not used";
+  const auto plan = topic_number<JointPlanMessage>();
+  EXPECT_FALSE(message_in(plan, std::string("\x1a\x03\x12\x04\x00", 5))) << "a path is longer than its move";
+}
+
+TEST(RecordedMessage, FieldsAreReadInAnyOrder) {
+  const auto message = message_in(topic_number<Assignment>(), "\x18\x03\x10\x02\x0a\x01r");
+  ASSERT_TRUE(message);
+  EXPECT_EQ(std::get<Assignment>(*message), (Assignment{"r", 2, 3}));
 }
 
 }  // namespace

@@ -1,0 +1,276 @@
+// The fields of all messages, once. Each format of a message walks this list: DDS (dds/conversion.cpp) and
+// recordings (monitor/recorded_messages.cpp). So a new field is written in three places: in messages.h, in
+// idl/fleet.idl, and here.
+//
+// Recordings name a field by its number: a number is never given to another field.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <tuple>
+
+#include "messages/messages.h"
+#include "messages/wire_forms.h"
+
+namespace coppice {
+
+/// `member` and `in_dds` map a struct, and the type that fastddsgen generates for it, to the field in it.
+template <class Member, class InDds>
+struct Field {
+  int number;
+  const char* name;
+  Member member;
+  InDds in_dds;
+  bool may_be_absent = false;  ///< from older recordings; it then keeps the value of messages.h
+};
+
+/// Specialised for each struct with fields: its `name` in recordings, and its `list` of fields.
+template <class T>
+struct Fields;
+
+/// Specialised for each enumeration: its `name` and its `values` in recordings, in order from 0.
+template <class E>
+struct Enumerators;
+
+// clang-format off
+#define COPPICE_FIELDS(TYPE, NAME, ...)                   \
+  template <>                                             \
+  struct Fields<TYPE> {                                   \
+    static constexpr std::string_view name = NAME;        \
+    static constexpr auto list = std::tuple{__VA_ARGS__}; \
+  }
+#define COPPICE_ENUMERATORS(TYPE, NAME, ...)              \
+  template <>                                             \
+  struct Enumerators<TYPE> {                              \
+    static constexpr std::string_view name = NAME;        \
+    static constexpr std::array values{__VA_ARGS__};      \
+  }
+/// A field called NAME in recordings. It is MEMBER of the struct, and IN_DDS of the DDS type.
+#define COPPICE_FIELD_AT(NUMBER, NAME, MEMBER, IN_DDS)    \
+  Field{NUMBER, #NAME,                                    \
+        [](auto& m) -> auto& { return m.MEMBER; },        \
+        [](auto& dds) -> decltype(auto) { return dds.IN_DDS; }}
+#define COPPICE_FIELD(NUMBER, NAME) COPPICE_FIELD_AT(NUMBER, NAME, NAME, NAME())
+/// A part whose fields are fields of the message itself in DDS.
+#define COPPICE_PART(NUMBER, NAME)                        \
+  Field{NUMBER, #NAME,                                    \
+        [](auto& m) -> auto& { return m.NAME; },          \
+        [](auto& dds) -> auto& { return dds; }}
+// clang-format on
+
+/// The round in the DDS type of a state, where its fields have a prefix.
+template <class State>
+struct RoundOfState {
+  State& dds;
+  decltype(auto) epoch() const { return dds.round_epoch(); }
+  decltype(auto) leader() const { return dds.round_leader(); }
+  decltype(auto) centre() const { return dds.round_centre(); }
+  decltype(auto) reach() const { return dds.round_reach(); }
+};
+
+// clang-format off
+COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_STAR");
+COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
+COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP");
+COPPICE_ENUMERATORS(Stage, "Stage", "FREE", "WAITING_FOR_PLAN", "EXECUTING");
+
+COPPICE_FIELDS(Point2, "Point", COPPICE_FIELD_AT(1, x, x(), x()), COPPICE_FIELD_AT(2, y, y(), y()));
+
+COPPICE_FIELDS(PackedMap, "Map",
+  COPPICE_FIELD(1, map_id),
+  COPPICE_FIELD(2, width),
+  COPPICE_FIELD(3, height),
+  COPPICE_FIELD(4, resolution),
+  COPPICE_FIELD(5, origin),
+  COPPICE_FIELD_AT(6, y_up, y_axis, y_axis()),
+  COPPICE_FIELD_AT(7, occupancy, occupancy, packed_occupancy()),
+  COPPICE_FIELD(8, radii));
+
+COPPICE_FIELDS(Mission, "Mission",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, number),
+  COPPICE_FIELD(3, fleet_size),
+  COPPICE_FIELD(4, map_id),
+  COPPICE_FIELD(5, start),
+  COPPICE_FIELD(6, goal),
+  COPPICE_FIELD(7, radius),
+  COPPICE_FIELD(8, max_speed),
+  COPPICE_FIELD(9, max_acceleration),
+  COPPICE_FIELD(10, goal_tolerance),
+  COPPICE_FIELD(11, seed),
+  COPPICE_FIELD(12, planner),
+  COPPICE_FIELD(13, plan_budget),
+  COPPICE_FIELD(14, cancelled),
+  COPPICE_FIELD_AT(15, clock_epoch, clock.epoch, clock_epoch()),
+  COPPICE_FIELD_AT(16, clock_scale, clock.scale, clock_scale()));
+
+COPPICE_FIELDS(RootNodes::Node, "RootNode",
+  COPPICE_FIELD(1, side),
+  COPPICE_FIELD(2, position),
+  COPPICE_FIELD(3, parent));
+COPPICE_FIELDS(RootNodes, "RootNodes",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, mission),
+  COPPICE_FIELD(3, first_index),
+  COPPICE_FIELD(4, nodes),
+  COPPICE_FIELD_AT(5, run, run.epoch, run()));
+
+COPPICE_FIELDS(InactiveTreeMessage::Node, "TreeNode",
+  COPPICE_FIELD(1, position),
+  COPPICE_FIELD(2, parent),
+  COPPICE_FIELD(3, edge_clearance));
+COPPICE_FIELDS(InactiveTreeMessage, "InactiveTree",
+  COPPICE_FIELD_AT(1, broker, tree.broker, broker()),
+  COPPICE_FIELD_AT(2, number, tree.number, number()),
+  COPPICE_FIELD(3, map_id),
+  COPPICE_FIELD(4, radius),
+  COPPICE_FIELD(5, nodes));
+
+COPPICE_FIELDS(ActiveTreesMessage::Edge, "TreeEdge",
+  COPPICE_FIELD(1, from),
+  COPPICE_FIELD(2, to));
+COPPICE_FIELDS(ActiveTreesMessage, "ActiveTrees",
+  COPPICE_FIELD(1, broker),
+  COPPICE_FIELD(2, map_id),
+  COPPICE_FIELD(3, edges));
+
+COPPICE_FIELDS(RoundId, "CoordinationRound",
+  COPPICE_FIELD(1, epoch),
+  COPPICE_FIELD(2, leader),
+  COPPICE_FIELD(3, centre),
+  COPPICE_FIELD(4, reach));
+COPPICE_FIELDS(Echo, "Echo",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, stamp),
+  COPPICE_FIELD(3, received));
+COPPICE_FIELDS(RobotState, "RobotState",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD_AT(2, sequence, sequence, sequence_number()),
+  COPPICE_FIELD_AT(3, stamp, promise.stamp, stamp()),
+  COPPICE_FIELD_AT(4, position, promise.position, position()),
+  COPPICE_FIELD_AT(5, velocity, promise.velocity, velocity()),
+  COPPICE_FIELD(6, radius),
+  COPPICE_FIELD(7, max_speed),
+  COPPICE_FIELD(8, max_acceleration),
+  COPPICE_FIELD(9, phase),
+  COPPICE_FIELD_AT(10, promise_turn, promise.turn, promise_turn()),
+  COPPICE_FIELD_AT(11, promise_velocity, promise.next_velocity, promise_velocity()),
+  COPPICE_FIELD_AT(12, promise_expiry, promise.expiry, promise_expiry()),
+  (Field{13, "round", [](auto& m) -> auto& { return m.round; }, [](auto& dds) { return RoundOfState{dds}; }}),
+  COPPICE_FIELD(14, stage),
+  COPPICE_FIELD(15, progress),
+  COPPICE_FIELD(16, waits_for),
+  COPPICE_FIELD(17, copies),
+  COPPICE_FIELD(18, copy),
+  COPPICE_FIELD(19, passed_on),
+  COPPICE_FIELD(20, counts_as_failed),
+  COPPICE_FIELD(21, is_new),
+  COPPICE_FIELD(22, wants_echo),
+  COPPICE_FIELD(23, echoes),
+  COPPICE_FIELD_AT(24, run, run.epoch, run()),
+  COPPICE_FIELD(25, misses));
+
+COPPICE_FIELDS(JointPlanMessage::Member, "Member",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, radius),
+  COPPICE_FIELD(3, stranded));
+COPPICE_FIELDS(SentPlan::Move, "Move",
+  COPPICE_FIELD(1, member),
+  COPPICE_FIELD(2, path));
+COPPICE_FIELDS(SentPlan, "JointPlan",
+  COPPICE_PART(1, round),
+  COPPICE_FIELD(2, members),
+  COPPICE_PART(3, moves),
+  COPPICE_FIELD_AT(4, run, run.epoch, run()));
+
+COPPICE_FIELDS(PathMessage, "Path",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, mission),
+  COPPICE_FIELD(3, waypoints),
+  COPPICE_FIELD_AT(4, run, run.epoch, run()));
+
+COPPICE_FIELDS(TrackMessage::Point, "Sample",
+  COPPICE_FIELD(1, time),
+  COPPICE_FIELD(2, position),
+  COPPICE_FIELD(3, velocity));
+COPPICE_FIELDS(TrackMessage, "Track",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, mission),
+  COPPICE_FIELD(3, first_index),
+  COPPICE_FIELD(4, points),
+  COPPICE_FIELD_AT(5, run, run.epoch, run()));
+
+COPPICE_FIELDS(AgentLoad, "Load",
+  COPPICE_FIELD(1, samples_received),
+  COPPICE_FIELD(2, states_received),
+  COPPICE_FIELD(3, periods),
+  COPPICE_FIELD(4, periods_missed),
+  COPPICE_FIELD(5, agents_matched),
+  COPPICE_FIELD(6, matched_at),
+  COPPICE_FIELD(7, bytes_sent),
+  COPPICE_FIELD(8, bytes_received),
+  COPPICE_FIELD(9, state_age_p50),
+  COPPICE_FIELD(10, state_age_p99),
+  COPPICE_FIELD(11, state_age_max),
+  COPPICE_FIELD(12, processor_seconds));
+COPPICE_FIELDS(AgentStatus, "AgentStatus",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, mission),
+  COPPICE_FIELD(3, phase),
+  COPPICE_FIELD(4, reason),
+  COPPICE_FIELD(5, mission_time),
+  COPPICE_FIELD(6, path_time),
+  COPPICE_FIELD(7, arrival_time),
+  COPPICE_FIELD(8, plan_seconds),
+  COPPICE_FIELD(9, improve_seconds),
+  COPPICE_FIELD(10, driven_length),
+  COPPICE_FIELD(11, nodes_valid),
+  COPPICE_FIELD(12, nodes_invalid),
+  COPPICE_FIELD(13, trees_received),
+  COPPICE_FIELD(14, trees_grafted),
+  COPPICE_FIELD(15, track_points),
+  COPPICE_FIELD(16, rejected),
+  COPPICE_PART(17, load),
+  COPPICE_FIELD_AT(18, run, run.epoch, run()),
+  (Field{19, "way_left", [](auto& m) -> auto& { return m.way_left; }, [](auto& dds) -> decltype(auto) { return dds.way_left(); }, true}),
+  COPPICE_FIELD(20, wait_cause),
+  COPPICE_FIELD(21, came_on_at),
+  COPPICE_FIELD(22, waited));
+
+COPPICE_FIELDS(BrokerStatus, "BrokerStatus",
+  COPPICE_FIELD(1, broker),
+  COPPICE_FIELD(2, leads),
+  COPPICE_FIELD(3, leading_since),
+  COPPICE_FIELD(4, nodes_valid),
+  COPPICE_FIELD(5, nodes_invalid),
+  COPPICE_FIELD(6, trees_active),
+  COPPICE_FIELD(7, trees_published),
+  COPPICE_FIELD(8, covered_map),
+  COPPICE_FIELD(9, rejected),
+  COPPICE_FIELD(10, processor_seconds));
+
+COPPICE_FIELDS(ServiceStatus, "ServiceStatus",
+  COPPICE_FIELD(1, service),
+  COPPICE_FIELD(2, host),
+  COPPICE_FIELD(3, process),
+  COPPICE_FIELD(4, since),
+  COPPICE_FIELD_AT(5, run, run.epoch, run()));
+
+COPPICE_FIELDS(Claim, "Claim",
+  COPPICE_FIELD(1, claimant),
+  COPPICE_FIELD(2, number),
+  COPPICE_FIELD(3, robot));
+
+COPPICE_FIELDS(Assignment, "Assignment",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, claimant),
+  COPPICE_FIELD(3, number));
+// clang-format on
+
+#undef COPPICE_PART
+#undef COPPICE_FIELD
+#undef COPPICE_FIELD_AT
+#undef COPPICE_ENUMERATORS
+#undef COPPICE_FIELDS
+
+}  // namespace coppice

@@ -1,0 +1,49 @@
+#include "messages/wire_forms.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "messages/validation.h"
+#include "planning/packed_cells.h"
+
+namespace coppice {
+
+PackedMap wire_form(const MapMessage& m) {
+  return {.map_id = m.map_id,
+          .width = static_cast<std::uint32_t>(m.map.width),
+          .height = static_cast<std::uint32_t>(m.map.height),
+          .resolution = m.map.resolution,
+          .origin = m.map.origin,
+          .y_axis = m.map.y_axis,
+          .occupancy = packed_cells<std::vector<std::uint8_t>>(m.map.blocked),
+          .radii = m.radii};
+}
+
+MapMessage from_wire_form(PackedMap&& map) {
+  const bool may_be_large = map.width <= largest_map_side && map.height <= largest_map_side;
+  const std::size_t cells = may_be_large ? std::size_t{map.width} * map.height : 0;
+  const bool fits = map.occupancy.size() == (cells + 7) / 8;
+  return {.map_id = std::move(map.map_id),
+          .map = {.width = static_cast<int>(map.width),
+                  .height = static_cast<int>(map.height),
+                  .resolution = map.resolution,
+                  .origin = map.origin,
+                  .y_axis = map.y_axis,
+                  .blocked = unpacked_cells(map.occupancy, fits ? cells : 0)},
+          .radii = std::move(map.radii)};
+}
+
+SentPlan wire_form(const JointPlanMessage& m) {
+  SentPlan plan{.round = m.round, .members = m.members, .run = m.run};
+  for (const Move& move : m.moves) plan.moves.push_back({static_cast<std::uint32_t>(move.robot), move.path});
+  return plan;
+}
+
+JointPlanMessage from_wire_form(SentPlan&& plan) {
+  JointPlanMessage m{
+      .round = std::move(plan.round), .members = std::move(plan.members), .moves = {}, .run = plan.run};
+  for (SentPlan::Move& move : plan.moves) m.moves.push_back({move.member, std::move(move.path)});
+  return m;
+}
+
+}  // namespace coppice
