@@ -19,14 +19,6 @@ void Dissemination::forget_peers() {
   missed_by_others_.clear();
 }
 
-void Dissemination::hear(std::size_t number, double now) {
-  Peer& p = peers_[number];
-  if (answers(number, now) || p.state->wants_echo) p.exchange.asks = true;
-  p.exchange.waits_for_this = p.state->waits_for == own_.name;
-  p.exchange.interval_until = 0;
-  peers_.told_from[number] = 0;
-}
-
 bool Dissemination::is_synchronised(const Peer& p) const {
   return p.clock.known() && p.exchange.handshakes >= Timing::handshakes_needed;
 }

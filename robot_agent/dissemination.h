@@ -89,4 +89,12 @@ class Dissemination {
   std::size_t asked_for_ = 0;  ///< missing peers that all states have named so far
 };
 
+inline void Dissemination::hear(std::size_t number, double now) {
+  Peer& p = peers_[number];
+  if (answers(number, now) || p.state->wants_echo) p.exchange.asks = true;
+  p.exchange.waits_for_this = p.state->waits_for == own_.name;
+  p.exchange.interval_until = 0;
+  peers_.told_from[number] = 0;
+}
+
 }  // namespace coppice

@@ -73,20 +73,6 @@ void FailureDetector::hear_relay(Peer& p, WallTime arrived) {
   p.settled_until = settled_until_ = 0;
 }
 
-bool FailureDetector::hear(Peer& p, const RobotState& state, double now) {
-  const bool had_failed = p.failed();
-  if (had_failed && p.failure()->in_larger_piece) minority_until_ = 0;
-  if (own_.mission && !state.passed_on && was_away(p, now)) p.back_at = back_at_ = now;
-  if (state.is_new && own_.run_clock) new_at_ = now;
-  if (!p.state || had_failed) settled_until_ = 0;
-  const bool reported_failed = !p.state && state.counts_as_failed;
-  some_reported_ = some_reported_ || reported_failed;
-  p.liveness = liveness::Alive{reported_failed};
-  p.relayed.reset();
-  recoveries_ += had_failed;
-  return had_failed;
-}
-
 /// A newer state than the last one that came here.
 bool FailureDetector::heard_elsewhere(const Peer& p, double now) const {
   return now < p.elsewhere.holds_until && (!p.state || p.elsewhere.stamp > p.state->promise.stamp);
@@ -96,15 +82,6 @@ bool FailureDetector::heard_elsewhere(const Peer& p, double now) const {
 double FailureDetector::explained_silence(const Peer& p) const {
   const int interval = own_.interval_from(p);
   return lost_over(p.state ? interval : std::min(interval, handshake_interval(peers_.size())));
-}
-
-/// The peer lost more than some samples, though it may not have been silent for long enough to count as such;
-/// or it comes when the others are under way.
-bool FailureDetector::was_away(const Peer& p, double now) const {
-  if (!p.state) return is_under_way(now);
-  const double unheard_for = own_.since(p.heard_at, now) - Timing::long_absence * own_.second();
-  return unheard_for > 0 &&
-         unheard_for > Timing::lost_before_it_is_away * control_period * own_.interval_from(p);
 }
 
 double FailureDetector::unheard(const Peer& p, double now) const {

@@ -150,4 +150,29 @@ class FailureDetector {
   std::uint32_t recoveries_ = 0;
 };
 
+// Each state that is heard goes through these: a hundred agents of one process hear 200,000 a second.
+
+/// The peer lost more than some samples, though it may not have been silent for long enough to count as such;
+/// or it comes when the others are under way.
+inline bool FailureDetector::was_away(const Peer& p, double now) const {
+  if (!p.state) return is_under_way(now);
+  const double unheard_for = own_.since(p.heard_at, now) - Timing::long_absence * own_.second();
+  return unheard_for > 0 &&
+         unheard_for > Timing::lost_before_it_is_away * control_period * own_.interval_from(p);
+}
+
+inline bool FailureDetector::hear(Peer& p, const RobotState& state, double now) {
+  const bool had_failed = p.failed();
+  if (had_failed && p.failure()->in_larger_piece) minority_until_ = 0;
+  if (own_.mission && !state.passed_on && was_away(p, now)) p.back_at = back_at_ = now;
+  if (state.is_new && own_.run_clock) new_at_ = now;
+  if (!p.state || had_failed) settled_until_ = 0;
+  const bool reported_failed = !p.state && state.counts_as_failed;
+  some_reported_ = some_reported_ || reported_failed;
+  p.liveness = liveness::Alive{reported_failed};
+  p.relayed.reset();
+  recoveries_ += had_failed;
+  return had_failed;
+}
+
 }  // namespace coppice

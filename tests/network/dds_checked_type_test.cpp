@@ -1,4 +1,4 @@
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <future>
 #include <string>

@@ -1,6 +1,6 @@
 // Tests of what the transport decides for each datagram, and of what it reads from one.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <array>
 #include <chrono>

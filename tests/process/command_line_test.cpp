@@ -1,7 +1,7 @@
 // Tests of bad usage and bad input of the real programs: exit code 2 and an error that names the place,
 // before anything starts.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <algorithm>
 #include <string>

@@ -1,7 +1,7 @@
 // Tests of the commands that need no fleet of processes, as a user types them. The command run is in
 // fleet_test.cpp.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

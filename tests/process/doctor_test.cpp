@@ -1,7 +1,7 @@
 // Tests of `coppice doctor` on this machine, and on machines that lack something: limits and an empty network
 // imitate them.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: RESOURCE_LOCK domain_140
 
 #include <string>
 

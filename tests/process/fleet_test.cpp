@@ -1,7 +1,7 @@
 // Tests of the real fleet: `coppice run` as a user types it, with its processes and its files, and its end in
 // every way.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <algorithm>
 #include <chrono>

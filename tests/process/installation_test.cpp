@@ -1,6 +1,6 @@
 // Test of what `cmake --install` leaves below a prefix.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 // Tests of mistakes at the command line. Each is reported in one line that says what to do, with exit code 2,
 // before anything starts.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include <algorithm>
 #include <string>

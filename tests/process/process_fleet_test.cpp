@@ -1,6 +1,6 @@
 // Tests that no child outlives its parent, however the parent ends.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include "coppice/process_fleet.h"
 

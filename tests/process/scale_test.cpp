@@ -1,6 +1,6 @@
 // Test of the resources of a fleet that is four times as large at the same density: `coppice bench scale`.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 // CTest: TIMEOUT 1200
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 // Tests of the web server's limits, with small values: clients that do not read, clients that do not ask, and
 // too many clients.
 //
-// CTest: RESOURCE_LOCK domains_that_nobody_uses
+// CTest: PARALLEL
 
 #include "monitor/web_server.h"
 
