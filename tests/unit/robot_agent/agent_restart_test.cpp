@@ -6,79 +6,16 @@
 
 #include <gtest/gtest.h>
 
-#include "robot_agent/robot_agent.h"
-#include "robot_agent/saved_state.h"
-#include "tests/unit/planner_service/roles.h"
-#include "tests/unit/robot_agent/states.h"
+#include "tests/unit/robot_agent/agent_run.h"
 
 namespace coppice {
 namespace {
-
-/// A single agent that is stepped whenever it asks to be.
-struct AgentRun {
-  AgentRun() = default;
-  AgentRun(const AgentRun&) = delete;
-  void restore(const std::vector<Message>& kept) {
-    agent.restore(saved_state_of(kept));
-    StateKeeper chooser("a");
-    chooser.restore(kept);
-    store.messages = kept;
-    keeper = Keeper(std::move(chooser), &store);
-  }
-  void hear(const Message& message, double now) {
-    keeper.heard(message);
-    agent.on(arrival_of(message, now));
-  }
-  /// Runs the agent. A second robot that stands at its start is heard until `b_dies`.
-  void run(double from, double until, double b_dies = 0) {
-    for (double now = from; now < until; now = std::max(now + 0.001, agent.next_wake())) {
-      if (now < b_dies) hear(standing_b(now), now);
-      for (Outgoing& one : agent.step(now)) {
-        keeper.said(one.message);
-        said.push_back(std::move(one.message));
-      }
-    }
-  }
-  RobotState standing_b(double now) const {
-    RobotState state = state_of("b", now, {20, 20});
-    state.sequence = static_cast<std::uint32_t>(now / 0.05);
-    if (!said.empty()) state.echoes.push_back({"a", now, now});
-    return state;
-  }
-  RobotAgent agent{"a"};
-  KeptInMemory store{};
-  Keeper<StateKeeper, KeptInMemory> keeper{StateKeeper("a"), &store};
-  std::vector<Message> said{};
-};
-
-Mission mission_of_a(double epoch) {
-  return {.robot = "a",
-          .number = 1,
-          .map_id = "wall",
-          .start = {20, 60},
-          .goal = {100, 60},
-          .radius = 5,
-          .max_speed = 20,
-          .max_acceleration = 40,
-          .goal_tolerance = 1,
-          .plan_budget = 0.1,
-          .clock = {epoch, 1}};
-}
 
 /// Runs the agent of a driving robot and stops at `time`.
 void run_until_killed_at(double time, AgentRun& before) {
   before.hear(map_message(), 0);
   before.hear(mission_of_a(0), 0);
   before.run(0, time);
-}
-
-std::vector<TrackMessage::Point> track_in(const std::vector<Message>& said) {
-  std::vector<TrackMessage::Point> track;
-  for (const TrackMessage& batch : of<TrackMessage>(said)) {
-    EXPECT_EQ(batch.first_index, track.size());
-    track.insert(track.end(), batch.points.begin(), batch.points.end());
-  }
-  return track;
 }
 
 TEST(AgentRestart, ARestartedAgentGoesOnFromWhereItsRobotStopped) {

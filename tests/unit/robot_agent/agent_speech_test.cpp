@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/robot_agent/agent_run.h"
-#include "tests/unit/robot_agent/states.h"
 
 namespace coppice {
 namespace {

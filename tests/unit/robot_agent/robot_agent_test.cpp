@@ -5,9 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/planner_service/roles.h"
 #include "tests/unit/robot_agent/agent_run.h"
-#include "tests/unit/robot_agent/states.h"
 
 namespace coppice {
 namespace {

@@ -7,26 +7,18 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/planner_service/roles.h"
+#include "tests/unit/robot_agent/agent_run.h"
 
 namespace coppice {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double period = 0.05;
 
 Mission mission_to(const Point2& goal, double scale = 1) {
-  return {.robot = "a",
-          .number = 1,
-          .map_id = "wall",
-          .start = {20, 60},
-          .goal = goal,
-          .radius = 5,
-          .max_speed = 20,
-          .max_acceleration = 40,
-          .goal_tolerance = 1,
-          .plan_budget = 0,
-          .clock = {0, scale}};
+  Mission mission = mission_of_a(0, goal);
+  mission.plan_budget = 0;
+  mission.clock.scale = scale;
+  return mission;
 }
 
 /// A single agent, its ROS side, and an external robot that is moved by `follow`.
@@ -63,12 +55,7 @@ struct Fleet {
     }
     return all;
   }
-  std::vector<TrackMessage::Point> track() const {
-    std::vector<TrackMessage::Point> all;
-    for (const TrackMessage& batch : of<TrackMessage>(said))
-      all.insert(all.end(), batch.points.begin(), batch.points.end());
-    return all;
-  }
+  std::vector<TrackMessage::Point> track() const { return track_in(said); }
   RobotAgent agent{"a"};
   RosSide side{"a"};
   std::vector<Message> said{};
