@@ -32,10 +32,10 @@ Point2 anywhere(double most, Random& random) {
 
 /// 50 other robots that do not overlap, as dense as in the middle of a circle swap. `share` of them move.
 /// Their states are up to 0.15 s old.
-std::vector<Scene> crowds(double share) {
+std::vector<Scene> clusters(double share) {
   Random random(1);
-  std::vector<Scene> crowds;
-  while (crowds.size() < scenes) {
+  std::vector<Scene> clusters;
+  while (clusters.size() < scenes) {
     Scene scene{Driver({centre, centre}, 1, radius, limits, period), anywhere(20, random), {}};
     std::vector<Point2> places{scene.body.position()};
     while (scene.others.size() < neighbours) {
@@ -53,16 +53,16 @@ std::vector<Scene> crowds(double share) {
                       .expiry = stamp + (v.isZero(0) ? 0.5 : 2 * period)};
       scene.others.push_back({.promise = c, .radius = radius, .limits = limits, .clock_error = 0.001});
     }
-    crowds.push_back(std::move(scene));
+    clusters.push_back(std::move(scene));
   }
-  return crowds;
+  return clusters;
 }
 
 template <class Step>
 void run(benchmark::State& state, Step&& step) {
   const OccupancyMap map{.width = 512, .height = 512, .blocked = std::vector<std::uint8_t>(512 * 512, 0)};
   const ClearanceField field(map);
-  std::vector<Scene> all = crowds(static_cast<double>(state.range(0)) / 100);
+  std::vector<Scene> all = clusters(static_cast<double>(state.range(0)) / 100);
   std::size_t n = 0;
   for (auto _ : state) {
     Scene& scene = all[n++ % scenes];

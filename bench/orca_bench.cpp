@@ -32,22 +32,22 @@ struct Scene {
 };
 
 /// Neighbours at 11 to 40 m, all moving, as in the middle of a circle swap.
-std::vector<Scene> crowds(std::size_t neighbours) {
+std::vector<Scene> clusters(std::size_t neighbours) {
   Random random(1);
   const auto velocity = [&] { return Point2(random.uniform(5, max_speed) * at_angle(random.uniform(0, 7))); };
-  std::vector<Scene> crowds;
+  std::vector<Scene> clusters;
   for (std::size_t n = 0; n < scenes; ++n) {
     Scene scene{{Point2::Zero(), velocity(), radius}, {}, velocity()};
     for (std::size_t k = 0; k < neighbours; ++k) {
       scene.others.push_back({random.uniform(11, 40) * at_angle(random.uniform(0, 7)), velocity(), radius});
     }
-    crowds.push_back(scene);
+    clusters.push_back(scene);
   }
-  return crowds;
+  return clusters;
 }
 
 void agent_step(benchmark::State& state) {
-  const std::vector<Scene> all = crowds(static_cast<std::size_t>(state.range(0)));
+  const std::vector<Scene> all = clusters(static_cast<std::size_t>(state.range(0)));
   std::vector<HalfPlane> planes;
   std::size_t n = 0;
   for (auto _ : state) {

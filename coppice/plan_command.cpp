@@ -85,20 +85,22 @@ Plans plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Ra
   const auto begin = Clock::now();
   RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, suggested_epsilon(field, p.radius),
                                   random);
-  const std::uint64_t doubt =
+  const std::uint64_t most_samples =
       std::max<std::uint64_t>(least_iterations, field.frame().cells() / cells_a_sample);
   std::uint64_t samples = 1;
-  while (samples < doubt && planner.step() && (samples % samples_between_questions != 0 || !out_of_time()))
+  while (samples < most_samples && planner.step() &&
+         (samples % samples_between_questions != 0 || !out_of_time()))
     ++samples;
   Path path = planner.path();
-  if (path.empty() && samples >= doubt)
+  if (path.empty() && samples >= most_samples)
     path = VoronoiRoadmap(field).way(p.start, p.goal, p.radius).value_or(Path());
   Plans plans;
   Plans::Robot& robot = plans.robots.emplace_back();
   robot.path = optimise_line_of_sight(field, path, p.radius);
   if (robot.path.empty()) {
-    robot.reason = samples >= doubt ? "no path: the goal cannot be reached from the start with this radius"
-                                    : "no path found before the time was over";
+    robot.reason = samples >= most_samples
+                       ? "no path: the goal cannot be reached from the start with this radius"
+                       : "no path found before the time was over";
   }
   robot.counts = {planner.valid(), planner.invalid()};
   robot.solved_after = plans.plan_time = seconds_since(begin);

@@ -289,7 +289,7 @@ void Announcements::hear(Bytes announcement) {
     });
   };
   std::erase_if(told_, leads_there);
-  std::erase_if(beaten_, leads_there);
+  std::erase_if(last_heartbeats_, leads_there);
 }
 
 void Announcements::forget(const rtps::GuidPrefix_t& participant) {
@@ -315,12 +315,12 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
 }
 
 bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
-                           const EndpointHeartbeat& beat, Time now) {
+                           const EndpointHeartbeat& heartbeat, Time now) {
   const std::scoped_lock lock(mutex_);
-  const auto [entry, fresh] = beaten_.try_emplace({sender, destination, beat.writer});
-  Beaten& beaten = entry->second;
-  if (!fresh && beaten.heartbeat == beat && now - beaten.at < between_heartbeats) return false;
-  beaten = {beat, now};
+  const auto [entry, fresh] = last_heartbeats_.try_emplace({sender, destination, heartbeat.writer});
+  LastHeartbeat& last = entry->second;
+  if (!fresh && last.heartbeat == heartbeat && now - last.at < between_heartbeats) return false;
+  last = {heartbeat, now};
   return true;
 }
 
@@ -352,10 +352,10 @@ class SparingTransport final : public transport::ChainingTransport {
         };
         return send_to(is_due, udp, message, size, begin, end, timeout);
       }
-      if (const auto beat = endpoint_heartbeat_in(bytes)) {
+      if (const auto heartbeat = endpoint_heartbeat_in(bytes)) {
         const auto now = std::chrono::steady_clock::now();
         const auto is_due = [&](const rtps::Locator_t& l) {
-          return announcements.is_due(udp, l, *beat, now);
+          return announcements.is_due(udp, l, *heartbeat, now);
         };
         return send_to(is_due, udp, message, size, begin, end, timeout);
       }

@@ -158,11 +158,11 @@ class Announcements {
   /// The same for a heartbeat about endpoints. The next heartbeat makes up for a dropped one, at the latest
   /// Fast DDS's periodic one.
   bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
-              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& beat,
+              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& heartbeat,
               Time now);
 
  private:
-  struct Beaten {
+  struct LastHeartbeat {
     EndpointHeartbeat heartbeat;
     Time at{};
   };
@@ -187,7 +187,7 @@ class Announcements {
   };
   std::set<eprosima::fastrtps::rtps::GuidPrefix_t> met_;
   std::unordered_map<Way, Told, WayHash> told_;
-  std::unordered_map<Way, Beaten, WayHash> beaten_;
+  std::unordered_map<Way, LastHeartbeat, WayHash> last_heartbeats_;
 };
 
 /// Whether an RTPS message is a step of an authentication between participants other than its receiver.

@@ -226,7 +226,7 @@ void FoxgloveFeed::add_scene_news(Subscription& subscription, const FleetView& v
     return;
   }
   if (subscription.topic == Topic::trees) return add_trees(update, subscription.items, view, live.at());
-  if (std::exchange(subscription.edition, live.beat()) == live.beat()) return;
+  if (std::exchange(subscription.edition, live.slow_tick()) == live.slow_tick()) return;
   subscription.robots.resize(view.robots().size());
   for (std::size_t k = 0; k < subscription.robots.size(); ++k) {
     if (subscription.topic == Topic::paths) {

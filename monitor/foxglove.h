@@ -47,7 +47,7 @@ class FoxgloveFeed {
     std::uint32_t id = 0;
     Topic topic = Topic::map;
     std::optional<std::uint32_t> run{};
-    std::uint64_t edition = 0;  ///< of map or frame, or of the beat
+    std::uint64_t edition = 0;  ///< of map or frame, or the slow tick
     std::size_t items = 0;      ///< number of trees, or of points of the time series
     std::vector<Told> robots{};
   };

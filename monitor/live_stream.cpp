@@ -183,7 +183,7 @@ live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now) 
 }
 
 LiveStream::LiveStream(std::string source, bool recorded)
-    : frame_rhythm_(frame_period), beat_rhythm_(beat_period), figures_rhythm_(figures_period) {
+    : frame_rhythm_(frame_period), slow_rhythm_(beat_period), figures_rhythm_(figures_period) {
   live::ToPage message;
   live::Begin& begin = *message.mutable_begin();
   begin.set_version(COPPICE_VERSION);
@@ -223,12 +223,12 @@ void LiveStream::look(const FleetView& view, WallTime now, WallTime present) {
   if (origin != origin_) begin_anew();
   origin_ = origin;
   look_at_map(view);
-  const bool beat = beat_rhythm_.due(present);
-  beat_ += beat;
+  const bool is_due = slow_rhythm_.due(present);
+  slow_tick_ += is_due;
   // A frame has an entry for each robot of the roster, so with a new robot both are made at once.
   const bool other_robots = robots_ != view.robots().size();
-  if (beat || other_robots) look_at_roster(view);
-  if (beat) look_at_statuses(view);
+  if (is_due || other_robots) look_at_roster(view);
+  if (is_due) look_at_statuses(view);
   if (figures_rhythm_.due(now) && !view.robots().empty()) look_at_figures(view);
   const bool frame_is_due = frame_rhythm_.due(present) || other_robots;
   if (!frame_is_due || view.robots().empty()) return;
@@ -262,7 +262,7 @@ void LiveStream::look_at_statuses(const FleetView& view) {
     live::Statuses::Status status = status_of(k, view.robots()[k], time);
     RobotStatus& known = statuses_[k];
     if (known.changed > 0 && known.status.SerializeAsString() == status.SerializeAsString()) continue;
-    known = {beat_, std::move(status)};
+    known = {slow_tick_, std::move(status)};
   }
 }
 

@@ -45,14 +45,16 @@ class LiveStream {
   std::uint32_t run() const { return run_; }  ///< grows when pages must forget all earlier messages
   /// Positions in messages are relative to this point.
   const Point2& origin() const { return origin_; }
-  std::uint64_t beat() const { return beat_; }  ///< grows four times a second, for what may come later
+  std::uint64_t slow_tick() const {
+    return slow_tick_;
+  }  ///< grows four times a second, for what may come later
   const Bytes& begin() const { return begin_; }
   const Edition& map() const { return map_; }
   const Edition& roster() const { return roster_; }
   const Edition& frame() const { return frame_; }
   const Edition& playback() const { return playback_; }
 
-  /// The last status of a robot, and the beat at which it changed.
+  /// The last status of a robot, and the slow tick at which it changed.
   struct RobotStatus {
     std::uint64_t changed = 0;
     live::Statuses::Status status{};
@@ -74,7 +76,7 @@ class LiveStream {
   WallTime at_ = 0;
   std::uint32_t run_ = 0;
   std::optional<std::uint32_t> run_of_view_{};
-  std::uint64_t beat_ = 0;
+  std::uint64_t slow_tick_ = 0;
   std::size_t robots_ = 0;  ///< number of robots in the roster
   std::string map_id_;
   Point2 origin_ = Point2::Zero();
@@ -87,7 +89,7 @@ class LiveStream {
   std::deque<live::Figures::Point> figures_;
   std::size_t figures_dropped_ = 0;
   Rhythm frame_rhythm_;
-  Rhythm beat_rhythm_;
+  Rhythm slow_rhythm_;
   Rhythm figures_rhythm_;
 };
 

@@ -60,8 +60,8 @@ std::vector<Bytes> PageFeed::next(const FleetView& view, const LiveStream& live)
   }
   batch.add(live.map(), map_);
   batch.add(live.roster(), roster_);
-  if (beat_ != live.beat() || behind_) {
-    beat_ = live.beat();
+  if (slow_tick_ != live.slow_tick() || behind_) {
+    slow_tick_ = live.slow_tick();
     robots_.resize(view.robots().size());
     for (std::size_t k = 0; k < robots_.size() && !batch.full(); ++k) add_path(k, view.robots()[k], batch);
     add_statuses(live, batch);
@@ -122,7 +122,8 @@ void PageFeed::add_root_trees(std::size_t number, const SeenRobot& robot, Batch&
   live::Edges start = of_kind(live::Edges::ROOT_START);
   live::Edges goal = of_kind(live::Edges::ROOT_GOAL);
   for (; told.root_nodes < robot.root_nodes.size(); ++told.root_nodes) {
-    if (size_of(start) + size_of(goal) >= most_edges_at_once) break;  // the others follow with the next beat
+    if (size_of(start) + size_of(goal) >= most_edges_at_once)
+      break;  // the others follow with the next slow tick
     const RootNodes::Node& node = robot.root_nodes[told.root_nodes];
     if (node.parent < 0) continue;
     const Point2& parent = robot.root_nodes[static_cast<std::size_t>(node.parent)].position;
@@ -147,7 +148,7 @@ void PageFeed::add_statuses(const LiveStream& live, Batch& batch) {
   for (const LiveStream::RobotStatus& robot : live.statuses()) {
     if (robot.changed > statuses_) *message.mutable_statuses()->add_statuses() = robot.status;
   }
-  statuses_ = live.beat();
+  statuses_ = live.slow_tick();
   if (message.has_statuses()) batch.add(message);
 }
 

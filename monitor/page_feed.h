@@ -43,13 +43,13 @@ class PageFeed {
 
   std::optional<std::uint32_t> run_{};
   Point2 origin_ = Point2::Zero();
-  std::uint64_t beat_ = 0;
+  std::uint64_t slow_tick_ = 0;
   bool behind_ = false;  ///< one batch did not hold everything
   std::uint64_t map_ = 0;
   std::uint64_t roster_ = 0;
   std::uint64_t frame_ = 0;
   std::uint64_t playback_ = 0;
-  std::uint64_t statuses_ = 0;  ///< the beat of the last statuses
+  std::uint64_t statuses_ = 0;  ///< the slow tick of the last statuses
   std::size_t figures_ = 0;     ///< number of points received in this run
   std::size_t trees_ = 0;
   std::shared_ptr<const Message> active_trees_{};

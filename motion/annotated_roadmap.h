@@ -35,11 +35,11 @@ class AnnotatedRoadmap {
   AnnotatedRoadmap& operator=(const AnnotatedRoadmap&) = delete;
   ~AnnotatedRoadmap() = default;
 
-  /// Makes a copy that shares the edges of `ground`. `ground` must outlive it and must not change.
-  static AnnotatedRoadmap over(const AnnotatedRoadmap& ground) {
+  /// Makes a copy that shares the edges of `base`. `base` must outlive it and must not change.
+  static AnnotatedRoadmap over(const AnnotatedRoadmap& base) {
     AnnotatedRoadmap graph;
-    graph.places_ = ground.places_;
-    graph.edges_ = ground.edges_;
+    graph.places_ = base.places_;
+    graph.edges_ = base.edges_;
     return graph;
   }
 

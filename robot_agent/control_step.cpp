@@ -337,6 +337,7 @@ bool Run::stands_still(double now) const {
 }
 
 /// In coordination rounds. A robot that cannot know where all peers are would never be led out of a round.
+/// Fleet::member tells the same of a peer.
 bool Run::takes_part() const {
   const bool may_not_drive = connectivity_.joining() || connectivity_.isolated();
   return !stopped() && !(may_not_drive && has_no_way(phase()));

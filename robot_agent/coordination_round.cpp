@@ -14,8 +14,8 @@ namespace {
 // Timeouts: see timing.h.
 constexpr double soon = Timing::round_again;
 constexpr double long_delay = Timing::plan_delivery;
-constexpr double longest_hold = Timing::longest_hold;
-constexpr double least_hold = Timing::least_hold;
+constexpr double longest_wait_for_plan = Timing::longest_wait_for_plan;
+constexpr double least_wait_for_plan = Timing::least_wait_for_plan;
 constexpr double longest_wait = Timing::longest_wait_for_member;
 constexpr double patience = Timing::plan_patience;
 
@@ -113,7 +113,7 @@ void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, MapRoa
   const bool planned = !leaderless && leader->stage != Stage::waiting;
   if (planned && !planned_since_) planned_since_ = now;
   if ((leaderless && now - *waiting_since_ > fleet.second()) ||
-      now - *waiting_since_ > std::max(longest_hold, least_hold * fleet.second())) {
+      now - *waiting_since_ > std::max(longest_wait_for_plan, least_wait_for_plan * fleet.second())) {
     call(self, fleet, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     leave();  // it came too late for the plan

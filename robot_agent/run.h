@@ -170,7 +170,7 @@ class Run {
   std::vector<Neighbour> near_;   ///< of the last decision
   std::uint32_t recoveries_ = 0;  ///< of peers, that the robot has reckoned with
 
-  // These begin anew with each mission.
+  // begin() sets these anew for each mission.
   AgentStatus status_;
   bool status_changed_ = true;
   WallTime begun_at_ = 0;  ///< wall clock

@@ -173,9 +173,9 @@ struct Timing {
   static constexpr double plan_delivery = 5;
   /// fleet s without a joint plan after which a member calls a new round. Network: the leader may have lost
   /// sight of somebody.
-  static constexpr double longest_hold = 60;
+  static constexpr double longest_wait_for_plan = 60;
   /// The same, scaled s: the larger of both counts.
-  static constexpr double least_hold = 20;
+  static constexpr double least_wait_for_plan = 20;
   /// fleet s for which a member waits for another one that does not come on. Network: that may be cut off.
   static constexpr double longest_wait_for_member = 120;
   /// fleet s without progress, although nobody with an earlier move is in the way, after which a member calls

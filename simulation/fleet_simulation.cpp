@@ -84,7 +84,7 @@ double FleetSimulation::Agent::next_event() const {
 }
 
 template <class R, class K>
-void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock_offset) {
+void FleetSimulation::step(Participant<R>& participant, K&& keeper, double clock_offset) {
   if (participant.next_event(clock_offset) > now_) return;
   const WallTime local = now_ + clock_offset;
   std::vector<Arrival> arrivals = participant.port.take();
@@ -105,7 +105,7 @@ void FleetSimulation::turn(Participant<R>& participant, K&& keeper, double clock
   participant.earliest = now_ + step_duration;
 }
 
-void FleetSimulation::turn(Agent& agent) {
+void FleetSimulation::step(Agent& agent) {
   if (agent.process && now_ >= agent.next_kill) kill(agent);
   if (!agent.process) {
     if (now_ < agent.next_event()) return;
@@ -114,7 +114,7 @@ void FleetSimulation::turn(Agent& agent) {
     start(agent);
   }
   if (agent.next_event() > now_) return;
-  turn(*agent.process, *agent.keeper, agent.faults.clock_offset);
+  step(*agent.process, *agent.keeper, agent.faults.clock_offset);
   const Run* const run = agent.process->role.run();
   if (run == nullptr) return;
   record(agent, run->body().time());
@@ -156,11 +156,11 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
   while (!service_.role.finished()) {
     now_ = std::max(now_, next_event());
     bus_.set_time(now_);
-    turn(service_, KeepsNothing{});
-    turn(broker_, KeepsNothing{});
+    step(service_, KeepsNothing{});
+    step(broker_, KeepsNothing{});
     for (const Wake& wake : wakes_) {
       if (now_ < wake.kill && now_ < next_event(wake)) continue;  // nearly always
-      turn(agents_[wake.agent]);
+      step(agents_[wake.agent]);
       set_wake(agents_[wake.agent]);
     }
     if (now_ < next_watch) continue;

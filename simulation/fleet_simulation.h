@@ -88,8 +88,8 @@ class FleetSimulation {
   };
 
   template <class R, class K>
-  void turn(Participant<R>& participant, K&& keeper, double clock_offset = 0);
-  void turn(Agent& agent);
+  void step(Participant<R>& participant, K&& keeper, double clock_offset = 0);
+  void step(Agent& agent);
   void kill(Agent& agent);
   void start(Agent& agent);
   void record(Agent& agent, double until);
