@@ -315,12 +315,12 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
 }
 
 bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
-                           const EndpointHeartbeat& heartbeat, Time now) {
+                           const EndpointHeartbeat& news, Time now) {
   const std::scoped_lock lock(mutex_);
-  const auto [entry, fresh] = last_heartbeats_.try_emplace({sender, destination, heartbeat.writer});
+  const auto [entry, fresh] = last_heartbeats_.try_emplace({sender, destination, news.writer});
   LastHeartbeat& last = entry->second;
-  if (!fresh && last.heartbeat == heartbeat && now - last.at < between_heartbeats) return false;
-  last = {heartbeat, now};
+  if (!fresh && last.heartbeat == news && now - last.at < between_heartbeats) return false;
+  last = {news, now};
   return true;
 }
 
@@ -352,10 +352,10 @@ class SparingTransport final : public transport::ChainingTransport {
         };
         return send_to(is_due, udp, message, size, begin, end, timeout);
       }
-      if (const auto heartbeat = endpoint_heartbeat_in(bytes)) {
+      if (const auto news = endpoint_heartbeat_in(bytes)) {
         const auto now = std::chrono::steady_clock::now();
         const auto is_due = [&](const rtps::Locator_t& l) {
-          return announcements.is_due(udp, l, *heartbeat, now);
+          return announcements.is_due(udp, l, *news, now);
         };
         return send_to(is_due, udp, message, size, begin, end, timeout);
       }

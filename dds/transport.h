@@ -158,7 +158,7 @@ class Announcements {
   /// The same for a heartbeat about endpoints. The next heartbeat makes up for a dropped one, at the latest
   /// Fast DDS's periodic one.
   bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
-              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& heartbeat,
+              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& news,
               Time now);
 
  private:

@@ -147,7 +147,7 @@ void Run::decide(double now) {
     if (body_.stands()) stand_for(now, waiting_lease);
   } else if (driving != nullptr && free && !round_.stranded() && !lets_others_finish_ && may_set_off(now)) {
     drive_freely(*driving, now, others);
-  } else if (!stopped() && round_.stage() == Stage::executing) {
+  } else if (!stopped() && round_.stage() == Stage::executing && may_set_off(now)) {
     progress_.excuse(now);
     execute_plan(now, others);
   } else {
