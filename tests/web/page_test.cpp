@@ -3,7 +3,7 @@
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 //
-// CTest: RUN_SERIAL
+// CTest: RESOURCE_LOCK browser
 
 #include <algorithm>
 #include <cstdlib>
