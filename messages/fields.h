@@ -24,6 +24,9 @@ struct Field {
   bool may_be_absent = false;  ///< from older recordings; it then keeps the value of messages.h
 };
 
+template <class Member, class InDds>  // clang 14 deduces nothing for aggregates
+Field(int, const char*, Member, InDds, bool = false)->Field<Member, InDds>;
+
 /// Specialised for each struct with fields: its `name` in recordings, and its `list` of fields.
 template <class T>
 struct Fields;
@@ -67,6 +70,8 @@ struct RoundOfState {
   decltype(auto) centre() const { return dds.round_centre(); }
   decltype(auto) reach() const { return dds.round_reach(); }
 };
+template <class State>
+RoundOfState(State&) -> RoundOfState<State>;
 
 // clang-format off
 COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_STAR");
