@@ -8,6 +8,8 @@ template <class... Fns>
 struct Overloaded : Fns... {
   using Fns::operator()...;
 };
+template <class... Fns>  // clang 14 deduces nothing for aggregates
+Overloaded(Fns...)->Overloaded<Fns...>;
 
 }  // namespace
 
