@@ -192,7 +192,7 @@ bool take(T& value, CodedInputStream& in) {
   }
 }
 
-/// What is left out is 0, or empty, whatever the struct's own defaults are.
+/// A field that is left out is 0 or empty, whatever the struct's own default is.
 template <class T>
 void clear(T& value) {
   if constexpr (has_fields<T>) {
