@@ -3,7 +3,7 @@
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 //
-// CTest: RESOURCE_LOCK browser
+// CTest: RUN_SERIAL
 
 #include <algorithm>
 #include <cstdlib>

@@ -132,13 +132,18 @@ TEST(Peers, ARelayedStateReplacesNoHeardStateAndNoneIsFromTheFuture) {
   EXPECT_EQ(a.place("b"), Point2(90, 100));
 }
 
-TEST(Peers, AfterALongSleepOnlyNewerStatesTellWherePeersAre) {
-  Listener a({"b"});
+/// The listener hears b for a second, and then sleeps.
+void sleep_until(double wakes, Listener& a) {
   for (double now = 0; now < 1; now += period) {
     a.hear("b", now, {{"a", now - 0.01, now}});
     a.judge(now);
   }
-  a.wake(50);
+  a.wake(wakes);
+}
+
+TEST(Peers, AfterALongSleepOnlyNewerStatesTellWherePeersAre) {
+  Listener a({"b"});
+  sleep_until(50, a);
   EXPECT_EQ(a.unknown(), "b");
   a.hear_passed_on("b", 40, 50.05, {90, 100});  // it lay in the socket
   a.judge(50.05);
@@ -151,11 +156,7 @@ TEST(Peers, AfterALongSleepOnlyNewerStatesTellWherePeersAre) {
 
 TEST(Peers, AfterALongSleepOthersTellWhichPeersFailed) {
   Listener a({"b"});
-  for (double now = 0; now < 1; now += period) {
-    a.hear("b", now, {{"a", now - 0.01, now}});
-    a.judge(now);
-  }
-  a.wake(50);
+  sleep_until(50, a);
   RobotState last = state_of("b", 20, {90, 100});
   last.passed_on = last.counts_as_failed = true;
   a.hear(last);
