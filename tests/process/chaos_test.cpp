@@ -1,7 +1,7 @@
 // Test of a fleet whose processes are killed at random and restarted: nothing touches, every mission ends,
 // and no tree is lost. COPPICE_CHAOS_SECONDS sets the duration; the default is 20 s.
 //
-// CTest: RUN_SERIAL
+// CTest: PARALLEL
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 // Tests of a process that is paused for longer than Fast DDS usually waits (20 s). After it resumes, all
 // processes find each other again, the run ends, and its record is complete.
 //
-// CTest: RUN_SERIAL
+// CTest: PARALLEL
 
 #include <chrono>
 #include <csignal>

@@ -1,26 +1,35 @@
-// Test of what a monitor costs if 200 robots send their positions 20 times a second, and a page looks on. The
-// fleet is simulated without a bus. docs/metrics.md tells the cost of the bus.
+// Tests of what monitors cost. In the first, 200 robots send their positions 20 times a second, and a page
+// looks on; this fleet is simulated without a bus (docs/metrics.md tells the cost of the bus). In the second,
+// ten monitors come and go while a fleet drives.
 //
 // CTest: RUN_SERIAL
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <thread>
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "files/report_file.h"
 #include "monitor/monitor.h"
 #include "runtime/process.h"
+#include "tests/processes.h"
 #include "tests/support.h"
 
 namespace coppice {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr int robots = 200;
 constexpr double period = 1.0 / 20;
@@ -207,6 +216,50 @@ TEST_F(MonitorLoadTest, TwoHundredRobotsTakeLessThanAThirdOfACore) {
             << with_both.megabytes_a_second << " MB/s to it, " << resident_megabytes() << " MB of memory\n";
   EXPECT_GT(with_both.megabytes_a_second, 0.1) << "Foxglove received nothing";
   EXPECT_LT(resident_megabytes(), 200);
+}
+
+/// The largest share of missed control periods among the robots of a fleet that drives for half a minute.
+/// `meanwhile` is called while it drives.
+double worst_share_missed(const std::filesystem::path& folder, int of_domain,
+                          const std::function<void()>& meanwhile) {
+  const std::string report = (folder / "report.json").string();
+  test::Background run(
+      {test::program("coppice"), "run", (test::scenarios() / "rooms-20.json").string(), "--domain",
+       std::to_string(of_domain), "--quiet", "--time-scale", "1", "--lifelong", "30", "--report", report},
+      folder / "run.log");
+  std::this_thread::sleep_for(10s);
+  meanwhile();
+  EXPECT_EQ(run.wait(), 0) << test::contents(folder / "run.log");
+  double worst = 0;
+  const proto::Report said = read_report(report);
+  for (const auto& robot : said.robots()) {
+    EXPECT_GT(robot.load().periods(), 500U);
+    worst = std::max(worst, static_cast<double>(robot.load().periods_missed()) / robot.load().periods());
+  }
+  return worst;
+}
+
+TEST(MonitorsOfAFleet, TenCostNoRobotItsDeadlines) {
+  if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
+  const test::TemporaryFolder folder;
+  const double alone = worst_share_missed(folder.path(), 176, [] {});
+  const double watched = worst_share_missed(folder.path(), 177, [&] {
+    for (int round = 0; round < 3; ++round) {
+      std::vector<std::unique_ptr<test::Background>> ten;
+      for (int k = 0; k < 10; ++k)
+        ten.push_back(std::make_unique<test::Background>(
+            std::vector<std::string>{test::program("coppice"), "monitor", "--port", "0", "--domain", "177"},
+            folder.path() / fmt::format("monitor{}.log", k)));
+      std::this_thread::sleep_for(4s);
+      for (const auto& watcher : ten) {
+        watcher->send(SIGTERM);
+        EXPECT_EQ(watcher->wait(), 0);
+      }
+    }
+  });
+  std::cout << fmt::format("worst robot, control periods missed: {:.2f} % alone, {:.2f} % watched\n",
+                           100 * alone, 100 * watched);
+  EXPECT_LE(watched, alone + 0.01);
 }
 
 }  // namespace

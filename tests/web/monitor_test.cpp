@@ -2,10 +2,9 @@
 // server; and of what it refuses. They need Node.js with the packages of tests/web/package.json, and
 // Prometheus: tests/run installs them.
 //
-// CTest: RUN_SERIAL
+// CTest: PARALLEL
 
 #include <algorithm>
-#include <functional>
 #include <thread>
 
 #include <arpa/inet.h>
@@ -15,7 +14,6 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 
-#include "files/report_file.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -144,50 +142,6 @@ TEST_F(MonitorTest, TheMonitorIsNicerThanTheFleet) {
   constexpr int of_agents = 10;  // the niceness that `coppice run` gives them
   const auto watcher = monitor(domain + 5);
   EXPECT_GT(getpriority(PRIO_PROCESS, static_cast<id_t>(watcher->pid())), of_agents);
-}
-
-/// The largest share of missed control periods among the robots of a fleet that drives for half a minute.
-/// `meanwhile` is called while it drives.
-double worst_share_missed(const std::filesystem::path& folder, int of_domain,
-                          const std::function<void()>& meanwhile) {
-  const std::string report = (folder / "report.json").string();
-  test::Background run(
-      {test::program("coppice"), "run", (test::scenarios() / "rooms-20.json").string(), "--domain",
-       std::to_string(of_domain), "--quiet", "--time-scale", "1", "--lifelong", "30", "--report", report},
-      folder / "run.log");
-  std::this_thread::sleep_for(10s);
-  meanwhile();
-  EXPECT_EQ(run.wait(), 0) << test::contents(folder / "run.log");
-  double worst = 0;
-  const proto::Report said = read_report(report);
-  for (const auto& robot : said.robots()) {
-    EXPECT_GT(robot.load().periods(), 500U);
-    worst = std::max(worst, static_cast<double>(robot.load().periods_missed()) / robot.load().periods());
-  }
-  return worst;
-}
-
-TEST_F(MonitorTest, TenMonitorsCostNoRobotItsDeadlines) {
-  if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
-  const double alone = worst_share_missed(folder.path(), domain + 6, [] {});
-  const double watched = worst_share_missed(folder.path(), domain + 7, [&] {
-    for (int round = 0; round < 3; ++round) {
-      std::vector<std::unique_ptr<test::Background>> ten;
-      for (int k = 0; k < 10; ++k)
-        ten.push_back(std::make_unique<test::Background>(
-            std::vector<std::string>{test::program("coppice"), "monitor", "--port", "0", "--domain",
-                                     std::to_string(domain + 7)},
-            path(fmt::format("monitor{}.log", k))));
-      std::this_thread::sleep_for(4s);
-      for (const auto& watcher : ten) {
-        watcher->send(SIGTERM);
-        EXPECT_EQ(watcher->wait(), 0);
-      }
-    }
-  });
-  std::cout << fmt::format("worst robot, control periods missed: {:.2f} % alone, {:.2f} % watched\n",
-                           100 * alone, 100 * watched);
-  EXPECT_LE(watched, alone + 0.01);
 }
 
 TEST_F(MonitorTest, TheMonitorListensOnlyAtTheLoopback) {
