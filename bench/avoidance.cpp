@@ -24,13 +24,13 @@ constexpr double longest_run = 1000;  // fleet seconds
 constexpr double horizon = 2;
 constexpr double obstacle_horizon = 0.25;
 
-struct Run {
+struct Outcome {
   bool succeeded = false;  ///< all robots arrived and nothing collided
   double mean_run_time = 0;
 };
 
-Run judged(std::vector<double> run_times, std::size_t robots, std::span<const Track> tracks,
-           const ClearanceField& field) {
+Outcome judged(std::vector<double> run_times, std::size_t robots, std::span<const Track> tracks,
+               const ClearanceField& field) {
   const auto separation = separation_of(tracks);
   const auto clearance = clearance_of(tracks, field);
   const bool touched =
@@ -46,7 +46,7 @@ class RvoAlone {
       robots_.push_back({{path.front(), Point2::Zero(), radius}, PathFollower(path, radius), path.back()});
   }
 
-  Run run() {
+  Outcome run() {
     std::vector<double> arrivals;
     for (double now = 0; now < longest_run && arrivals.size() < robots_.size(); now += control_period) {
       step(now);
@@ -103,8 +103,8 @@ class RvoAlone {
 };
 
 struct Both {
-  Run coppice;
-  Run rvo;
+  Outcome coppice;
+  Outcome rvo;
 };
 
 /// Drives the fleet in the simulation, and with RVO alone on the same paths.

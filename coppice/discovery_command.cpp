@@ -11,7 +11,7 @@ namespace coppice {
 
 namespace {
 
-constexpr std::chrono::milliseconds poll_period{100};
+constexpr std::chrono::milliseconds port_poll_period{100};
 constexpr double late = 0.5;  // seconds by which an announcement may be late
 
 /// Clients that still remember a killed server must forget it before this one starts.
@@ -23,7 +23,7 @@ void wait_until_forgotten(const DiscoveryOptions& options) {
   };
   bool remembered = false;
   while (!stop_requested() && waited() < (remembered ? server_lease : between_words) + late) {
-    std::this_thread::sleep_for(poll_period);
+    std::this_thread::sleep_for(port_poll_period);
     if (!remembered && port.heard_rtps()) {
       remembered = true;
       spdlog::info("waiting until all clients have forgotten the previous server");
@@ -41,7 +41,7 @@ int discovery_command(const DiscoveryOptions& options) {
   spdlog::info("discovery server {} at {}:{}", options.place, options.address, options.port);
   Heartbeat heart(options.alive);
   while (!stop_requested()) {
-    std::this_thread::sleep_for(poll_period);
+    std::this_thread::sleep_for(port_poll_period);
     heart.beat(wall_now());
   }
   return 0;

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::milliseconds poll_period{2};
+constexpr std::chrono::milliseconds frame_poll_period{2};
 constexpr double most_frames = 100'000;
 
 /// A program that is not part of Coppice.
@@ -54,7 +54,7 @@ void run(const Tool& tool, const std::vector<std::string>& arguments, const fs::
   ProcessFleet process(folder);
   process.start(tool.name, command, ProcessFleet::Output::log);
   auto ended = process.reap();
-  for (; !ended; ended = process.reap()) std::this_thread::sleep_for(poll_period);
+  for (; !ended; ended = process.reap()) std::this_thread::sleep_for(frame_poll_period);
   if (ended->exit_code != 0)
     throw InputError(fmt::format("{} failed, exit code {}: {}", tool.name, ended->exit_code, ended->log_end));
 }

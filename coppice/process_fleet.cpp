@@ -23,7 +23,6 @@ namespace coppice {
 namespace {
 
 constexpr std::chrono::milliseconds last_grace{2000};
-constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::streamoff shown_length = 300;  // characters
 
 using Clock = std::chrono::steady_clock;

@@ -12,6 +12,9 @@
 
 namespace coppice {
 
+/// How often a caller looks whether a child has ended.
+inline constexpr std::chrono::milliseconds poll_period{10};
+
 class ProcessFleet {
  public:
   /// Output and errors of children with Output::log go to `log_folder`/NAME.log. The folder must exist.

@@ -43,9 +43,8 @@ using Clock = std::chrono::steady_clock;
 
 // The broker and the service get higher priority than the agents, because all agents need them.
 constexpr int niceness_of_agents = 10;
-constexpr std::chrono::milliseconds grace{3000};
+constexpr std::chrono::milliseconds grace_of_roles{3000};
 constexpr std::chrono::milliseconds grace_of_recorder{10000};
-constexpr std::chrono::milliseconds poll_period{10};
 constexpr std::chrono::milliseconds pause_before_restart{500};
 constexpr int most_refusals = 5;  // refusals in a row by the system, for a process that ran before
 constexpr std::chrono::milliseconds pause_before_asking_again{2000};
@@ -284,7 +283,7 @@ class StopRequest {
 
 /// Ends the recorder last, so that it records all messages of the others. False: the recording is incomplete.
 bool end_all(ProcessFleet& fleet) {
-  std::vector<ProcessFleet::Ended> gone = fleet.terminate_all(grace, recorder_name);
+  std::vector<ProcessFleet::Ended> gone = fleet.terminate_all(grace_of_roles, recorder_name);
   std::ranges::move(fleet.terminate_all(grace_of_recorder), std::back_inserter(gone));
   const auto recorder = std::ranges::find(gone, recorder_name, &ProcessFleet::Ended::name);
   if (recorder == gone.end() || recorder->exit_code == 0) return true;
@@ -365,7 +364,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
     const auto ended = fleet.reap();
     if (!ended && stop.is_there() && stop.is_older_than(patience(Clock::now() - begin))) {
       std::cerr << "the planner service does not answer: ended without a report\n";
-      fleet.terminate_all(grace);
+      fleet.terminate_all(grace_of_roles);
       pass_on(logs.last_news(wall_now()));
       return 1;
     }

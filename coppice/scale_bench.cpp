@@ -32,11 +32,11 @@ namespace coppice {
 
 namespace {
 
-constexpr int square = 64;  // metres per side for each robot: a room on maps of the kind room
-constexpr int border = 4;   // of the maps of rooms
-constexpr double control_period = 0.05;
+constexpr int square = 64;                 // metres per side for each robot: a room on maps of the kind room
+constexpr int border = 4;                  // of the maps of rooms
+constexpr double period_of_agents = 0.05;  // seconds, as in robot_agent/timing.h
 constexpr std::chrono::milliseconds look_at_processes{500};
-constexpr std::chrono::milliseconds grace{60'000};  // for a run to end its own processes
+constexpr std::chrono::milliseconds grace_of_run{60'000};  // for a run to end its own processes
 
 /// Resource usage of one process, from the kernel.
 struct Usage {
@@ -77,7 +77,7 @@ void look_at_children(int parent, Usages& usages) {
   for (int child = 0; children >> child;) look_at(child, usages);
 }
 
-struct Run {
+struct MeasuredRun {
   double began_at = 0;  ///< seconds since the Unix epoch
   double seconds = 0;   ///< wall seconds
   proto::Report report;
@@ -97,12 +97,12 @@ std::vector<std::string> command_of(const std::string& program, const std::strin
   return command;
 }
 
-Run run_fleet(const std::string& program, const std::string& scenario, double time_scale,
-              const ScaleSettings& settings, const std::filesystem::path& folder,
-              const ExperimentOptions& options) {
+MeasuredRun run_fleet(const std::string& program, const std::string& scenario, double time_scale,
+                      const ScaleSettings& settings, const std::filesystem::path& folder,
+                      const ExperimentOptions& options) {
   const std::string report = (folder / "report.json").string();
   std::filesystem::remove(report);
-  Run run{.began_at = wall_now(), .report = {}, .usages = {}};
+  MeasuredRun run{.began_at = wall_now(), .report = {}, .usages = {}};
   ProcessFleet fleet(folder);
   const int pid = fleet.start("run", command_of(program, scenario, time_scale, settings, report),
                               ProcessFleet::Output::log);
@@ -117,7 +117,7 @@ Run run_fleet(const std::string& program, const std::string& scenario, double ti
       return run;
     }
     if (options.stop()) {
-      fleet.terminate_all(grace);
+      fleet.terminate_all(grace_of_run);
       throw std::runtime_error("interrupted");
     }
     std::this_thread::sleep_for(look_at_processes);
@@ -140,14 +140,14 @@ std::string scenario_of(const std::string& map, int robots, std::uint64_t seed, 
 }
 
 template <class Fn>
-std::vector<double> of_robots(const Run& run, Fn&& fn) {
+std::vector<double> of_robots(const MeasuredRun& run, Fn&& fn) {
   std::vector<double> values;
   for (const auto& robot : run.report.robots()) values.push_back(fn(robot.load()));
   return values;
 }
 
 template <class Fn>
-std::vector<double> of_processes(const Run& run, const std::string& role, Fn&& fn) {
+std::vector<double> of_processes(const MeasuredRun& run, const std::string& role, Fn&& fn) {
   std::vector<double> values;
   for (const auto& [pid, usage] : run.usages) {
     if (usage.role == role) values.push_back(fn(usage));
@@ -165,7 +165,7 @@ double most(const std::vector<double>& values) {
 constexpr const char* nobody_knows = "-";
 
 /// When the last pair of agents was matched, seconds after the command; "-" if some pairs are not.
-std::string all_matched(const Run& run) {
+std::string all_matched(const MeasuredRun& run) {
   double last = 0;
   for (const auto& robot : run.report.robots()) {
     if (static_cast<int>(robot.load().agents_matched()) + 1 < run.report.robots_size()) return nobody_knows;
@@ -174,10 +174,10 @@ std::string all_matched(const Run& run) {
   return fmt::format("{:.1f}", last - run.began_at);
 }
 
-std::vector<std::string> row_of(const Run& run, double time_scale) {
+std::vector<std::string> row_of(const MeasuredRun& run, double time_scale) {
   using Load = proto::Report::Load;
   const auto per_fleet_second = [](double count, const Load& load) {
-    return load.periods() > 0 ? count / (load.periods() * control_period) : 0;
+    return load.periods() > 0 ? count / (load.periods() * period_of_agents) : 0;
   };
   const auto states = of_robots(run, [&](const Load& l) { return per_fleet_second(l.states_received(), l); });
   const auto samples =
@@ -262,7 +262,7 @@ bool bench_scale(const ExperimentOptions& options, const ScaleSettings& settings
                              time_scale));
     const std::string scenario =
         scenario_of(options.maps.front(), robots, options.first_seed, options.radius, folder.path());
-    const Run run = run_fleet(executable, scenario, time_scale, settings, folder.path(), options);
+    const MeasuredRun run = run_fleet(executable, scenario, time_scale, settings, folder.path(), options);
     table.rows.push_back(row_of(run, time_scale));
     const auto number = [&](std::size_t column) { return std::stod(table.rows.back()[column]); };
     states.x.push_back(robots);

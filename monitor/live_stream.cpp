@@ -157,14 +157,14 @@ live::Life life_of(const FleetView& view, bool replayed, WallTime now) {
 
 /// Makes the next edition, if the message has changed.
 void renew(Edition& edition, const live::ToPage& message) {
-  Bytes bytes = encoded(message);
+  Payload bytes = encoded(message);
   if (edition.bytes && *edition.bytes == *bytes) return;
   edition = {edition.number + 1, std::move(bytes)};
 }
 
 }  // namespace
 
-Bytes encoded(const live::ToPage& message) {
+Payload encoded(const live::ToPage& message) {
   return std::make_shared<const std::string>(message.SerializeAsString());
 }
 

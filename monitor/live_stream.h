@@ -21,7 +21,7 @@ namespace coppice {
 /// An encoded message and its number. A page that has received this number needs nothing more.
 struct Edition {
   std::uint64_t number = 0;  ///< 0: there is none yet
-  Bytes bytes{};
+  Payload bytes{};
 };
 
 class LiveStream {
@@ -48,7 +48,7 @@ class LiveStream {
   std::uint64_t slow_tick() const {
     return slow_tick_;
   }  ///< grows four times a second, for what may come later
-  const Bytes& begin() const { return begin_; }
+  const Payload& begin() const { return begin_; }
   const Edition& map() const { return map_; }
   const Edition& roster() const { return roster_; }
   const Edition& frame() const { return frame_; }
@@ -72,7 +72,7 @@ class LiveStream {
   void look_at_statuses(const FleetView& view);
   void look_at_figures(const FleetView& view);
 
-  Bytes begin_;
+  Payload begin_;
   WallTime at_ = 0;
   std::uint32_t run_ = 0;
   std::optional<std::uint32_t> run_of_view_{};
@@ -97,6 +97,6 @@ class LiveStream {
 live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now);
 
 /// The bytes of a message.
-Bytes encoded(const live::ToPage& message);
+Payload encoded(const live::ToPage& message);
 
 }  // namespace coppice

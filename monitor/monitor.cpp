@@ -80,7 +80,7 @@ WebTalk Monitor::talk(Channel channel) {
   return {.next =
               [this, feed] {
                 std::vector<Outbound> out;
-                for (Bytes& bytes : feed->next(view_, live_)) out.push_back({std::move(bytes)});
+                for (Payload& bytes : feed->next(view_, live_)) out.push_back({std::move(bytes)});
                 return out;
               },
           .heard = [this](std::string_view message, bool text) { return heard_from_page(message, text); }};

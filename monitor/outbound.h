@@ -7,10 +7,10 @@
 namespace coppice {
 
 /// Encoded once, and shared by all receivers.
-using Bytes = std::shared_ptr<const std::string>;
+using Payload = std::shared_ptr<const std::string>;
 
 struct Outbound {
-  Bytes bytes;
+  Payload bytes;
   bool text = false;
 };
 

@@ -27,11 +27,11 @@ std::size_t size_of(const live::Edges& edges) {
 }  // namespace
 
 struct PageFeed::Batch {
-  std::vector<Bytes> messages{};
+  std::vector<Payload> messages{};
   std::size_t size = 0;
 
   bool full() const { return size >= most_bytes_at_once; }
-  void add(const Bytes& bytes) {
+  void add(const Payload& bytes) {
     messages.push_back(bytes);
     size += bytes->size();
   }
@@ -50,7 +50,7 @@ struct PageFeed::Batch {
   }
 };
 
-std::vector<Bytes> PageFeed::next(const FleetView& view, const LiveStream& live) {
+std::vector<Payload> PageFeed::next(const FleetView& view, const LiveStream& live) {
   Batch batch;
   if (run_ != live.run()) {
     *this = {};

@@ -24,7 +24,7 @@ class PageFeed {
  public:
   /// Returns ToPage messages in order; empty if there is no news. Call it after `live` has looked at this
   /// view.
-  std::vector<Bytes> next(const FleetView& view, const LiveStream& live);
+  std::vector<Payload> next(const FleetView& view, const LiveStream& live);
 
  private:
   /// How much of a robot's root trees and path the page has received.

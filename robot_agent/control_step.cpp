@@ -13,7 +13,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double period = control_period;
 // Timeouts: see timing.h.
 constexpr WallTime own_silence = Timing::own_silence;
 constexpr double longest_startup = Timing::longest_startup;
@@ -57,19 +56,19 @@ void Run::control(double now, std::vector<Outgoing>& out) {
   if (now < body_.time()) return;
   bool due = std::exchange(timing_.first, false);
   // The journal begins with the first state, and so does the track.
-  if (due && now - body_.time() >= period) pass_over(now);
+  if (due && now - body_.time() >= control_period) pass_over(now);
   if (now - body_.time() > listening_time()) connectivity_.stand_until(now + listening_time());
   if (now - body_.time() > Timing::longest_nap * fleet_.second()) wake(now);
   const std::uint32_t next_heartbeat = counter_.next_heartbeat();
   int periods = 0;
-  while (body_.time() + period <= now) {
+  while (body_.time() + control_period <= now) {
     if (body_.stands() && now - body_.time() > longest_sleep) {
       pass_over(now);
       continue;
     }
     ++periods;
     if (!tracking_ && records(now)) track_.add({body_.time(), body_.position(), body_.velocity()});
-    status_.driven_length += period * body_.velocity().norm();
+    status_.driven_length += control_period * body_.velocity().norm();
     body_.advance();
     trail_.go_on(body_.position(), map_->field, body_.radius());
     counter_.count_period(body_.stands() || !due, next_heartbeat);
@@ -82,7 +81,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
   load.periods_missed += static_cast<std::uint32_t>(std::max(0, periods - timing_.periods_expected));
   timing_.late += ((periods > timing_.periods_expected ? 1 : 0) - timing_.late) / decisions_counted;
   decide(now);
-  watch_movement(now, periods * period);
+  watch_movement(now, periods * control_period);
   const bool heartbeat = counter_.take_heartbeat();
   speak(now, heartbeat, out);
   if (heartbeat) relay_states(now, out);
@@ -95,7 +94,8 @@ void Run::control(double now, std::vector<Outgoing>& out) {
 
 /// The body stood all that time, and goes on standing now.
 void Run::pass_over(double now) {
-  body_ = Driver(body_.position(), std::floor(now / period) * period, body_.radius(), body_.limits(), period);
+  body_ = Driver(body_.position(), std::floor(now / control_period) * control_period, body_.radius(),
+                 body_.limits(), control_period);
 }
 
 /// After a long sleep, which is like a restart: others count on moves of a joint plan that is over by now, or
@@ -114,7 +114,7 @@ void Run::wake(double now) {
 /// brake then is over before it moves.
 double Run::listening_time() const {
   constexpr double longest_way_of_a_state = 0.3;  // seconds
-  const double others_stand = fleet_.longest_braking() + 2 * period + longest_way_of_a_state;
+  const double others_stand = fleet_.longest_braking() + 2 * control_period + longest_way_of_a_state;
   return std::max(own_silence * std::max(1.0, mission_.clock.scale), others_stand);
 }
 
@@ -205,8 +205,8 @@ bool Run::waits_for_its_robot(double now) {
 
 void Run::drive_freely(Driving& driving, double now, std::span<const Neighbour> neighbours) {
   PathFollower& follower = driving.route.follower;
-  const Point2 next = body_.position() + period * body_.velocity();
-  const Point2 preferred = follower.preferred_velocity(next, map_->field, body_.limits(), period);
+  const Point2 next = body_.position() + control_period * body_.velocity();
+  const Point2 preferred = follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
   if (follower.lost()) {  // others pushed the robot to where it does not see its path
     look_for_a_path(way_back_to_the_path(driving.route));
     return body_.choose(Point2::Zero(), neighbours, map_->field);
@@ -248,7 +248,7 @@ bool Run::lets_go_first(const Point2& preferred) const {
 }
 
 void Run::execute_plan(double now, std::span<const Neighbour> neighbours) {
-  const Point2 next = body_.position() + period * body_.velocity();
+  const Point2 next = body_.position() + control_period * body_.velocity();
   const Point2 wanted = round_.preferred_velocity(self(), fleet_, next, body_.limits(), now);
   if (wanted.isZero(0)) {
     body_.follow(wanted, neighbours, map_->field);
@@ -357,7 +357,8 @@ bool Run::may_set_off(double now) {
 /// All peers that may come near while this robot looks ahead, or brakes.
 std::span<const Neighbour> Run::neighbours(double now) {
   const Limits& limits = body_.limits();
-  const double horizon = std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * period;
+  const double horizon =
+      std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * control_period;
   const double reach = body_.radius() + horizon * limits.max_speed;
   fleet_.collect_neighbours(body_.position(), reach, horizon, now, process_.state_ages, near_);
   return near_;

@@ -18,7 +18,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double period = control_period;
 constexpr WallTime pause_between_improvements = 0.001;
 constexpr std::size_t most_vertices = 4'000;  // of the improver's roadmap: some megabytes
 constexpr int improvements_a_step = 4;        // bounded pieces of work, some hundred microseconds together
@@ -26,8 +25,8 @@ constexpr double worth_swapping = 0.005;      // of what is left to drive
 
 /// A body that stands where the mission begins.
 Driver body_at_start(const Mission& mission, double now) {
-  const double begin = std::max(0.0, std::ceil(now / period) * period);
-  return {mission.start, begin, mission.radius, limits_of(mission), period};
+  const double begin = std::max(0.0, std::ceil(now / control_period) * control_period);
+  return {mission.start, begin, mission.radius, limits_of(mission), control_period};
 }
 
 }  // namespace
@@ -165,7 +164,7 @@ void Run::see(const OdometrySample& robot) {
   const FleetClock& clock = mission_.clock;
   const double time = clock.fleet_time(robot.at);
   tracking_->see(robot, body_.position() + (time - body_.time()) * body_.velocity());
-  if (time < last_seen_ + period) return;
+  if (time < last_seen_ + control_period) return;
   last_seen_ = time;
   if (records(time)) track_.add({time, robot.position, robot.velocity / clock.scale});
 }
@@ -187,7 +186,8 @@ void Run::step(WallTime now, std::vector<Outgoing>& out) {
 }
 
 WallTime Run::next_wake(WallTime now) const {
-  const WallTime next_control = mission_.clock.wall_time(body_.time() + periods_to_next_control() * period);
+  const WallTime next_control =
+      mission_.clock.wall_time(body_.time() + periods_to_next_control() * control_period);
   if (const auto* planning = std::get_if<Planning>(&task_))
     return std::min(next_control, now + (planning->found ? 0 : planning->finder->pause()));
   const Route* const route = route_of(task_);
@@ -276,7 +276,7 @@ void Run::improve(Route& route, WallTime now, std::vector<Outgoing>& out) {
     const Path& path = finder.path();
     if (length_of(path) < (1 - worth_swapping) * length_of(route.follower.path())) {
       PathFollower candidate(path, mission_.radius);
-      candidate.preferred_velocity(body_.position(), map_->field, body_.limits(), period);
+      candidate.preferred_velocity(body_.position(), map_->field, body_.limits(), control_period);
       if (!candidate.lost() && candidate.remaining(body_.position()) <
                                    (1 - worth_swapping) * route.follower.remaining(body_.position())) {
         follow(route, path, out);

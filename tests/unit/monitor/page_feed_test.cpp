@@ -28,7 +28,7 @@ class Page {
   }
   std::vector<ToPage> now() {
     std::vector<ToPage> all;
-    for (const Bytes& bytes : feed_.next(fleet_.view, live_))
+    for (const Payload& bytes : feed_.next(fleet_.view, live_))
       EXPECT_TRUE(all.emplace_back().ParseFromString(*bytes));
     return all;
   }
