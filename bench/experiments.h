@@ -43,6 +43,18 @@ void bench_paper(const ExperimentOptions& options);
 /// Ten missions in a row on one map: how much the forest of earlier missions saves in later ones.
 void bench_lifelong(const ExperimentOptions& options);
 
+struct ThroughputSettings {
+  std::vector<std::string> scenarios;  ///< files
+  std::optional<double> radius{};      ///< of all robots, metres; none: the scenario's
+  std::optional<double> max_speed{};   ///< of all robots, metres a second; none: the scenario's
+  double lifelong = 0;                 ///< fleet seconds in which robots that arrive get new goals
+  std::string references{};            ///< file of reference_figures.h; empty: none
+};
+
+/// Fleets in the simulation: how soon robots arrive, and what they wait for. Returns whether all robots
+/// arrived and none touched anything.
+bool bench_throughput(const ExperimentOptions& options, const ThroughputSettings& settings);
+
 /// Fleets in the simulation against reciprocal velocity obstacles alone, on the same paths.
 void bench_avoidance(const ExperimentOptions& options);
 

@@ -4,6 +4,7 @@
 #include "coppice/commands.h"
 #include "coppice/scale_bench.h"
 #include "coppice/sharing_bench.h"
+#include "files/input_error.h"
 #include "files/map_file.h"
 #include "planning/map_generator.h"
 #include "runtime/process.h"
@@ -32,6 +33,12 @@ int bench_command(const BenchOptions& options, const std::string& program) {
     experiment.maps = {"blank", "dense", "room"};
     experiment.robots = {2, 5, 10, 20};
   }
+  if (options.experiment == "throughput") {
+    experiment.maps.clear();
+    experiment.seeds = 1;
+    if (options.scenarios.empty())
+      throw InputError("bench throughput: --scenarios is missing, expected scenario files");
+  }
   if (options.experiment == "sharing") {
     experiment.maps = {"maze", "room"};
     experiment.robots = {2, 5, 10, 20};
@@ -53,7 +60,7 @@ int bench_command(const BenchOptions& options, const std::string& program) {
   for (const std::string& map : experiment.maps) {
     if (!map_kind(map)) read_map(map);  // reports a bad map now and not after hours of measuring
   }
-  experiment.radius = options.radius;
+  if (options.radius) experiment.radius = *options.radius;
   if (!options.robots.empty()) experiment.robots = options.robots;
   if (options.seeds) {
     experiment.seeds = *options.seeds;
@@ -70,7 +77,14 @@ int bench_command(const BenchOptions& options, const std::string& program) {
                       .security = options.security,
                       .report = options.report};
   if (options.quick) scale.fleet_seconds = 5;
-  const bool all_well = options.experiment != "scale" || bench_scale(experiment, scale, program);
+  bool all_well = true;
+  if (options.experiment == "scale") all_well = bench_scale(experiment, scale, program);
+  if (options.experiment == "throughput")
+    all_well = bench_throughput(experiment, {.scenarios = options.scenarios,
+                                             .radius = options.radius,
+                                             .max_speed = options.max_speed,
+                                             .lifelong = options.lifelong,
+                                             .references = options.references});
   return failed ? 2 : all_well ? 0 : 1;
 }
 

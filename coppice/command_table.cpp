@@ -188,7 +188,7 @@ void add_bench(CLI::App& app, BenchOptions& options, ChosenCommand& chosen) {
   auto* command = app.add_subcommand("bench", "compares planners and measures fleets");
   command->add_option("experiment", options.experiment, "what to measure")
       ->required()
-      ->check(CLI::IsMember({"paper", "peers", "lifelong", "avoidance", "sharing", "scale"}));
+      ->check(CLI::IsMember({"paper", "peers", "lifelong", "avoidance", "throughput", "sharing", "scale"}));
   command->add_flag("--quick", options.quick, "uses few seeds and robots");
   command->add_option("--maps", options.maps, "kinds of map, or map files, separated by commas")
       ->delimiter(',')
@@ -198,13 +198,30 @@ void add_bench(CLI::App& app, BenchOptions& options, ChosenCommand& chosen) {
       ->delimiter(',')
       ->check(whole_number_between(1, 1000))
       ->default_str(of_experiment);
-  command->add_option("--radius", options.radius, "radius of the robots, metres")->check(number_above_zero());
+  command->add_option("--radius", options.radius, "radius of the robots, metres")
+      ->check(number_above_zero())
+      ->default_str("5; for throughput that of the scenario");
   command->add_option("--seeds", options.seeds, "number of trials of each case")
       ->check(whole_number_between(1, 1000000))
       ->default_str(of_experiment);
   command->add_option("--seed", options.first_seed, "the first seed")
       ->check(whole_number_between<std::uint64_t>(0, std::numeric_limits<std::uint64_t>::max()));
   command->add_option("--output", options.output, "folder for the results")->check(output_folder());
+  command->option_defaults()->group("Experiment throughput");
+  command->add_option("--scenarios", options.scenarios, "scenario files, separated by commas")
+      ->delimiter(',')
+      ->type_name("FILE");
+  command->add_option("--max-speed", options.max_speed, "speed of the robots, metres a second")
+      ->check(number_above_zero())
+      ->default_str("that of the scenario");
+  command
+      ->add_option("--lifelong", options.lifelong, "fleet seconds in which robots that arrive get new goals")
+      ->check(number_between(0, largest_quantity));
+  command
+      ->add_option("--references", options.references,
+                   "figures of other planners (bench/throughput_reference.csv)")
+      ->type_name("FILE")
+      ->default_str("none");
   command->option_defaults()->group("Experiment scale");
   command->add_option("--time-scale", options.time_scale, "fleet seconds per wall second")
       ->check(number_between(least_quantity, largest_time_scale))

@@ -154,19 +154,23 @@ struct FuzzOptions {
 int fuzz_command(const FuzzOptions& options);
 
 struct BenchOptions {
-  std::string experiment;         ///< paper, peers, lifelong, avoidance, sharing or scale
+  std::string experiment;         ///< paper, peers, lifelong, avoidance, throughput, sharing or scale
   bool quick = false;             ///< few seeds and robots, to see whether it still runs
   std::vector<std::string> maps;  ///< kinds or files
   std::vector<int> robots;
-  double radius = 5;  ///< of the robots, metres
+  std::optional<double> radius{};  ///< of the robots, metres; none: 5, or the scenario's
   std::optional<int> seeds;
   std::uint64_t first_seed = 1;
   std::string output = ".";
   /// For scale, fleet seconds per wall second; none: by the number of robots.
   std::optional<double> time_scale{};
-  std::string discovery{};  ///< for scale, as in DdsSettings
-  std::string security{};   ///< for scale, as in DdsSettings
-  std::string report{};     ///< for scale, JSON; empty: none
+  std::string discovery{};               ///< for scale, as in DdsSettings
+  std::string security{};                ///< for scale, as in DdsSettings
+  std::string report{};                  ///< for scale, JSON; empty: none
+  std::vector<std::string> scenarios{};  ///< for throughput, files
+  std::optional<double> max_speed{};     ///< for throughput, metres a second; none: the scenario's
+  double lifelong = 0;                   ///< for throughput, as of coppice simulate
+  std::string references{};              ///< for throughput, file; empty: none
 };
 
 /// Runs an experiment. Writes its table as CSV and Markdown, and its plots. `program` is this executable.

@@ -218,6 +218,14 @@ COPPICE_FIELDS(AgentLoad, "Load",
   COPPICE_FIELD(10, state_age_p99),
   COPPICE_FIELD(11, state_age_max),
   COPPICE_FIELD(12, processor_seconds));
+COPPICE_FIELDS(WaitTimes, "WaitTimes",
+  COPPICE_FIELD_AT(1, startup, startup, waited_startup()),
+  COPPICE_FIELD_AT(2, planning, planning, waited_planning()),
+  COPPICE_FIELD_AT(3, joint_plan, joint_plan, waited_joint_plan()),
+  COPPICE_FIELD_AT(4, gate, gate, waited_gate()),
+  COPPICE_FIELD_AT(5, promise, promise, waited_promise()),
+  COPPICE_FIELD_AT(6, connection, connection, waited_connection()),
+  COPPICE_FIELD_AT(7, odometry, odometry, waited_odometry()));
 COPPICE_FIELDS(AgentStatus, "AgentStatus",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, mission),
@@ -240,7 +248,7 @@ COPPICE_FIELDS(AgentStatus, "AgentStatus",
   (Field{19, "way_left", [](auto& m) -> auto& { return m.way_left; }, [](auto& dds) -> decltype(auto) { return dds.way_left(); }, true}),
   COPPICE_FIELD(20, wait_cause),
   COPPICE_FIELD(21, came_on_at),
-  COPPICE_FIELD(22, waited));
+  COPPICE_PART(23, waits)); // 22 was their sum
 
 COPPICE_FIELDS(BrokerStatus, "BrokerStatus",
   COPPICE_FIELD(1, broker),

@@ -247,6 +247,23 @@ struct AgentLoad {
   bool operator==(const AgentLoad&) const = default;
 };
 
+/// Fleet seconds that a robot waited, by what it waited for. A robot waits while it has a goal to reach and
+/// is slower than a tenth of its maximum speed.
+struct WaitTimes {
+  double startup = 0;     ///< for the missions of all robots, and to hear where all are
+  double planning = 0;    ///< for its first path
+  double joint_plan = 0;  ///< for a joint plan, or for others to finish theirs
+  double gate = 0;        ///< for a robot that goes first by the joint plan
+  double promise = 0;     ///< because other robots may come where it wants to go
+  double connection = 0;  ///< because it is cut off, or was, or its agent was restarted
+  double odometry = 0;    ///< for odometry, or for its robot to come to where it should be
+  bool operator==(const WaitTimes&) const = default;
+};
+
+inline double sum_of(const WaitTimes& w) {
+  return w.startup + w.planning + w.joint_plan + w.gate + w.promise + w.connection + w.odometry;
+}
+
 /// agent_status: agent -> service, monitor. On every change, and twice a second.
 struct AgentStatus {
   RobotName robot;
@@ -270,7 +287,7 @@ struct AgentStatus {
   double way_left = -1;      ///< metres along its way to its goal; below 0: it has none
   std::string wait_cause{};  ///< why it does not come on, though it has a goal to reach; empty: it does
   double came_on_at = 0;     ///< fleet time at which it last came on, or its mission came
-  double waited = 0;         ///< fleet seconds of this mission in which it did not come on
+  WaitTimes waits{};         ///< in this mission
   bool operator==(const AgentStatus&) const = default;
 };
 

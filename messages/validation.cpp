@@ -215,6 +215,12 @@ Problem check(const TrackMessage& m) {
        {std::ranges::is_sorted(m.points, std::less{}, &TrackMessage::Point::time), "time runs back"}});
 }
 
+bool none_negative(const WaitTimes& w) {
+  return not_negative(w.startup) && not_negative(w.planning) && not_negative(w.joint_plan) &&
+         not_negative(w.gate) && not_negative(w.promise) && not_negative(w.connection) &&
+         not_negative(w.odometry);
+}
+
 Problem check(const AgentStatus& m) {
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
@@ -227,7 +233,7 @@ Problem check(const AgentStatus& m) {
        {not_negative(m.driven_length) && is_sane(m.way_left), "length is negative or not finite"},
        {m.wait_cause.size() <= longest_reason && printable(m.wait_cause),
         "cause of its waiting is too long or not printable"},
-       {is_sane(m.came_on_at) && not_negative(m.waited), "waiting is negative or not finite"},
+       {is_sane(m.came_on_at) && none_negative(m.waits), "waiting is negative or not finite"},
        {std::isfinite(m.load.matched_at) && not_negative(m.load.state_age_p50) &&
             not_negative(m.load.state_age_p99) && not_negative(m.load.state_age_max) &&
             not_negative(m.load.processor_seconds),

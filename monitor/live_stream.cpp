@@ -80,7 +80,7 @@ live::Statuses::Status status_of(std::size_t number, const SeenRobot& robot, dou
   out.set_missions_fulfilled(robot.missions_fulfilled);
   out.set_missed_share(robot.missed.of_all);
   out.set_wait_cause(wait_of(robot, time).value_or(Wait{}).cause);
-  out.set_waited(status.waited);
+  out.set_waited(sum_of(status.waits));
   return out;
 }
 

@@ -44,6 +44,13 @@ inline double speed_to_stop_within(double distance, const Limits& limits, double
   return std::max(0.0, std::sqrt(lag * lag + 2 * limits.max_acceleration * distance) - lag);
 }
 
+/// Seconds from standstill to standstill along `length` metres of a straight line, with nobody in the way.
+inline double free_flow_time(double length, const Limits& limits) {
+  const double speeding_up = limits.max_speed / limits.max_acceleration;
+  return length > limits.max_speed * speeding_up ? length / limits.max_speed + speeding_up
+                                                 : 2 * std::sqrt(length / limits.max_acceleration);
+}
+
 /// The velocity nearest to `wanted` that `limits` allow one period after `current`.
 inline Point2 within_limits(const Point2& wanted, const Point2& current, const Limits& limits,
                             double period) {

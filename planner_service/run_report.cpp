@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/kinematics.h"
 #include "motion/segments.h"
 #include "planner_service/planner_service.h"
 #include "planning/clearance_field.h"
@@ -27,6 +28,16 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
   to.set_state_age_p99(load.state_age_p99);
   to.set_state_age_max(load.state_age_max);
   to.set_processor_seconds(load.processor_seconds);
+}
+
+void describe(const WaitTimes& waits, proto::Report::Waits& to) {
+  to.set_startup(waits.startup);
+  to.set_planning(waits.planning);
+  to.set_joint_plan(waits.joint_plan);
+  to.set_gate(waits.gate);
+  to.set_promise(waits.promise);
+  to.set_connection(waits.connection);
+  to.set_odometry(waits.odometry);
 }
 
 /// The facts that the tracks show. They are read part by part, for a long run does not fit into memory.
@@ -152,7 +163,10 @@ void PlannerService::describe_robot(const RobotRecord& robot, proto::Report::Rob
   row.set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
   row.set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
   row.set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
-  row.set_waited(status.waited);
+  row.set_free_flow_time(
+      free_flow_time(row.path_length(), {robot.task.max_speed, robot.task.max_acceleration}));
+  row.set_waited(sum_of(status.waits));
+  describe(status.waits, *row.mutable_waits());
   if (robot.periods.all() > 0)
     row.set_periods_missed(static_cast<double>(robot.periods.missed()) / robot.periods.all());
   if (robot.status) describe(status.load, *row.mutable_load());

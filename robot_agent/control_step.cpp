@@ -318,14 +318,16 @@ void Run::retry_after_change() {
   enter(Driving{std::move(gave_up->route)});
 }
 
-/// A robot that is pushed to and fro does not come on.
+/// A robot that is pushed to and fro does not come on, and does not wait.
 void Run::watch_movement(double now, double lived) {
   const double gain = least_gain(body_.radius(), body_.limits());
   if (!is_under_way() || (body_.position() - came_to_).norm() >= gain) {
     came_to_ = body_.position();
     status_.came_on_at = now;
   }
-  if (stands_still(now)) status_.waited += lived;
+  constexpr double slow = 0.1;  // of the maximum speed
+  if (is_under_way() && body_.velocity().norm() < slow * body_.limits().max_speed)
+    status_.waits.*wait_kind(now) += lived;
 }
 
 bool Run::is_under_way() const {

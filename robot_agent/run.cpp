@@ -73,6 +73,7 @@ void Run::go_on_from(const SavedState& saved, double now) {
   if (before.phase == Phase::arrived || before.phase == Phase::stopped)
     status_.arrival_time = before.arrival_time;
   status_.driven_length = saved.driven_length;
+  status_.waits = before.waits;
 }
 
 /// The robot stands until it has heard of the others: they may be anywhere by now.
@@ -306,7 +307,8 @@ bool Run::take_status_change() {
 
 AgentStatus Run::status(WallTime now) {
   status_.phase = phase();
-  status_.wait_cause = bounded(wait_cause(mission_.clock.fleet_time(now)));
+  const double fleet_now = mission_.clock.fleet_time(now);
+  status_.wait_cause = stands_still(fleet_now) ? bounded(wait_cause(fleet_now)) : std::string();
   status_.way_left = way_left();
   status_.track_points = track_.sent();
   return status_;

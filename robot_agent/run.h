@@ -139,7 +139,13 @@ class Run {
   bool records(double now) const;
 
   // wait_cause.cpp
+  using WaitKind = double WaitTimes::*;
+  WaitKind wait_kind(double now);
   std::string wait_cause(double now);
+  std::string what_it_has_not_heard() const;
+  std::string what_is_wrong_with_the_odometry(WallTime now) const;
+  std::string which_plan_it_waits_for() const;
+  std::string whom_it_does_not_know() const;
   std::string why_it_is_cut_off() const;
   std::string what_is_in_the_way() const;
   double way_left() const;

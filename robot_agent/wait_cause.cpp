@@ -1,4 +1,4 @@
-// Part of class Run: the reason in words why the robot does not come on.
+// Part of class Run: the reason why the robot does not come on, as a kind and in words.
 #include <algorithm>
 #include <utility>
 
@@ -15,35 +15,59 @@ constexpr double in_the_way = 2;  // sums of radii between two of which one stop
 
 }  // namespace
 
-/// In the order in which a control step looks at what keeps it. Empty: it comes on, or has nowhere to go.
+/// In the order in which a control step looks at what keeps a robot that has a goal to reach.
+Run::WaitKind Run::wait_kind(double now) {
+  using W = WaitTimes;
+  if (is(Phase::planning)) return &W::planning;
+  if (connectivity_.joining()) return &W::connection;
+  const WallTime wall_now = mission_.clock.wall_time(now);
+  if (tracking_ && !(tracking_->is_recent(wall_now) && tracking_->keeps_up(wall_now))) return &W::odometry;
+  if (fleet_.cut_off() || connectivity_.listens(now)) return &W::connection;
+  if (round_.stage() == Stage::waiting) return &W::joint_plan;
+  if (round_.stage() == Stage::executing) return round_.waits_for().empty() ? &W::promise : &W::gate;
+  if (!may_set_off(now)) return &W::startup;
+  return round_.stranded() || lets_others_finish_ ? &W::joint_plan : &W::promise;
+}
+
 std::string Run::wait_cause(double now) {
-  if (!stands_still(now)) return {};
-  if (is(Phase::planning)) return "no path yet: it looks for one";
+  using W = WaitTimes;
+  const WaitKind kind = wait_kind(now);
+  if (kind == &W::planning) return "no path yet: it looks for one";
+  if (kind == &W::connection) return what_it_has_not_heard();
+  if (kind == &W::odometry) return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));
+  if (kind == &W::joint_plan) return which_plan_it_waits_for();
+  if (kind == &W::gate)
+    return fmt::format("it waits for {}, which goes first by the joint plan", round_.waits_for());
+  if (kind == &W::startup) return whom_it_does_not_know();
+  return what_is_in_the_way();
+}
+
+std::string Run::what_it_has_not_heard() const {
   if (connectivity_.joining())
     return "its agent was started or woke in mid-run, and has not heard where all others are";
-  const WallTime wall_now = mission_.clock.wall_time(now);
-  if (tracking_ && !tracking_->is_recent(wall_now)) return "no odometry came";
-  if (tracking_ && !tracking_->keeps_up(wall_now))
-    return fmt::format("its robot is {:.2f} m off the place where it should be", tracking_->error());
-  if (fleet_.cut_off()) return why_it_is_cut_off();
-  if (connectivity_.listens(now)) return "it was cut off or paused, and listens for what it missed";
-  if (round_.stage() == Stage::waiting && round_.id().leader == process_.name)
-    return round_.plans() ? "it makes a joint plan for the robots around it"
-                          : "it is to make a joint plan, and waits until the robots around it stand";
-  if (round_.stage() == Stage::waiting)
+  return fleet_.cut_off() ? why_it_is_cut_off() : "it was cut off or paused, and listens for what it missed";
+}
+
+std::string Run::what_is_wrong_with_the_odometry(WallTime now) const {
+  if (!tracking_->is_recent(now)) return "no odometry came";
+  return fmt::format("its robot is {:.2f} m off the place where it should be", tracking_->error());
+}
+
+std::string Run::which_plan_it_waits_for() const {
+  if (round_.stage() == Stage::free)
+    return round_.stranded() ? "no joint plan brings it to its goal: it stands until the others are done"
+                             : "it lets others finish their joint plan";
+  if (round_.id().leader != process_.name)
     return fmt::format("it stands until {} has made a joint plan", round_.id().leader);
-  if (round_.stage() == Stage::executing && !round_.waits_for().empty())
-    return fmt::format("it waits for {}, which goes first by the joint plan", round_.waits_for());
-  if (round_.stage() == Stage::free && !may_set_off(now)) {
-    const RobotName unknown = fleet_.unknown();
-    return unknown.empty() ? fmt::format("{} of {} robots have missions by now",
-                                         fleet_.robots_of_the_run().size(), mission_.fleet_size)
-                           : fmt::format("it has not heard where {} is", unknown);
-  }
-  if (round_.stage() == Stage::free && round_.stranded())
-    return "no joint plan brings it to its goal: it stands until the others are done";
-  if (round_.stage() == Stage::free && lets_others_finish_) return "it lets others finish their joint plan";
-  return what_is_in_the_way();
+  return round_.plans() ? "it makes a joint plan for the robots around it"
+                        : "it is to make a joint plan, and waits until the robots around it stand";
+}
+
+std::string Run::whom_it_does_not_know() const {
+  const RobotName unknown = fleet_.unknown();
+  return unknown.empty() ? fmt::format("{} of {} robots have missions by now",
+                                       fleet_.robots_of_the_run().size(), mission_.fleet_size)
+                         : fmt::format("it has not heard where {} is", unknown);
 }
 
 std::string Run::why_it_is_cut_off() const {

@@ -103,6 +103,63 @@ TEST(CoppiceBench, QuickExperimentsWriteTablesAndPlots) {
   EXPECT_EQ(shell(program("coppice") + " bench paper --output /no/such/folder").exit_code, 2);
 }
 
+/// The bench measures what `coppice simulate` with the same seed reports.
+TEST(CoppiceBench, ThroughputMeasuresArrivalsAndWaits) {
+  TemporaryFolder folder;
+  folder.write("figures.csv", "scenario,planner,sum,last,goals_per_second\nrooms-8,Half,10,5,0.1\n");
+  const auto file = [&](const std::string& name) { return (folder.path() / name).string(); };
+  const std::string scenario = (test::scenarios() / "rooms-8.json").string();
+  const std::string bench = program("coppice") + " bench throughput --scenarios " + scenario +
+                            " --seed 3 --output " + folder.path().string() + " --references " +
+                            file("figures.csv");
+  const Outcome outcome = shell(bench + " --seeds 2");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const std::string csv = test::contents(file("throughput.csv"));
+  ASSERT_EQ(count(csv, "\n"), 3) << csv;
+
+  ASSERT_EQ(
+      shell(program("coppice") + " simulate " + scenario + " --seed 3 --quiet --report " + file("r.json"))
+          .exit_code,
+      0);
+  const proto::Report report = read_report(file("r.json"));
+  double sum = 0;
+  double free_flow = 0;
+  for (const auto& robot : report.robots()) {
+    sum += robot.run_time();
+    free_flow += robot.free_flow_time();
+    EXPECT_GT(robot.free_flow_time(), 1);
+    EXPECT_LT(robot.free_flow_time(), robot.run_time());
+    EXPECT_NEAR(robot.waited(),
+                robot.waits().startup() + robot.waits().planning() + robot.waits().joint_plan() +
+                    robot.waits().gate() + robot.waits().promise() + robot.waits().connection() +
+                    robot.waits().odometry(),
+                1e-6);
+    EXPECT_LE(robot.waited(), robot.run_time());
+  }
+  EXPECT_NE(csv.find(fmt::format("rooms-8,8,3,8,0,{:.3f},{:.3f},", sum, report.run_time())),
+            std::string::npos)
+      << csv << sum << ' ' << report.run_time();
+  EXPECT_NE(csv.find(fmt::format(",{:.3f},", free_flow)), std::string::npos) << csv << free_flow;
+  const std::string table = test::contents(file("throughput.md"));
+  EXPECT_NE(table.find("| rooms-8 | 8 | 2 of 2 |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| Half "), std::string::npos) << table;
+  EXPECT_NE(test::contents(file("throughput.svg")).find("<polyline"), std::string::npos);
+
+  const Outcome lifelong = shell(bench + " --lifelong 30");
+  EXPECT_EQ(lifelong.exit_code, 0) << lifelong.output;
+  EXPECT_NE(lifelong.output.find("goals per second"), std::string::npos) << lifelong.output;
+}
+
+TEST(CoppiceBench, ThroughputRefusesBadInput) {
+  const std::string bench = program("coppice") + " bench throughput";
+  const Outcome none = shell(bench);
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_NE(none.output.find("--scenarios"), std::string::npos) << none.output;
+  EXPECT_EQ(shell(bench + " --scenarios /no/such.json").exit_code, 2);
+  const std::string scenario = (test::scenarios() / "rooms-8.json").string();
+  EXPECT_EQ(shell(bench + " --scenarios " + scenario + " --references " + scenario).exit_code, 2);
+}
+
 TEST(CoppiceFuzz, TheFuzzerReportsRobotHoursAndReplaysACase) {
   const TemporaryFolder folder;
   const Outcome outcome = shell(program("coppice") + " fuzz --hours 0.05 --seed 3");

@@ -454,7 +454,7 @@ TEST_F(PageFeedTest, ARobotWithoutProgressShowsItsWaitCauseAndDuration) {
                          .phase = Phase::driving,
                          .wait_cause = "no odometry came",
                          .came_on_at = 5,
-                         .waited = 9});
+                         .waits = {.startup = 2, .gate = 7}});
   const auto told = page.after(0);
   const auto statuses = std::ranges::find(told, ToPage::kStatuses, &ToPage::what_case);
   ASSERT_NE(statuses, told.end());
