@@ -146,7 +146,7 @@ TEST(RosFleet, ExternalRobotsArriveAndStopIfTheirOdometryStops) {
   std::vector<std::vector<Vertex>> ways;
   for (const Robot& r : robots) ways.push_back(way_of(fleet.file(r.name)));
   for (std::size_t k = 0; k < ways.size(); ++k) {
-    ASSERT_GT(ways[k].size(), 100u);
+    ASSERT_GT(ways[k].size(), 100u) << test::contents(fleet.file(robots[k].name));
     const Vertex& last = ways[k].back();
     EXPECT_LT(std::hypot(last.x - robots[k].goal_x, last.y + robots[k].goal_y), 1) << robots[k].name;
     for (std::size_t other = 0; other < k; ++other) {
