@@ -159,7 +159,7 @@ class Row {
     return cells;
   }
 
-  /// Of the first trial.
+  /// The plot shows the first trial.
   Plot plot() const {
     Series series{"of the robots under way", {}, {}, {}};
     for (std::size_t second = 0; second < flows_.front().moving.size(); ++second) {
