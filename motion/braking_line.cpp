@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/free_way.h"
 #include "motion/segments.h"
+#include "planning/free_way.h"
 
 namespace coppice {
 

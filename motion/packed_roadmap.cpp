@@ -9,8 +9,8 @@
 #include <queue>
 #include <utility>
 
-#include "motion/free_way.h"
 #include "motion/narrow_passages.h"
+#include "planning/free_way.h"
 #include "planning/line_of_sight.h"
 #include "planning/neighbour_grid.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "motion/free_way.h"
+#include "planning/free_way.h"
 
 namespace coppice {
 

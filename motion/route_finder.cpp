@@ -8,8 +8,8 @@
 #include <queue>
 #include <utility>
 
-#include "motion/free_way.h"
 #include "motion/segments.h"
+#include "planning/free_way.h"
 #include "planning/path_shortening.h"
 
 namespace coppice {

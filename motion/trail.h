@@ -4,8 +4,8 @@
 // Metres in the map frame.
 #pragma once
 
-#include "motion/free_way.h"
 #include "planning/clearance_field.h"
+#include "planning/free_way.h"
 #include "planning/geometry.h"
 
 namespace coppice {

@@ -17,7 +17,8 @@ void ControlPeriods::count(const AgentLoad& load, bool first_status) {
     all_before_ = load.periods;
     missed_before_ = load.periods_missed;
   }
-  if (load.periods < all_before_ + all_) {  // the process was restarted
+  const bool restarted = load.periods < all_before_ + all_ || load.periods_missed < missed_before_ + missed_;
+  if (restarted) {
     all_before_ = load.periods - all_;
     missed_before_ = load.periods_missed - missed_;
   }

@@ -15,6 +15,8 @@
 #include <boost/polygon/segment_traits.hpp>
 #include <boost/polygon/voronoi.hpp>
 
+#include "planning/free_way.h"
+
 namespace coppice {
 
 namespace {
@@ -301,7 +303,7 @@ class VoronoiRoadmap::Search {
     if (from.edge == nullptr || to.edge == nullptr) return std::nullopt;
     const Path first{start, metres(from.place)};
     const Path last{metres(to.place), goal};
-    if (!is_free(first) || !is_free(last)) return std::nullopt;
+    if (!way_free(field_, start, first.back(), radius_) || !is_free(last)) return std::nullopt;
     for (const Vertex* vertex : {from.edge->vertex0(), from.edge->vertex1()})
       reach(vertex, 0, nullptr, leg(*from.edge, from.place, point(*vertex)));
     explore();

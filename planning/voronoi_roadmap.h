@@ -24,7 +24,8 @@ class VoronoiRoadmap {
   ~VoronoiRoadmap();
 
   /// A way of a disc of `radius` (metres) that keeps as far from obstacles as it can. Each of its segments is
-  /// free. Nothing if there is no way. Start and goal must be free.
+  /// free. Nothing if there is no way. Start and goal must be free; the start may lie nearer to an obstacle
+  /// by `driving_rounding` (planning/free_way.h), and then the first segment comes no nearer.
   std::optional<Path> way(const Point2& start, const Point2& goal, double radius) const;
 
  private:

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "messages/validation.h"
-#include "motion/free_way.h"
+#include "planning/free_way.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"
 #include "robot_agent/limits.h"

@@ -55,5 +55,9 @@ INSTANTIATE_TEST_SUITE_P(PartitionedFromTheStart, FuzzSeedsWithRestarts, testing
 // close to it.
 INSTANTIATE_TEST_SUITE_P(OversizedZones, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));
 
+// An agent was restarted while its robot stood in a pocket as wide as the robot. Rounding had brought the
+// robot closer to a wall than its radius, so the search of all passages found no way out of the pocket.
+INSTANTIATE_TEST_SUITE_P(RestartedInAPocketAsWideAsTheRobot, FuzzSeedsWithRestarts, testing::Values(4620102));
+
 }  // namespace
 }  // namespace coppice

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "planning/fleet_plan.h"
+#include "planning/free_way.h"
 
 namespace coppice {
 namespace {
@@ -151,6 +152,19 @@ TEST(VoronoiRoadmap, ADoorAsWideAsTheRobotIsPassedAndANarrowerOneIsNot) {
       }
     }
   }
+}
+
+TEST(VoronoiRoadmap, ADiscThatRoundingBroughtIntoAWallOfItsPocketFindsItsWayOut) {
+  OccupancyMap map{.width = 9, .height = 5, .resolution = 1, .blocked = std::vector<std::uint8_t>(45)};
+  for (std::size_t column = 0; column < 6; ++column) {
+    for (const std::size_t row : {0, 1, 3, 4}) map.blocked[row * 9 + column] = 1;
+  }
+  const ClearanceField field(map);
+  const VoronoiRoadmap roadmap(field);
+  const Point2 goal(7.5, 1.5);
+  for (const double rounding : {0.5, -0.5})
+    EXPECT_TRUE(roadmap.way({1.5, 2.5 + rounding * driving_rounding}, goal, 0.5)) << rounding;
+  EXPECT_FALSE(roadmap.way({1.5, 2.5 + 2 * driving_rounding}, goal, 0.5));
 }
 
 TEST(VoronoiRoadmap, AClosedWallIsProvedToBeClosed) {
