@@ -19,8 +19,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double slow = 0.1;  // of a robot's maximum speed: below, it waits
-
 struct Flow {
   std::size_t arrived = 0;
   bool touched = false;
@@ -46,15 +44,12 @@ class StatusLog {
   WaitTimes waits() const {
     WaitTimes all;
     for (const auto& [mission, waits] : waits_) {
-      for (const auto kind : kinds) all.*kind += waits.*kind;
+      for (const auto kind : wait_kinds) all.*kind += waits.*kind;
     }
     return all;
   }
 
  private:
-  static constexpr double WaitTimes::*kinds[] = {
-      &WaitTimes::startup, &WaitTimes::planning,   &WaitTimes::joint_plan, &WaitTimes::gate,
-      &WaitTimes::promise, &WaitTimes::connection, &WaitTimes::odometry};
   std::map<std::pair<RobotName, std::uint32_t>, WaitTimes> waits_;
   std::set<std::pair<RobotName, std::uint32_t>> reached_;
 };
@@ -74,7 +69,7 @@ std::vector<double> moving_shares(const Scenario& scenario, std::span<const Name
         under_way.resize(second + 1);
       }
       ++under_way[second];
-      moving[second] += point.velocity.norm() >= slow * scenario.robots[i].max_speed;
+      moving[second] += point.velocity.norm() >= waiting_speed_share * scenario.robots[i].max_speed;
     }
   }
   std::vector<double> shares;
@@ -124,10 +119,10 @@ class Row {
     const Flow& f = flows_.back();
     std::vector<std::string> cells{scenario_, std::to_string(robots_), std::to_string(seed),
                                    std::to_string(f.arrived), std::to_string(static_cast<int>(f.touched))};
-    for (const double value :
-         {f.sum, f.last, straight_, f.free_flow, f.waits.startup, f.waits.planning, f.waits.joint_plan,
-          f.waits.gate, f.waits.promise, f.waits.connection, f.waits.odometry, f.goals_a_second})
+    for (const double value : {f.sum, f.last, straight_, f.free_flow})
       cells.push_back(fmt::format("{:.3f}", value));
+    for (const auto kind : wait_kinds) cells.push_back(fmt::format("{:.3f}", f.waits.*kind));
+    cells.push_back(fmt::format("{:.3f}", f.goals_a_second));
     return cells;
   }
 
@@ -153,8 +148,8 @@ class Row {
       cells.push_back(ratios(references, sum, &ReferenceFigures::sum));
       cells.push_back(ratios(references, last, &ReferenceFigures::last));
     }
-    for (const auto kind : {&WaitTimes::startup, &WaitTimes::planning, &WaitTimes::joint_plan,
-                            &WaitTimes::gate, &WaitTimes::promise})
+    for (const auto kind : {&WaitTimes::startup, &WaitTimes::planning, &WaitTimes::reservation,
+                            &WaitTimes::joint_plan, &WaitTimes::gate, &WaitTimes::promise})
       cells.push_back(wait(kind));
     return cells;
   }
@@ -171,8 +166,8 @@ class Row {
 
   static Table trials_table() {
     return {{"scenario", "robots", "seed", "arrived", "touched", "sum_s", "last_s", "straight_s",
-             "free_flow_s", "startup_s", "planning_s", "joint_plan_s", "gate_s", "promise_s", "connection_s",
-             "odometry_s", "goals_per_second"},
+             "free_flow_s", "startup_s", "planning_s", "reservation_s", "joint_plan_s", "gate_s", "promise_s",
+             "connection_s", "odometry_s", "goals_per_second"},
             {}};
   }
   static Table summary_table(bool lifelong) {
@@ -186,7 +181,7 @@ class Row {
                                             "sum, times that of",
                                             "last, times that of"};
     header.insert(header.end(), figures.begin(), figures.end());
-    for (const char* kind : {"startup", "planning", "joint plan", "gate", "promise"})
+    for (const char* kind : {"startup", "planning", "reservation", "joint plan", "gate", "promise"})
       header.push_back(fmt::format("waits s: {}", kind));
     return {header, {}};
   }

@@ -20,6 +20,7 @@ struct DdsType;
   EACH(InactiveTreeMessage, InactiveTree)  \
   EACH(RobotState, RobotState)             \
   EACH(JointPlanMessage, JointPlan)        \
+  EACH(ReservationMessage, Reservation)    \
   EACH(PathMessage, Path)                  \
   EACH(TrackMessage, Track)                \
   EACH(AgentStatus, AgentStatus)           \

@@ -133,8 +133,9 @@ struct DdsBus::Implementation {
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
   std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
-             Ends<JointPlanMessage>, Ends<PathMessage>, Ends<TrackMessage>, Ends<AgentStatus>,
-             Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>, Ends<ActiveTreesMessage>, Ends<ServiceStatus>>
+             Ends<JointPlanMessage>, Ends<ReservationMessage>, Ends<PathMessage>, Ends<TrackMessage>,
+             Ends<AgentStatus>, Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>, Ends<ActiveTreesMessage>,
+             Ends<ServiceStatus>>
       topics;
   dds::WaitSet wait_set;
   struct Received {

@@ -148,6 +148,9 @@ COPPICE_FIELDS(Echo, "Echo",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, stamp),
   COPPICE_FIELD(3, received));
+COPPICE_FIELDS(ReservationId, "ReservationId",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, number));
 COPPICE_FIELDS(RobotState, "RobotState",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD_AT(2, sequence, sequence, sequence_number()),
@@ -173,7 +176,10 @@ COPPICE_FIELDS(RobotState, "RobotState",
   COPPICE_FIELD(22, wants_echo),
   COPPICE_FIELD(23, echoes),
   COPPICE_FIELD_AT(24, run, run.epoch, run()),
-  COPPICE_FIELD(25, misses));
+  COPPICE_FIELD(25, misses),
+  Field{26, "reservation", [](auto& m) -> auto& { return m.reservation; }, [](auto& dds) -> decltype(auto) { return dds.reservation(); }, true},
+  Field{27, "reservation_progress", [](auto& m) -> auto& { return m.reservation_progress; }, [](auto& dds) -> decltype(auto) { return dds.reservation_progress(); }, true},
+  COPPICE_FIELD(28, knows));
 
 COPPICE_FIELDS(JointPlanMessage::Member, "Member",
   COPPICE_FIELD(1, robot),
@@ -187,6 +193,22 @@ COPPICE_FIELDS(SentPlan, "JointPlan",
   COPPICE_FIELD(2, members),
   COPPICE_PART(3, moves),
   COPPICE_FIELD_AT(4, run, run.epoch, run()));
+
+COPPICE_FIELDS(TimedPoint, "TimedPoint",
+  COPPICE_FIELD(1, time),
+  COPPICE_FIELD(2, position));
+COPPICE_FIELDS(ReservationMessage::Basis, "Basis",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, number),
+  COPPICE_FIELD(3, offset));
+COPPICE_FIELDS(ReservationMessage, "Reservation",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, number),
+  COPPICE_FIELD(3, radius),
+  COPPICE_FIELD(4, way),
+  COPPICE_FIELD(5, trajectory),
+  COPPICE_FIELD(6, basis),
+  COPPICE_FIELD_AT(7, run, run.epoch, run()));
 
 COPPICE_FIELDS(PathMessage, "Path",
   COPPICE_FIELD(1, robot),
@@ -225,7 +247,8 @@ COPPICE_FIELDS(WaitTimes, "WaitTimes",
   COPPICE_FIELD_AT(4, gate, gate, waited_gate()),
   COPPICE_FIELD_AT(5, promise, promise, waited_promise()),
   COPPICE_FIELD_AT(6, connection, connection, waited_connection()),
-  COPPICE_FIELD_AT(7, odometry, odometry, waited_odometry()));
+  COPPICE_FIELD_AT(7, odometry, odometry, waited_odometry()),
+  COPPICE_FIELD_AT(8, reservation, reservation, waited_reservation()));
 COPPICE_FIELDS(AgentStatus, "AgentStatus",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, mission),

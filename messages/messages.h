@@ -5,6 +5,7 @@
 // run of the mission by the epoch of its clock.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <string>
@@ -14,6 +15,7 @@
 #include "messages/fleet_clock.h"
 #include "motion/joint_plan.h"
 #include "motion/promise.h"
+#include "motion/trajectory.h"
 #include "planning/geometry.h"
 #include "planning/occupancy_map.h"
 #include "planning/planner_kind.h"
@@ -159,6 +161,13 @@ struct Echo {
   bool operator==(const Echo&) const = default;
 };
 
+/// A reservation of a robot.
+struct ReservationId {
+  RobotName robot;
+  std::uint32_t number = 0;  ///< above 0
+  bool operator==(const ReservationId&) const = default;
+};
+
 /// robot_state: agent -> agents, monitor. Close agents receive one for each control period, distant agents at
 /// their send interval. A robot that stands sends heartbeats only.
 struct RobotState {
@@ -171,8 +180,10 @@ struct RobotState {
   Phase phase = Phase::waiting;
   RoundId round;
   Stage stage = Stage::free;
-  double progress = 0;  ///< metres along its moves of the joint plan, while executing
-  RobotName waits_for;  ///< empty: the robot waits for no other robot
+  std::uint32_t reservation = 0;    ///< the number of the one that it carries out or has carried out; 0: none
+  double reservation_progress = 0;  ///< metres along its trajectory
+  double progress = 0;              ///< metres along its moves of the joint plan, while executing
+  RobotName waits_for;              ///< empty: the robot waits for no other robot
   /// This state and those after it are each sent at least so often, until a state gives another number.
   std::uint8_t copies = 1;
   std::uint8_t copy = 0;          ///< the number of this copy
@@ -184,6 +195,7 @@ struct RobotState {
   std::vector<RobotName>
       misses{};                ///< peers that are silent here, in turn; a robot that hears them echoes them
   std::vector<Echo> echoes{};  ///< of states of other robots, in turn
+  std::vector<ReservationId> knows{};  ///< reservations of other robots, in turn; it heeds them
   RunId run;
   bool operator==(const RobotState&) const = default;
 };
@@ -202,6 +214,26 @@ struct JointPlanMessage {
   std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
   RunId run;                ///< of the leader's mission
   bool operator==(const JointPlanMessage&) const = default;
+};
+
+/// reservation: agent -> agents, monitor. The trajectory that a robot has reserved in space and time
+/// (docs/coordination.md). A later number replaces an earlier one.
+struct ReservationMessage {
+  RobotName robot;
+  std::uint32_t number = 0;  ///< above 0
+  double radius = 0;
+  double way = 0;  ///< metres to its goal; the longest way reserves first. 0: it wants no reservation
+  Trajectory trajectory{};  ///< by its clock; empty: it has none
+  /// A reservation of another robot that this one was planned around.
+  struct Basis {
+    RobotName robot;
+    std::uint32_t number = 0;
+    double offset = 0;  ///< seconds; to be added to the other robot's times
+    bool operator==(const Basis&) const = default;
+  };
+  std::vector<Basis> basis{};  ///< those that it comes near
+  RunId run;
+  bool operator==(const ReservationMessage&) const = default;
 };
 
 /// path: agent -> service, monitor.
@@ -250,18 +282,27 @@ struct AgentLoad {
 /// Fleet seconds that a robot waited, by what it waited for. A robot waits while it has a goal to reach and
 /// is slower than a tenth of its maximum speed.
 struct WaitTimes {
-  double startup = 0;     ///< for the missions of all robots, and to hear where all are
-  double planning = 0;    ///< for its first path
-  double joint_plan = 0;  ///< for a joint plan, or for others to finish theirs
-  double gate = 0;        ///< for a robot that goes first by the joint plan
-  double promise = 0;     ///< because other robots may come where it wants to go
-  double connection = 0;  ///< because it is cut off, or was, or its agent was restarted
-  double odometry = 0;    ///< for odometry, or for its robot to come to where it should be
+  double startup = 0;      ///< for the missions of all robots, and to hear where all are
+  double planning = 0;     ///< for its first path
+  double reservation = 0;  ///< for its turn to reserve, or for room in space and time
+  double joint_plan = 0;   ///< for a joint plan, or for others to finish theirs
+  double gate = 0;         ///< for a robot that goes first by the reservations or the joint plan
+  double promise = 0;      ///< because other robots may come where it wants to go
+  double connection = 0;   ///< because it is cut off, or was, or its agent was restarted
+  double odometry = 0;     ///< for odometry, or for its robot to come to where it should be
   bool operator==(const WaitTimes&) const = default;
 };
 
-inline double sum_of(const WaitTimes& w) {
-  return w.startup + w.planning + w.joint_plan + w.gate + w.promise + w.connection + w.odometry;
+inline constexpr std::array wait_kinds{&WaitTimes::startup,    &WaitTimes::planning, &WaitTimes::reservation,
+                                       &WaitTimes::joint_plan, &WaitTimes::gate,     &WaitTimes::promise,
+                                       &WaitTimes::connection, &WaitTimes::odometry};
+/// Of its maximum speed: a robot that has a goal to reach and is slower waits.
+inline constexpr double waiting_speed_share = 0.1;
+
+inline double sum_of(const WaitTimes& waits) {
+  double sum = 0;
+  for (const auto kind : wait_kinds) sum += waits.*kind;
+  return sum;
 }
 
 /// agent_status: agent -> service, monitor. On every change, and twice a second.
@@ -345,7 +386,7 @@ struct Assignment {
 inline constexpr WallTime claim_lease = 10;
 
 using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState,
-                             JointPlanMessage, PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim,
-                             Assignment, ActiveTreesMessage, ServiceStatus>;
+                             JointPlanMessage, ReservationMessage, PathMessage, TrackMessage, AgentStatus,
+                             BrokerStatus, Claim, Assignment, ActiveTreesMessage, ServiceStatus>;
 
 }  // namespace coppice

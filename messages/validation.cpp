@@ -140,35 +140,41 @@ Problem check(const RobotState& m) {
   const auto echo_fine = [](const Echo& e) {
     return named(e.robot) && is_sane(e.stamp) && is_sane(e.received);
   };
-  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
-                   {is_sane(m.promise.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry),
-                    "time is not finite"},
-                   {std::isfinite(m.run.epoch), "run has no time"},
-                   {m.promise.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry,
-                    "promise ends before it begins"},
-                   {m.promise.expiry - m.promise.stamp <= longest_promise, "promise is too long"},
-                   {sane(m.promise.position), "position is not finite"},
-                   {is_sane_size(m.radius), "radius is out of range"},
-                   {is_sane_size(m.max_speed), "speed limit is out of range"},
-                   {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
-                   {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
-                   {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
-                    "velocity is above the limit"},
-                   {sane(m.promise.next_velocity) && m.promise.next_velocity.norm() <= m.max_speed * 1.001,
-                    "promised velocity is above the limit"},
-                   {known(m.phase), "unknown phase"},
-                   {m.stage <= Stage::executing, "unknown stage"},
-                   {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
-                    "round's epoch and leader do not agree"},
-                   {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
-                   {not_negative(m.progress), "progress is negative or not finite"},
-                   {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
-                   {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
-                    "too many robots that are missed, or one whose name is empty, too long or not printable"},
-                   {m.copies > 0, "it is sent less than once"},
-                   {m.passed_on || !m.counts_as_failed, "it comes from a robot that counts as failed"},
-                   {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
-                    "too many echoes, or one without a name or a finite time"}});
+  return first_of(
+      {{named(m.robot), "robot name is empty, too long or not printable"},
+       {is_sane(m.promise.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry),
+        "time is not finite"},
+       {std::isfinite(m.run.epoch), "run has no time"},
+       {m.promise.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry,
+        "promise ends before it begins"},
+       {m.promise.expiry - m.promise.stamp <= longest_promise, "promise is too long"},
+       {sane(m.promise.position), "position is not finite"},
+       {is_sane_size(m.radius), "radius is out of range"},
+       {is_sane_size(m.max_speed), "speed limit is out of range"},
+       {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
+       {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
+       {sane(m.promise.velocity) && m.promise.velocity.norm() <= m.max_speed * 1.001,
+        "velocity is above the limit"},
+       {sane(m.promise.next_velocity) && m.promise.next_velocity.norm() <= m.max_speed * 1.001,
+        "promised velocity is above the limit"},
+       {known(m.phase), "unknown phase"},
+       {m.stage <= Stage::executing, "unknown stage"},
+       {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
+        "round's epoch and leader do not agree"},
+       {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
+       {not_negative(m.progress) && not_negative(m.reservation_progress),
+        "progress is negative or not finite"},
+       {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
+       {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
+        "too many robots that are missed, or one whose name is empty, too long or not printable"},
+       {m.knows.size() <= most_known_reservations &&
+            std::ranges::all_of(m.knows, named, &ReservationId::robot),
+        "too many reservations that are known, or one whose robot's name is empty, too long or not "
+        "printable"},
+       {m.copies > 0, "it is sent less than once"},
+       {m.passed_on || !m.counts_as_failed, "it comes from a robot that counts as failed"},
+       {m.echoes.size() <= most_echoes && std::ranges::all_of(m.echoes, echo_fine),
+        "too many echoes, or one without a name or a finite time"}});
 }
 
 /// Asked only where the parts are fine.
@@ -197,6 +203,26 @@ Problem check(const JointPlanMessage& m) {
   return problem;
 }
 
+Problem check(const ReservationMessage& m) {
+  const auto point_fine = [](const TimedPoint& p) { return is_sane(p.time) && sane(p.position); };
+  const auto basis_fine = [](const ReservationMessage::Basis& b) {
+    return named(b.robot) && b.number > 0 && is_sane(b.offset);
+  };
+  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
+                   {m.number > 0, "it has no number"},
+                   {std::isfinite(m.run.epoch), "run has no time"},
+                   {is_sane_size(m.radius), "radius is out of range"},
+                   {not_negative(m.way), "way is negative or not finite"},
+                   {std::ranges::all_of(m.trajectory, point_fine), "point is not finite"},
+                   {std::ranges::is_sorted(m.trajectory, std::less{}, &TimedPoint::time), "time runs back"},
+                   {m.trajectory.size() <= most_trajectory_points, "trajectory has too many points"},
+                   {length_of(path_of(m.trajectory)) <= most_trajectory_radii * m.radius,
+                    "trajectory is too long for a robot that small"},
+                   {m.basis.size() <= most_robots, "it was planned around too many robots"},
+                   {std::ranges::all_of(m.basis, basis_fine),
+                    "it was planned around a robot without a name, number or time"}});
+}
+
 Problem check(const PathMessage& m) {
   return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
                    {std::isfinite(m.run.epoch), "run has no time"},
@@ -216,9 +242,7 @@ Problem check(const TrackMessage& m) {
 }
 
 bool none_negative(const WaitTimes& w) {
-  return not_negative(w.startup) && not_negative(w.planning) && not_negative(w.joint_plan) &&
-         not_negative(w.gate) && not_negative(w.promise) && not_negative(w.connection) &&
-         not_negative(w.odometry);
+  return std::ranges::all_of(wait_kinds, [&](const auto kind) { return not_negative(w.*kind); });
 }
 
 Problem check(const AgentStatus& m) {

@@ -17,6 +17,7 @@ inline constexpr std::size_t longest_reason = 256;
 /// In one state.
 inline constexpr std::size_t most_echoes = 32;
 inline constexpr std::size_t most_missed = 16;
+inline constexpr std::size_t most_known_reservations = 16;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
 /// The longest promise, seconds. A silent robot is not declared failed while its promise holds.
@@ -24,6 +25,10 @@ inline constexpr double longest_promise = 600;
 /// Pieces of a joint plan (pieces_of, motion/precedence.h), at most: each member compares their positions.
 /// The largest plan so far had 312,479 for 250 robots on a circle, a thirtieth of this.
 inline constexpr double most_plan_pieces = 1e7;
+/// Of a reservation.
+inline constexpr std::size_t most_trajectory_points = 65'536;
+/// Radii: its length, at most. Gates take time and memory in proportion.
+inline constexpr double most_trajectory_radii = 1e6;
 
 /// Describes what is wrong with the message; none if it is valid.
 std::optional<std::string> problem_with(const Message& message);

@@ -114,20 +114,22 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
 }
 
-bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
-                    const ClearanceField& field) {
+bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
+                    const Allowed& allowed) {
   if (bound_to_stand()) return true;
   std::size_t suspect = neighbours.size();
+  bool is_allowed = true;
   for (const double speed : speeds) {
     next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
-    if (safe(next_velocity_, neighbours, field, suspect)) return true;
+    is_allowed = !allowed || allowed(next_velocity_);
+    if (is_allowed && safe(next_velocity_, neighbours, field, suspect)) return true;
   }
-  const bool nothing_stands_there =
-      safe(next_velocity_, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
-        if (!n.promise.stands()) return true;
-        n.promise.expiry = std::numeric_limits<double>::max();
-        return safe(next_velocity_, {&n, 1}, field, suspect);
-      });
+  const bool nothing_stands_there = is_allowed && safe(next_velocity_, {}, field, suspect) &&
+                                    std::ranges::all_of(neighbours, [&](Neighbour n) {
+                                      if (!n.promise.stands()) return true;
+                                      n.promise.expiry = std::numeric_limits<double>::max();
+                                      return safe(next_velocity_, {&n, 1}, field, suspect);
+                                    });
   next_velocity_ = braked(velocity_, limits_, period_);
   return nothing_stands_there;
 }

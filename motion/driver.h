@@ -8,6 +8,7 @@
 // Metres in the map frame, seconds of fleet time, metres per second.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "motion/braking_line.h"
@@ -38,10 +39,14 @@ class Driver {
   /// reciprocal velocity obstacles propose for `preferred`.
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
-  /// Chooses the velocity along a way that a joint plan has cleared: towards `wanted`, as fast as is safe,
-  /// without reciprocal avoidance. Returns false if an obstacle or a standing robot blocks the way at any
-  /// speed.
-  bool follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field);
+  /// Whether a robot may take a velocity from turn_position() on, for one period, and then brake.
+  using Allowed = std::function<bool(const Point2&)>;
+
+  /// Chooses the velocity along a way that a plan has cleared: towards `wanted`, as fast as is safe and
+  /// allowed, without reciprocal avoidance. Returns false if an obstacle or a standing robot blocks the way
+  /// at any speed, or no speed is allowed.
+  bool follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
+              const Allowed& allowed = nullptr);
 
   /// If the robot stands, binds it to stand at least until the time `until`.
   void stay(double until);
@@ -57,6 +62,7 @@ class Driver {
   const Limits& limits() const { return limits_; }
   const Point2& position() const { return position_; }  ///< at time()
   const Point2& velocity() const { return velocity_; }  ///< from time() on, for one period
+  Point2 turn_position() const { return position_ + period_ * velocity_; }  ///< one period later
   bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
 
  private:
@@ -66,8 +72,6 @@ class Driver {
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
             std::size_t& suspect) const;
-  Point2 turn_position() const { return position_ + period_ * velocity_; }
-
   Point2 position_;
   double time_;
   double radius_;

@@ -21,6 +21,7 @@
 #include "motion/annotated_roadmap.h"
 #include "motion/lattice.h"
 #include "motion/segments.h"
+#include "motion/space_time.h"
 #include "planning/clearance_field.h"
 #include "planning/geometry.h"
 #include "planning/neighbour_grid.h"
@@ -103,10 +104,19 @@ class MapRoadmaps {
   const ClearanceField& field() const { return field_; }
   /// The roadmap for robots of `radius` on a lattice of `spacing` (metres).
   PackedRoadmap& packed(double radius, double spacing);
+  /// The lattice on which robots of `radius` search trajectories.
+  Lattice& lattice(double radius) {
+    return lattices_
+        .try_emplace(radius, field_, (1 + reserved_stray_radii) * radius, trajectory_spacing_radii * radius)
+        .first->second;
+  }
 
  private:
+  static constexpr double trajectory_spacing_radii = 1;
+
   const ClearanceField& field_;
   std::map<std::pair<double, double>, PackedRoadmap> packed_;  ///< by radius and spacing
+  std::map<double, Lattice> lattices_;                         ///< by radius
 };
 
 }  // namespace coppice

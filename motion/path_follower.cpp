@@ -1,7 +1,6 @@
 #include "motion/path_follower.h"
 
 #include <algorithm>
-#include <array>
 
 #include "planning/free_way.h"
 
@@ -17,10 +16,6 @@ constexpr double least_look_ahead_radii = 2;
 // near itself, the robot is not projected onto the later part.
 constexpr double projection_window_radii = 8;
 constexpr int halvings = 6;
-// How far to the right of its path a robot keeps if there is room. Two robots that meet, each a little more
-// than a radius off the path, pass each other.
-constexpr double lane_radii = 1.15;
-constexpr std::array lane_shares{1.0, 0.75, 0.5, 0.25};
 
 }  // namespace
 
@@ -57,23 +52,6 @@ double PathFollower::nearest(const Point2& position, double window_end) const {
   return best;
 }
 
-/// Shifts the target to the right of the path as far as is free: robots that drive along the path in opposite
-/// directions both do so and pass each other. The shift shrinks near the goal.
-Point2 PathFollower::keeping_right(const Point2& position, const Point2& target, double along,
-                                   const ClearanceField& field) const {
-  const Point2 way = target - path_.at(progress_);
-  const double remaining = path_.length() - along;
-  const double most = std::min(lane_radii * radius_, remaining / 4);
-  if (way.norm() < 1e-9 || most <= 0) return target;
-  const Point2 right = Point2(way.y(), -way.x()) / way.norm();
-  for (const double share : lane_shares) {
-    Point2 shifted = target + share * most * right;
-    if (way_free(field, position, shifted, radius_) && way_free(field, target, shifted, radius_))
-      return shifted;
-  }
-  return target;
-}
-
 /// The point on the path for which the robot heads: the furthest one in sight. The distance ahead is halved
 /// until the robot sees the point.
 std::optional<Point2> PathFollower::furthest_in_sight(const Point2& position, const ClearanceField& field,
@@ -95,8 +73,7 @@ Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceF
   const auto seen = furthest_in_sight(position, field, ahead);
   lost_ = !seen;
   if (lost_) return Point2::Zero();
-  const Point2 target = keeping_right(position, *seen, seen_, field);
-  const Point2 gap = target - position;
+  const Point2 gap = *seen - position;
   const double distance = gap.norm();
   if (distance < 1e-9) return Point2::Zero();
   const double remaining = distance + std::max(0.0, path_.length() - seen_);

@@ -37,8 +37,6 @@ class PathFollower {
   const Path& path() const { return path_.points; }
 
  private:
-  Point2 keeping_right(const Point2& position, const Point2& target, double along,
-                       const ClearanceField& field) const;
   std::optional<Point2> furthest_in_sight(const Point2& position, const ClearanceField& field, double ahead);
   double nearest(const Point2& position, double window_end) const;
 

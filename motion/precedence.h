@@ -13,7 +13,9 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "motion/joint_plan.h"
@@ -30,8 +32,52 @@ struct Gate {
   double needed = 0;      ///< has come so many metres along its own way
 };
 
+/// The gates on a way, first to last, and which of them the robot has passed.
+class Gates {
+ public:
+  Gates() = default;
+  explicit Gates(std::vector<Gate> gates) : gates_(std::move(gates)) {}
+
+  struct Wait {
+    std::size_t robot = 0;
+    double metres = 0;  ///< that the other robot still has to come
+  };
+  /// Metres along the way up to which it is open. `passed(robot)`: metres that another robot has come along
+  /// its own way. `slack`: metres that it need not come. Gates behind `progress` (metres) do not count.
+  template <class Passed>
+  double open(double progress, double slack, Passed&& passed) {
+    for (; next_ < gates_.size(); ++next_) {
+      if (gates_[next_].at < progress - slack) continue;
+      wait_ = {gates_[next_].robot, gates_[next_].needed - passed(gates_[next_].robot)};
+      if (wait_.metres > slack) return gates_[next_].at;
+    }
+    return std::numeric_limits<double>::infinity();
+  }
+  /// The same, if the other robot had come so many metres.
+  double open_if(double progress, double slack, double passed) const {
+    for (std::size_t k = next_; k < gates_.size(); ++k) {
+      if (gates_[k].at >= progress - slack && gates_[k].needed - passed > slack) return gates_[k].at;
+    }
+    return std::numeric_limits<double>::infinity();
+  }
+  std::span<const Gate> all() const { return gates_; }
+  /// From the first one that is closed.
+  std::span<const Gate> left() const { return std::span(gates_).subspan(next_); }
+  /// At the gate that is closed.
+  const Wait& wait() const { return wait_; }
+  bool all_open() const { return next_ == gates_.size(); }
+
+ private:
+  std::vector<Gate> gates_{};
+  std::size_t next_ = 0;
+  Wait wait_{};
+};
+
 /// Radii by which a robot may stray from its way.
 inline constexpr double stray_radii = 0.04;
+
+/// Radii that another robot need not come before it counts as having passed.
+inline constexpr double gate_slack_radii = 0.01;
 
 /// Number of pieces into which the ways are cut in order to see where they come near each other.
 double pieces_of(std::span<const Move> moves, std::span<const double> radii);

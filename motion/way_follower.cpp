@@ -4,15 +4,17 @@
 #include <cmath>
 #include <utility>
 
+#include "motion/corner_speed.h"
+#include "motion/segments.h"
+
 namespace coppice {
 
 namespace {
 
 constexpr double look_ahead_radii = 0.25;  // radii to the point for which the robot heads
 constexpr double least_look_ahead_radii = 0.0002;
-constexpr double window_radii = 2;     // radii; window of the search for the nearest point of the way
-constexpr double braking_share = 0.5;  // share of the acceleration for braking; the rest is for turning
-constexpr double there_radii = 0.01;   // radii within which a robot counts as having reached a point
+constexpr double window_radii = 2;    // radii; window of the search for the nearest point of the way
+constexpr double there_radii = 0.01;  // radii within which a robot counts as having reached a point
 
 /// Joins the legs to one way. Each must begin where the previous one ends.
 Path joined(std::span<const Path> legs) {
@@ -23,19 +25,19 @@ Path joined(std::span<const Path> legs) {
 
 }  // namespace
 
-WayFollower::WayFollower(std::span<const Path> legs, std::vector<Gate> gates, double radius)
-    : way_(joined(legs)), gates_(std::move(gates)), radius_(radius), look_ahead_(look_ahead_radii * radius) {
+WayFollower::WayFollower(std::span<const Path> legs, double radius, double stray)
+    : way_(joined(legs)), radius_(radius), stray_(stray), look_ahead_(look_ahead_radii * radius) {
   std::size_t end = 0;
   for (const Path& leg : legs) leg_ends_.push_back(way_.along[end += leg.size() - 1]);
 }
 
-/// Advances to the nearest point of the leg within the window, never back. The next leg begins when the end
-/// of this one is reached.
-void WayFollower::advance_progress(const Point2& position) {
-  const double window_end = std::min(progress_ + window_radii * radius_, leg_ends_[leg_]);
-  const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
-  double best = progress_;
-  double best_distance = (way_.at(progress_) - position).norm();
+/// Metres along the way to the point of the leg, within the window, that is nearest to a position; never
+/// back.
+double WayFollower::nearest(const Point2& position, double from) const {
+  const double window_end = std::min(from + window_radii * radius_, leg_ends_[leg_]);
+  const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), from);
+  double best = from;
+  double best_distance = (way_.at(from) - position).norm();
   for (auto i = static_cast<std::size_t>(first - way_.along.begin());
        i < way_.points.size() && way_.along[i - 1] < window_end; ++i) {
     const Point2 edge = way_.points[i] - way_.points[i - 1];
@@ -44,39 +46,69 @@ void WayFollower::advance_progress(const Point2& position) {
     const double share = std::clamp((position - way_.points[i - 1]).dot(edge) / squared, 0.0, 1.0);
     const double along = way_.along[i - 1] + share * (way_.along[i] - way_.along[i - 1]);
     const double distance = (way_.points[i - 1] + share * edge - position).norm();
-    if (along > progress_ && along <= window_end && distance < best_distance) {
+    if (along > from && along <= window_end && distance < best_distance) {
       best = along;
       best_distance = distance;
     }
   }
-  progress_ = best;
-  if (window_end == leg_ends_[leg_] &&
+  return best;
+}
+
+/// The next leg begins when the end of this one is reached.
+void WayFollower::advance_progress(const Point2& position) {
+  const double before = progress_;
+  progress_ = nearest(position, before);
+  if (std::min(before + window_radii * radius_, leg_ends_[leg_]) == leg_ends_[leg_] &&
       (way_.at(leg_ends_[leg_]) - position).norm() <= there_radii * radius_) {
     progress_ = leg_ends_[leg_];
     if (leg_ + 1 < leg_ends_.size()) ++leg_;
   }
 }
 
+/// The points within a distance of an edge are a convex set. So a line is in the strip if both ends lie by
+/// the same edge, or if that holds for each of its halves.
+bool WayFollower::in_strip(const Point2& a, const Point2& b, double from, int halvings) const {
+  const double behind = std::max(0.0, from - radius_);
+  const double ahead = std::min(from + window_radii * radius_, leg_ends_[leg_]);
+  const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), behind);
+  for (auto i = static_cast<std::size_t>(first - way_.along.begin());
+       i < way_.points.size() && way_.along[i - 1] <= ahead; ++i) {
+    if (point_segment_distance(a, way_.points[i - 1], way_.points[i]) <= stray_ &&
+        point_segment_distance(b, way_.points[i - 1], way_.points[i]) <= stray_)
+      return true;
+  }
+  if (halvings == 0) return false;
+  const Point2 middle = 0.5 * (a + b);
+  return in_strip(a, middle, from, halvings - 1) && in_strip(middle, b, from, halvings - 1);
+}
+
+std::optional<double> WayFollower::along_strip(const Point2& a, const Point2& b, double from) const {
+  constexpr int halvings = 5;
+  constexpr double rounding = 1e-6;
+  if (!in_strip(a, b, from, halvings)) return std::nullopt;
+  const double along = nearest(b, from);
+  return (way_.at(along) - b).norm() <= stray_ + rounding ? std::optional(along) : std::nullopt;
+}
+
 bool WayFollower::finished() const {
   return progress_ == way_.length();
 }
 
-/// The speed at which an arc that strays by no more than is allowed takes the robot around the corner.
-double WayFollower::corner_speed(std::size_t corner, const Limits& limits, double period) const {
+/// The arc around a corner: its speed, and how far before the corner it begins.
+WayFollower::Corner WayFollower::corner_at(std::size_t corner, const Limits& limits, double period) const {
   const double turns_at_once = limits.max_acceleration * period;
   const Point2 in = way_.points[corner] - way_.points[corner - 1];
   const Point2 out = way_.points[corner + 1] - way_.points[corner];
-  const double lengths = in.norm() * out.norm();
-  if (lengths == 0) return limits.max_speed;
-  // The cosine of half of the turn. The arc of radius R that touches both edges strays by R (1 / cos - 1)
-  // from the corner, and begins R tan before it. Each of an edge's two corners may use half of the edge.
-  const double cosine = std::sqrt(std::max(0.0, (1 + in.dot(out) / lengths) / 2));
-  if (cosine < 1e-6) return turns_at_once;
-  const double stray = 1 / cosine - 1;
-  if (stray < 1e-9) return limits.max_speed;
+  if (in.isZero(0) || out.isZero(0)) return {limits.max_speed, 0};
+  const double cosine = std::sqrt(std::max(0.0, (1 + in.normalized().dot(out.normalized())) / 2));
+  if (cosine < 1e-6) return {turns_at_once, 0};
   const double tangent = std::sqrt(1 - cosine * cosine) / cosine;
-  const double arc = std::min(stray_radii * radius_ / stray, std::min(in.norm(), out.norm()) / (2 * tangent));
-  return std::max(turns_at_once, std::sqrt(limits.max_acceleration * braking_share * arc));
+  if (tangent < 1e-6) return {limits.max_speed, 0};
+  // Each of an edge's two corners may use half of the edge.
+  const double room = std::min(in.norm(), out.norm()) / (2 * tangent);
+  const double arc = std::min(arc_radius(in.normalized(), out.normalized(), stray_), room);
+  const double speed = std::sqrt(limits.max_acceleration * braking_share * arc);
+  return {std::clamp(speed, turns_at_once, limits.max_speed), arc * tangent};
 }
 
 double WayFollower::speed_limit(double stop, const Limits& limits, double period) const {
@@ -86,28 +118,28 @@ double WayFollower::speed_limit(double stop, const Limits& limits, double period
   const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
   for (auto i = static_cast<std::size_t>(first - way_.along.begin());
        i + 1 < way_.points.size() && way_.along[i] < progress_ + far; ++i) {
-    const double corner = corner_speed(i, limits, period);
-    const double room = std::max(0.0, way_.along[i] - progress_ - look_ahead_);
-    speed = std::min(speed, std::sqrt(corner * corner + 2 * braking.max_acceleration * room));
+    const Corner corner = corner_at(i, limits, period);
+    const double room = std::max(0.0, way_.along[i] - progress_ - corner.before);
+    speed = std::min(speed, std::sqrt(corner.speed * corner.speed + 2 * braking.max_acceleration * room));
   }
   return speed;
 }
 
+/// Metres ahead to the point for which the robot heads: it stays in the strip on a straight line there.
+double WayFollower::look_ahead_in_strip(const Point2& position) const {
+  constexpr int halvings = 4;
+  double ahead = look_ahead_;
+  for (int k = 0; k < halvings && !in_strip(position, way_.at(progress_ + ahead), progress_, halvings); ++k)
+    ahead /= 2;
+  return ahead;
+}
+
 Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& limits, double period,
-                                       const std::function<double(std::size_t)>& passed) {
+                                       double open) {
   advance_progress(position);
   const double slack = there_radii * radius_;
-  double ahead = 0;  // metres that the next gate's robot has still to drive
-  for (; next_gate_ < gates_.size(); ++next_gate_) {
-    ahead = gates_[next_gate_].needed - passed(gates_[next_gate_].robot);
-    if (ahead > slack) break;
-  }
-  const double gate = next_gate_ < gates_.size() ? gates_[next_gate_].at : way_.length();
-  const double stop = std::min(gate, leg_ends_[leg_]);
-  waits_for_ = next_gate_ < gates_.size() && gate - progress_ < slack
-                   ? std::optional(Wait{gates_[next_gate_].robot, ahead})
-                   : std::nullopt;
-  const Point2 gap = way_.at(std::min(progress_ + look_ahead_, stop)) - position;
+  const double stop = std::min(open, leg_ends_[leg_]);
+  const Point2 gap = way_.at(std::min(progress_ + look_ahead_in_strip(position), stop)) - position;
   const double distance = gap.norm();
   if (stop <= progress_ - slack || distance <= 1e-9) return Point2::Zero();
   // The robot must not drive past the point for which it heads: in a passage without slack it would hit the

@@ -1,4 +1,4 @@
-// Drives along a way exactly, up to the first closed gate (precedence.h).
+// Drives along a way exactly, as far as it is open (precedence.h).
 //
 // Other robots rely on this robot to be where the plan says. So, unlike on a path of its own
 // (path_follower.h), it strays by no more than a small share of its radius: it slows down before corners and
@@ -7,25 +7,26 @@
 // Metres in the map frame, seconds, metres per second.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "motion/kinematics.h"
 #include "motion/polyline.h"
-#include "motion/precedence.h"
 
 namespace coppice {
 
 class WayFollower {
  public:
   /// At least one leg. Each must begin where the previous one ends; the robot drives to the very end of each.
-  WayFollower(std::span<const Path> legs, std::vector<Gate> gates, double radius);
+  /// `stray`: metres by which the robot may stray from its way.
+  WayFollower(std::span<const Path> legs, double radius, double stray);
 
-  /// `passed(robot)`: metres that another robot has come along its own way.
-  Point2 preferred_velocity(const Point2& position, const Limits& limits, double period,
-                            const std::function<double(std::size_t)>& passed);
+  /// `open`: metres along the way up to which the robot may drive.
+  Point2 preferred_velocity(const Point2& position, const Limits& limits, double period, double open);
+  /// Where the robot comes to along the way if it drives straight from a to b and has come `from` metres by
+  /// then; none if it strays too far meanwhile.
+  std::optional<double> along_strip(const Point2& a, const Point2& b, double from) const;
   /// Tells whether the last preferred velocity was safe with respect to all that stands. If not, the robot
   /// heads for a nearer point.
   void led_past(bool everything);
@@ -33,27 +34,29 @@ class WayFollower {
   /// Metres along the way that the robot has come; the whole length once it has finished.
   double progress() const { return progress_; }
   bool finished() const;
-  struct Wait {
-    std::size_t robot;
-    double metres;  ///< that the other robot still has to come
-  };
-  /// The gate at which the last preferred velocity stopped; none if the way ahead is open.
-  const std::optional<Wait>& waits_for() const { return waits_for_; }
+  double length() const { return way_.length(); }
+  /// Metres between a position and the way where the robot has come to.
+  double off_the_way(const Point2& position) const { return (way_.at(progress_) - position).norm(); }
 
  private:
+  double nearest(const Point2& position, double from) const;
+  bool in_strip(const Point2& a, const Point2& b, double from, int halvings) const;
+  double look_ahead_in_strip(const Point2& position) const;
   void advance_progress(const Point2& position);
-  double corner_speed(std::size_t corner, const Limits& limits, double period) const;
+  struct Corner {
+    double speed;
+    double before;  ///< metres before the corner, where the arc begins
+  };
+  Corner corner_at(std::size_t corner, const Limits& limits, double period) const;
   double speed_limit(double stop, const Limits& limits, double period) const;
 
   Polyline way_;
   std::vector<double> leg_ends_;  ///< distance of the legs' ends from the way's beginning, metres
   std::size_t leg_ = 0;
-  std::vector<Gate> gates_;
-  std::size_t next_gate_ = 0;
   double radius_;
+  double stray_;  ///< metres
   double progress_ = 0;
   double look_ahead_;
-  std::optional<Wait> waits_for_;
 };
 
 }  // namespace coppice

@@ -33,6 +33,7 @@ void describe(const AgentLoad& load, proto::Report::Load& to) {
 void describe(const WaitTimes& waits, proto::Report::Waits& to) {
   to.set_startup(waits.startup);
   to.set_planning(waits.planning);
+  to.set_reservation(waits.reservation);
   to.set_joint_plan(waits.joint_plan);
   to.set_gate(waits.gate);
   to.set_promise(waits.promise);

@@ -26,28 +26,12 @@ constexpr double waiting_lease = Timing::waiting_lease;
 constexpr double longest_lease = Timing::longest_lease;
 constexpr double lease_for_delay = Timing::lease_for_delay;
 constexpr double longest_delay = Timing::largest_clock_error;
-constexpr double leans_after = Timing::leans_after;
 
 constexpr double decisions_counted = 16;  // of those that may be late: a pause is one
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
 constexpr double around_radii = 16;       // within these, others' joint plans concern a robot
-constexpr double fair_pace = 0.5;         // of the preferred speed
-constexpr double beside = 1.3;            // sums of radii between two that hinder each other
-constexpr double level = 0.1;             // the same, of the lead of a robot that is not ahead
 constexpr double crawl = 0.05;            // of the largest speed: a slower robot is held up
-// Two robots that meet head-on see no reason to prefer a side: all lean a little to their right. Robots that
-// meet in one place lean more while they come no further: the jam turns like a roundabout.
-constexpr double least_lean = 0.05;  // radians
-constexpr double most_lean = 1.5;
-constexpr double lean_rate = 3;   // radians a second
-constexpr double open_radii = 8;  // to the next obstacle: between walls, leaning leads into them
-constexpr double end_radii = 2;   // of the way: there the robot stops exactly
-
-Point2 leaning_right(const Point2& v, double stalled) {
-  const double lean = std::clamp(least_lean + lean_rate * (stalled - leans_after), least_lean, most_lean);
-  return {std::cos(lean) * v.x() + std::sin(lean) * v.y(), -std::sin(lean) * v.x() + std::cos(lean) * v.y()};
-}
 
 }  // namespace
 
@@ -107,6 +91,7 @@ void Run::wake(double now) {
   round_.forget(epoch, counted_on);
   fleet_.wake(now);
   startup_since_ = now;
+  reserver_.begin_anew(fleet_, now);
   connectivity_.join(now + listening_time());
 }
 
@@ -134,6 +119,7 @@ void Run::decide(double now) {
   const std::span<const Neighbour> others =
       body_.bound_to_stand() ? std::span<const Neighbour>() : neighbours(now);
   const bool listens = connectivity_.listens(now);
+  if (listens || fleet_.recoveries() != recoveries_) reserver_.doubt_all();
   if (!listens && !stopped()) {
     if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, map_->roadmaps, now);
     round_.call_for_lost_plan(self(), fleet_, now);
@@ -145,8 +131,12 @@ void Run::decide(double now) {
     // The body brakes: peers that miss the robot do not reckon with where it would evade to.
     progress_.excuse(now);
     if (body_.stands()) stand_for(now, waiting_lease);
-  } else if (driving != nullptr && free && !round_.stranded() && !lets_others_finish_ && may_set_off(now)) {
-    drive_freely(*driving, now, others);
+  } else if (!reserver_.may_leave_strip(fleet_, now) || reserver_.is_to_stand() ||
+             (reserver_.holds() && !may_drive(now))) {
+    progress_.excuse(now);  // the body brakes, and stays in its strip
+    if (body_.stands()) stand_for(now, waiting_lease);
+  } else if (may_drive(now)) {
+    drive(*driving, now, others);
   } else if (!stopped() && round_.stage() == Stage::executing && may_set_off(now)) {
     progress_.excuse(now);
     execute_plan(now, others);
@@ -203,48 +193,77 @@ bool Run::waits_for_its_robot(double now) {
   return true;
 }
 
-void Run::drive_freely(Driving& driving, double now, std::span<const Neighbour> neighbours) {
+/// The robot drives on its own, and nothing holds it.
+bool Run::may_drive(double now) {
+  return driving() && round_.stage() == Stage::free && !round_.stranded() && !lets_others_finish_ &&
+         !connectivity_.joining() && !connectivity_.listens(now) && may_set_off(now);
+}
+
+/// Keeps the reservation in step with what the robot is to do. Others rely on a robot with a reservation to
+/// stay in its strip. So it gives up a reservation only when it stands.
+void Run::reserve(double now, std::vector<Outgoing>& out) {
+  auto* const driving = std::get_if<Driving>(&task_);
+  const bool needs_none = round_.stage() != Stage::free || (driving == nullptr && !is(Phase::arrived));
+  if (needs_none || (!reserver_.holds() && !reserver_.wants())) {
+    if (body_.stands()) reserver_.drop(self(), fleet_, now, out);
+  }
+  if (needs_none || driving == nullptr) return;
+  if (reserver_.holds()) {
+    const bool strayed = reserver_.off_the_way(body_.position()) > body_.radius() / 2;
+    const bool over =
+        reserver_.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
+    const bool overridden = reserver_.is_overridden(self(), fleet_, map_->roadmaps);
+    if (body_.stands() && (strayed || over || overridden)) reserver_.drop(self(), fleet_, now, out);
+    return;
+  }
+  if (!may_drive(now) || !body_.stands() || !all_free_around()) return;
+  Route& route = driving->route;
+  if (route.improvement && !route.improvement->is_taut()) follow(route, route.improvement->pull_taut(), out);
+  if (!reserver_.wants()) {
+    if (reserver_.may_try(now)) reserver_.want(route.follower.way_left(body_.position()), self(), now, out);
+    return;
+  }
+  Path path = route.follower.rest();
+  path.insert(path.begin(), body_.position());
+  reserver_.plan(path, self(), body_.limits(), fleet_, map_->roadmaps, now, out);
+  if (!reserver_.holds()) return;
+  route.improvement.reset();
+  follow(route, reserver_.way(), out);
+}
+
+/// Drives by the reservation. Without one the robot stands.
+void Run::drive(Driving& driving, double now, std::span<const Neighbour> neighbours) {
   PathFollower& follower = driving.route.follower;
   const Point2 next = body_.position() + control_period * body_.velocity();
-  const Point2 preferred = follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
-  if (follower.lost()) {  // others pushed the robot to where it does not see its path
-    look_for_a_path(way_back_to_the_path(driving.route));
-    return body_.choose(Point2::Zero(), neighbours, map_->field);
+  if (!reserver_.holds()) {
+    follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
+    if (follower.lost()) look_for_a_path(way_back_to_the_path(driving.route));
+    if (reserver_.waits_for_its_turn()) progress_.excuse(now);
+    body_.choose(Point2::Zero(), neighbours, map_->field);
+  } else {
+    trail_.begin(next);
+    const Point2 wanted = reserver_.preferred_velocity(self(), fleet_, next, body_.limits(), now);
+    const auto allowed = [&](const Point2& v) { return reserver_.allows(body_, v); };
+    reserver_.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
+    if (!reserver_.waits_for().empty()) {
+      if (reserver_.is_worth_waiting(fleet_, now)) progress_.excuse(now);
+      if (!neighbours.empty()) stand_for(now, waiting_lease);
+      last_executed_ = now;
+    }
+    if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
+    if (now - last_executed_ > waiting_lease && reserver_.gives_way(self(), fleet_)) {
+      body_.follow(Point2::Zero(), neighbours, map_->field);
+      stand_for(now, waiting_lease);
+    }
+    progress_.comes_to(reserver_.progress(), least_gain(body_.radius(), body_.limits()), now);
   }
-  trail_.begin(next);
-  const double r = body_.radius();
-  const bool open = map_->field.lower_bound(next) >= open_radii * r;
-  const bool leans = follower.remaining(next) > end_radii * r;
-  Point2 wanted = leans ? leaning_right(preferred, open ? progress_.stalled_for(now) : 0) : preferred;
-  if (body_.velocity().norm() >= fair_pace * preferred.norm()) progress_.keeps_pace(now);
-  if (progress_.slow_for(now) > waiting_lease && lets_go_first(preferred)) {
-    wanted = Point2::Zero();
-    stand_for(now, waiting_lease);
-  }
-  body_.choose(wanted, neighbours, map_->field);
   if (body_.bound_to_stand()) progress_.is_bound(now);
-  progress_.comes_to(follower.progress(), least_gain(r, body_.limits()), now);
   // Not while a joint plan is executed around: it may clear the way, and a new round would end it.
   const bool stalls =
       progress_.stalled_for(now) > stall || progress_.without_progress_for(now) > longest_stall;
-  if (stalls && all_free_around() && !fleet_.is_suspected_near(body_.position(), around_radii * r))
+  if (stalls && all_free_around() &&
+      !fleet_.is_suspected_near(body_.position(), around_radii * body_.radius()))
     round_.call(self(), fleet_, now);
-}
-
-/// Two robots that drive side by side slow down, for each may turn into the other. The robot that is behind,
-/// or has the later name, stands until the other has gone.
-bool Run::lets_go_first(const Point2& preferred) const {
-  const Point2 ahead = preferred / std::max(preferred.norm(), 1e-9);
-  const auto close = fleet_.beside(body_.position(), body_.radius(), beside);
-  return std::ranges::any_of(close, [&](const FleetMember& m) {
-    if (m.stands || m.stage != Stage::free) return false;
-    const Point2 gap = m.position - body_.position();
-    const double reach = body_.radius() + m.radius;
-    const bool same_way = m.velocity.dot(ahead) > m.velocity.norm() / 2;
-    const double lead = gap.dot(ahead);
-    const bool goes_first = std::abs(lead) < level * reach ? m.robot < process_.name : lead > 0;
-    return same_way && goes_first;
-  });
 }
 
 void Run::execute_plan(double now, std::span<const Neighbour> neighbours) {
@@ -286,7 +305,8 @@ void Run::watch_arrival(double now) {
   if (driving() && round_.calls_in_vain() > most_calls_in_vain && !may_improve)
     return give_up(fmt::format("a way past the others was not found within {} joint plans from this place",
                                most_calls_in_vain));
-  if (!driving() || round_.stage() != Stage::free || !body_.stands()) return;
+  const bool comes_on = reserver_.holds() && !reserver_.finished();
+  if (!driving() || round_.stage() != Stage::free || !body_.stands() || comes_on) return;
   if (at_goal) {
     if (tracking_ && (*tracking_->position() - mission_.goal).norm() > arrives_within(mission_))
       return progress_.excuse(body_.time());  // the robot that follows the body is on its way
@@ -325,8 +345,7 @@ void Run::watch_movement(double now, double lived) {
     came_to_ = body_.position();
     status_.came_on_at = now;
   }
-  constexpr double slow = 0.1;  // of the maximum speed
-  if (is_under_way() && body_.velocity().norm() < slow * body_.limits().max_speed)
+  if (is_under_way() && body_.velocity().norm() < waiting_speed_share * body_.limits().max_speed)
     status_.waits.*wait_kind(now) += lived;
 }
 
@@ -362,13 +381,16 @@ std::span<const Neighbour> Run::neighbours(double now) {
   const double horizon =
       std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * control_period;
   const double reach = body_.radius() + horizon * limits.max_speed;
-  fleet_.collect_neighbours(body_.position(), reach, horizon, now, process_.state_ages, near_);
+  fleet_.collect_neighbours(
+      body_.position(), reach, horizon, now, process_.state_ages, near_,
+      [&](const RobotState& state, double age) { return reserver_.passes(state, age); });
   return near_;
 }
 
 FleetMember Run::self() const {
   return {.robot = process_.name,
           .position = body_.position(),
+          .velocity = body_.velocity(),
           .goal = has_no_way(phase()) ? std::nullopt : std::optional(mission_.goal),
           .arrives_within = arrives_within(mission_),
           .wants_to_stay = phase() == Phase::arrived,

@@ -183,7 +183,8 @@ void CoordinationRound::take_up(const JointPlanMessage& plan, const FleetMember&
   }
   const std::vector<Path> legs = legs_of(index, plan.moves);
   if (legs.empty() || (legs.front().front() - self.position).norm() > same_place) return;
-  follower_.emplace(legs, gates_of(index, plan.moves, radii), self.radius);
+  gates_ = Gates(gates_of(index, plan.moves, radii));
+  follower_.emplace(legs, self.radius, stray_radii * self.radius);
   stage_ = Stage::executing;
 }
 
@@ -192,17 +193,21 @@ Point2 CoordinationRound::preferred_velocity(const FleetMember& self, const Flee
   const auto passed = [&](std::size_t index) {
     if (parts_[index] == Part::done) return std::numeric_limits<double>::infinity();
     const auto other = fleet.find(members_[index]);
-    return other && other->round == id_ && other->stage == Stage::executing ? other->progress : 0.0;
+    return other && other->round == id_ && other->stage == Stage::executing
+               ? other->progress + way_until_rest(*other)
+               : 0.0;
   };
-  Point2 wanted = follower_->preferred_velocity(position, limits, control_period, passed);
-  const auto& waits = follower_->waits_for();
-  waits_for_ = waits ? members_[waits->robot] : RobotName();
-  if (waits && parts_[waits->robot] == Part::left) {
+  const double slack = gate_slack_radii * self.radius;
+  const double open = gates_.open(follower_->progress(), slack, passed);
+  Point2 wanted = follower_->preferred_velocity(position, limits, control_period, open);
+  const bool waits = open - follower_->progress() < slack;
+  waits_for_ = waits ? members_[gates_.wait().robot] : RobotName();
+  if (waits && parts_[gates_.wait().robot] == Part::left) {
     call(self, fleet, now);
     return Point2::Zero();
   }
   const auto waited_for = waits ? fleet.find(waits_for_) : std::nullopt;
-  waits_until_ = waited_for ? waited_for->rests_until + waits->metres / waited_for->max_speed : 0;
+  waits_until_ = waited_for ? waited_for->rests_until + gates_.wait().metres / waited_for->max_speed : 0;
   if (waited_for && (waits_for_ != awaited_.robot || waited_for->progress != awaited_.progress)) {
     awaited_ = {waits_for_, waited_for->progress};
     awaited_since_ = now;

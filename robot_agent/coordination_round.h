@@ -24,6 +24,7 @@
 #include "messages/messages.h"
 #include "motion/joint_planner.h"
 #include "motion/packed_roadmap.h"
+#include "motion/precedence.h"
 #include "motion/way_follower.h"
 #include "robot_agent/fleet.h"
 
@@ -140,6 +141,7 @@ class CoordinationRound {
   std::vector<Schedule> schedules_;
   std::vector<Part> parts_;  ///< of the members
   std::optional<WayFollower> follower_;
+  Gates gates_;
   RobotName waits_for_;
   double waits_until_ = 0;
   bool stranded_ = false;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "motion/kinematics.h"
+#include "motion/segments.h"
 #include "robot_agent/limits.h"
 
 namespace coppice {
@@ -322,6 +323,21 @@ void FailureDetector::prune_zones(double now) {
     if (p.failed() && p.state)
       prune(p.failure()->zone, p.state->radius,
             [&](const Point2& q) { return room_at(q, own_.position, now); });
+  }
+}
+
+void FailureDetector::learn_from(const JointPlanMessage& plan) {
+  if (count_.failed == 0) return;
+  const auto room_beside_moves = [&](const Point2& q) {
+    double room = std::numeric_limits<double>::infinity();
+    for (const Move& move : plan.moves)
+      room = std::min(room, point_path_distance(q, move.path) - plan.members[move.robot].radius);
+    return room;
+  };
+  for (Peer& p : peers_) {
+    const bool is_member =
+        std::ranges::find(plan.members, p.robot, &JointPlanMessage::Member::robot) != plan.members.end();
+    if (p.failed() && p.state && !is_member) prune(p.failure()->zone, p.state->radius, room_beside_moves);
   }
 }
 

@@ -82,6 +82,9 @@ class FailureDetector {
   bool is_suspected_near(const Point2& p, double reach) const;
   /// Metres between q and the nearest edge of a robot that is alive; this one is at `position`.
   double room_at(const Point2& q, const Point2& position, double now) const;
+  /// A robot that is alive made this plan. Where it leads robots, no failed robot stands: that robot may have
+  /// heard more of the last decisions of a failed one.
+  void learn_from(const JointPlanMessage& plan);
   /// When somebody was heard last that had been out of touch; and that was started anew.
   double back_at() const { return back_at_; }
   double new_at() const { return new_at_; }

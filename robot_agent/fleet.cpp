@@ -191,7 +191,8 @@ bool Fleet::may_be_touched_soon(const Peer& p) const {
 }
 
 void Fleet::collect_neighbours(const Point2& position, double reach, double horizon, double now,
-                               AgeCount& ages, std::vector<Neighbour>& near) {
+                               AgeCount& ages, std::vector<Neighbour>& near,
+                               const std::function<bool(const RobotState&, double)>& passes) {
   near.clear();
   for (std::size_t k = 0; k < peers_.size(); ++k) {
     if (now < peers_.away_until[k]) continue;
@@ -207,12 +208,13 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
         continue;
       }
       if (p.clock.known() && may_be_touched_soon(p)) ages.add(now - s.promise.stamp - p.clock.estimate());
+      if (passes && passes(s, age)) continue;
     }
     add_neighbours(p, position, now, near);
   }
 }
 
-FleetMember Fleet::member(const Peer& p) const {
+FleetMember Fleet::member(const Peer& p, double now) const {
   if (!p.state) {
     return {.robot = p.robot,
             .position = p.place,
@@ -220,7 +222,8 @@ FleetMember Fleet::member(const Peer& p) const {
             .radius = p.radius,
             .max_speed = p.max_speed,
             .failed = p.failed(),
-            .round = {}};
+            .round = {},
+            .waits_for = {}};
   }
   const RobotState& s = *p.state;
   const bool stands = s.promise.stands();
@@ -242,7 +245,14 @@ FleetMember Fleet::member(const Peer& p) const {
           s.phase == Phase::stopped || ((s.is_new || p.exchange.misses_somebody) && has_given_up),
       .round = s.round,
       .stage = s.stage,
-      .progress = s.progress};
+      .progress = s.progress,
+      .reservation = s.reservation,
+      .reservation_progress = s.reservation_progress,
+      .waits_for = s.waits_for,
+      .promise = s.promise.shifted_by(p.clock.estimate()),
+      .limits = limits_of(s),
+      .clock_offset = p.clock.estimate(),
+      .clock_error = p.clock.error(now)};
 }
 
 std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) const {
@@ -260,9 +270,9 @@ std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) con
   return zones;
 }
 
-std::optional<FleetMember> Fleet::find(const RobotName& robot) const {
+std::optional<FleetMember> Fleet::find(const RobotName& robot, double now) const {
   const auto known = peers_.find(robot);
-  return known ? std::optional(member(peers_[*known])) : std::nullopt;
+  return known ? std::optional(member(peers_[*known], now)) : std::nullopt;
 }
 
 std::vector<FleetMember> Fleet::others() const {

@@ -8,6 +8,7 @@
 // peers are translated here and nowhere else.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,7 +44,20 @@ struct FleetMember {
   RoundId round;
   Stage stage = Stage::free;
   double progress = 0;
+  std::uint32_t reservation = 0;
+  double reservation_progress = 0;  ///< at the turn of its promise
+  RobotName waits_for;
+  Promise promise{};
+  Limits limits{};
+  double clock_offset = 0;  ///< seconds, to be added to its times
+  double clock_error = 0;   ///< seconds
 };
+
+/// Metres that a robot drives on from the turn of its promise, whatever it decides.
+inline double way_until_rest(const FleetMember& m) {
+  const double speed = m.promise.next_velocity.norm();
+  return (m.promise.expiry - m.promise.turn) * speed + braking_distance(speed, m.limits, control_period);
+}
 
 /// The last state of a peer that fell silent, and when, at the latest, it was heard: fleet time.
 struct Heard {
@@ -69,6 +83,8 @@ class Fleet {
   /// The process slept for longer than Timing::longest_nap. Peers that had not failed before are unknown
   /// until they are heard again, or others report them failed.
   void wake(double now);
+
+  void learn_from(const JointPlanMessage& plan) { detector_.learn_from(plan); }
 
   /// Asks memory for what is known of a robot whose state is about to be handed over.
   void expect(const RobotName& robot) const;
@@ -99,8 +115,10 @@ class Fleet {
   /// The robots that could touch this robot, or that it must avoid, within `horizon` seconds. This robot is
   /// at `position` and stays within `reach` of it. They come into `near`. Counts in `ages` how old the states
   /// of those are that might be touched soon: others send rarely.
+  /// A robot for which passes(state, age) holds is left out: the order of reservations keeps the two apart.
   void collect_neighbours(const Point2& position, double reach, double horizon, double now, AgeCount& ages,
-                          std::vector<Neighbour>& near);
+                          std::vector<Neighbour>& near,
+                          const std::function<bool(const RobotState&, double)>& passes = nullptr);
 
   /// How often a failed peer was heard again, or a suspected one was sure to have failed.
   std::uint32_t recoveries() const { return detector_.recoveries(); }
@@ -111,7 +129,8 @@ class Fleet {
     return detector_.is_suspected_near(p, reach);
   }
 
-  std::optional<FleetMember> find(const RobotName& robot) const;
+  /// With `now`, its clock's error at that time.
+  std::optional<FleetMember> find(const RobotName& robot, double now = 0) const;
   std::vector<FleetMember> others() const;
   /// The robots within so many sums of radii of a robot at p.
   std::vector<FleetMember> beside(const Point2& p, double radius, double sums) const;
@@ -174,7 +193,7 @@ class Fleet {
   bool may_be_touched_soon(const Peer& peer) const;
   void add_neighbours(const Peer& peer, const Point2& position, double now,
                       std::vector<Neighbour>& near) const;
-  FleetMember member(const Peer& peer) const;
+  FleetMember member(const Peer& peer, double now = 0) const;
 
   OwnRobot own_;
   PeerTable peers_;

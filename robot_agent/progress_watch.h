@@ -28,8 +28,6 @@ class ProgressWatch {
   void excuse(double now) { gain_time_ = now; }
   /// The robot bound itself to stand.
   void is_bound(double now) { bound_time_ = now; }
-  /// The robot drives about as fast as it likes.
-  void keeps_pace(double now) { pace_time_ = now; }
   /// `progress`: metres along the path.
   void comes_to(double progress, double least, double now) {
     if (progress < gain_ + least) return;
@@ -40,13 +38,11 @@ class ProgressWatch {
   /// Seconds without progress in which the robot was not bound to stand.
   double stalled_for(double now) const { return now - std::max(gain_time_, bound_time_); }
   double without_progress_for(double now) const { return now - gain_time_; }
-  double slow_for(double now) const { return now - pace_time_; }
 
  private:
   double gain_ = 0;  ///< metres along the path at the last progress
   double gain_time_ = 0;
   double bound_time_ = 0;
-  double pace_time_ = 0;
 };
 
 }  // namespace coppice

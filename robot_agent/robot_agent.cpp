@@ -35,6 +35,8 @@ void RobotAgent::on(Arrival arrival) {
   }
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
     if (run_) run_->hear({std::move(arrival.message), plan});
+  } else if (const auto* reserved = std::get_if<ReservationMessage>(arrival.message.get())) {
+    reservations_.hear({std::move(arrival.message), reserved});
   } else {
     std::visit(
         [&](const auto& m) {
@@ -131,7 +133,7 @@ void RobotAgent::begin_mission(WallTime now) {
   if (run_) {
     run_->take_up(mission, now);
   } else {
-    run_ = std::make_unique<Run>(*process_, *fleet_, mission, now);
+    run_ = std::make_unique<Run>(*process_, *fleet_, reservations_, mission, now);
   }
 }
 

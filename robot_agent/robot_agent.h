@@ -17,6 +17,7 @@
 #include "motion/driver.h"
 #include "robot_agent/agent_process.h"
 #include "robot_agent/fleet.h"
+#include "robot_agent/reservations.h"
 #include "robot_agent/run.h"
 #include "robot_agent/tracking.h"
 
@@ -77,6 +78,7 @@ class RobotAgent {
 
   std::unique_ptr<AgentProcess> process_;
   std::unique_ptr<Fleet> fleet_;          ///< of the run that the agent serves
+  Reservations reservations_;             ///< of the other robots
   std::optional<WallTime> run_heard_at_;  ///< the first mission of that run, whichever robot's
   std::unique_ptr<Run> run_;              ///< null before the robot's own mission
   bool status_is_due_ = true;

@@ -38,14 +38,15 @@ std::optional<SavedState> Run::take_saved_state(AgentProcess& process, const Mis
   return saved;
 }
 
-Run::Run(AgentProcess& process, Fleet& fleet, const Mission& mission, const std::optional<SavedState>& saved,
-         WallTime now)
+Run::Run(AgentProcess& process, Fleet& fleet, const Reservations& others, const Mission& mission,
+         const std::optional<SavedState>& saved, WallTime now)
     : process_(process),
       fleet_(fleet),
       mission_(mission),
       tracking_(process.tracking ? std::optional<Tracking>(*process.tracking) : std::nullopt),
       body_(saved ? saved->body : body_at_start(mission, mission.clock.fleet_time(now))),
-      round_(process.name) {
+      round_(process.name),
+      reserver_(process.name, mission.clock.run(), others) {
   const double fleet_now = mission_.clock.fleet_time(now);
   begin(mission, fleet_now);
   begun_at_ = now;
@@ -80,6 +81,7 @@ void Run::go_on_from(const SavedState& saved, double now) {
 void Run::join_in_mid_run(std::span<const Heard> silent, double now) {
   fleet_.begin_anew(silent, now);
   connectivity_.join(now + listening_time());
+  reserver_.begin_anew(fleet_, now);
 }
 
 void Run::take_up(const Mission& mission, WallTime now) {
@@ -151,7 +153,10 @@ void Run::stop(const std::string& reason) {
 
 void Run::hear(std::shared_ptr<const JointPlanMessage> plan) {
   // A plan of an earlier run is of robots elsewhere: its leader's writer still sends it to late readers.
-  if (takes_part() && is_of_run(*plan, mission_.clock.run())) round_.hear(std::move(plan));
+  if (!is_of_run(*plan, mission_.clock.run())) return;
+  if (const auto leader = fleet_.find(plan->round.leader); leader && !leader->failed)
+    fleet_.learn_from(*plan);
+  if (takes_part()) round_.hear(std::move(plan));
 }
 
 void Run::hear(const InactiveTreeMessage& tree) {
@@ -179,6 +184,7 @@ Point2 Run::command(WallTime now) const {
 
 void Run::step(WallTime now, std::vector<Outgoing>& out) {
   control(mission_.clock.fleet_time(now), out);
+  reserve(mission_.clock.fleet_time(now), out);
   if (std::holds_alternative<Planning>(task_)) {
     plan(now, out);
   } else if (Route* const route = route_of(task_); route != nullptr && route->improvement) {

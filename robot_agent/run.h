@@ -23,6 +23,7 @@
 #include "robot_agent/coordination_round.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/progress_watch.h"
+#include "robot_agent/reserver.h"
 #include "robot_agent/state_counter.h"
 #include "robot_agent/task.h"
 #include "robot_agent/track_log.h"
@@ -33,8 +34,8 @@ class Run {
  public:
   /// `process` and `fleet` outlive it. `mission`: the robot's first in this run, as it carries it out; its
   /// map is the newest. The body begins where the saved state of the process says, if that is of this run.
-  Run(AgentProcess& process, Fleet& fleet, const Mission& mission, WallTime now)
-      : Run(process, fleet, mission, take_saved_state(process, mission), now) {}
+  Run(AgentProcess& process, Fleet& fleet, const Reservations& others, const Mission& mission, WallTime now)
+      : Run(process, fleet, others, mission, take_saved_state(process, mission), now) {}
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
@@ -46,6 +47,7 @@ class Run {
   void stop(const std::string& reason);
 
   void hear(const RobotState& state) {
+    reserver_.hear(state);
     round_.hear(state, takes_part() ? std::optional(body_.position()) : std::nullopt);
   }
   void hear(std::shared_ptr<const JointPlanMessage> plan);
@@ -85,8 +87,8 @@ class Run {
     status_changed_ = true;
   }
 
-  Run(AgentProcess& process, Fleet& fleet, const Mission& mission, const std::optional<SavedState>& saved,
-      WallTime now);
+  Run(AgentProcess& process, Fleet& fleet, const Reservations& others, const Mission& mission,
+      const std::optional<SavedState>& saved, WallTime now);
   static std::optional<SavedState> take_saved_state(AgentProcess& process, const Mission& mission);
 
   // run.cpp: missions and paths
@@ -114,10 +116,11 @@ class Run {
   bool joins(double now);
   bool waits_for_its_robot(double now);
   void watch_isolation(double now);
-  void drive_freely(Driving& driving, double now, std::span<const Neighbour> neighbours);
+  bool may_drive(double now);
+  void reserve(double now, std::vector<Outgoing>& out);
+  void drive(Driving& driving, double now, std::span<const Neighbour> neighbours);
   void execute_plan(double now, std::span<const Neighbour> neighbours);
   void stand_for(double now, double seconds);
-  bool lets_go_first(const Point2& preferred) const;
   void watch_arrival(double now);
   void give_up(std::string reason);
   void retry_after_change();
@@ -127,6 +130,7 @@ class Run {
   std::span<const Neighbour> neighbours(double now);
   FleetMember self() const;
   bool takes_part() const;
+  const RobotName& waits_for() const;
   bool is_under_way() const;
   bool stands_still(double now) const;
 
@@ -167,6 +171,7 @@ class Run {
   TrackLog track_;
   double last_seen_ = -1;  ///< of the last point of the track, where a robot follows the body
   CoordinationRound round_;
+  Reserver reserver_;
   double last_executed_ = 0;  ///< when the robot last moved by a joint plan
   Connectivity connectivity_;
   double asks_for_news_until_ = 0;  ///< until then peers tell the robot which peers failed

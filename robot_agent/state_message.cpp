@@ -18,12 +18,13 @@ constexpr double share_of_overload = 0.25;  // of the last decisions that came l
 
 /// Tells the peers. A robot that goes on standing as it has said does so at heartbeats only.
 void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
-  counter_.note({body_.stands(), phase(), round_.id(), round_.stage(), round_.waits_for()});
+  counter_.note({body_.stands(), phase(), round_.id(), round_.stage(), waits_for()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
-  auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, round_.waits_for(), now);
+  auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, waits_for(), now);
   RobotState said = state(now, std::move(echoes));
   said.misses = std::move(misses);
+  said.knows = reserver_.knows(agents);
   const int copies = counter_.copies(said.copies);
   const std::vector<RobotName> again =
       copies > 1 ? fleet_.who_hears_copies(agents) : std::vector<RobotName>();
@@ -53,8 +54,10 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
           .phase = phase(),
           .round = round_.id(),
           .stage = round_.stage(),
+          .reservation = reserver_.number(),
+          .reservation_progress = reserver_.progress(),
           .progress = round_.progress(),
-          .waits_for = round_.waits_for(),
+          .waits_for = waits_for(),
           .copies = copies(),
           .is_new = connectivity_.joining() || asks_for_news,
           .wants_echo = !fleet_.echoed(now),

@@ -38,8 +38,6 @@ struct Timing {
   /// A lease grows by this multiple of the clock error. Network, clocks: a late state shortens what the
   /// others may use of the lease.
   static constexpr double lease_for_delay = 4;
-  /// fleet s without progress after which a robot that meets others head-on leans further to its right.
-  static constexpr double leans_after = 0.3;
   /// fleet s without progress after which a robot calls a round, even if it bound itself to stand meanwhile.
   /// Two robots that push each other back and forth let each other go first for ever.
   static constexpr double longest_stall = 30;
@@ -181,6 +179,23 @@ struct Timing {
   /// fleet s without progress, although nobody with an earlier move is in the way, after which a member calls
   /// a new round.
   static constexpr double plan_patience = 5;
+
+  // ---- Reservations
+
+  /// fleet s. Older states do not show that a robot keeps its strip. A robot that leaves a strip stands for
+  /// so long, and until the others could have braked, unless they say that they have heard of it.
+  static constexpr double recent_state = 2;
+  /// scaled s for which a robot waits until those with longer ways have reserved. Network: a message reaches
+  /// all within this time.
+  static constexpr double longest_turn = 2;
+  /// fleet s for which a reservation keeps clear of a robot that stands and has none: it is to set off soon.
+  static constexpr double sets_off_within = 5;
+  /// fleet s between two attempts to reserve, if another robot has a new reservation.
+  static constexpr double reserve_again = 0.5;
+  /// The same, if nobody has.
+  static constexpr double reserve_again_without_news = 2;
+  /// fleet s for which a robot waits at a gate although the robot at the end of the queue does not come on.
+  static constexpr double longest_wait_at_gate = 30;
 
   // ---- The assignment of a robot
 

@@ -15,6 +15,11 @@ constexpr double in_the_way = 2;  // sums of radii between two of which one stop
 
 }  // namespace
 
+/// The robot that passes first, at the gate where this one stands; empty: none.
+const RobotName& Run::waits_for() const {
+  return round_.stage() == Stage::free ? reserver_.waits_for() : round_.waits_for();
+}
+
 /// In the order in which a control step looks at what keeps a robot that has a goal to reach.
 Run::WaitKind Run::wait_kind(double now) {
   using W = WaitTimes;
@@ -26,7 +31,9 @@ Run::WaitKind Run::wait_kind(double now) {
   if (round_.stage() == Stage::waiting) return &W::joint_plan;
   if (round_.stage() == Stage::executing) return round_.waits_for().empty() ? &W::promise : &W::gate;
   if (!may_set_off(now)) return &W::startup;
-  return round_.stranded() || lets_others_finish_ ? &W::joint_plan : &W::promise;
+  if (!reserver_.waits_for().empty()) return &W::gate;
+  if (round_.stranded() || lets_others_finish_) return &W::joint_plan;
+  return reserver_.holds() ? &W::promise : &W::reservation;
 }
 
 std::string Run::wait_cause(double now) {
@@ -36,8 +43,10 @@ std::string Run::wait_cause(double now) {
   if (kind == &W::connection) return what_it_has_not_heard();
   if (kind == &W::odometry) return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));
   if (kind == &W::joint_plan) return which_plan_it_waits_for();
-  if (kind == &W::gate)
-    return fmt::format("it waits for {}, which goes first by the joint plan", round_.waits_for());
+  if (kind == &W::gate) return fmt::format("it waits for {}, which goes first", waits_for());
+  if (kind == &W::reservation)
+    return reserver_.wants() ? "it waits for its turn to reserve a trajectory"
+                             : "no trajectory to its goal is free: it tries again";
   if (kind == &W::startup) return whom_it_does_not_know();
   return what_is_in_the_way();
 }

@@ -219,6 +219,11 @@ std::vector<Input> topic_seeds<JointPlanMessage>() {
                        {{1, {{4, 8}, {6, 8}}}, {0, {{20, 4}, {15, 8}, {10, 8}}}, {1, {{6, 8}, {4, 8}}}}})};
 }
 template <>
+std::vector<Input> topic_seeds<ReservationMessage>() {
+  return {encoded(ReservationMessage{"b", 2, 5, 12, {}}),
+          encoded(ReservationMessage{"b", 3, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {{"a", 1, 0.5}}})};
+}
+template <>
 std::vector<Input> topic_seeds<PathMessage>() {
   return {encoded(PathMessage{"a", 1, {{4, 8}, {12, 8}, {20, 8}}})};
 }
@@ -355,6 +360,7 @@ constexpr std::array all{of_topic<MapMessage>(),
                          of_topic<InactiveTreeMessage>(),
                          of_topic<RobotState>(),
                          of_topic<JointPlanMessage>(),
+                         of_topic<ReservationMessage>(),
                          of_topic<PathMessage>(),
                          of_topic<TrackMessage>(),
                          of_topic<AgentStatus>(),

@@ -130,9 +130,9 @@ TEST(CoppiceBench, ThroughputMeasuresArrivalsAndWaits) {
     EXPECT_GT(robot.free_flow_time(), 1);
     EXPECT_LT(robot.free_flow_time(), robot.run_time());
     EXPECT_NEAR(robot.waited(),
-                robot.waits().startup() + robot.waits().planning() + robot.waits().joint_plan() +
-                    robot.waits().gate() + robot.waits().promise() + robot.waits().connection() +
-                    robot.waits().odometry(),
+                robot.waits().startup() + robot.waits().planning() + robot.waits().reservation() +
+                    robot.waits().joint_plan() + robot.waits().gate() + robot.waits().promise() +
+                    robot.waits().connection() + robot.waits().odometry(),
                 1e-6);
     EXPECT_LE(robot.waited(), robot.run_time());
   }

@@ -114,6 +114,8 @@ RobotState any(const Any& a) {
           a.one<Phase>(),
           a.round(),
           a.one<Stage>(),
+          a.u32(),
+          a.number(),
           a.number(),
           a.name(),
           a.u8(),
@@ -125,6 +127,9 @@ RobotState any(const Any& a) {
           a.some([&] { return a.name(); }),
           a.some([&] {
             return Echo{a.name(), a.number(), a.number()};
+          }),
+          a.some([&] {
+            return ReservationId{a.name(), a.u32()};
           })};
 }
 template <>
@@ -134,6 +139,19 @@ JointPlanMessage any(const Any& a) {
           }),
           a.some([&] {
             return Move{a.u32(), a.path()};
+          })};
+}
+template <>
+ReservationMessage any(const Any& a) {
+  return {a.name(),
+          a.u32(),
+          a.number(),
+          a.number(),
+          a.some([&] {
+            return TimedPoint{a.number(), a.point()};
+          }),
+          a.some([&] {
+            return ReservationMessage::Basis{a.name(), a.u32(), a.number()};
           })};
 }
 template <>

@@ -34,24 +34,27 @@ TEST(Precedence, AWaitTellsHowFarTheOtherRobotHasStillToDrive) {
   const std::vector<Move> moves{{0, {{0, 0}, {100, 0}}}, {1, {{50, -40}, {50, 40}}}};
   const std::vector<double> radii{5, 5};
   const std::vector<Gate> gates = gates_of(1, moves, radii);
-  WayFollower second(legs_of(1, moves), gates, 5);
+  WayFollower second(legs_of(1, moves), 5, stray_radii * 5);
+  Gates ahead(gates);
+  double open = 0;
   double first = 0;
   Point2 position = moves[1].path.front();
   const auto drive = [&] {
-    for (int k = 0; k < 200; ++k)
-      position +=
-          period * second.preferred_velocity(position, {20, 40}, period, [&](std::size_t) { return first; });
+    for (int k = 0; k < 200; ++k) {
+      open = ahead.open(second.progress(), gate_slack_radii * 5, [&](std::size_t) { return first; });
+      position += period * second.preferred_velocity(position, {20, 40}, period, open);
+    }
   };
   for (const double come : {0.0, 0.5}) {
     first = come * gates.front().needed;
     drive();
-    ASSERT_TRUE(second.waits_for());
-    EXPECT_EQ(second.waits_for()->robot, 0u);
-    EXPECT_DOUBLE_EQ(second.waits_for()->metres, gates.front().needed - first);
+    EXPECT_NEAR(second.progress(), open, 0.05);
+    EXPECT_EQ(ahead.wait().robot, 0u);
+    EXPECT_DOUBLE_EQ(ahead.wait().metres, gates.front().needed - first);
   }
   first = gates.back().needed;
   drive();
-  EXPECT_FALSE(second.waits_for());
+  EXPECT_TRUE(ahead.all_open());
   EXPECT_TRUE(second.finished());
 }
 
@@ -144,6 +147,7 @@ TEST(Precedence, RobotsKeepTheOrderOfThePlanAtAnySpeed) {
     const std::vector<double> radii(tasks.size(), 5.0);
     struct Runner {
       WayFollower follower;
+      Gates gates;
       Point2 position;
       double pace;
       int pause = 0;
@@ -152,8 +156,8 @@ TEST(Precedence, RobotsKeepTheOrderOfThePlanAtAnySpeed) {
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       const std::vector<Path> legs = legs_of(i, plan.moves);
       if (!legs.empty())
-        runners[i] = Runner{WayFollower(legs, gates_of(i, plan.moves, radii), 5), tasks[i].position,
-                            random.uniform(2, 20)};
+        runners[i] = Runner{WayFollower(legs, 5, stray_radii * 5), Gates(gates_of(i, plan.moves, radii)),
+                            tasks[i].position, random.uniform(2, 20)};
     }
     const auto passed = [&](std::size_t k) { return runners[k] ? runners[k]->follower.progress() : 0.0; };
     bool all_there = false;
@@ -165,7 +169,8 @@ TEST(Precedence, RobotsKeepTheOrderOfThePlanAtAnySpeed) {
         if (runner->pause == 0 && random.uniform() < 0.002) runner->pause = 200;
         if (runner->pause > 0 && --runner->pause > 0) continue;
         const Limits limits{runner->pace, 2 * runner->pace};
-        const Point2 v = runner->follower.preferred_velocity(runner->position, limits, period, passed);
+        const double open = runner->gates.open(runner->follower.progress(), gate_slack_radii * 5, passed);
+        const Point2 v = runner->follower.preferred_velocity(runner->position, limits, period, open);
         runner->position += period * v;
       }
       for (std::size_t a = 0; a < runners.size(); ++a) {

@@ -1,0 +1,116 @@
+#include "motion/reserved_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "motion/segments.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double piece_radii = 0.15;  // radii, length of the pieces into which the own way is cut
+
+constexpr double forever = std::numeric_limits<double>::infinity();
+
+/// A part of a trajectory along which the robot drives straight, or stands: then its length is 0.
+struct Part {
+  Point2 from;
+  Point2 direction;  ///< of length 1; 0 if the robot stands
+  double length;
+  double along;  ///< metres from the beginning of the trajectory
+  double begin;  ///< seconds
+  double end;
+
+  double time(double metres) const { return begin + (end - begin) * metres / length; }
+  double metres(double time) const { return length * std::clamp((time - begin) / (end - begin), 0.0, 1.0); }
+  Point2 at(double metres) const { return from + metres * direction; }
+};
+
+/// With the times for which the robot stands at both ends.
+std::vector<Part> parts_of(const Trajectory& trajectory, double offset) {
+  std::vector<Part> parts;
+  double along = 0;
+  double since = -forever;
+  for (std::size_t k = 1; k < trajectory.size(); ++k) {
+    const Point2 way = trajectory[k].position - trajectory[k - 1].position;
+    const double length = way.norm();
+    if (length == 0) continue;
+    const double begin = trajectory[k - 1].time + offset;
+    if (begin > since) parts.push_back({trajectory[k - 1].position, Point2::Zero(), 0, along, since, begin});
+    since = trajectory[k].time + offset;
+    parts.push_back({trajectory[k - 1].position, way / length, length, along, begin, since});
+    along += length;
+  }
+  parts.push_back({trajectory.back().position, Point2::Zero(), 0, along, since, forever});
+  return parts;
+}
+
+bool come_near(const Part& a, const Part& b, double near) {
+  const auto box = [](const Part& p) { return extended(Box<2>{p.from, p.from}, p.at(p.length)); };
+  return distance(box(a), box(b)) < near;
+}
+
+/// The own robot is around p from `begin` to `end`. Raises `needed`, the metres along its way that the other
+/// must have come before. Returns false if the two are close at the same time.
+bool look_at(const Point2& p, double begin, double end, const Part& other, double near, double& needed) {
+  const Point2 gap = other.from - p;
+  const double along = gap.dot(other.direction);
+  const double root = along * along - gap.squaredNorm() + near * near;
+  if (root <= 0) return true;
+  if (other.length == 0) return other.end <= begin || other.begin >= end;
+  const double first = std::max(0.0, -along - std::sqrt(root));
+  const double last = std::min(other.length, -along + std::sqrt(root));
+  if (first >= last || other.time(first) >= end) return true;
+  const bool over = other.time(last) <= begin;
+  // If the two are close at that time, each lets the other be a little ahead.
+  const double passed = over ? last : other.metres(begin - room_in_time);
+  if (passed > first) needed = std::max(needed, other.along + passed);
+  return over;
+}
+
+}  // namespace
+
+Order order_of(const Trajectory& own, double own_radius, const Trajectory& other, double other_radius,
+               double offset) {
+  const double piece = piece_radii * own_radius;
+  const double slack = gate_slack_radii * std::max(own_radius, other_radius);
+  const double near = (1 + reserved_stray_radii) * (own_radius + other_radius) + piece / 2 + slack;
+  const std::vector<Part> others = parts_of(other, offset);
+  std::vector<const Part*> close;
+  Order order;
+  double needed = 0;
+  for (const Part& part : parts_of(own, 0)) {
+    close.clear();
+    for (const Part& o : others) {
+      if (come_near(part, o, near)) close.push_back(&o);
+    }
+    if (close.empty()) continue;
+    const double pieces = std::max(1.0, std::ceil(part.length / piece));
+    for (double k = 0; k < pieces; ++k) {
+      const double from = part.length * k / pieces;
+      const double to = part.length * (k + 1) / pieces;
+      const bool moves = part.length > 0;
+      const double before = needed;
+      for (const Part* o : close) {
+        const bool apart = look_at(part.at((from + to) / 2), moves ? part.time(from) : part.begin,
+                                   moves ? part.time(to) : part.end, *o, near, needed);
+        if (!apart) order.apart_beyond = part.along + to;
+      }
+      if (needed > before) order.gates.push_back({part.along + from, 0, needed});
+    }
+  }
+  return order;
+}
+
+double time_at(const Trajectory& trajectory, double along) {
+  for (const Part& part : parts_of(trajectory, 0)) {
+    if (part.length > 0 && along < part.along + part.length)
+      return part.time(std::max(0.0, along - part.along));
+  }
+  return trajectory.back().time;
+}
+
+}  // namespace coppice

@@ -1,0 +1,96 @@
+// The space and time that the trajectories of other robots take. It tells when a disc may stand at a point,
+// and when it may set off along a straight line.
+//
+// A disc that moves on a line and a disc that stands or moves on another one: the times of departure at which
+// the two come too close are an interval (docs/coordination.md). Room in time widens it: a robot that is a
+// little early or late then meets nobody.
+//
+// Metres in the map frame, seconds of fleet time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "motion/segments.h"
+#include "motion/trajectory.h"
+#include "planning/geometry.h"
+
+namespace coppice {
+
+/// Radii by which a robot may stray from the way of its trajectory.
+inline constexpr double reserved_stray_radii = 0.05;
+/// Seconds by which a trajectory keeps clear of where others are earlier and later.
+inline constexpr double room_in_time = 0.125;
+/// Metres between the centres of two robots that trajectories keep: they may stray, and the gates that follow
+/// from the trajectories (reserved_order.h) close a little before the two could touch.
+inline double kept_apart(double radius, double other_radius) {
+  constexpr double gate_radii = 0.1;
+  return (1 + reserved_stray_radii) * (radius + other_radius) + gate_radii * std::max(radius, other_radius);
+}
+
+struct Interval {
+  double begin = 0;
+  double end = 0;
+};
+
+/// Sorts the intervals and joins those that overlap.
+void unite(std::vector<Interval>& intervals);
+
+class SpaceTime {
+ public:
+  /// For a disc of `radius`.
+  SpaceTime(const Box<2>& bounds, double radius);
+
+  /// Adds a robot that carries out a trajectory and then stands.
+  void add(const Trajectory& trajectory, double radius) {
+    add(trajectory, kept_apart(radius_, radius), forever);
+  }
+  /// Adds a robot that stands until a time.
+  void add_standing(const Point2& p, double radius, double until);
+  /// Adds a disc that stands for ever, and of which this one need keep no gap.
+  void add_obstacle(const Disc& disc);
+  /// The disc starts at p at a time. It may leave from there although others are closer than kept_apart(), as
+  /// long as it comes no closer.
+  void start_at(const Point2& p, double time);
+
+  /// Appends times at which the disc may not be at p, not sorted.
+  void blocked_at(const Point2& p, std::vector<Interval>& out);
+  /// Appends times at which it may not depart from a in order to be at b `duration` seconds later, not
+  /// sorted. Only those that touch `window` matter.
+  void blocked_departures(const Point2& a, const Point2& b, double duration, const Interval& window,
+                          std::vector<Interval>& out);
+
+  static constexpr double forever = std::numeric_limits<double>::infinity();
+
+ private:
+  /// A part of a trajectory along which a robot drives straight at constant speed, or stands.
+  struct Piece {
+    Point2 from;
+    Point2 velocity;
+    double begin;
+    double end;
+    double near;  ///< metres between the centres at which the two are too close
+    std::uint32_t looked_at = 0;
+  };
+
+  void add(const Trajectory& trajectory, double near, double until);
+  void add_piece(const Piece& piece);
+  std::size_t column(double x) const;
+  std::size_t row(double y) const;
+  template <class Fn>
+  void for_each_piece_near(const Point2& a, const Point2& b, Fn&& fn);
+
+  double radius_;
+  double cell_;
+  Point2 lower_;
+  std::size_t columns_;
+  std::size_t rows_;
+  std::vector<std::vector<std::uint32_t>> cells_;
+  std::vector<Piece> pieces_;
+  std::uint32_t looks_ = 0;
+};
+
+}  // namespace coppice

@@ -1,0 +1,32 @@
+// A path with times: where a robot plans to be, and when.
+//
+// Metres in the map frame, seconds of fleet time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "planning/geometry.h"
+
+namespace coppice {
+
+struct TimedPoint {
+  double time = 0;
+  Point2 position = Point2::Zero();
+  bool operator==(const TimedPoint&) const = default;
+};
+
+/// Straight at constant speed from each point to the next. The times grow. The robot stands at the first
+/// point before, and at the last one ever after.
+using Trajectory = std::vector<TimedPoint>;
+
+inline Path path_of(const Trajectory& trajectory) {
+  Path path;
+  for (const TimedPoint& p : trajectory) {
+    if (path.empty() || path.back() != p.position) path.push_back(p.position);
+  }
+  return path;
+}
+
+}  // namespace coppice

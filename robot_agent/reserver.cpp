@@ -1,0 +1,437 @@
+#include "robot_agent/reserver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "messages/validation.h"
+#include "motion/safe_interval_search.h"
+#include "motion/space_time.h"
+#include "robot_agent/limits.h"
+#include "robot_agent/timing.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double lead = 2 * control_period;  // between the plan and the departure
+constexpr double recent_state = Timing::recent_state;
+constexpr double close_radii = 3;  // between robots that may fear each other's next move
+
+/// Robots with longer ways reserve first.
+bool outranks(double way, const RobotName& robot, double other_way, const RobotName& other) {
+  return way != other_way ? way > other_way : robot < other;
+}
+
+bool is_in_basis(const ReservationMessage& of, const RobotName& robot, std::uint32_t number) {
+  return std::ranges::any_of(
+      of.basis, [&](const ReservationMessage::Basis& b) { return b.robot == robot && b.number == number; });
+}
+
+Box<2> box_of(const Trajectory& trajectory) {
+  Box<2> box{trajectory.front().position, trajectory.front().position};
+  for (const TimedPoint& p : trajectory) box = extended(box, p.position);
+  return box;
+}
+
+bool come_near(const ReservationMessage& a, const ReservationMessage& b) {
+  return distance(box_of(a.trajectory), box_of(b.trajectory)) < kept_apart(a.radius, b.radius);
+}
+
+Trajectory shifted(Trajectory trajectory, double offset) {
+  for (TimedPoint& p : trajectory) p.time += offset;
+  return trajectory;
+}
+
+/// Seconds to be added to the times of `other`, so that all robots order the two alike.
+double offset_between(const ReservationMessage& own, const ReservationMessage& other, double estimate) {
+  for (const ReservationMessage::Basis& b : own.basis) {
+    if (b.robot == other.robot && b.number == other.number) return b.offset;
+  }
+  for (const ReservationMessage::Basis& b : other.basis) {
+    if (b.robot == own.robot && b.number == own.number) return -b.offset;
+  }
+  return estimate;
+}
+
+}  // namespace
+
+/// Numbers grow, also over restarts of the process.
+std::uint32_t Reserver::next_number(double now) {
+  number_ = std::max(number_ + 1, static_cast<std::uint32_t>(std::max(0.0, now) / control_period) + 1);
+  return number_;
+}
+
+void Reserver::say(ReservationMessage message, const FleetMember& self, double now,
+                   std::vector<Outgoing>& out) {
+  message.robot = robot_;
+  message.radius = self.radius;
+  message.number = next_number(now);
+  message.run = run_;
+  out.emplace_back(std::move(message));
+}
+
+void Reserver::want(double way, const FleetMember& self, double now, std::vector<Outgoing>& out) {
+  say({.robot = {}, .way = way, .run = {}}, self, now, out);
+  state_ = Wanted{way, now};
+}
+
+/// Those may rely on the strip whose reservations this robot has said that it heeds.
+void Reserver::leave_strip(const Fleet& fleet, double now) {
+  const auto* const held = std::get_if<Held>(&state_);
+  if (held == nullptr) return;
+  for (const auto& [robot, told] : told_) {
+    const ReservationMessage* const r = others_->find(robot, run_);
+    const bool heeds = r != nullptr && told.number == r->number && !r->trajectory.empty();
+    if (heeds && come_near(*held->own, *r)) rely_on_strip_.push_back(robot);
+  }
+  strip_until_ = rely_on_strip_.empty() ? now : now + recent_state + fleet.longest_braking() + lead;
+}
+
+/// The process before this one may have held a reservation.
+void Reserver::begin_anew(const Fleet& fleet, double now) {
+  state_ = nothing;
+  number_ = next_number(now);
+  waits_for_.clear();
+  is_news_ = true;
+  strip_until_ = now + recent_state + fleet.longest_braking() + lead;
+  rely_on_strip_.assign(1, RobotName());  // nobody can say that it does not
+}
+
+/// A robot that says that it has heard may still brake on a line for which it relied on the strip.
+bool Reserver::may_leave_strip(const Fleet& fleet, double now) {
+  if (rely_on_strip_.empty()) return now >= strip_until_;
+  std::erase_if(rely_on_strip_, [&](const RobotName& robot) {
+    const auto knows = knows_this_.find(robot);
+    const auto m = fleet.find(robot);
+    return m && (m->failed || (knows != knows_this_.end() && knows->second >= number_));
+  });
+  if (rely_on_strip_.empty()) strip_until_ = std::min(strip_until_, now + fleet.longest_braking() + lead);
+  return now >= strip_until_;
+}
+
+void Reserver::hear(const RobotState& state) {
+  for (const ReservationId& known : state.knows) {
+    if (known.robot == robot_) knows_this_[state.robot] = std::max(knows_this_[state.robot], known.number);
+  }
+}
+
+/// Each number is told to its robot several times, and then from time to time.
+std::vector<ReservationId> Reserver::knows(std::span<const RobotName> robots) {
+  std::vector<ReservationId> known;
+  for (std::size_t k = 0; k < robots.size() && known.size() < most_known_reservations; ++k) {
+    const RobotName& robot = robots[(next_told_ + k) % robots.size()];
+    const ReservationMessage* const r = others_->find(robot, run_);
+    if (r == nullptr) continue;
+    Told& told = told_[robot];
+    if (told.number != r->number) told = {r->number, 0};
+    ++told.times;
+    if (told.times > 10 && told.times % 16 != 0) continue;
+    known.push_back({robot, r->number});
+  }
+  next_told_ += most_known_reservations;
+  return known;
+}
+
+void Reserver::drop(const FleetMember& self, const Fleet& fleet, double now, std::vector<Outgoing>& out) {
+  if (std::holds_alternative<None>(state_) && !std::exchange(is_news_, false)) return;
+  leave_strip(fleet, now);
+  say({.robot = {}, .run = {}}, self, now, out);
+  state_ = nothing;
+  waits_for_.clear();
+}
+
+bool Reserver::may_try(double now) const {
+  const auto* const none = std::get_if<None>(&state_);
+  return none != nullptr &&
+         now - none->tried_at >=
+             (others_->news() != none->news ? Timing::reserve_again : Timing::reserve_again_without_news);
+}
+
+bool Reserver::is_turn(const Wanted& wanted, const Fleet& fleet, double now) const {
+  if (now - wanted.since > Timing::longest_turn * fleet.second()) return true;
+  for (const FleetMember& m : fleet.others()) {
+    if (m.failed || m.wants_to_stay || m.stage != Stage::free) continue;
+    const ReservationMessage* const known = others_->find(m.robot, run_);
+    if (known == nullptr) return false;
+    const ReservationMessage& r = *known;
+    if (r.trajectory.empty() && r.way > 0 && outranks(r.way, m.robot, wanted.way, robot_)) return false;
+  }
+  return true;
+}
+
+void Reserver::plan(const Path& path, const FleetMember& self, const Limits& limits, const Fleet& fleet,
+                    MapRoadmaps& places, double now, std::vector<Outgoing>& out) {
+  const auto* const wanted = std::get_if<Wanted>(&state_);
+  if (wanted == nullptr || !self.stands || !is_turn(*wanted, fleet, now)) return;
+  SpaceTime taken(places.field().bounds(), self.radius);
+  ReservationMessage message{.robot = robot_, .radius = self.radius, .way = wanted->way, .run = run_};
+  for (const FleetMember& m : fleet.others()) {
+    if (m.failed) continue;
+    const ReservationMessage* const known = others_->find(m.robot, run_);
+    const bool holds = known != nullptr && !known->trajectory.empty() && m.reservation <= known->number &&
+                       m.stage == Stage::free;
+    if (holds) {
+      const ReservationMessage& r = *known;
+      taken.add(shifted(r.trajectory, m.clock_offset), r.radius);
+      message.basis.push_back({m.robot, r.number, m.clock_offset});
+    } else {
+      taken.add_standing(m.position, m.radius, m.wants_to_stay ? infinity : now + Timing::sets_off_within);
+    }
+  }
+  for (const Disc& zone : fleet.zones_of_failed(self.position, now)) taken.add_obstacle(zone);
+  const double speeding_up = limits.max_speed / limits.max_acceleration / 2;
+  const double begin = now + lead + speeding_up;
+  taken.start_at(self.position, begin);
+  SafeIntervalSearch search(places.field(), places.lattice(self.radius), self.radius, path);
+  auto found = search.search(taken, begin, limits.max_speed, speeding_up);
+  if (!found || found->size() < 2) {
+    drop(self, fleet, now, out);
+    state_ = None{now, others_->news()};
+    planned_in_vain_ = true;
+    return;
+  }
+  message.trajectory = *std::move(found);
+  std::erase_if(message.basis, [&](const ReservationMessage::Basis& b) {
+    return !come_near(message, *others_->find(b.robot, run_));
+  });
+  message.number = next_number(now);
+  const std::vector<Move> moves{{0, path_of(message.trajectory)}};
+  auto own = std::make_shared<const ReservationMessage>(std::move(message));
+  out.emplace_back(*own);
+  state_ =
+      Held{std::move(own), WayFollower(legs_of(0, moves), self.radius, reserved_stray_radii * self.radius)};
+}
+
+/// Where two robots planned at the same time, the robot with the shorter way plans again.
+bool Reserver::is_overridden(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places) {
+  Held& held = std::get<Held>(state_);
+  held.is_overridden = held.is_overridden || comes_too_close(self, fleet, places);
+  return held.is_overridden;
+}
+
+bool Reserver::comes_too_close(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places) {
+  Held& held = std::get<Held>(state_);
+  if (std::exchange(held.compared, others_->news()) == others_->news()) return false;
+  const ReservationMessage& own = *held.own;
+  for (const auto& [robot, other] : *others_) {
+    if (other->run != run_ || other->trajectory.empty() || !outranks(other->way, robot, own.way, robot_))
+      continue;
+    if (is_in_basis(own, robot, other->number) || is_in_basis(*other, robot_, own.number)) continue;
+    const auto m = fleet.find(robot);
+    if (!m || m->failed || !come_near(own, *other)) continue;
+    SpaceTime taken(places.field().bounds(), self.radius);
+    taken.add(shifted(other->trajectory, m->clock_offset), other->radius);
+    std::vector<Interval> blocked;
+    for (std::size_t k = 1; k < own.trajectory.size(); ++k) {
+      const TimedPoint& a = own.trajectory[k - 1];
+      const TimedPoint& b = own.trajectory[k];
+      if (b.time <= a.time) continue;
+      blocked.clear();
+      taken.blocked_departures(a.position, b.position, b.time - a.time, {a.time, a.time}, blocked);
+      for (const Interval& i : blocked) {
+        if (i.begin < a.time && a.time < i.end) return true;
+      }
+    }
+    blocked.clear();
+    taken.blocked_at(own.trajectory.back().position, blocked);
+    for (const Interval& i : blocked) {
+      if (i.end > own.trajectory.back().time) return true;
+    }
+  }
+  return false;
+}
+
+/// One of the two was planned around the other.
+bool Reserver::is_related(const ReservationMessage& own, const ReservationMessage& other) const {
+  return is_in_basis(own, other.robot, other.number) || is_in_basis(other, own.robot, own.number);
+}
+
+/// Takes up the order with robots whose reservations are new.
+void Reserver::look_at_others(Held& held, const Fleet& fleet) const {
+  if (std::exchange(held.news, others_->news()) == others_->news()) return;
+  const ReservationMessage& own = *held.own;
+  for (const auto& [robot, other] : *others_) {
+    if (other->run != run_) continue;
+    Pair& pair = held.pairs[robot];
+    if (pair.number == other->number) continue;
+    pair = {.number = other->number};
+    if (other->trajectory.empty()) continue;
+    if (!come_near(own, *other)) {
+      pair.is_related = true;
+      continue;
+    }
+    const auto m = fleet.find(robot);
+    const double offset = offset_between(own, *other, m ? m->clock_offset : 0);
+    Order order = order_of(own.trajectory, own.radius, other->trajectory, other->radius, offset);
+    Order theirs = order_of(other->trajectory, other->radius, own.trajectory, own.radius, -offset);
+    pair.gates = Gates(std::move(order.gates));
+    pair.theirs = std::move(theirs.gates);
+    pair.is_related = is_related(own, *other);
+    pair.apart_beyond = order.apart_beyond;
+    pair.they_beyond = theirs.apart_beyond;
+  }
+}
+
+/// Metres along its way that the robot has come at a time, at least. It may have begun to brake after its
+/// promise.
+double Reserver::First::progress_at(double time) const {
+  const Promise& p = promise;
+  const double t = time - clock_error;
+  if (t < p.turn) return progress - (p.turn - t) * p.velocity.norm();
+  double driven = (std::min(t, p.expiry) - p.turn) * p.next_velocity.norm();
+  double speed = p.next_velocity.norm();
+  for (double begin = p.expiry; begin < t && speed > 0; begin += control_period) {
+    speed = std::max(0.0, speed - limits.max_acceleration * control_period);
+    driven += speed * std::min(control_period, t - begin);
+  }
+  return progress + std::max(0.0, driven - slip);
+}
+
+Point2 Reserver::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
+                                    const Limits& limits, double now) {
+  Held& held = std::get<Held>(state_);
+  look_at_others(held, fleet);
+  const double slack = gate_slack_radii * self.radius;
+  const double progress = held.follower.progress();
+  held.first.clear();
+  double open = infinity;
+  const RobotName* next = nullptr;
+  for (auto& [robot, pair] : held.pairs) {
+    if (pair.gates.all_open()) continue;
+    const auto m = fleet.find(robot, now);
+    const bool has_left = m && m->stands && (m->reservation > pair.number || m->stage != Stage::free);
+    if (!m || m->failed || has_left) continue;
+    const bool drives = m->reservation == pair.number;
+    const First first{&pair,
+                      m->promise,
+                      m->limits,
+                      m->clock_error,
+                      drives ? m->reservation_progress : 0,
+                      2 * reserved_stray_radii * m->radius};
+    const double passed = drives ? m->reservation_progress : 0;
+    if (pair.gates.open(progress, slack, [&](std::size_t) { return passed; }) == infinity) continue;
+    held.first.push_back(first);
+    const double certain = drives ? first.progress_at(infinity) : 0;
+    const double until = pair.gates.open_if(progress, slack, certain);
+    if (until >= open) continue;
+    open = until;
+    next = &robot;
+  }
+  const Point2 wanted = held.follower.preferred_velocity(position, limits, control_period, open);
+  own_speed_ = std::min(limits.max_speed, self.velocity.norm() + limits.max_acceleration * control_period);
+  own_limits_ = limits;
+  waits_for_ = next != nullptr && open - held.follower.progress() < slack ? *next : RobotName();
+  return wanted;
+}
+
+bool Reserver::allows(const Driver& body, const Point2& velocity) const {
+  const Held& held = std::get<Held>(state_);
+  const double slack = gate_slack_radii * body.radius();
+  const double begin = held.follower.progress();
+  Point2 here = body.turn_position();
+  Point2 v = velocity;
+  double along = begin;
+  for (double t = body.time() + control_period; !v.isZero(0); t += control_period) {
+    const Point2 next = here + control_period * v;
+    const auto comes_to = held.follower.along_strip(here, next, along);
+    if (!comes_to) return false;
+    for (const First& first : held.first) {
+      if (!first.pair->is_related) continue;
+      const double certain = first.progress_at(t);
+      for (const Gate& gate : first.pair->gates.left()) {
+        if (gate.at >= *comes_to - 1e-9) break;
+        if (gate.at >= begin - 1e-9 && certain < gate.needed - slack) return false;
+      }
+    }
+    here = next;
+    along = *comes_to;
+    v = braked(v, body.limits(), control_period);
+  }
+  return true;
+}
+
+/// Until both are sure to know each other's reservation, one may have passed a gate that is closed to it.
+/// From then on neither does.
+void Reserver::confirm(const RobotState& other) {
+  auto* const held = std::get_if<Held>(&state_);
+  if (held == nullptr || other.reservation == 0 || other.stage != Stage::free || other.passed_on) return;
+  const auto known = held->pairs.find(other.robot);
+  if (known == held->pairs.end() || known->second.is_confirmed || !known->second.is_related ||
+      known->second.number != other.reservation)
+    return;
+  Pair& pair = known->second;
+  const bool apart =
+      held->follower.progress() > pair.apart_beyond || other.reservation_progress > pair.they_beyond;
+  const auto knows = knows_this_.find(other.robot);
+  if (!apart || knows == knows_this_.end() || knows->second != held->own->number) return;
+  const auto passed_closed = [](std::span<const Gate> gates, double committed, double others_progress,
+                                double slack) {
+    const auto closed =
+        std::ranges::find_if(gates, [&](const Gate& gate) { return gate.needed - slack > others_progress; });
+    return closed != gates.end() && closed->at < committed - 1e-6;
+  };
+  const double slack = gate_slack_radii * std::min(held->own->radius, other.radius);
+  const auto committed = [&](double progress, double speed, const Limits& limits) {
+    return progress + control_period * speed + braking_distance(speed, limits, control_period);
+  };
+  const double theirs =
+      committed(other.reservation_progress, other.promise.next_velocity.norm(), limits_of(other));
+  const double own = committed(held->follower.progress(), own_speed_, own_limits_);
+  pair.is_confirmed = !passed_closed(pair.theirs, theirs, held->follower.progress(), slack) &&
+                      !passed_closed(pair.gates.all(), own, other.reservation_progress, slack);
+}
+
+bool Reserver::passes(const RobotState& other, double age) {
+  const auto* const held = std::get_if<Held>(&state_);
+  if (held == nullptr || age > recent_state || other.reservation == 0 || other.stage != Stage::free)
+    return false;
+  const auto known = held->pairs.find(other.robot);
+  const ReservationMessage* const latest = others_->find(other.robot, run_);
+  const bool is_latest = latest != nullptr && latest->number == other.reservation;
+  if (!is_latest || known == held->pairs.end() || known->second.number != other.reservation) return false;
+  if (!known->second.is_confirmed) confirm(other);
+  return known->second.is_confirmed;
+}
+
+void Reserver::doubt_all() {
+  if (auto* const held = std::get_if<Held>(&state_)) {
+    for (auto& [robot, pair] : held->pairs) pair.is_confirmed = false;
+  }
+}
+
+bool Reserver::gives_way(const FleetMember& self, const Fleet& fleet) const {
+  const Held& held = std::get<Held>(state_);
+  const double own = time_at(held.own->trajectory, held.follower.progress());
+  for (const FleetMember& m : fleet.beside(self.position, self.radius, close_radii)) {
+    const ReservationMessage* const known = others_->find(m.robot, run_);
+    if (m.failed || known == nullptr || known->trajectory.empty() || m.reservation != known->number) continue;
+    const auto pair = held.pairs.find(m.robot);
+    const bool is_confirmed = pair != held.pairs.end() && pair->second.is_confirmed;
+    if (is_confirmed || m.wants_to_stay || !m.waits_for.empty()) continue;
+    const double other = time_at(known->trajectory, m.reservation_progress) + m.clock_offset;
+    if (other < own || (other == own && m.robot < robot_)) return true;
+  }
+  return false;
+}
+
+bool Reserver::is_worth_waiting(const Fleet& fleet, double now) {
+  RobotName last = waits_for_;
+  auto m = fleet.find(last);
+  for (std::size_t hops = 0; m && !m->waits_for.empty() && hops < 1000; ++hops) {
+    if (m->waits_for == robot_) return false;
+    last = m->waits_for;
+    m = fleet.find(last);
+  }
+  if (!m || m->failed) return false;
+  if (last != awaited_ || m->reservation_progress != awaited_progress_ || m->stage != Stage::free) {
+    awaited_ = last;
+    awaited_progress_ = m->reservation_progress;
+    awaited_since_ = now;
+  }
+  return now - awaited_since_ < Timing::longest_wait_at_gate;
+}
+
+}  // namespace coppice

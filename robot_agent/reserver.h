@@ -1,0 +1,181 @@
+// The reservation of one robot: a trajectory in space and time, planned around those of the others, and the
+// order in which it passes them.
+//
+// A robot that has a path announces how long its way is. The robots with the longest ways plan first; each
+// plans for itself as soon as nobody who waits has a longer way. It publishes its trajectory, and with it the
+// reservations around which it was planned (its basis). If two robots plan at the same time, neither is in
+// the other's basis; where the two come too close, the robot with the shorter way plans again.
+//
+// While it drives, order counts and time does not: where its way comes near the way of another, the robot
+// whose trajectory passes first goes first (motion/reserved_order.h).
+//
+// Two robots that know each other's reservations need not reckon with whatever the other one may do: each
+// stays in the strip along its way and heeds its gates (docs/safety.md). A robot leaves its strip only when
+// all who may rely on it have heard that it has no reservation, or another one.
+//
+// A state machine like the agent that owns it: times are fleet time, seconds; metres.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "messages/bus.h"
+#include "messages/messages.h"
+#include "motion/driver.h"
+#include "motion/packed_roadmap.h"
+#include "motion/reserved_order.h"
+#include "motion/way_follower.h"
+#include "robot_agent/fleet.h"
+#include "robot_agent/reservations.h"
+
+namespace coppice {
+
+class Reserver {
+ public:
+  /// `others` outlives it.
+  Reserver(RobotName robot, const RunId& run, const Reservations& others)
+      : robot_(std::move(robot)), run_(run), others_(&others), state_(nothing) {}
+
+  /// The robot keeps to its reservation, and it was overridden.
+  bool is_to_stand() const { return holds() && std::get<Held>(state_).is_overridden; }
+  /// The robot drives by its reservation, or has driven to its end.
+  bool holds() const { return std::holds_alternative<Held>(state_); }
+  bool wants() const { return std::holds_alternative<Wanted>(state_); }
+  /// The robot waits for its turn, and has not planned in vain since it last held a reservation.
+  bool waits_for_its_turn() const { return wants() && !planned_in_vain_; }
+  std::uint32_t number() const { return holds() ? std::get<Held>(state_).own->number : 0; }
+  bool finished() const { return std::get<Held>(state_).follower.finished(); }
+  double progress() const { return holds() ? std::get<Held>(state_).follower.progress() : 0; }
+  /// The way of the reservation; the robot holds one.
+  Path way() const { return path_of(std::get<Held>(state_).own->trajectory); }
+  /// The robot that passes first, at the gate where this one stands; empty: none.
+  const RobotName& waits_for() const { return waits_for_; }
+  /// Metres between the robot and the way of its reservation.
+  double off_the_way(const Point2& p) const { return std::get<Held>(state_).follower.off_the_way(p); }
+  /// Metres that are left.
+  double way_left() const {
+    const auto& follower = std::get<Held>(state_).follower;
+    return follower.length() - follower.progress();
+  }
+
+  /// The robot stands and has a path of so many metres to drive. Announces it.
+  void want(double way, const FleetMember& self, double now, std::vector<Outgoing>& out);
+  /// The robot stands. It has no reservation any more, and wants none. Tells the others, if it is news.
+  void drop(const FleetMember& self, const Fleet& fleet, double now, std::vector<Outgoing>& out);
+
+  /// Plans if it is this robot's turn: from where it stands along `path`, or beside it.
+  void plan(const Path& path, const FleetMember& self, const Limits& limits, const Fleet& fleet,
+            MapRoadmaps& places, double now, std::vector<Outgoing>& out);
+  /// The robot may try anew: something has changed since the last attempt, or that was a while ago.
+  bool may_try(double now) const;
+  /// Another robot has reserved at the same time, too close, and goes first. The robot is to stand, and to
+  /// plan anew.
+  bool is_overridden(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places);
+
+  /// A state of another robot came.
+  void hear(const RobotState& state);
+  /// What to tell these robots: the reservations of theirs that this robot heeds.
+  std::vector<ReservationId> knows(std::span<const RobotName> robots);
+  /// The process was started in mid-run, or slept: others may rely on a reservation that it does not know.
+  void begin_anew(const Fleet& fleet, double now);
+  /// Nobody relies on the robot to stay in a strip that it has left behind.
+  bool may_leave_strip(const Fleet& fleet, double now);
+  /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.
+  /// `age`: of the other's state, at most, seconds.
+  bool passes(const RobotState& other, double age);
+  /// Others may have taken this robot for failed, and passed gates that were closed.
+  void doubt_all();
+
+  /// To be called in each control period: the preferred velocity. `position`: where it takes effect.
+  Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
+                            const Limits& limits, double now);
+  /// Whether the robot stays in its strip and heeds its gates if it takes a velocity from the turn on, for
+  /// one period, and then brakes. Valid after preferred_velocity() of the same period.
+  bool allows(const Driver& body, const Point2& velocity) const;
+  void led_past(bool everything) { std::get<Held>(state_).follower.led_past(everything); }
+  /// A robot close by is further behind its trajectory. A robot that is held up lets it go first.
+  bool gives_way(const FleetMember& self, const Fleet& fleet) const;
+  /// The robots that wait for each other, one for the next: whether the last one of them comes on.
+  bool is_worth_waiting(const Fleet& fleet, double now);
+
+ private:
+  struct Pair {                ///< this robot and another one
+    std::uint32_t number = 0;  ///< of the other's reservation
+    Gates gates{};
+    std::vector<Gate> theirs{};  ///< before this robot
+    bool is_related = false;     ///< one was planned around the other
+    double apart_beyond = -1;    ///< metres along this robot's way, or
+    double they_beyond = -1;     ///< along the other's, beyond which the two keep apart
+    bool is_confirmed = false;   ///< both heed the order
+  };
+  /// A robot that goes first at the next gates: how far it has come, at least.
+  struct First {
+    const Pair* pair;
+    Promise promise;
+    Limits limits;
+    double clock_error;
+    double progress;
+    double slip;  ///< metres by which its progress may be less than what it drives
+
+    double progress_at(double time) const;
+  };
+  struct None {
+    double tried_at;  ///< the last attempt that failed
+    std::uint32_t news;
+  };
+  struct Wanted {
+    double way = 0;
+    double since = 0;
+  };
+  struct Held {
+    std::shared_ptr<const ReservationMessage> own;
+    WayFollower follower;
+    std::map<RobotName, Pair> pairs{};
+    std::vector<First> first{};  ///< in this period
+    bool is_overridden = false;
+    std::uint32_t news = ~std::uint32_t{0};  ///< up to which the gates are taken up
+    std::uint32_t compared = 0;              ///< up to which others were compared with this one
+  };
+
+  static constexpr None nothing{-1e9, 0};
+
+  std::uint32_t next_number(double now);
+  void say(ReservationMessage message, const FleetMember& self, double now, std::vector<Outgoing>& out);
+  bool is_turn(const Wanted& wanted, const Fleet& fleet, double now) const;
+  void look_at_others(Held& held, const Fleet& fleet) const;
+  bool is_related(const ReservationMessage& own, const ReservationMessage& other) const;
+  bool comes_too_close(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places);
+  void leave_strip(const Fleet& fleet, double now);
+  void confirm(const RobotState& other);
+
+  RobotName robot_;
+  RunId run_;
+  const Reservations* others_;
+  std::uint32_t number_ = 0;  ///< of the last message
+  bool planned_in_vain_ = false;
+  bool is_news_ = false;  ///< others have not been told that there is no reservation
+  std::variant<None, Wanted, Held> state_;
+  RobotName waits_for_;
+  std::map<RobotName, std::uint32_t> knows_this_;  ///< the number of this robot that another one has heard of
+  struct Told {
+    std::uint32_t number = 0;
+    std::uint32_t times = 0;
+  };
+  std::map<RobotName, Told> told_;
+  std::size_t next_told_ = 0;
+  std::vector<RobotName> rely_on_strip_;  ///< they may, until they have heard of the last message
+  double strip_until_ = 0;                ///< then nobody relies on it any more
+  double own_speed_ = 0;
+  Limits own_limits_{};
+  RobotName awaited_;
+  double awaited_progress_ = 0;
+  double awaited_since_ = 0;
+};
+
+}  // namespace coppice

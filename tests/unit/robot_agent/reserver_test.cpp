@@ -1,0 +1,178 @@
+// Tests of robots that reserve trajectories, message by message.
+#include "robot_agent/reserver.h"
+
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/motion/plans.h"
+#include "tests/unit/robot_agent/states.h"
+
+namespace coppice {
+namespace {
+
+constexpr Limits limits{20, 40};
+
+/// Robots a and b, of which each knows the other by what the test hands over. a has the longer way.
+struct Robot {
+  Robot(RobotName name, Path way, MapRoadmaps& map)
+      : path(std::move(way)), places(map), fleet(name), reserver(name, {}, others) {
+    self = {
+        .robot = name, .position = path.front(), .radius = 5, .stands = true, .round = {}, .waits_for = {}};
+    for (const char* robot : {"a", "b"})
+      fleet.hear(Mission{.robot = robot,
+                         .start = path.front(),
+                         .goal = path.back(),
+                         .radius = 5,
+                         .max_speed = limits.max_speed,
+                         .max_acceleration = limits.max_acceleration,
+                         .clock = {}},
+                 0);
+  }
+  void want(double now) { reserver.want(length_of(path), self, now, said); }
+  void plan(double now) { reserver.plan(path, self, limits, fleet, places, now, said); }
+  void drop(double now) { reserver.drop(self, fleet, now, said); }
+  void look() { reserver.preferred_velocity(self, fleet, path.front(), limits, 0); }
+  RobotState state(double now) {
+    RobotState state = state_of(self.robot, now, self.position);
+    state.phase = Phase::driving;
+    state.reservation = reserver.number();
+    state.knows = reserver.knows(std::vector<RobotName>{self.robot == "a" ? "b" : "a"});
+    return state;
+  }
+  const ReservationMessage& last() const { return std::get<ReservationMessage>(said.back().message); }
+
+  Path path;
+  MapRoadmaps& places;
+  Fleet fleet;
+  Reservations others;
+  Reserver reserver;
+  FleetMember self;
+  std::vector<Outgoing> said;
+};
+
+class ReserverTest : public testing::Test {
+ protected:
+  static void tell(Robot& to, const Robot& from) {
+    to.others.hear(std::make_shared<const ReservationMessage>(from.last()));
+  }
+  static RobotState tell_state(Robot& to, Robot& from, double now) {
+    const RobotState state = from.state(now);
+    to.fleet.hear(std::make_shared<const RobotState>(state), now + 0.001);
+    to.reserver.hear(state);
+    return state;
+  }
+  /// Both hold reservations; b planned around a.
+  void reserve_both() {
+    for (Robot* robot : {&a, &b}) robot->want(0);
+    tell(b, a);
+    tell(a, b);
+    tell_state(a, b, 0);
+    tell_state(b, a, 0);
+    a.plan(0.1);
+    tell(b, a);
+    b.plan(0.2);
+    tell(a, b);
+  }
+
+  ClearanceField field{test::open_map(200, 200)};
+  MapRoadmaps places{field};
+  Robot a{"a", {{20, 100}, {180, 100}}, places};
+  Robot b{"b", {{100, 6}, {100, 160}}, places};  ///< b passes second
+};
+
+TEST_F(ReserverTest, TheRobotWithTheLongestWayReservesFirst) {
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  tell(b, a);
+  tell(a, b);
+  tell_state(a, b, 0);
+  tell_state(b, a, 0);
+  b.plan(0.1);
+  EXPECT_FALSE(b.reserver.holds());
+  a.plan(0.1);
+  ASSERT_TRUE(a.reserver.holds());
+  tell(b, a);
+  b.plan(0.2);
+  ASSERT_TRUE(b.reserver.holds());
+  ASSERT_EQ(b.last().basis.size(), 1u);
+  EXPECT_EQ(b.last().basis.front().robot, "a");
+  EXPECT_EQ(b.last().basis.front().number, a.last().number);
+}
+
+TEST_F(ReserverTest, ARobotWaitsForItsTurnForTwoSecondsAtMost) {
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  tell(b, a);
+  b.plan(1.9);
+  EXPECT_FALSE(b.reserver.holds());
+  b.plan(2.1);
+  EXPECT_TRUE(b.reserver.holds());
+}
+
+TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheShorterWayPlansAnew) {
+  b.path = {{100, 20}, {100, 179}};  // both would be in the middle at the same time
+  b.self.position = b.path.front();
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  for (Robot* robot : {&a, &b}) robot->plan(2.1);
+  ASSERT_TRUE(a.reserver.holds() && b.reserver.holds());
+  tell(a, b);
+  tell(b, a);
+  EXPECT_FALSE(a.reserver.is_overridden(a.self, a.fleet, places));
+  EXPECT_TRUE(b.reserver.is_overridden(b.self, b.fleet, places));
+  EXPECT_TRUE(b.reserver.is_to_stand());
+}
+
+TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
+  reserve_both();
+  a.look();
+  RobotState before = b.state(0.3);
+  before.knows.clear();
+  EXPECT_FALSE(a.reserver.passes(before, 0.05));
+  const RobotState state = tell_state(a, b, 0.4);
+  ASSERT_EQ(state.knows.size(), 1u);
+  EXPECT_TRUE(a.reserver.passes(state, 0.05));
+  EXPECT_FALSE(a.reserver.passes(state, 2.5)) << "the state is old";
+  a.reserver.doubt_all();
+  RobotState ahead = state;
+  ahead.reservation_progress = 100;  // past the gate where it lets a pass first
+  EXPECT_FALSE(a.reserver.passes(ahead, 0.05));
+}
+
+TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) {
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  for (Robot* robot : {&a, &b}) robot->plan(2.1);
+  tell(a, b);
+  tell(b, a);
+  a.look();
+  const RobotState state = tell_state(a, b, 2.2);
+  ASSERT_EQ(state.knows.size(), 1u);
+  EXPECT_FALSE(a.reserver.passes(state, 0.05));
+}
+
+TEST_F(ReserverTest, ARobotLeavesItsStripWhenThoseWhoRelyOnItHaveHeardAndCouldHaveBraked) {
+  reserve_both();
+  tell_state(b, a, 0.3);  // a says that it heeds b's reservation
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.fleet, 1));
+  tell(b, a);
+  tell_state(a, b, 1.2);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.fleet, 1.2)) << "b may still brake";
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.fleet, 1.2 + 0.7));
+}
+
+TEST_F(ReserverTest, ARobotThatHearsNothingLeavesItsStripWhenNoRecentStateNamesItsReservation) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.fleet, 1 + 2.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.fleet, 1 + 2.7));
+}
+
+TEST_F(ReserverTest, ARobotInWhoseStatesNobodyIsHeededMayLeaveItsStripAtOnce) {
+  reserve_both();
+  a.drop(1);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.fleet, 1));
+}
+
+}  // namespace
+}  // namespace coppice
