@@ -13,7 +13,7 @@ namespace coppice {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t most_expansions = 50'000;
+constexpr std::size_t most_expansions = 15'000;  // about half a second: an agent must not fall silent
 constexpr double detour = 1.5;       // of the shortest way: vertices further away are not looked at
 constexpr double worthwhile = 1.2;   // of the path: if the lattice's way is longer, the path is looked at too
 constexpr double detour_steps = 20;  // spacings beyond that

@@ -102,6 +102,7 @@ void Reserver::begin_anew(const Fleet& fleet, double now) {
 
 /// A robot that says that it has heard may still brake on a line for which it relied on the strip.
 bool Reserver::may_leave_strip(const Fleet& fleet, double now) {
+  if (now >= strip_until_) rely_on_strip_.clear();
   if (rely_on_strip_.empty()) return now >= strip_until_;
   std::erase_if(rely_on_strip_, [&](const RobotName& robot) {
     const auto knows = knows_this_.find(robot);

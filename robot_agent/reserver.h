@@ -58,11 +58,6 @@ class Reserver {
   const RobotName& waits_for() const { return waits_for_; }
   /// Metres between the robot and the way of its reservation.
   double off_the_way(const Point2& p) const { return std::get<Held>(state_).follower.off_the_way(p); }
-  /// Metres that are left.
-  double way_left() const {
-    const auto& follower = std::get<Held>(state_).follower;
-    return follower.length() - follower.progress();
-  }
 
   /// The robot stands and has a path of so many metres to drive. Announces it.
   void want(double way, const FleetMember& self, double now, std::vector<Outgoing>& out);
@@ -126,11 +121,11 @@ class Reserver {
     double progress_at(double time) const;
   };
   struct None {
-    double tried_at;  ///< the last attempt that failed
-    std::uint32_t news;
+    double tried_at;     ///< the last attempt that failed
+    std::uint32_t news;  ///< of the others, up to then
   };
   struct Wanted {
-    double way = 0;
+    double way = 0;  ///< metres
     double since = 0;
   };
   struct Held {

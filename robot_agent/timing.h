@@ -187,7 +187,7 @@ struct Timing {
   static constexpr double recent_state = 2;
   /// scaled s for which a robot waits until those with longer ways have reserved. Network: a message reaches
   /// all within this time.
-  static constexpr double longest_turn = 2;
+  static constexpr double longest_turn = 5;
   /// fleet s for which a reservation keeps clear of a robot that stands and has none: it is to set off soon.
   static constexpr double sets_off_within = 5;
   /// fleet s between two attempts to reserve, if another robot has a new reservation.

@@ -100,12 +100,12 @@ TEST_F(ReserverTest, TheRobotWithTheLongestWayReservesFirst) {
   EXPECT_EQ(b.last().basis.front().number, a.last().number);
 }
 
-TEST_F(ReserverTest, ARobotWaitsForItsTurnForTwoSecondsAtMost) {
+TEST_F(ReserverTest, ARobotWaitsForItsTurnForFiveSecondsAtMost) {
   for (Robot* robot : {&a, &b}) robot->want(0);
   tell(b, a);
-  b.plan(1.9);
+  b.plan(4.9);
   EXPECT_FALSE(b.reserver.holds());
-  b.plan(2.1);
+  b.plan(5.1);
   EXPECT_TRUE(b.reserver.holds());
 }
 
@@ -113,7 +113,7 @@ TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheShorterWayPlansAnew)
   b.path = {{100, 20}, {100, 179}};  // both would be in the middle at the same time
   b.self.position = b.path.front();
   for (Robot* robot : {&a, &b}) robot->want(0);
-  for (Robot* robot : {&a, &b}) robot->plan(2.1);
+  for (Robot* robot : {&a, &b}) robot->plan(5.1);
   ASSERT_TRUE(a.reserver.holds() && b.reserver.holds());
   tell(a, b);
   tell(b, a);
@@ -140,11 +140,11 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) {
   for (Robot* robot : {&a, &b}) robot->want(0);
-  for (Robot* robot : {&a, &b}) robot->plan(2.1);
+  for (Robot* robot : {&a, &b}) robot->plan(5.1);
   tell(a, b);
   tell(b, a);
   a.look();
-  const RobotState state = tell_state(a, b, 2.2);
+  const RobotState state = tell_state(a, b, 5.2);
   ASSERT_EQ(state.knows.size(), 1u);
   EXPECT_FALSE(a.reserver.passes(state, 0.05));
 }
