@@ -96,6 +96,7 @@ void Reserver::begin_anew(const Fleet& fleet, double now) {
   number_ = next_number(now);
   waits_for_.clear();
   is_news_ = true;
+  if (fleet.size_of_the_run() < 2) return;
   strip_until_ = now + recent_state + fleet.longest_braking() + lead;
   rely_on_strip_.assign(1, RobotName());  // nobody can say that it does not
 }

@@ -74,9 +74,10 @@ std::vector<RobotState> said_to_one_other(RobotAgent& a, RobotAgent& b, double f
     for (RobotAgent* agent : {&a, &b}) {
       if (agent->next_wake() > now) continue;
       for (const Message& message : messages(agent->step(now))) {
-        if (!std::holds_alternative<RobotState>(message)) continue;
+        const auto* const state = std::get_if<RobotState>(&message);
+        if (state == nullptr && !std::holds_alternative<ReservationMessage>(message)) continue;
         (agent == &a ? b : a).on(arrival_of(message, now));
-        if (agent == &a) said.push_back(std::get<RobotState>(message));
+        if (agent == &a && state != nullptr) said.push_back(*state);
       }
     }
     now = std::max(now + 0.001, std::min(a.next_wake(), b.next_wake()) + late);
