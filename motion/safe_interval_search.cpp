@@ -101,8 +101,8 @@ void SafeIntervalSearch::measure_distances() {
     if (here > distance_[v]) continue;
     if (here > most) break;
     if (v == start_) most = detour * here + detour_steps * lattice_.spacing();
-    for_each_link(v, [&](Vertex w, double length) {
-      const auto through = static_cast<float>(here + length);
+    for_each_link(v, [&, from = here](Vertex w, double length) {  // clang 14 captures no binding
+      const auto through = static_cast<float>(from + length);
       if (through >= distance_[w]) return;
       distance_[w] = through;
       open.emplace(through, w);
