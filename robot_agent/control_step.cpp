@@ -91,7 +91,7 @@ void Run::wake(double now) {
   round_.forget(epoch, counted_on);
   fleet_.wake(now);
   startup_since_ = now;
-  reserver_.begin_anew(fleet_, now);
+  reserver_.begin_anew(fleet_, body_.time(), now);
   connectivity_.join(now + listening_time());
 }
 

@@ -91,13 +91,13 @@ void Reserver::leave_strip(const Fleet& fleet, double now) {
 }
 
 /// The process before this one may have held a reservation.
-void Reserver::begin_anew(const Fleet& fleet, double now) {
+void Reserver::begin_anew(const Fleet& fleet, double last_state, double now) {
   state_ = nothing;
   number_ = next_number(now);
   waits_for_.clear();
   is_news_ = true;
   if (fleet.size_of_the_run() < 2) return;
-  strip_until_ = now + recent_state + fleet.longest_braking() + lead;
+  strip_until_ = last_state + recent_state + fleet.longest_braking() + lead;
   rely_on_strip_.assign(1, RobotName());  // nobody can say that it does not
 }
 

@@ -78,7 +78,8 @@ class Reserver {
   /// What to tell these robots: the reservations of theirs that this robot heeds.
   std::vector<ReservationId> knows(std::span<const RobotName> robots);
   /// The process was started in mid-run, or slept: others may rely on a reservation that it does not know.
-  void begin_anew(const Fleet& fleet, double now);
+  /// `last_state`: the stamp of the last state that was said before.
+  void begin_anew(const Fleet& fleet, double last_state, double now);
   /// Nobody relies on the robot to stay in a strip that it has left behind.
   bool may_leave_strip(const Fleet& fleet, double now);
   /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.

@@ -81,7 +81,7 @@ void Run::go_on_from(const SavedState& saved, double now) {
 void Run::join_in_mid_run(std::span<const Heard> silent, double now) {
   fleet_.begin_anew(silent, now);
   connectivity_.join(now + listening_time());
-  reserver_.begin_anew(fleet_, now);
+  reserver_.begin_anew(fleet_, body_.time(), now);
 }
 
 void Run::take_up(const Mission& mission, WallTime now) {
