@@ -180,7 +180,7 @@ std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double b
   known_.clear();
   states_.clear();
   open_.clear();
-  expanded_ = 0;
+  std::size_t expanded = 0;
   Known& first = known(start_, others);
   const auto safe =
       std::ranges::find_if(first.safe, [&](const Interval& i) { return i.begin <= begin && begin < i.end; });
@@ -195,7 +195,7 @@ std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double b
     if (std::exchange(states_[number].closed, true)) continue;
     const State here = states_[number];
     if (here.vertex == goal_ && here.safe_until == infinity) return trajectory_to(number, begin, speed);
-    if (++expanded_ > most_expansions) return std::nullopt;
+    if (++expanded > most_expansions) return std::nullopt;
     for_each_link(here.vertex, [&](Vertex w, double length) {
       if (distance_[w] == std::numeric_limits<float>::infinity()) return;
       if (here.parent != none) {

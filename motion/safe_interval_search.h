@@ -36,8 +36,6 @@ class SafeIntervalSearch {
   /// there is none, or if the search takes too long.
   std::optional<Trajectory> search(SpaceTime& others, double begin, double speed, double speeding_up);
 
-  std::size_t expanded() const { return expanded_; }
-
  private:
   using Vertex = std::uint32_t;
   static constexpr std::uint32_t none = ~std::uint32_t{0};
@@ -86,7 +84,6 @@ class SafeIntervalSearch {
   std::vector<State> states_;
   std::vector<std::pair<double, std::uint32_t>> open_;  ///< a heap, the earliest arrival at the goal first
   std::vector<Interval> blocked_;
-  std::size_t expanded_ = 0;
 };
 
 }  // namespace coppice

@@ -3,8 +3,6 @@
 // Metres in the map frame, seconds of fleet time.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
 #include <vector>
 
 #include "planning/geometry.h"

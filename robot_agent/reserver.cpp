@@ -78,7 +78,7 @@ void Reserver::want(double way, const FleetMember& self, double now, std::vector
   state_ = Wanted{way, now};
 }
 
-/// Those may rely on the strip whose reservations this robot has said that it heeds.
+/// Another robot may count on the strip if this robot has told it that it heeds its reservation.
 void Reserver::leave_strip(const Fleet& fleet, double now) {
   const auto* const held = std::get_if<Held>(&state_);
   if (held == nullptr) return;
@@ -98,7 +98,7 @@ void Reserver::begin_anew(const Fleet& fleet, double last_state, double now) {
   is_news_ = true;
   if (fleet.size_of_the_run() < 2) return;
   strip_until_ = last_state + recent_state + fleet.longest_braking() + lead;
-  rely_on_strip_.assign(1, RobotName());  // nobody can say that it does not
+  rely_on_strip_.assign(1, RobotName());  // so that no answer of a peer shortens the wait
 }
 
 /// A robot that says that it has heard may still brake on a line for which it relied on the strip.

@@ -11,7 +11,7 @@
 //
 // Two robots that know each other's reservations need not reckon with whatever the other one may do: each
 // stays in the strip along its way and heeds its gates (docs/safety.md). A robot leaves its strip only when
-// all who may rely on it have heard that it has no reservation, or another one.
+// no other robot can still count on it to stay there.
 //
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
@@ -80,7 +80,8 @@ class Reserver {
   /// The process was started in mid-run, or slept: others may rely on a reservation that it does not know.
   /// `last_state`: the stamp of the last state that was said before.
   void begin_anew(const Fleet& fleet, double last_state, double now);
-  /// Nobody relies on the robot to stay in a strip that it has left behind.
+  /// Whether this robot may move off the strip of its last reservation: no other robot counts on it to stay
+  /// there any more.
   bool may_leave_strip(const Fleet& fleet, double now);
   /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.
   /// `age`: of the other's state, at most, seconds.
