@@ -34,7 +34,7 @@ constexpr int domain = 153;
 
 double chaos_seconds() {
   const char* const wanted = std::getenv("COPPICE_CHAOS_SECONDS");
-  return wanted != nullptr ? std::strtod(wanted, nullptr) : 20;
+  return wanted != nullptr ? std::strtod(wanted, nullptr) : 30;
 }
 
 struct ChaosRun {
