@@ -18,15 +18,6 @@ constexpr double detour = 1.5;       // of the shortest way: vertices further aw
 constexpr double worthwhile = 1.2;   // of the path: if the lattice's way is longer, the path is looked at too
 constexpr double detour_steps = 20;  // spacings beyond that
 
-/// The first time from `from` on that is not blocked; the intervals are united.
-double first_free(double from, const std::vector<Interval>& blocked) {
-  for (const Interval& b : blocked) {
-    if (from < b.begin) break;
-    from = std::max(from, b.end);
-  }
-  return from;
-}
-
 }  // namespace
 
 SafeIntervalSearch::SafeIntervalSearch(const ClearanceField& field, Lattice& lattice, double radius,
@@ -146,26 +137,32 @@ void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, Spa
   const State s = states_[from];
   const double duration = length / pace.speed;
   Known& there = known(to, others);
-  if (there.safe.empty()) return;
-  blocked_.clear();
-  others.blocked_departures(at(s.vertex), at(to), duration, {s.time, s.safe_until}, blocked_);
-  unite(blocked_);
-  double departure = s.time + time_lost(s, to, pace);
+  if (std::ranges::find(there.from, from) != there.from.end()) return;
+  there.from.push_back(from);
+  const double ready = s.time + time_lost(s, to, pace);
+  double departure = ready;
   for (std::size_t k = 0; k < there.safe.size(); ++k) {
-    if (there.safe[k].end <= departure + duration) continue;
-    double free = first_free(std::max(departure, there.safe[k].begin - duration), blocked_);
-    if (s.parent != none) free = first_free(free + std::min(pace.speeding_up, free - departure), blocked_);
-    departure = free;
+    const Interval& safe = there.safe[k];
+    if (safe.end <= departure + duration) continue;
+    departure = std::max(departure, safe.begin - duration);
+    if (departure > s.safe_until) return;
+    std::uint32_t& state = there.states[k];
+    if (state != none && (states_[state].closed || departure + duration >= states_[state].time)) continue;
+    const auto free_from = [&](double time) {
+      return others.first_departure(at(s.vertex), at(to), duration, time);
+    };
+    departure = free_from(departure);
+    if (s.parent != none && departure > ready)
+      departure = free_from(departure + std::min(pace.speeding_up, departure - ready));
     if (departure > s.safe_until || departure == infinity) return;
     const double arrival = departure + duration;
-    if (arrival >= there.safe[k].end) continue;
-    std::uint32_t& state = there.states[k];
+    if (arrival >= safe.end) continue;
     if (state == none) {
       state = static_cast<std::uint32_t>(states_.size());
-      states_.push_back({to, there.safe[k].end, infinity, none});
+      states_.push_back({to, safe.end, infinity, none});
     }
     State& known = states_[state];
-    if (known.closed || arrival >= known.time) continue;
+    if (arrival >= known.time) continue;
     known.time = arrival;
     known.parent = from;
     open_.emplace_back(arrival + distance_[to] / pace.speed, state);

@@ -49,6 +49,7 @@ class SafeIntervalSearch {
   struct Known {  ///< of a vertex
     std::vector<Interval> safe{};
     std::vector<std::uint32_t> states{};  ///< by safe interval
+    std::vector<std::uint32_t> from{};    ///< states from which it was reached, or not, before
   };
   struct Pace {
     double speed;
@@ -83,7 +84,6 @@ class SafeIntervalSearch {
   std::unordered_map<Vertex, Known> known_;
   std::vector<State> states_;
   std::vector<std::pair<double, std::uint32_t>> open_;  ///< a heap, the earliest arrival at the goal first
-  std::vector<Interval> blocked_;
 };
 
 }  // namespace coppice

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <utility>
 
 namespace coppice {
 
@@ -95,7 +95,8 @@ void SpaceTime::add(const Trajectory& trajectory, double near, double until) {
     for (double part = 0; part < parts; ++part) {
       add_piece({trajectory[k - 1].position + way * (part / parts), velocity,
                  trajectory[k - 1].time + duration * part / parts,
-                 trajectory[k - 1].time + duration * (part + 1) / parts, near});
+                 trajectory[k - 1].time + duration * (part + 1) / parts, near,
+                 near + room_in_time * velocity.norm()});
     }
   }
   if (trajectory.front().time > -forever)
@@ -103,110 +104,168 @@ void SpaceTime::add(const Trajectory& trajectory, double near, double until) {
   add_piece({trajectory.back().position, Point2::Zero(), trajectory.back().time, until, near});
 }
 
+/// The first and last departure at which a disc and a piece of a trajectory come too close. The disc is at
+/// a + y w, y seconds after it departs.
+std::optional<Interval> SpaceTime::blocked_departures(const Piece& piece, const Point2& a, const Point2& w,
+                                                      const Interval& on_way) {
+  // With t the departure and y the time since then, both discs are at a + y w and from + (t + y - begin) v.
+  // The pairs (t, y) at which they are too close are a convex set. Its first and last t lie on one of the
+  // four sides of on_way, begin <= t + y <= end, or where the set's border is level in t.
+  const Point2& v = piece.velocity;
+  const Point2 gap = a - piece.from;
+  if (v.isZero(0)) {
+    const auto y = within(gap, w, piece.near, on_way);
+    return y ? std::optional(Interval{piece.begin - y->end, piece.end - y->begin}) : std::nullopt;
+  }
+  const double lasts = piece.end - piece.begin;
+  // Below, t counts from the begin of the piece.
+  Hull hull;
+  for (const double y : {on_way.begin, on_way.end}) {  // x = t + y
+    if (const auto x = within(gap + y * w, -v, piece.near, {0, lasts})) {
+      hull.include(x->begin - y);
+      hull.include(x->end - y);
+    }
+  }
+  for (const double x : {0.0, lasts}) {
+    if (const auto y = within(gap - x * v, w, piece.near, on_way)) {
+      hull.include(x - y->begin);
+      hull.include(x - y->end);
+    }
+  }
+  const Point2 change = w - v;
+  const double turn = cross(v, change);
+  if (const double squared = change.squaredNorm(); squared > 0 && std::abs(turn) > rounding) {
+    const Point2 normal = Point2(-change.y(), change.x()) / std::sqrt(squared);
+    for (const double side : {-piece.near, piece.near}) {
+      const double t = (gap.dot(normal) - side) / v.dot(normal);
+      const double y = (t * v - gap).dot(change) / squared;
+      if (y >= on_way.begin && y <= on_way.end && t + y >= 0 && t + y <= lasts) hull.include(t);
+    }
+  }
+  auto blocked = hull.get();
+  if (blocked) *blocked = {piece.begin + blocked->begin, piece.begin + blocked->end};
+  return blocked;
+}
+
 void SpaceTime::add_piece(const Piece& piece) {
-  const auto number = static_cast<std::uint32_t>(pieces_.size());
-  pieces_.push_back(piece);
-  const Point2 to = std::isfinite(piece.end) && std::isfinite(piece.begin)
-                        ? Point2(piece.from + (piece.end - piece.begin) * piece.velocity)
-                        : piece.from;
+  const bool moves = !piece.velocity.isZero(0);
+  const Point2 to = moves ? Point2(piece.from + (piece.end - piece.begin) * piece.velocity) : piece.from;
+  if (moves) longest_ = std::max(longest_, piece.end - piece.begin);
   const Point2 low = piece.from.cwiseMin(to).array() - piece.near;
   const Point2 high = piece.from.cwiseMax(to).array() + piece.near;
   for (std::size_t j = row(low.y()); j <= row(high.y()); ++j) {
-    for (std::size_t i = column(low.x()); i <= column(high.x()); ++i)
-      cells_[j * columns_ + i].push_back(number);
+    for (std::size_t i = column(low.x()); i <= column(high.x()); ++i) {
+      Cell& cell = cells_[j * columns_ + i];
+      (moves ? cell.moving : cell.standing).push_back(piece);
+      cell.is_sorted = cell.is_sorted && !moves;
+    }
   }
 }
 
 void SpaceTime::start_at(const Point2& p, double time) {
-  for (Piece& piece : pieces_) {
-    if (time < piece.begin - room_in_time || time > piece.end + room_in_time) continue;
+  const auto let_leave = [&](Piece& piece) {
+    if (time < piece.begin - room_in_time || time > piece.end + room_in_time) return;
     const double at = std::clamp(time, piece.begin, piece.end);
     const Point2 there =
         piece.velocity.isZero(0) ? piece.from : Point2(piece.from + (at - piece.begin) * piece.velocity);
     const double distance = (there - p).norm();
     if (distance < piece.near) piece.near = std::max(0.0, distance - rounding);
+  };
+  for (Cell& cell : cells_) {
+    std::ranges::for_each(cell.standing, let_leave);
+    std::ranges::for_each(cell.moving, let_leave);
   }
 }
 
+/// Calls fn(cell, part) for the cells that the line from a to b passes; part: of the line, from 0 to 1.
 template <class Fn>
-void SpaceTime::for_each_piece_near(const Point2& a, const Point2& b, Fn&& fn) {
-  ++looks_;
-  const std::size_t last_row = row(std::max(a.y(), b.y()));
-  const std::size_t last_column = column(std::max(a.x(), b.x()));
-  for (std::size_t j = row(std::min(a.y(), b.y())); j <= last_row; ++j) {
-    for (std::size_t i = column(std::min(a.x(), b.x())); i <= last_column; ++i) {
-      for (const std::uint32_t number : cells_[j * columns_ + i]) {
-        Piece& piece = pieces_[number];
-        if (piece.looked_at == looks_) continue;
-        piece.looked_at = looks_;
-        fn(piece);
-      }
+void SpaceTime::for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn) {
+  const Point2 way = b - a;
+  // Of the line, up to the border of the cell in which its end `to` is.
+  const auto border = [&](int axis, std::size_t from, std::size_t to) {
+    if (from == to) return SpaceTime::forever;
+    const double line = lower_[axis] + cell_ * static_cast<double>(way[axis] > 0 ? from + 1 : from);
+    return (line - a[axis]) / way[axis];
+  };
+  std::size_t i = column(a.x());
+  std::size_t j = row(a.y());
+  const std::size_t last_i = column(b.x());
+  const std::size_t last_j = row(b.y());
+  double begin = 0;
+  for (;;) {
+    const double x = border(0, i, last_i);
+    const double y = border(1, j, last_j);
+    const double end = std::clamp(std::min(x, y), begin, 1.0);
+    fn(cells_[j * columns_ + i], Interval{begin, end});
+    if (i == last_i && j == last_j) return;
+    begin = end;
+    if (x <= y) {
+      i = way.x() > 0 ? i + 1 : i - 1;
+    } else {
+      j = way.y() > 0 ? j + 1 : j - 1;
     }
   }
 }
 
 void SpaceTime::blocked_at(const Point2& p, std::vector<Interval>& out) {
-  for_each_piece_near(p, p, [&](const Piece& piece) {
-    if (piece.velocity.isZero(0)) {
-      if ((p - piece.from).squaredNorm() < piece.near * piece.near)
-        out.push_back({piece.begin - room_in_time, piece.end + room_in_time});
-      return;
-    }
+  const Cell& cell = cells_[row(p.y()) * columns_ + column(p.x())];
+  for (const Piece& piece : cell.standing) {
+    if ((p - piece.from).squaredNorm() < piece.near * piece.near)
+      out.push_back({piece.begin - room_in_time, piece.end + room_in_time});
+  }
+  for (const Piece& piece : cell.moving) {
     const auto close = within(piece.from - p, piece.velocity, piece.near, {0, piece.end - piece.begin});
     if (close)
       out.push_back({piece.begin + close->begin - room_in_time, piece.begin + close->end + room_in_time});
-  });
+  }
 }
 
-void SpaceTime::blocked_departures(const Point2& a, const Point2& b, double duration, const Interval& window,
-                                   std::vector<Interval>& out) {
-  const Point2 w = (b - a) / duration;
-  for_each_piece_near(a, b, [&](const Piece& piece) {
-    if (piece.end + room_in_time < window.begin || piece.begin - room_in_time > window.end + duration) return;
-    // With t the departure and y the time since then, both discs are at a + y w and from + (t + y - begin) v.
-    // The pairs (t, y) at which they are too close are a convex set. Its first and last t lie on one of the
-    // four sides of 0 <= y <= duration, begin <= t + y <= end, or where the set's border is level in t.
-    const Point2& v = piece.velocity;
-    const Point2 gap = a - piece.from;
-    Hull hull;
-    const Interval on_way{0, duration};
-    if (v.isZero(0)) {
-      const auto y = within(gap, w, piece.near, on_way);
-      if (!y) return;
-      out.push_back({piece.begin - y->end - room_in_time, piece.end - y->begin + room_in_time});
-      return;
-    }
-    const double lasts = piece.end - piece.begin;
-    // Below, t counts from the begin of the piece.
-    if (const auto t = within(gap, -v, piece.near, {0, lasts})) {  // y = 0
-      hull.include(t->begin);
-      hull.include(t->end);
-    }
-    if (const auto x = within(gap + duration * w, -v, piece.near, {0, lasts})) {  // y = duration, x = t + y
-      hull.include(x->begin - duration);
-      hull.include(x->end - duration);
-    }
-    if (const auto y = within(gap, w, piece.near, on_way)) {  // t + y = 0
-      hull.include(-y->begin);
-      hull.include(-y->end);
-    }
-    if (const auto y = within(gap - lasts * v, w, piece.near, on_way)) {  // t + y = lasts
-      hull.include(lasts - y->begin);
-      hull.include(lasts - y->end);
-    }
-    const Point2 change = w - v;
-    const double turn = cross(v, change);
-    if (const double squared = change.squaredNorm(); squared > 0 && std::abs(turn) > rounding) {
-      const Point2 normal = Point2(-change.y(), change.x()) / std::sqrt(squared);
-      for (const double side : {-piece.near, piece.near}) {
-        const double t = (gap.dot(normal) - side) / v.dot(normal);
-        const double y = (t * v - gap).dot(change) / squared;
-        if (y >= 0 && y <= duration && t + y >= 0 && t + y <= lasts) hull.include(t);
-      }
-    }
-    if (const auto blocked = hull.get())
-      out.push_back({piece.begin + blocked->begin - room_in_time, piece.begin + blocked->end + room_in_time});
-  });
+double SpaceTime::first_departure(const Point2& a, const Point2& b, double duration, double from) {
+  const Point2 velocity = (b - a) / duration;
+  double departure = from;
+  for (bool is_free = false; !is_free && departure < forever;) {
+    const double tried = departure;
+    for_each_cell_along(a, b, [&](Cell& cell, const Interval& part) {
+      if (!std::exchange(cell.is_sorted, true)) std::ranges::sort(cell.moving, {}, &Piece::begin);
+      const Interval on_way{duration * part.begin, duration * part.end};
+      if (departure < forever) departure = end_of_block(cell, a, velocity, on_way, departure);
+    });
+    is_free = departure == tried;
+  }
+  return departure;
+}
+
+/// Whether a disc that departs at a time may come too close to a piece. A quick look: it reckons with room in
+/// time on all sides.
+bool SpaceTime::may_block(const Piece& piece, const Point2& a, const Point2& w, const Interval& on_way,
+                          double departure) {
+  const double first = std::max(on_way.begin, piece.begin - room_in_time - departure);
+  const double last = std::min(on_way.end, piece.end + room_in_time - departure);
+  if (first > last) return false;
+  if (piece.velocity.isZero(0)) return true;
+  const Point2 change = w - piece.velocity;
+  const Point2 gap = a - piece.from - (departure - piece.begin) * piece.velocity;
+  const double squared = change.squaredNorm();
+  const double nearest = squared > 0 ? std::clamp(-gap.dot(change) / squared, first, last) : first;
+  return (gap + nearest * change).squaredNorm() < piece.reach * piece.reach;
+}
+
+/// The end of the blocked times in a cell around a departure; the departure if it is not blocked. The disc is
+/// at a + y velocity, y seconds after it departs.
+double SpaceTime::end_of_block(const Cell& cell, const Point2& a, const Point2& velocity,
+                               const Interval& on_way, double departure) const {
+  const auto look_at = [&](const Piece& piece) {
+    if (!may_block(piece, a, velocity, on_way, departure)) return;
+    const auto blocked = blocked_departures(piece, a, velocity, on_way);
+    if (blocked && blocked->begin - room_in_time <= departure && departure < blocked->end + room_in_time)
+      departure = blocked->end + room_in_time;
+  };
+  std::ranges::for_each(cell.standing, look_at);
+  const double first = departure + on_way.begin - room_in_time - longest_;
+  for (auto piece = std::ranges::lower_bound(cell.moving, first, {}, &Piece::begin);
+       piece != cell.moving.end() && piece->begin <= departure + on_way.end + room_in_time; ++piece)
+    look_at(*piece);
+  return departure;
 }
 
 }  // namespace coppice

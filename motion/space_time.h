@@ -10,8 +10,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "motion/segments.h"
@@ -58,10 +58,9 @@ class SpaceTime {
 
   /// Appends times at which the disc may not be at p, not sorted.
   void blocked_at(const Point2& p, std::vector<Interval>& out);
-  /// Appends times at which it may not depart from a in order to be at b `duration` seconds later, not
-  /// sorted. Only those that touch `window` matter.
-  void blocked_departures(const Point2& a, const Point2& b, double duration, const Interval& window,
-                          std::vector<Interval>& out);
+  /// The first time from `from` on at which it may depart from a in order to be at b `duration` seconds
+  /// later; infinite: never.
+  double first_departure(const Point2& a, const Point2& b, double duration, double from);
 
   static constexpr double forever = std::numeric_limits<double>::infinity();
 
@@ -72,8 +71,14 @@ class SpaceTime {
     Point2 velocity;
     double begin;
     double end;
-    double near;  ///< metres between the centres at which the two are too close
-    std::uint32_t looked_at = 0;
+    double near;       ///< metres between the centres at which the two are too close
+    double reach = 0;  ///< metres beyond which room in time makes no difference
+  };
+  /// What may come too close to a disc in a square of the map.
+  struct Cell {
+    std::vector<Piece> standing{};
+    std::vector<Piece> moving{};  ///< by begin, once they are sorted
+    bool is_sorted = true;
   };
 
   void add(const Trajectory& trajectory, double near, double until);
@@ -81,16 +86,21 @@ class SpaceTime {
   std::size_t column(double x) const;
   std::size_t row(double y) const;
   template <class Fn>
-  void for_each_piece_near(const Point2& a, const Point2& b, Fn&& fn);
+  void for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn);
+  static std::optional<Interval> blocked_departures(const Piece& piece, const Point2& a, const Point2& w,
+                                                    const Interval& on_way);
+  static bool may_block(const Piece& piece, const Point2& a, const Point2& w, const Interval& on_way,
+                        double departure);
+  double end_of_block(const Cell& cell, const Point2& a, const Point2& velocity, const Interval& on_way,
+                      double departure) const;
 
   double radius_;
   double cell_;
   Point2 lower_;
   std::size_t columns_;
   std::size_t rows_;
-  std::vector<std::vector<std::uint32_t>> cells_;
-  std::vector<Piece> pieces_;
-  std::uint32_t looks_ = 0;
+  std::vector<Cell> cells_;
+  double longest_ = 0;  ///< seconds that a moving piece lasts
 };
 
 }  // namespace coppice

@@ -226,18 +226,13 @@ bool Reserver::comes_too_close(const FleetMember& self, const Fleet& fleet, MapR
     if (!m || m->failed || !come_near(own, *other)) continue;
     SpaceTime taken(places.field().bounds(), self.radius);
     taken.add(shifted(other->trajectory, m->clock_offset), other->radius);
-    std::vector<Interval> blocked;
     for (std::size_t k = 1; k < own.trajectory.size(); ++k) {
       const TimedPoint& a = own.trajectory[k - 1];
       const TimedPoint& b = own.trajectory[k];
       if (b.time <= a.time) continue;
-      blocked.clear();
-      taken.blocked_departures(a.position, b.position, b.time - a.time, {a.time, a.time}, blocked);
-      for (const Interval& i : blocked) {
-        if (i.begin < a.time && a.time < i.end) return true;
-      }
+      if (taken.first_departure(a.position, b.position, b.time - a.time, a.time) > a.time) return true;
     }
-    blocked.clear();
+    std::vector<Interval> blocked;
     taken.blocked_at(own.trajectory.back().position, blocked);
     for (const Interval& i : blocked) {
       if (i.end > own.trajectory.back().time) return true;

@@ -60,31 +60,44 @@ double intrusion(const Trajectory& other, const Point2& a, const Point2& b, doub
   return kept_apart(radius, other_radius) - least;
 }
 
-TEST(SpaceTime, DeparturesAreBlockedIfAndOnlyIfTheTwoComeTooClose) {
+TEST(SpaceTime, TheFirstDepartureIsFreeAndEachOneBeforeItIsBlocked) {
   Random random(1);
-  int blocked = 0;
-  int open = 0;
+  int delayed = 0;
+  int never = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const Trajectory other = random_trajectory(random);
     SpaceTime taken(bounds, radius);
-    taken.add(other, other_radius);
+    std::vector<Trajectory> others;
+    for (int k = 0; k < 3; ++k) {
+      others.push_back(random_trajectory(random));
+      taken.add(others.back(), other_radius);
+    }
     const Point2 a = random_point(random);
     const Point2 b = random_point(random);
     const double duration = random.uniform(0.5, 4);
-    std::vector<Interval> times;
-    taken.blocked_departures(a, b, duration, {0, 20}, times);
-    for (int k = 0; k < 10; ++k) {
-      const double departure = random.uniform(0, 15);
-      const double too_close = intrusion(other, a, b, duration, departure);
-      constexpr double sampling = 0.6;  // metres
-      const bool decides = too_close > 0 || too_close < -sampling;
-      EXPECT_TRUE(!decides || holds(times, departure) == (too_close > 0))
-          << "trial " << trial << " at " << departure;
-      ++(too_close > 0 ? blocked : open);
+    const auto too_close = [&](double departure) {
+      double most = -1e9;
+      for (const Trajectory& other : others)
+        most = std::max(most, intrusion(other, a, b, duration, departure));
+      return most;
+    };
+    const double from = random.uniform(0, 10);
+    const double first = taken.first_departure(a, b, duration, from);
+    ASSERT_GE(first, from);
+    if (first < SpaceTime::forever) {
+      EXPECT_LE(too_close(first), 1e-6) << "trial " << trial << " at " << first;
     }
+    constexpr double sampling = 0.6;  // metres
+    const double last = std::min(first, 30.0);
+    for (int k = 0; k < 10 && first > from; ++k) {
+      const double departure = from + (last - from) * k / 10;
+      EXPECT_GT(too_close(departure), -sampling) << "trial " << trial << " at " << departure;
+    }
+    delayed += first > from ? 1 : 0;
+    never += first == SpaceTime::forever ? 1 : 0;
   }
-  EXPECT_GT(blocked, 300);
-  EXPECT_GT(open, 300);
+  EXPECT_GT(delayed, 100);
+  EXPECT_GT(delayed - never, 30);
+  EXPECT_GT(never, 30);
 }
 
 TEST(SpaceTime, APointIsBlockedIfAndOnlyIfTheOtherComesTooClose) {
@@ -110,12 +123,8 @@ TEST(SpaceTime, ADiscThatStartsTooCloseMayLeaveButNotComeCloser) {
   taken.add_standing({50, 50}, radius, SpaceTime::forever);
   const Point2 start(60.2, 50);
   taken.start_at(start, 0);
-  std::vector<Interval> away;
-  taken.blocked_departures(start, {90, 50}, 2, {0, 10}, away);
-  EXPECT_TRUE(away.empty());
-  std::vector<Interval> closer;
-  taken.blocked_departures(start, {58, 50}, 1, {0, 10}, closer);
-  EXPECT_TRUE(holds(closer, 1));
+  EXPECT_EQ(taken.first_departure(start, {90, 50}, 2, 0), 0);
+  EXPECT_EQ(taken.first_departure(start, {58, 50}, 1, 0), SpaceTime::forever);
 }
 
 }  // namespace
