@@ -31,25 +31,6 @@ void take(RobotName& robot, const idl::Missed& missed) {
   robot = missed.robot().to_string();
 }
 
-/// The points of all moves come one after the other in a field of their own.
-void put(const std::vector<SentPlan::Move>& moves, idl::JointPlan& plan) {
-  for (const SentPlan::Move& move : moves) {
-    idl::JointPlanMove& to = plan.moves().emplace_back();
-    to.member(move.member);
-    to.points(static_cast<std::uint32_t>(move.path.size()));
-    for (const Point2& p : move.path) put(p, plan.points().emplace_back());
-  }
-}
-/// A move that claims more points than there are left gets fewer. Validation refuses a move without points.
-void take(std::vector<SentPlan::Move>& moves, const idl::JointPlan& plan) {
-  auto next = plan.points().begin();
-  for (const idl::JointPlanMove& move : plan.moves()) {
-    SentPlan::Move& to = moves.emplace_back(SentPlan::Move{.member = move.member()});
-    for (std::uint32_t k = 0; k < move.points() && next != plan.points().end(); ++k)
-      take(to.path.emplace_back(), *next++);
-  }
-}
-
 template <class T, class Element>
 void put(const std::vector<T>& values, std::vector<Element>& field) {
   field.resize(values.size());

@@ -166,8 +166,7 @@ COPPICE_FIELDS(RobotState, "RobotState",
   COPPICE_FIELD_AT(12, promise_expiry, promise.expiry, promise_expiry()),
   (Field{13, "round", [](auto& m) -> auto& { return m.round; }, [](auto& dds) { return RoundOfState{dds}; }}),
   COPPICE_FIELD(14, stage),
-  COPPICE_FIELD(15, progress),
-  COPPICE_FIELD(16, waits_for),
+  COPPICE_FIELD(16, waits_for),  // 15 was the progress in a joint plan
   COPPICE_FIELD(17, copies),
   COPPICE_FIELD(18, copy),
   COPPICE_FIELD(19, passed_on),
@@ -181,26 +180,26 @@ COPPICE_FIELDS(RobotState, "RobotState",
   Field{27, "reservation_progress", [](auto& m) -> auto& { return m.reservation_progress; }, [](auto& dds) -> decltype(auto) { return dds.reservation_progress(); }, true},
   COPPICE_FIELD(28, knows));
 
-COPPICE_FIELDS(JointPlanMessage::Member, "Member",
-  COPPICE_FIELD(1, robot),
-  COPPICE_FIELD(2, radius),
-  COPPICE_FIELD(3, stranded));
-COPPICE_FIELDS(SentPlan::Move, "Move",
-  COPPICE_FIELD(1, member),
-  COPPICE_FIELD(2, path));
-COPPICE_FIELDS(SentPlan, "JointPlan",
-  COPPICE_PART(1, round),
-  COPPICE_FIELD(2, members),
-  COPPICE_PART(3, moves),
-  COPPICE_FIELD_AT(4, run, run.epoch, run()));
-
 COPPICE_FIELDS(TimedPoint, "TimedPoint",
   COPPICE_FIELD(1, time),
   COPPICE_FIELD(2, position));
-COPPICE_FIELDS(ReservationMessage::Basis, "Basis",
+COPPICE_FIELDS(ReservationBasis, "Basis",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, number),
   COPPICE_FIELD(3, offset));
+
+COPPICE_FIELDS(SentPlan::Member, "Member",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, radius),
+  COPPICE_FIELD(3, stranded),
+  Field{4, "points", [](auto& m) -> auto& { return m.points; }, [](auto& dds) -> decltype(auto) { return dds.points(); }, true});
+COPPICE_FIELDS(SentPlan, "JointPlan",
+  COPPICE_PART(1, round),
+  COPPICE_FIELD(2, members),
+  COPPICE_FIELD_AT(4, run, run.epoch, run()),
+  COPPICE_FIELD(5, basis),
+  COPPICE_FIELD(6, points));  // 3 were moves
+
 COPPICE_FIELDS(ReservationMessage, "Reservation",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, number),
@@ -208,7 +207,10 @@ COPPICE_FIELDS(ReservationMessage, "Reservation",
   COPPICE_FIELD(4, way),
   COPPICE_FIELD(5, trajectory),
   COPPICE_FIELD(6, basis),
-  COPPICE_FIELD_AT(7, run, run.epoch, run()));
+  COPPICE_FIELD_AT(7, run, run.epoch, run()),
+  COPPICE_FIELD_AT(8, plan_leader, plan.leader, plan_leader()),
+  COPPICE_FIELD_AT(9, plan_epoch, plan.epoch, plan_epoch()),
+  COPPICE_FIELD_AT(10, plan_shift, plan.shift, plan_shift()));
 
 COPPICE_FIELDS(PathMessage, "Path",
   COPPICE_FIELD(1, robot),

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "messages/fleet_clock.h"
-#include "motion/joint_plan.h"
 #include "motion/promise.h"
 #include "motion/trajectory.h"
 #include "planning/geometry.h"
@@ -182,7 +181,6 @@ struct RobotState {
   Stage stage = Stage::free;
   std::uint32_t reservation = 0;    ///< the number of the one that it carries out or has carried out; 0: none
   double reservation_progress = 0;  ///< metres along its trajectory
-  double progress = 0;              ///< metres along its moves of the joint plan, while executing
   RobotName waits_for;              ///< empty: the robot waits for no other robot
   /// This state and those after it are each sent at least so often, until a state gives another number.
   std::uint8_t copies = 1;
@@ -200,19 +198,28 @@ struct RobotState {
   bool operator==(const RobotState&) const = default;
 };
 
+/// A reservation of another robot that trajectories were planned around.
+struct ReservationBasis {
+  RobotName robot;
+  std::uint32_t number = 0;
+  double offset = 0;  ///< seconds; to be added to the other robot's times
+  bool operator==(const ReservationBasis&) const = default;
+};
+
 /// joint_plan: agent -> agents, monitor. The joint plan that the leader of a round made
-/// (motion/joint_plan.h).
+/// (motion/joint_schedule.h).
 struct JointPlanMessage {
   RoundId round;
   struct Member {
     RobotName robot;
     double radius = 0;
-    bool stranded = false;  ///< the moves do not bring it to its goal
+    bool stranded = false;    ///< the plan does not bring it to its goal
+    Trajectory trajectory{};  ///< by the leader's clock; empty: it does not move
     bool operator==(const Member&) const = default;
   };
   std::vector<Member> members;
-  std::vector<Move> moves;  ///< of members, one after the other, where ways come near each other
-  RunId run;                ///< of the leader's mission
+  std::vector<ReservationBasis> basis{};  ///< reservations of robots that are no members; by the same clock
+  RunId run;                              ///< of the leader's mission
   bool operator==(const JointPlanMessage&) const = default;
 };
 
@@ -223,15 +230,16 @@ struct ReservationMessage {
   std::uint32_t number = 0;  ///< above 0
   double radius = 0;
   double way = 0;  ///< metres to its goal; the longest way reserves first. 0: it wants no reservation
-  Trajectory trajectory{};  ///< by its clock; empty: it has none
-  /// A reservation of another robot that this one was planned around.
-  struct Basis {
-    RobotName robot;
-    std::uint32_t number = 0;
-    double offset = 0;  ///< seconds; to be added to the other robot's times
-    bool operator==(const Basis&) const = default;
+  Trajectory trajectory{};                ///< by its clock; empty: it has none
+  std::vector<ReservationBasis> basis{};  ///< those that it comes near
+  /// The joint plan that it is a part of. It was planned around all other parts.
+  struct Plan {
+    RobotName leader{};  ///< empty: of none
+    std::uint32_t epoch = 0;
+    double shift = 0;  ///< seconds that were added to the times of the plan
+    bool operator==(const Plan&) const = default;
   };
-  std::vector<Basis> basis{};  ///< those that it comes near
+  Plan plan{};
   RunId run;
   bool operator==(const ReservationMessage&) const = default;
 };

@@ -7,12 +7,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "messages/topics.h"
-#include "motion/precedence.h"
+#include "motion/trajectory.h"
 
 namespace coppice {
 
@@ -162,8 +163,7 @@ Problem check(const RobotState& m) {
        {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
         "round's epoch and leader do not agree"},
        {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
-       {not_negative(m.progress) && not_negative(m.reservation_progress),
-        "progress is negative or not finite"},
+       {not_negative(m.reservation_progress), "progress is negative or not finite"},
        {named_or_empty(m.waits_for), "name of the robot waited for is too long or not printable"},
        {m.misses.size() <= most_missed && std::ranges::all_of(m.misses, named),
         "too many robots that are missed, or one whose name is empty, too long or not printable"},
@@ -177,50 +177,54 @@ Problem check(const RobotState& m) {
         "too many echoes, or one without a name or a finite time"}});
 }
 
-/// Asked only where the parts are fine.
-bool fits_its_robots(const JointPlanMessage& m) {
-  std::vector<double> radii;
-  for (const JointPlanMessage::Member& member : m.members) radii.push_back(member.radius);
-  return pieces_of(m.moves, radii) <= most_plan_pieces;
+/// Empty: none.
+Problem problem_with(const Trajectory& trajectory, double radius) {
+  const auto point_fine = [](const TimedPoint& p) { return is_sane(p.time) && sane(p.position); };
+  return first_of({{std::ranges::all_of(trajectory, point_fine), "point is not finite"},
+                   {std::ranges::is_sorted(trajectory, std::less{}, &TimedPoint::time), "time runs back"},
+                   {trajectory.size() <= most_trajectory_points, "trajectory has too many points"},
+                   {length_of(path_of(trajectory)) <= most_trajectory_radii * radius,
+                    "trajectory is too long for a robot that small"}});
+}
+
+Problem problem_with(std::span<const ReservationBasis> basis) {
+  const auto fine = [](const ReservationBasis& b) {
+    return named(b.robot) && b.number > 0 && is_sane(b.offset);
+  };
+  return first_of(
+      {{basis.size() <= most_robots, "it was planned around too many robots"},
+       {std::ranges::all_of(basis, fine), "it was planned around a robot without a name, number or time"}});
 }
 
 Problem check(const JointPlanMessage& m) {
-  const auto member_fine = [](const JointPlanMessage::Member& member) {
-    return named(member.robot) && is_sane_size(member.radius);
-  };
-  const auto move_fine = [&](const Move& move) {
-    return move.robot < m.members.size() && !move.path.empty() &&
-           std::ranges::all_of(move.path, [](const Point2& p) { return sane(p); });
-  };
   Problem problem =
       first_of({{m.round.epoch > 0 && named(m.round.leader), "round has no epoch or no leader"},
                 {sane(m.round.centre) && not_negative(m.round.reach), "round has no centre or reach"},
                 {std::isfinite(m.run.epoch), "run has no time"},
-                {std::ranges::all_of(m.members, member_fine), "member has no name or no radius"},
-                {m.members.size() <= most_robots, "too many members"},
-                {std::ranges::all_of(m.moves, move_fine), "move has no known member or no finite path"}});
-  if (!problem && !fits_its_robots(m)) problem = "ways are too long for robots that small";
+                {m.members.size() <= most_robots, "too many members"}});
+  if (!problem) problem = problem_with(m.basis);
+  for (const JointPlanMessage::Member& member : m.members) {
+    if (problem) break;
+    problem = named(member.robot) && is_sane_size(member.radius)
+                  ? problem_with(member.trajectory, member.radius)
+                  : Problem("member has no name or no radius");
+  }
   return problem;
 }
 
 Problem check(const ReservationMessage& m) {
-  const auto point_fine = [](const TimedPoint& p) { return is_sane(p.time) && sane(p.position); };
-  const auto basis_fine = [](const ReservationMessage::Basis& b) {
-    return named(b.robot) && b.number > 0 && is_sane(b.offset);
-  };
-  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
-                   {m.number > 0, "it has no number"},
-                   {std::isfinite(m.run.epoch), "run has no time"},
-                   {is_sane_size(m.radius), "radius is out of range"},
-                   {not_negative(m.way), "way is negative or not finite"},
-                   {std::ranges::all_of(m.trajectory, point_fine), "point is not finite"},
-                   {std::ranges::is_sorted(m.trajectory, std::less{}, &TimedPoint::time), "time runs back"},
-                   {m.trajectory.size() <= most_trajectory_points, "trajectory has too many points"},
-                   {length_of(path_of(m.trajectory)) <= most_trajectory_radii * m.radius,
-                    "trajectory is too long for a robot that small"},
-                   {m.basis.size() <= most_robots, "it was planned around too many robots"},
-                   {std::ranges::all_of(m.basis, basis_fine),
-                    "it was planned around a robot without a name, number or time"}});
+  const bool of_plan = !m.plan.leader.empty();
+  Problem problem =
+      first_of({{named(m.robot), "robot name is empty, too long or not printable"},
+                {m.number > 0, "it has no number"},
+                {std::isfinite(m.run.epoch), "run has no time"},
+                {is_sane_size(m.radius), "radius is out of range"},
+                {not_negative(m.way), "way is negative or not finite"},
+                {!of_plan || (named(m.plan.leader) && m.plan.epoch > 0 && is_sane(m.plan.shift)),
+                 "joint plan has no epoch, or an odd leader or time"}});
+  if (!problem) problem = problem_with(m.trajectory, m.radius);
+  if (!problem) problem = problem_with(m.basis);
+  return problem;
 }
 
 Problem check(const PathMessage& m) {

@@ -22,9 +22,6 @@ inline constexpr std::size_t most_known_reservations = 16;
 inline constexpr int largest_map_side = 16384;
 /// The longest promise, seconds. A silent robot is not declared failed while its promise holds.
 inline constexpr double longest_promise = 600;
-/// Pieces of a joint plan (pieces_of, motion/precedence.h), at most: each member compares their positions.
-/// The largest plan so far had 312,479 for 250 robots on a circle, a thirtieth of this.
-inline constexpr double most_plan_pieces = 1e7;
 /// Of a reservation.
 inline constexpr std::size_t most_trajectory_points = 65'536;
 /// Radii: its length, at most. Gates take time and memory in proportion.

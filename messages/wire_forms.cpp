@@ -1,5 +1,6 @@
 #include "messages/wire_forms.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -34,15 +35,26 @@ MapMessage from_wire_form(PackedMap&& map) {
 }
 
 SentPlan wire_form(const JointPlanMessage& m) {
-  SentPlan plan{.round = m.round, .members = m.members, .run = m.run};
-  for (const Move& move : m.moves) plan.moves.push_back({static_cast<std::uint32_t>(move.robot), move.path});
+  SentPlan plan{.round = m.round, .basis = m.basis, .run = m.run};
+  for (const JointPlanMessage::Member& member : m.members) {
+    plan.members.push_back(
+        {member.robot, member.radius, member.stranded, static_cast<std::uint32_t>(member.trajectory.size())});
+    plan.points.insert(plan.points.end(), member.trajectory.begin(), member.trajectory.end());
+  }
   return plan;
 }
 
+/// A member that claims more points than there are left gets fewer.
 JointPlanMessage from_wire_form(SentPlan&& plan) {
   JointPlanMessage m{
-      .round = std::move(plan.round), .members = std::move(plan.members), .moves = {}, .run = plan.run};
-  for (SentPlan::Move& move : plan.moves) m.moves.push_back({move.member, std::move(move.path)});
+      .round = std::move(plan.round), .members = {}, .basis = std::move(plan.basis), .run = plan.run};
+  auto next = plan.points.begin();
+  for (SentPlan::Member& member : plan.members) {
+    const auto points = std::min<std::ptrdiff_t>(member.points, plan.points.end() - next);
+    m.members.push_back(
+        {std::move(member.robot), member.radius, member.stranded, Trajectory(next, next + points)});
+    next += points;
+  }
   return m;
 }
 

@@ -1,6 +1,6 @@
 // Two messages travel in another form than the one in which programs use them: a map with its cells packed
-// as bits, and a joint plan whose moves number the members with 32 bits. All other messages travel as they
-// are.
+// as bits, and a joint plan with the points of all trajectories one after the other. All other messages
+// travel as they are.
 #pragma once
 
 #include <cstdint>
@@ -25,12 +25,15 @@ struct PackedMap {
 
 struct SentPlan {
   RoundId round;
-  std::vector<JointPlanMessage::Member> members{};
-  struct Move {
-    std::uint32_t member = 0;
-    Path path{};
+  struct Member {
+    RobotName robot{};
+    double radius = 0;
+    bool stranded = false;
+    std::uint32_t points = 0;  ///< of its trajectory
   };
-  std::vector<Move> moves{};
+  std::vector<Member> members{};
+  Trajectory points{};
+  std::vector<ReservationBasis> basis{};
   RunId run;
 };
 

@@ -18,6 +18,8 @@ constexpr std::size_t configurations_a_step = 1000;
 constexpr std::size_t most_anchors = 8;
 constexpr std::size_t vertices_of_anchors = 1'000'000;  // over the lattices of all anchors; takes about 1 s
 constexpr std::size_t first_try = 5'000;  // configurations; successful searches hardly ever need more
+constexpr int evacuation_steps = 8;       // in a step of the planner: about 10 ms
+constexpr std::size_t before_evacuation = 2 * first_try;
 constexpr std::size_t most_configurations = 100'000;
 // Largest number of robots with a way to drive for which push and rotate is tried after a partial plan: with
 // more robots it takes long, and hardly ever finds what LaCAM has not found.
@@ -162,7 +164,7 @@ void JointPlanner::set_up_few(std::span<const Point2> centres) {
 
 bool JointPlanner::step() {
   if (few_) return search_few();
-  if (crowd_) return search_crowd();
+  if (crowd_ && (evacuated_ || configurations_ < before_evacuation)) return search_crowd();
   if (second_try_ && !evacuated_) return evacuate();
   if (partial_ && std::ranges::count_if(tasks_, wants_to_move) > intricate)
     return take_up(*std::move(partial_));
@@ -178,7 +180,9 @@ bool JointPlanner::step() {
 /// Tries to evacuate and reassemble the cluster. Such a plan strands no robot without need.
 bool JointPlanner::evacuate() {
   if (!evacuation_) evacuation_ = std::make_unique<EvacuateAndReassemble>(places_.field(), tasks_, random_);
-  if (!evacuation_->step()) return false;
+  for (int k = 1; !evacuation_->step(); ++k) {
+    if (k == evacuation_steps) return false;
+  }
   evacuated_ = true;
   auto plan = std::exchange(evacuation_, nullptr)->take_plan();
   const bool is_best = plan && (!refuges_ || plan->stranded.size() < refuges_->plan().stranded.size());

@@ -99,7 +99,7 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
                                    moves ? part.time(to) : part.end, *o, near, needed);
         if (!apart) order.apart_beyond = part.along + to;
       }
-      if (needed > before) order.gates.push_back({part.along + from, 0, needed});
+      if (needed > before) order.gates.push_back({part.along + from, needed});
     }
   }
   return order;

@@ -171,7 +171,7 @@ void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, Spa
 }
 
 std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double begin, double speed,
-                                                     double speeding_up) {
+                                                     double speeding_up, double before) {
   const Pace pace{speed, speeding_up};
   if (distance_[start_] == std::numeric_limits<float>::infinity()) return std::nullopt;
   known_.clear();
@@ -187,6 +187,7 @@ std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double b
   open_.emplace_back(begin + distance_[start_] / speed, 0);
   while (!open_.empty()) {
     std::ranges::pop_heap(open_, std::greater<>());
+    if (open_.back().first >= before) return std::nullopt;
     const std::uint32_t number = open_.back().second;
     open_.pop_back();
     if (std::exchange(states_[number].closed, true)) continue;

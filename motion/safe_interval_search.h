@@ -33,8 +33,9 @@ class SafeIntervalSearch {
 
   /// The trajectory with the earliest arrival that the vertices allow. It begins where the path begins, at
   /// `begin`, and keeps the speed. `speeding_up`: seconds that a robot loses after each wait. Nothing if
-  /// there is none, or if the search takes too long.
-  std::optional<Trajectory> search(SpaceTime& others, double begin, double speed, double speeding_up);
+  /// there is none that arrives before `before`, or if the search takes too long.
+  std::optional<Trajectory> search(SpaceTime& others, double begin, double speed, double speeding_up,
+                                   double before = SpaceTime::forever);
 
  private:
   using Vertex = std::uint32_t;

@@ -60,8 +60,8 @@ void unite(std::vector<Interval>& intervals) {
   intervals.resize(count);
 }
 
-SpaceTime::SpaceTime(const Box<2>& bounds, double radius)
-    : radius_(radius), cell_(cell_radii * radius), lower_(bounds.lower) {
+SpaceTime::SpaceTime(const Box<2>& bounds, double radius, double (*apart)(double, double))
+    : radius_(radius), apart_(apart), cell_(cell_radii * radius), lower_(bounds.lower) {
   const Point2 extent = bounds.upper - bounds.lower;
   constexpr double most_cells = 1 << 20;
   cell_ = std::max(cell_, std::sqrt(extent.prod() / most_cells));
@@ -79,29 +79,59 @@ std::size_t SpaceTime::row(double y) const {
 }
 
 void SpaceTime::add_standing(const Point2& p, double radius, double until) {
-  add({{-forever, p}}, kept_apart(radius_, radius), until);
+  add({{-forever, p}}, apart_(radius_, radius), until, nobody);
 }
 
 void SpaceTime::add_obstacle(const Disc& disc) {
-  add({{-forever, disc.centre}}, radius_ + disc.radius + standing_gap, forever);
+  add({{-forever, disc.centre}}, radius_ + disc.radius + standing_gap, forever, nobody);
 }
 
-void SpaceTime::add(const Trajectory& trajectory, double near, double until) {
+void SpaceTime::add(const Trajectory& trajectory, double near, double until, Number robot) {
+  const TimedPoint& first = trajectory.front();
+  if (first.time > -forever)
+    add_piece({.from = first.position,
+               .velocity = Point2::Zero(),
+               .begin = -forever,
+               .end = trajectory.size() > 1 ? first.time : until,
+               .near = near,
+               .robot = robot});
+  if (trajectory.size() > 1 || first.time == -forever) add_parts(trajectory, near, until, robot);
+}
+
+void SpaceTime::go_on(Number robot, const Trajectory& rest, double radius) {
+  const TimedPoint& first = rest.front();
+  const double near = apart_(radius_, radius);
+  for_each_cell_near(first.position, first.position, near, [&](Cell& cell) {
+    for (Piece& piece : cell.standing) {
+      if (piece.robot == robot && piece.end == forever) piece.end = first.time;
+    }
+  });
+  add_parts(rest, near, forever, robot);
+}
+
+void SpaceTime::add_parts(const Trajectory& trajectory, double near, double until, Number robot) {
   for (std::size_t k = 1; k < trajectory.size(); ++k) {
     const Point2 way = trajectory[k].position - trajectory[k - 1].position;
     const double duration = trajectory[k].time - trajectory[k - 1].time;
     const double parts = std::max(1.0, std::ceil(way.norm() / cell_));
     const Point2 velocity = duration > 0 ? Point2(way / duration) : Point2::Zero();
     for (double part = 0; part < parts; ++part) {
-      add_piece({trajectory[k - 1].position + way * (part / parts), velocity,
-                 trajectory[k - 1].time + duration * part / parts,
-                 trajectory[k - 1].time + duration * (part + 1) / parts, near,
-                 near + room_in_time * velocity.norm()});
+      add_piece({.from = trajectory[k - 1].position + way * (part / parts),
+                 .velocity = velocity,
+                 .begin = trajectory[k - 1].time + duration * part / parts,
+                 .end = trajectory[k - 1].time + duration * (part + 1) / parts,
+                 .near = near,
+                 .reach = near + room_in_time * velocity.norm(),
+                 .robot = robot});
     }
   }
-  if (trajectory.front().time > -forever)
-    add_piece({trajectory.front().position, Point2::Zero(), -forever, trajectory.front().time, near});
-  add_piece({trajectory.back().position, Point2::Zero(), trajectory.back().time, until, near});
+  const TimedPoint& last = trajectory.back();
+  add_piece({.from = last.position,
+             .velocity = Point2::Zero(),
+             .begin = last.time,
+             .end = until,
+             .near = near,
+             .robot = robot});
 }
 
 /// The first and last departure at which a disc and a piece of a trajectory come too close. The disc is at
@@ -151,15 +181,10 @@ void SpaceTime::add_piece(const Piece& piece) {
   const bool moves = !piece.velocity.isZero(0);
   const Point2 to = moves ? Point2(piece.from + (piece.end - piece.begin) * piece.velocity) : piece.from;
   if (moves) longest_ = std::max(longest_, piece.end - piece.begin);
-  const Point2 low = piece.from.cwiseMin(to).array() - piece.near;
-  const Point2 high = piece.from.cwiseMax(to).array() + piece.near;
-  for (std::size_t j = row(low.y()); j <= row(high.y()); ++j) {
-    for (std::size_t i = column(low.x()); i <= column(high.x()); ++i) {
-      Cell& cell = cells_[j * columns_ + i];
-      (moves ? cell.moving : cell.standing).push_back(piece);
-      cell.is_sorted = cell.is_sorted && !moves;
-    }
-  }
+  for_each_cell_near(piece.from, to, piece.near, [&](Cell& cell) {
+    (moves ? cell.moving : cell.standing).push_back(piece);
+    cell.is_sorted = cell.is_sorted && !moves;
+  });
 }
 
 void SpaceTime::start_at(const Point2& p, double time) {
@@ -174,6 +199,16 @@ void SpaceTime::start_at(const Point2& p, double time) {
   for (Cell& cell : cells_) {
     std::ranges::for_each(cell.standing, let_leave);
     std::ranges::for_each(cell.moving, let_leave);
+  }
+}
+
+/// Calls fn(cell) for the cells that the box around both points, so many metres wider, touches.
+template <class Fn>
+void SpaceTime::for_each_cell_near(const Point2& a, const Point2& b, double distance, Fn&& fn) {
+  const Point2 low = a.cwiseMin(b).array() - distance;
+  const Point2 high = a.cwiseMax(b).array() + distance;
+  for (std::size_t j = row(low.y()); j <= row(high.y()); ++j) {
+    for (std::size_t i = column(low.x()); i <= column(high.x()); ++i) fn(cells_[j * columns_ + i]);
   }
 }
 
@@ -207,20 +242,23 @@ void SpaceTime::for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn) {
   }
 }
 
-void SpaceTime::blocked_at(const Point2& p, std::vector<Interval>& out) {
+void SpaceTime::blocked_at(const Point2& p, std::vector<Interval>& out, Number own) const {
   const Cell& cell = cells_[row(p.y()) * columns_ + column(p.x())];
   for (const Piece& piece : cell.standing) {
+    if (is_own(piece, own)) continue;
     if ((p - piece.from).squaredNorm() < piece.near * piece.near)
       out.push_back({piece.begin - room_in_time, piece.end + room_in_time});
   }
   for (const Piece& piece : cell.moving) {
+    if (is_own(piece, own)) continue;
     const auto close = within(piece.from - p, piece.velocity, piece.near, {0, piece.end - piece.begin});
     if (close)
       out.push_back({piece.begin + close->begin - room_in_time, piece.begin + close->end + room_in_time});
   }
 }
 
-double SpaceTime::first_departure(const Point2& a, const Point2& b, double duration, double from) {
+double SpaceTime::first_departure(const Point2& a, const Point2& b, double duration, double from,
+                                  Number own) {
   const Point2 velocity = (b - a) / duration;
   double departure = from;
   for (bool is_free = false; !is_free && departure < forever;) {
@@ -228,7 +266,7 @@ double SpaceTime::first_departure(const Point2& a, const Point2& b, double durat
     for_each_cell_along(a, b, [&](Cell& cell, const Interval& part) {
       if (!std::exchange(cell.is_sorted, true)) std::ranges::sort(cell.moving, {}, &Piece::begin);
       const Interval on_way{duration * part.begin, duration * part.end};
-      if (departure < forever) departure = end_of_block(cell, a, velocity, on_way, departure);
+      if (departure < forever) departure = end_of_block(cell, a, velocity, on_way, departure, own);
     });
     is_free = departure == tried;
   }
@@ -253,9 +291,9 @@ bool SpaceTime::may_block(const Piece& piece, const Point2& a, const Point2& w, 
 /// The end of the blocked times in a cell around a departure; the departure if it is not blocked. The disc is
 /// at a + y velocity, y seconds after it departs.
 double SpaceTime::end_of_block(const Cell& cell, const Point2& a, const Point2& velocity,
-                               const Interval& on_way, double departure) const {
+                               const Interval& on_way, double departure, Number own) const {
   const auto look_at = [&](const Piece& piece) {
-    if (!may_block(piece, a, velocity, on_way, departure)) return;
+    if (is_own(piece, own) || !may_block(piece, a, velocity, on_way, departure)) return;
     const auto blocked = blocked_departures(piece, a, velocity, on_way);
     if (blocked && blocked->begin - room_in_time <= departure && departure < blocked->end + room_in_time)
       departure = blocked->end + room_in_time;

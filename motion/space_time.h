@@ -41,13 +41,18 @@ void unite(std::vector<Interval>& intervals);
 
 class SpaceTime {
  public:
-  /// For a disc of `radius`.
-  SpaceTime(const Box<2>& bounds, double radius);
+  using Number = std::uint32_t;  ///< of a robot
+  static constexpr Number nobody = ~Number{0};
+
+  /// For a disc of `radius`. `apart`: tells how many metres the centres of two discs keep, by their radii.
+  SpaceTime(const Box<2>& bounds, double radius, double (*apart)(double, double) = kept_apart);
 
   /// Adds a robot that carries out a trajectory and then stands.
-  void add(const Trajectory& trajectory, double radius) {
-    add(trajectory, kept_apart(radius_, radius), forever);
+  void add(const Trajectory& trajectory, double radius, Number robot = nobody) {
+    add(trajectory, apart_(radius_, radius), forever, robot);
   }
+  /// A robot that was added, and stands at the end, drives on from there.
+  void go_on(Number robot, const Trajectory& rest, double radius);
   /// Adds a robot that stands until a time.
   void add_standing(const Point2& p, double radius, double until);
   /// Adds a disc that stands for ever, and of which this one need keep no gap.
@@ -56,11 +61,11 @@ class SpaceTime {
   /// long as it comes no closer.
   void start_at(const Point2& p, double time);
 
-  /// Appends times at which the disc may not be at p, not sorted.
-  void blocked_at(const Point2& p, std::vector<Interval>& out);
+  /// Appends times at which the disc may not be at p, not sorted. `own`: the disc is this robot.
+  void blocked_at(const Point2& p, std::vector<Interval>& out, Number own = nobody) const;
   /// The first time from `from` on at which it may depart from a in order to be at b `duration` seconds
   /// later; infinite: never.
-  double first_departure(const Point2& a, const Point2& b, double duration, double from);
+  double first_departure(const Point2& a, const Point2& b, double duration, double from, Number own = nobody);
 
   static constexpr double forever = std::numeric_limits<double>::infinity();
 
@@ -73,6 +78,7 @@ class SpaceTime {
     double end;
     double near;       ///< metres between the centres at which the two are too close
     double reach = 0;  ///< metres beyond which room in time makes no difference
+    Number robot = nobody;
   };
   /// What may come too close to a disc in a square of the map.
   struct Cell {
@@ -81,10 +87,14 @@ class SpaceTime {
     bool is_sorted = true;
   };
 
-  void add(const Trajectory& trajectory, double near, double until);
+  void add(const Trajectory& trajectory, double near, double until, Number robot);
+  void add_parts(const Trajectory& trajectory, double near, double until, Number robot);
   void add_piece(const Piece& piece);
   std::size_t column(double x) const;
   std::size_t row(double y) const;
+  static bool is_own(const Piece& piece, Number own) { return own != nobody && piece.robot == own; }
+  template <class Fn>
+  void for_each_cell_near(const Point2& a, const Point2& b, double distance, Fn&& fn);
   template <class Fn>
   void for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn);
   static std::optional<Interval> blocked_departures(const Piece& piece, const Point2& a, const Point2& w,
@@ -92,9 +102,10 @@ class SpaceTime {
   static bool may_block(const Piece& piece, const Point2& a, const Point2& w, const Interval& on_way,
                         double departure);
   double end_of_block(const Cell& cell, const Point2& a, const Point2& velocity, const Interval& on_way,
-                      double departure) const;
+                      double departure, Number own) const;
 
   double radius_;
+  double (*apart_)(double, double);
   double cell_;
   Point2 lower_;
   std::size_t columns_;

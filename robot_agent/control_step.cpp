@@ -30,8 +30,8 @@ constexpr double longest_delay = Timing::largest_clock_error;
 constexpr double decisions_counted = 16;  // of those that may be late: a pause is one
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
-constexpr double around_radii = 16;       // within these, others' joint plans concern a robot
-constexpr double crawl = 0.05;            // of the largest speed: a slower robot is held up
+constexpr double around_radii = 16;
+constexpr double crawl = 0.05;  // of the largest speed: a slower robot is held up
 
 }  // namespace
 
@@ -64,7 +64,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
   load.periods += static_cast<std::uint32_t>(periods);
   load.periods_missed += static_cast<std::uint32_t>(std::max(0, periods - timing_.periods_expected));
   timing_.late += ((periods > timing_.periods_expected ? 1 : 0) - timing_.late) / decisions_counted;
-  decide(now);
+  decide(now, out);
   watch_movement(now, periods * control_period);
   const bool heartbeat = counter_.take_heartbeat();
   speak(now, heartbeat, out);
@@ -85,10 +85,9 @@ void Run::pass_over(double now) {
 /// After a long sleep, which is like a restart: others count on moves of a joint plan that is over by now, or
 /// took this robot for failed, and may be anywhere.
 void Run::wake(double now) {
-  const bool counted_on = round_.stage() != Stage::free;
   const std::uint32_t epoch = round_.id().epoch;
   round_ = CoordinationRound(process_.name);
-  round_.forget(epoch, counted_on);
+  round_.forget(epoch);
   fleet_.wake(now);
   startup_since_ = now;
   reserver_.begin_anew(fleet_, body_.time(), now);
@@ -109,7 +108,7 @@ bool Run::is_too_long(double seconds) const {
 }
 
 /// Chooses the velocity of the next period.
-void Run::decide(double now) {
+void Run::decide(double now, std::vector<Outgoing>& out) {
   const bool waits = round_.stage() == Stage::waiting;
   fleet_.detect_failures(now, body_.position(), waits ? round_.id() : RoundId{}, map_->field);
   connectivity_.observe(fleet_.cut_off(), now, now + listening_time());
@@ -121,25 +120,28 @@ void Run::decide(double now) {
   const bool listens = connectivity_.listens(now);
   if (listens || fleet_.recoveries() != recoveries_) reserver_.doubt_all();
   if (!listens && !stopped()) {
-    if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, map_->roadmaps, now);
-    round_.call_for_lost_plan(self(), fleet_, now);
+    if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, reserver_, map_->roadmaps, now);
+    if (auto plan = round_.take_up()) {
+      reserver_.adopt(std::move(plan), self(), fleet_, now, out);
+      follow_reservation(out);
+    }
   }
   const bool free = round_.stage() == Stage::free;
-  lets_others_finish_ = lets_others_finish_ && !all_free_around();
   auto* const driving = std::get_if<Driving>(&task_);
   if (listens) {
     // The body brakes: peers that miss the robot do not reckon with where it would evade to.
     progress_.excuse(now);
     if (body_.stands()) stand_for(now, waiting_lease);
   } else if (!reserver_.may_leave_strip(fleet_, now) || reserver_.is_to_stand() ||
-             (reserver_.holds() && !may_drive(now))) {
+             (reserver_.holds() && !carries_on(now))) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
     if (body_.stands()) stand_for(now, waiting_lease);
+  } else if (reserver_.holds()) {
+    keep_to_reservation(now, others);
+    call_if_it_stalls(now);
   } else if (may_drive(now)) {
-    drive(*driving, now, others);
-  } else if (!stopped() && round_.stage() == Stage::executing && may_set_off(now)) {
-    progress_.excuse(now);
-    execute_plan(now, others);
+    evade(*driving, now, others);
+    call_if_it_stalls(now);
   } else {
     // A robot that the joint plan cannot help stands out of the others' way until they are done.
     progress_.excuse(now);
@@ -193,21 +195,46 @@ bool Run::waits_for_its_robot(double now) {
   return true;
 }
 
-/// The robot drives on its own, and nothing holds it.
+/// Nothing holds the robot, but that it may have to wait until it may set off.
+bool Run::is_at_large(double now) const {
+  return !stopped() && round_.stage() == Stage::free && !connectivity_.joining() &&
+         !connectivity_.listens(now);
+}
+
+bool Run::may_move(double now) {
+  return is_at_large(now) && may_set_off(now);
+}
+
+/// The missions say where robots stand that were not heard yet.
+bool Run::may_reserve(double now) const {
+  return driving() && !round_.stranded() && body_.stands() && is_at_large(now) &&
+         fleet_.has_missions(robots_to_know(now)) && fleet_.nobody_waits(body_.position(), around());
+}
+
+/// The robot drives to its goal on its own, and nothing holds it.
 bool Run::may_drive(double now) {
-  return driving() && round_.stage() == Stage::free && !round_.stranded() && !lets_others_finish_ &&
-         !connectivity_.joining() && !connectivity_.listens(now) && may_set_off(now);
+  return driving() && !round_.stranded() && may_move(now);
+}
+
+/// The robot drives by its reservation. Others count on its part of a joint plan, whatever its own task is.
+bool Run::carries_on(double now) {
+  return reserver_.executes_plan() ? may_move(now) : may_drive(now);
+}
+
+Stage Run::stage() const {
+  return round_.stage() == Stage::free && reserver_.executes_plan() ? Stage::executing : round_.stage();
 }
 
 /// Keeps the reservation in step with what the robot is to do. Others rely on a robot with a reservation to
 /// stay in its strip. So it gives up a reservation only when it stands.
 void Run::reserve(double now, std::vector<Outgoing>& out) {
   auto* const driving = std::get_if<Driving>(&task_);
-  const bool needs_none = round_.stage() != Stage::free || (driving == nullptr && !is(Phase::arrived));
+  const bool serves_nobody = driving == nullptr && !is(Phase::arrived) && !reserver_.executes_plan();
+  const bool needs_none = stopped() || round_.stage() != Stage::free || serves_nobody;
   if (needs_none || (!reserver_.holds() && !reserver_.wants())) {
     if (body_.stands()) reserver_.drop(self(), fleet_, now, out);
   }
-  if (needs_none || driving == nullptr) return;
+  if (needs_none) return;
   if (reserver_.holds()) {
     const bool strayed = reserver_.off_the_way(body_.position()) > body_.radius() / 2;
     const bool over =
@@ -216,72 +243,79 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
     if (body_.stands() && (strayed || over || overridden)) reserver_.drop(self(), fleet_, now, out);
     return;
   }
-  if (!may_drive(now) || !body_.stands() || !all_free_around()) return;
+  if (!may_reserve(now)) return;
   Route& route = driving->route;
   if (route.improvement && !route.improvement->is_taut()) follow(route, route.improvement->pull_taut(), out);
   if (!reserver_.wants()) {
     if (reserver_.may_try(now)) reserver_.want(route.follower.way_left(body_.position()), self(), now, out);
     return;
   }
-  Path path = route.follower.rest();
-  path.insert(path.begin(), body_.position());
-  reserver_.plan(path, self(), body_.limits(), fleet_, map_->roadmaps, now, out);
-  if (!reserver_.holds()) return;
-  route.improvement.reset();
-  follow(route, reserver_.way(), out);
+  const double ready = may_set_off(now) ? now : startup_since_ + fleet_.handshakes_take();
+  reserver_.plan(way_ahead(), ready, self(), body_.limits(), fleet_, map_->roadmaps, now, out);
+  follow_reservation(out);
 }
 
-/// Drives by the reservation. Without one the robot stands.
-void Run::drive(Driving& driving, double now, std::span<const Neighbour> neighbours) {
+/// The way of a new reservation is the robot's path.
+void Run::follow_reservation(std::vector<Outgoing>& out) {
+  auto* const driving = std::get_if<Driving>(&task_);
+  if (!reserver_.holds()) return;
+  progress_.begin_path();
+  if (driving == nullptr) return;
+  driving->route.improvement.reset();
+  follow(driving->route, reserver_.way(), out);
+}
+
+/// The robot has no reservation. It stands, and evades where others want to pass.
+void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbours) {
   PathFollower& follower = driving.route.follower;
   const Point2 next = body_.position() + control_period * body_.velocity();
-  if (!reserver_.holds()) {
-    follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
-    if (follower.lost()) look_for_a_path(way_back_to_the_path(driving.route));
-    if (reserver_.waits_for_its_turn()) progress_.excuse(now);
-    body_.choose(Point2::Zero(), neighbours, map_->field);
-  } else {
-    trail_.begin(next);
-    const Point2 wanted = reserver_.preferred_velocity(self(), fleet_, next, body_.limits(), now);
-    const auto allowed = [&](const Point2& v) { return reserver_.allows(body_, v); };
-    reserver_.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
-    if (!reserver_.waits_for().empty()) {
-      if (reserver_.is_worth_waiting(fleet_, now)) progress_.excuse(now);
-      if (!neighbours.empty()) stand_for(now, waiting_lease);
-      last_executed_ = now;
-    }
-    if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
-    if (now - last_executed_ > waiting_lease && reserver_.gives_way(self(), fleet_)) {
-      body_.follow(Point2::Zero(), neighbours, map_->field);
-      stand_for(now, waiting_lease);
-    }
-    progress_.comes_to(reserver_.progress(), least_gain(body_.radius(), body_.limits()), now);
-  }
-  if (body_.bound_to_stand()) progress_.is_bound(now);
-  // Not while a joint plan is executed around: it may clear the way, and a new round would end it.
-  const bool stalls =
-      progress_.stalled_for(now) > stall || progress_.without_progress_for(now) > longest_stall;
-  if (stalls && all_free_around() &&
-      !fleet_.is_suspected_near(body_.position(), around_radii * body_.radius()))
-    round_.call(self(), fleet_, now);
+  follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
+  if (follower.lost()) look_for_a_path(way_back_to_the_path(driving.route));
+  if (reserver_.waits_for_its_turn()) progress_.excuse(now);
+  body_.choose(Point2::Zero(), neighbours, map_->field);
 }
 
-void Run::execute_plan(double now, std::span<const Neighbour> neighbours) {
+void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
+  const bool is_bound = body_.bound_to_stand();
   const Point2 next = body_.position() + control_period * body_.velocity();
-  const Point2 wanted = round_.preferred_velocity(self(), fleet_, next, body_.limits(), now);
-  if (wanted.isZero(0)) {
-    body_.follow(wanted, neighbours, map_->field);
-    stand_for(now, std::clamp(round_.waits_until() - now, waiting_lease, longest_lease));
-  } else if (!body_.bound_to_stand()) {
-    round_.led_past(body_.follow(wanted, neighbours, map_->field));
-    // Several robots may keep clear of each other's next moves: one of them must go.
-    if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
-    const bool held_up = now - last_executed_ > waiting_lease;
-    if (held_up && round_.gives_way(self(), fleet_, now)) {
-      body_.follow(Point2::Zero(), neighbours, map_->field);
-      stand_for(now, waiting_lease);
-    }
+  trail_.begin(next);
+  const Point2 wanted = reserver_.preferred_velocity(self(), fleet_, next, body_.limits(), now);
+  const auto allowed = [&](const Point2& v) { return reserver_.allows(body_, v); };
+  reserver_.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
+  if (!reserver_.waits_for().empty()) {
+    if (reserver_.is_worth_waiting(fleet_, now)) progress_.excuse(now);
+    if (!neighbours.empty())
+      stand_for(now, std::clamp(reserver_.waits_until() - now, waiting_lease, longest_lease));
+    last_executed_ = now;
   }
+  // Several robots may keep clear of each other's next moves: one of them must go.
+  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
+  if (!is_bound && now - last_executed_ > waiting_lease && reserver_.gives_way(self(), fleet_)) {
+    body_.follow(Point2::Zero(), neighbours, map_->field);
+    stand_for(now, waiting_lease);
+  }
+  progress_.comes_to(reserver_.progress(), least_gain(body_.radius(), body_.limits()), now);
+}
+
+/// From the robot to its goal, as far as it knows.
+Path Run::way_ahead() const {
+  const auto* const driving = std::get_if<Driving>(&task_);
+  Path way = driving != nullptr ? driving->route.follower.rest() : Path();
+  way.insert(way.begin(), body_.position());
+  return way;
+}
+
+/// Calls a coordination round. Not while a joint plan of others is executed around: it may clear the way, and
+/// a new round would end it.
+void Run::call_if_it_stalls(double now) {
+  if (body_.bound_to_stand()) progress_.is_bound(now);
+  const bool executes = reserver_.executes_plan();
+  if (!driving() && !executes) return;
+  if (fleet_.is_suspected_near(body_.position(), around())) return progress_.excuse(now);
+  const bool stalls = progress_.stalled_for(now) > (executes ? Timing::plan_patience : stall) ||
+                      progress_.without_progress_for(now) > longest_stall;
+  if (stalls && (executes || all_free_around() || fleet_.is_awaited(body_.position(), around())))
+    round_.call(self(), way_ahead(), fleet_, now);
 }
 
 void Run::stand_for(double now, double seconds) {
@@ -364,15 +398,24 @@ bool Run::takes_part() const {
   return !stopped() && !(may_not_drive && has_no_way(phase()));
 }
 
+/// Metres within which the joint plans of others concern the robot.
+double Run::around() const {
+  return around_radii * body_.radius();
+}
+
 bool Run::all_free_around() const {
-  return fleet_.all_free(body_.position(), around_radii * body_.radius());
+  return fleet_.all_free(body_.position(), around());
 }
 
 /// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
 /// there are.
 bool Run::may_set_off(double now) {
+  return fleet_.complete(robots_to_know(now));
+}
+
+std::size_t Run::robots_to_know(double now) const {
   const bool startup_is_over = now - startup_since_ > longest_startup * std::max(1.0, mission_.clock.scale);
-  return fleet_.complete(startup_is_over ? 0 : mission_.fleet_size);
+  return startup_is_over ? 0 : mission_.fleet_size;
 }
 
 /// All peers that may come near while this robot looks ahead, or brakes.
@@ -397,8 +440,8 @@ FleetMember Run::self() const {
           .radius = body_.radius(),
           .stands = body_.stands(),
           .round = round_.id(),
-          .stage = round_.stage(),
-          .progress = round_.progress()};
+          .stage = stage(),
+          .limits = body_.limits()};
 }
 
 }  // namespace coppice

@@ -330,8 +330,10 @@ void FailureDetector::learn_from(const JointPlanMessage& plan) {
   if (count_.failed == 0) return;
   const auto room_beside_moves = [&](const Point2& q) {
     double room = std::numeric_limits<double>::infinity();
-    for (const Move& move : plan.moves)
-      room = std::min(room, point_path_distance(q, move.path) - plan.members[move.robot].radius);
+    for (const JointPlanMessage::Member& member : plan.members) {
+      if (!member.trajectory.empty())
+        room = std::min(room, point_path_distance(q, path_of(member.trajectory)) - member.radius);
+    }
     return room;
   };
   for (Peer& p : peers_) {

@@ -245,7 +245,6 @@ FleetMember Fleet::member(const Peer& p, double now) const {
           s.phase == Phase::stopped || ((s.is_new || p.exchange.misses_somebody) && has_given_up),
       .round = s.round,
       .stage = s.stage,
-      .progress = s.progress,
       .reservation = s.reservation,
       .reservation_progress = s.reservation_progress,
       .waits_for = s.waits_for,
@@ -306,13 +305,33 @@ bool Fleet::all_free(const Point2& p, double reach) const {
   });
 }
 
-double Fleet::cluster_reach(const Point2& p, double near) const {
+bool Fleet::is_awaited(const Point2& p, double reach) const {
+  return std::ranges::any_of(peers_, [&](const Peer& peer) {
+    const bool near = (peer.place - p).norm() <= reach;
+    return near && !peer.failed() && peer.state && peer.state->waits_for == own_.name;
+  });
+}
+
+bool Fleet::nobody_waits(const Point2& p, double reach) const {
+  return std::ranges::none_of(peers_, [&](const Peer& peer) {
+    const bool near = (peer.place - p).norm() <= reach;
+    return near && !peer.failed() && peer.state && peer.state->stage == Stage::waiting;
+  });
+}
+
+double Fleet::cluster_reach(const Point2& p, const Path& way, double near) const {
   std::vector<Point2> outside;
-  for (const Peer& peer : peers_) {
-    if (!peer.failed()) outside.push_back(peer.place);
-  }
-  double reach = near;
   std::vector<Point2> open{p};
+  double reach = near;
+  for (const Peer& peer : peers_) {
+    if (peer.failed()) continue;
+    const FleetMember m = member(peer);
+    const bool may_block = m.stands && !m.wants_to_stay && m.reservation == 0;
+    const bool is_in_the_way =
+        may_block && point_path_distance(m.position, way) < own_.mission->radius + m.radius;
+    (is_in_the_way ? open : outside).push_back(peer.place);
+    if (is_in_the_way) reach = std::max(reach, (m.position - p).norm() + near / 2);
+  }
   while (!open.empty()) {
     const Point2 here = open.back();
     open.pop_back();
@@ -363,7 +382,7 @@ std::vector<RobotName> Fleet::missing() const {
 
 bool Fleet::complete(std::size_t robots) {
   all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) { return is_known(p); });
-  return all_known_ && peers_.size() + 1 >= robots;
+  return all_known_ && has_missions(robots);
 }
 
 }  // namespace coppice

@@ -43,7 +43,6 @@ struct FleetMember {
   bool takes_no_part = false;  ///< in rounds: it was stopped, or cannot know where all peers are
   RoundId round;
   Stage stage = Stage::free;
-  double progress = 0;
   std::uint32_t reservation = 0;
   double reservation_progress = 0;  ///< at the turn of its promise
   RobotName waits_for;
@@ -141,9 +140,14 @@ class Fleet {
   bool all_wait(const RoundId& round) const;
   /// No robot within `reach` of p waits in a round, or has moves of a joint plan left; failed ones aside.
   bool all_free(const Point2& p, double reach) const;
-  /// How far from p the cluster extends that p is part of. Each robot of a cluster is closer than `near` to
-  /// another one. Failed ones aside.
-  double cluster_reach(const Point2& p, double near) const;
+  /// Whether a robot within reach stands and waits until this one has passed.
+  bool is_awaited(const Point2& p, double reach) const;
+  /// Whether no robot within reach waits for a joint plan.
+  bool nobody_waits(const Point2& p, double reach) const;
+  /// How far from p the cluster extends of a robot that stands at p and is to drive along `way`. Each robot
+  /// of a cluster is closer than `near` to another one, or stands in this robot's way and has no reservation.
+  /// Failed ones aside.
+  double cluster_reach(const Point2& p, const Path& way, double near) const;
   /// The largest error of the clock of a robot that is alive. About the time that a sample takes to come.
   double clock_error(double now) const { return detector_.clock_error(now); }
   /// Somebody still looks for its first path.
@@ -163,6 +167,14 @@ class Fleet {
   /// So many robots have missions, and each of them was heard and its clock is known, or it is failed, or has
   /// no more to do.
   bool complete(std::size_t robots);
+  /// About how many seconds it takes from the missions on until all clocks are known.
+  double handshakes_take() const {
+    constexpr double states_each_way = 2;
+    return states_each_way * control_period * static_cast<double>(peers_.size()) /
+           Timing::handshakes_per_tick;
+  }
+  /// So many robots have missions.
+  bool has_missions(std::size_t robots) const { return peers_.size() + 1 >= robots; }
 
   using Address = Dissemination::Address;
   /// The recipients of a state, the echoes and the missing peers that it names.

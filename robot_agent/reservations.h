@@ -10,6 +10,13 @@
 
 namespace coppice {
 
+/// A reservation of another robot, by the own clock.
+struct KnownReservation {
+  ReservationBasis basis;
+  Trajectory trajectory;
+  double radius = 0;
+};
+
 class Reservations {
  public:
   using Known = std::map<RobotName, std::shared_ptr<const ReservationMessage>>;

@@ -18,16 +18,31 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double lead = 2 * control_period;  // between the plan and the departure
 constexpr double recent_state = Timing::recent_state;
-constexpr double close_radii = 3;  // between robots that may fear each other's next move
+constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
+constexpr double same_time = 1e-6;   // seconds: rounding
+constexpr double close_radii = 3;    // between robots that may fear each other's next move
 
 /// Robots with longer ways reserve first.
-bool outranks(double way, const RobotName& robot, double other_way, const RobotName& other) {
+bool goes_first(double way, const RobotName& robot, double other_way, const RobotName& other) {
   return way != other_way ? way > other_way : robot < other;
+}
+
+bool is_of_plan(const ReservationMessage& r) {
+  return !r.plan.leader.empty();
+}
+bool are_of_one_plan(const ReservationMessage& a, const ReservationMessage& b) {
+  return is_of_plan(a) && a.plan.leader == b.plan.leader && a.plan.epoch == b.plan.epoch;
+}
+
+/// Whether another reservation holds against this one, if the two were planned without each other.
+bool overrides(const ReservationMessage& other, const ReservationMessage& own) {
+  if (is_of_plan(other) != is_of_plan(own)) return is_of_plan(other);
+  return goes_first(other.way, other.robot, own.way, own.robot);
 }
 
 bool is_in_basis(const ReservationMessage& of, const RobotName& robot, std::uint32_t number) {
   return std::ranges::any_of(
-      of.basis, [&](const ReservationMessage::Basis& b) { return b.robot == robot && b.number == number; });
+      of.basis, [&](const ReservationBasis& b) { return b.robot == robot && b.number == number; });
 }
 
 Box<2> box_of(const Trajectory& trajectory) {
@@ -40,6 +55,11 @@ bool come_near(const ReservationMessage& a, const ReservationMessage& b) {
   return distance(box_of(a.trajectory), box_of(b.trajectory)) < kept_apart(a.radius, b.radius);
 }
 
+/// They were planned around each other, or one of them around the other.
+bool are_related(const ReservationMessage& a, const ReservationMessage& b) {
+  return are_of_one_plan(a, b) || is_in_basis(a, b.robot, b.number) || is_in_basis(b, a.robot, a.number);
+}
+
 Trajectory shifted(Trajectory trajectory, double offset) {
   for (TimedPoint& p : trajectory) p.time += offset;
   return trajectory;
@@ -47,10 +67,11 @@ Trajectory shifted(Trajectory trajectory, double offset) {
 
 /// Seconds to be added to the times of `other`, so that all robots order the two alike.
 double offset_between(const ReservationMessage& own, const ReservationMessage& other, double estimate) {
-  for (const ReservationMessage::Basis& b : own.basis) {
+  if (are_of_one_plan(own, other)) return own.plan.shift - other.plan.shift;
+  for (const ReservationBasis& b : own.basis) {
     if (b.robot == other.robot && b.number == other.number) return b.offset;
   }
-  for (const ReservationMessage::Basis& b : other.basis) {
+  for (const ReservationBasis& b : other.basis) {
     if (b.robot == own.robot && b.number == own.number) return -b.offset;
   }
   return estimate;
@@ -155,56 +176,98 @@ bool Reserver::may_try(double now) const {
 bool Reserver::is_turn(const Wanted& wanted, const Fleet& fleet, double now) const {
   if (now - wanted.since > Timing::longest_turn * fleet.second()) return true;
   for (const FleetMember& m : fleet.others()) {
-    if (m.failed || m.wants_to_stay || m.stage != Stage::free) continue;
+    if (m.failed || m.wants_to_stay || m.stage == Stage::waiting) continue;
     const ReservationMessage* const known = others_->find(m.robot, run_);
     if (known == nullptr) return false;
     const ReservationMessage& r = *known;
-    if (r.trajectory.empty() && r.way > 0 && outranks(r.way, m.robot, wanted.way, robot_)) return false;
+    if (r.trajectory.empty() && r.way > 0 && goes_first(r.way, m.robot, wanted.way, robot_)) return false;
   }
   return true;
 }
 
-void Reserver::plan(const Path& path, const FleetMember& self, const Limits& limits, const Fleet& fleet,
-                    MapRoadmaps& places, double now, std::vector<Outgoing>& out) {
+void Reserver::plan(const Path& path, double ready, const FleetMember& self, const Limits& limits,
+                    const Fleet& fleet, MapRoadmaps& places, double now, std::vector<Outgoing>& out) {
   const auto* const wanted = std::get_if<Wanted>(&state_);
   if (wanted == nullptr || !self.stands || !is_turn(*wanted, fleet, now)) return;
   SpaceTime taken(places.field().bounds(), self.radius);
   ReservationMessage message{.robot = robot_, .radius = self.radius, .way = wanted->way, .run = run_};
   for (const FleetMember& m : fleet.others()) {
     if (m.failed) continue;
-    const ReservationMessage* const known = others_->find(m.robot, run_);
-    const bool holds = known != nullptr && !known->trajectory.empty() && m.reservation <= known->number &&
-                       m.stage == Stage::free;
-    if (holds) {
-      const ReservationMessage& r = *known;
-      taken.add(shifted(r.trajectory, m.clock_offset), r.radius);
-      message.basis.push_back({m.robot, r.number, m.clock_offset});
+    if (auto known = reservation_of(m)) {
+      taken.add(known->trajectory, known->radius);
+      message.basis.push_back(known->basis);
     } else {
       taken.add_standing(m.position, m.radius, m.wants_to_stay ? infinity : now + Timing::sets_off_within);
     }
   }
   for (const Disc& zone : fleet.zones_of_failed(self.position, now)) taken.add_obstacle(zone);
   const double speeding_up = limits.max_speed / limits.max_acceleration / 2;
-  const double begin = now + lead + speeding_up;
+  const double begin = std::max(now + lead, ready) + speeding_up;
   taken.start_at(self.position, begin);
   SafeIntervalSearch search(places.field(), places.lattice(self.radius), self.radius, path);
   auto found = search.search(taken, begin, limits.max_speed, speeding_up);
-  if (!found || found->size() < 2) {
+  if (!found || path_of(*found).size() < 2) {
     drop(self, fleet, now, out);
     state_ = None{now, others_->news()};
     planned_in_vain_ = true;
     return;
   }
   message.trajectory = *std::move(found);
-  std::erase_if(message.basis, [&](const ReservationMessage::Basis& b) {
-    return !come_near(message, *others_->find(b.robot, run_));
+  hold(std::move(message), now, out);
+}
+
+std::optional<KnownReservation> Reserver::reservation_of(const FleetMember& m) const {
+  const ReservationMessage* const r = others_->find(m.robot, run_);
+  const bool keeps_to_it =
+      r != nullptr && !r->trajectory.empty() && m.reservation <= r->number && m.stage != Stage::waiting;
+  if (!keeps_to_it) return std::nullopt;
+  return KnownReservation{
+      {m.robot, r->number, m.clock_offset}, shifted(r->trajectory, m.clock_offset), r->radius};
+}
+
+/// From now on the robot drives by this reservation. The message has all but its number.
+Reserver::Held& Reserver::hold(ReservationMessage message, double now, std::vector<Outgoing>& out) {
+  std::erase_if(message.basis, [&](const ReservationBasis& b) {
+    const ReservationMessage* const r = others_->find(b.robot, run_);
+    return r == nullptr || r->trajectory.empty() || !come_near(message, *r);
   });
   message.number = next_number(now);
-  const std::vector<Move> moves{{0, path_of(message.trajectory)}};
+  const std::vector<Path> legs = legs_of(path_of(message.trajectory));
   auto own = std::make_shared<const ReservationMessage>(std::move(message));
   out.emplace_back(*own);
-  state_ =
-      Held{std::move(own), WayFollower(legs_of(0, moves), self.radius, reserved_stray_radii * self.radius)};
+  planned_in_vain_ = false;
+  state_ = Held{own, WayFollower(legs, own->radius, reserved_stray_radii * own->radius)};
+  return std::get<Held>(state_);
+}
+
+/// Until another member has taken up its own part, it counts as standing at the beginning of its way.
+void Reserver::adopt(std::shared_ptr<const JointPlanMessage> plan, const FleetMember& self,
+                     const Fleet& fleet, double now, std::vector<Outgoing>& out) {
+  const auto part = std::ranges::find(plan->members, robot_, &JointPlanMessage::Member::robot);
+  const bool has_part = part != plan->members.end() && path_of(part->trajectory).size() > 1 &&
+                        (part->trajectory.front().position - self.position).norm() < same_place;
+  is_news_ = true;
+  if (!has_part) return drop(self, fleet, now, out);
+  const auto leader = fleet.find(plan->round.leader);
+  const double shift = leader ? leader->clock_offset : 0;
+  ReservationMessage message{.robot = robot_,
+                             .radius = self.radius,
+                             .way = length_of(path_of(part->trajectory)),
+                             .trajectory = shifted(part->trajectory, shift),
+                             .basis = plan->basis,
+                             .plan = {plan->round.leader, plan->round.epoch, shift},
+                             .run = run_};
+  for (ReservationBasis& b : message.basis) b.offset += shift;
+  Held& held = hold(std::move(message), now, out);
+  held.round = plan->round;
+  for (const JointPlanMessage::Member& m : plan->members) {
+    if (m.robot == robot_ || m.trajectory.empty()) continue;
+    const ReservationMessage* const last = others_->find(m.robot, run_);
+    if (last != nullptr && are_of_one_plan(*last, *held.own)) continue;  // it was faster
+    Pair& pair = held.pairs[m.robot];
+    pair = {.number = last != nullptr ? last->number : 0, .is_awaited = true};
+    pair.gates = Gates(order_of(part->trajectory, self.radius, m.trajectory, m.radius, 0).gates);
+  }
 }
 
 /// Where two robots planned at the same time, the robot with the shorter way plans again.
@@ -219,9 +282,8 @@ bool Reserver::comes_too_close(const FleetMember& self, const Fleet& fleet, MapR
   if (std::exchange(held.compared, others_->news()) == others_->news()) return false;
   const ReservationMessage& own = *held.own;
   for (const auto& [robot, other] : *others_) {
-    if (other->run != run_ || other->trajectory.empty() || !outranks(other->way, robot, own.way, robot_))
-      continue;
-    if (is_in_basis(own, robot, other->number) || is_in_basis(*other, robot_, own.number)) continue;
+    if (other->run != run_ || other->trajectory.empty() || !overrides(*other, own)) continue;
+    if (are_related(own, *other)) continue;
     const auto m = fleet.find(robot);
     if (!m || m->failed || !come_near(own, *other)) continue;
     SpaceTime taken(places.field().bounds(), self.radius);
@@ -241,11 +303,6 @@ bool Reserver::comes_too_close(const FleetMember& self, const Fleet& fleet, MapR
   return false;
 }
 
-/// One of the two was planned around the other.
-bool Reserver::is_related(const ReservationMessage& own, const ReservationMessage& other) const {
-  return is_in_basis(own, other.robot, other.number) || is_in_basis(other, own.robot, own.number);
-}
-
 /// Takes up the order with robots whose reservations are new.
 void Reserver::look_at_others(Held& held, const Fleet& fleet) const {
   if (std::exchange(held.news, others_->news()) == others_->news()) return;
@@ -253,7 +310,7 @@ void Reserver::look_at_others(Held& held, const Fleet& fleet) const {
   for (const auto& [robot, other] : *others_) {
     if (other->run != run_) continue;
     Pair& pair = held.pairs[robot];
-    if (pair.number == other->number) continue;
+    if (pair.number == other->number || (pair.is_awaited && other->trajectory.empty())) continue;
     pair = {.number = other->number};
     if (other->trajectory.empty()) continue;
     if (!come_near(own, *other)) {
@@ -266,7 +323,7 @@ void Reserver::look_at_others(Held& held, const Fleet& fleet) const {
     Order theirs = order_of(other->trajectory, other->radius, own.trajectory, own.radius, -offset);
     pair.gates = Gates(std::move(order.gates));
     pair.theirs = std::move(theirs.gates);
-    pair.is_related = is_related(own, *other);
+    pair.is_related = are_related(own, *other);
     pair.apart_beyond = order.apart_beyond;
     pair.they_beyond = theirs.apart_beyond;
   }
@@ -287,6 +344,14 @@ double Reserver::First::progress_at(double time) const {
   return progress + std::max(0.0, driven - slip);
 }
 
+/// Whether another robot does not go on by its reservation, and stands.
+bool Reserver::has_left(const Held& held, const Pair& pair, const FleetMember& m) {
+  if (!m.stands) return false;
+  if (!pair.is_awaited) return m.reservation > pair.number || m.stage == Stage::waiting;
+  if (m.round != held.round) return m.round.overrides(held.round);
+  return m.stage != Stage::waiting && m.reservation == 0;
+}
+
 Point2 Reserver::preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                                     const Limits& limits, double now) {
   Held& held = std::get<Held>(state_);
@@ -299,9 +364,8 @@ Point2 Reserver::preferred_velocity(const FleetMember& self, const Fleet& fleet,
   for (auto& [robot, pair] : held.pairs) {
     if (pair.gates.all_open()) continue;
     const auto m = fleet.find(robot, now);
-    const bool has_left = m && m->stands && (m->reservation > pair.number || m->stage != Stage::free);
-    if (!m || m->failed || has_left) continue;
-    const bool drives = m->reservation == pair.number;
+    if (!m || m->failed || has_left(held, pair, *m)) continue;
+    const bool drives = !pair.is_awaited && m->reservation == pair.number;
     const First first{&pair,
                       m->promise,
                       m->limits,
@@ -309,13 +373,14 @@ Point2 Reserver::preferred_velocity(const FleetMember& self, const Fleet& fleet,
                       drives ? m->reservation_progress : 0,
                       2 * reserved_stray_radii * m->radius};
     const double passed = drives ? m->reservation_progress : 0;
-    if (pair.gates.open(progress, slack, [&](std::size_t) { return passed; }) == infinity) continue;
+    if (pair.gates.open(progress, slack, passed) == infinity) continue;
     held.first.push_back(first);
     const double certain = drives ? first.progress_at(infinity) : 0;
     const double until = pair.gates.open_if(progress, slack, certain);
     if (until >= open) continue;
     open = until;
     next = &robot;
+    waits_until_ = std::max(now, m->rests_until) + pair.gates.metres_until(until, certain) / m->max_speed;
   }
   const Point2 wanted = held.follower.preferred_velocity(position, limits, control_period, open);
   own_speed_ = std::min(limits.max_speed, self.velocity.norm() + limits.max_acceleration * control_period);
@@ -354,7 +419,7 @@ bool Reserver::allows(const Driver& body, const Point2& velocity) const {
 /// From then on neither does.
 void Reserver::confirm(const RobotState& other) {
   auto* const held = std::get_if<Held>(&state_);
-  if (held == nullptr || other.reservation == 0 || other.stage != Stage::free || other.passed_on) return;
+  if (held == nullptr || other.reservation == 0 || other.stage == Stage::waiting || other.passed_on) return;
   const auto known = held->pairs.find(other.robot);
   if (known == held->pairs.end() || known->second.is_confirmed || !known->second.is_related ||
       known->second.number != other.reservation)
@@ -383,7 +448,7 @@ void Reserver::confirm(const RobotState& other) {
 
 bool Reserver::passes(const RobotState& other, double age) {
   const auto* const held = std::get_if<Held>(&state_);
-  if (held == nullptr || age > recent_state || other.reservation == 0 || other.stage != Stage::free)
+  if (held == nullptr || age > recent_state || other.reservation == 0 || other.stage == Stage::waiting)
     return false;
   const auto known = held->pairs.find(other.robot);
   const ReservationMessage* const latest = others_->find(other.robot, run_);
@@ -408,8 +473,9 @@ bool Reserver::gives_way(const FleetMember& self, const Fleet& fleet) const {
     const auto pair = held.pairs.find(m.robot);
     const bool is_confirmed = pair != held.pairs.end() && pair->second.is_confirmed;
     if (is_confirmed || m.wants_to_stay || !m.waits_for.empty()) continue;
-    const double other = time_at(known->trajectory, m.reservation_progress) + m.clock_offset;
-    if (other < own || (other == own && m.robot < robot_)) return true;
+    const double later = time_at(known->trajectory, m.reservation_progress) +
+                         offset_between(*held.own, *known, m.clock_offset) - own;
+    if (later < -same_time || (later < same_time && m.robot < robot_)) return true;
   }
   return false;
 }
@@ -423,7 +489,7 @@ bool Reserver::is_worth_waiting(const Fleet& fleet, double now) {
     m = fleet.find(last);
   }
   if (!m || m->failed) return false;
-  if (last != awaited_ || m->reservation_progress != awaited_progress_ || m->stage != Stage::free) {
+  if (last != awaited_ || m->reservation_progress != awaited_progress_ || m->stage == Stage::waiting) {
     awaited_ = last;
     awaited_progress_ = m->reservation_progress;
     awaited_since_ = now;

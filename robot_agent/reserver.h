@@ -13,6 +13,9 @@
 // stays in the strip along its way and heeds its gates (docs/safety.md). A robot leaves its strip only when
 // no other robot can still count on it to stay there.
 //
+// A joint plan has a trajectory for each of its members, which becomes the member's reservation. So the
+// robots of a plan keep its order like any other.
+//
 // A state machine like the agent that owns it: times are fleet time, seconds; metres.
 #pragma once
 
@@ -50,12 +53,20 @@ class Reserver {
   /// The robot waits for its turn, and has not planned in vain since it last held a reservation.
   bool waits_for_its_turn() const { return wants() && !planned_in_vain_; }
   std::uint32_t number() const { return holds() ? std::get<Held>(state_).own->number : 0; }
+  /// Grows with each reservation of another robot that this robot heeds.
+  std::uint32_t heeds() const { return holds() ? others_->news() : 0; }
   bool finished() const { return std::get<Held>(state_).follower.finished(); }
   double progress() const { return holds() ? std::get<Held>(state_).follower.progress() : 0; }
+  /// The robot carries out its part of a joint plan.
+  bool executes_plan() const {
+    return holds() && !std::get<Held>(state_).own->plan.leader.empty() && !finished();
+  }
   /// The way of the reservation; the robot holds one.
   Path way() const { return path_of(std::get<Held>(state_).own->trajectory); }
   /// The robot that passes first, at the gate where this one stands; empty: none.
   const RobotName& waits_for() const { return waits_for_; }
+  /// Fleet time before which that robot cannot have come far enough.
+  double waits_until() const { return waits_until_; }
   /// Metres between the robot and the way of its reservation.
   double off_the_way(const Point2& p) const { return std::get<Held>(state_).follower.off_the_way(p); }
 
@@ -64,9 +75,15 @@ class Reserver {
   /// The robot stands. It has no reservation any more, and wants none. Tells the others, if it is news.
   void drop(const FleetMember& self, const Fleet& fleet, double now, std::vector<Outgoing>& out);
 
-  /// Plans if it is this robot's turn: from where it stands along `path`, or beside it.
-  void plan(const Path& path, const FleetMember& self, const Limits& limits, const Fleet& fleet,
+  /// Plans if it is this robot's turn: from where it stands along `path`, or beside it. It departs at
+  /// `ready`, at the earliest.
+  void plan(const Path& path, double ready, const FleetMember& self, const Limits& limits, const Fleet& fleet,
             MapRoadmaps& places, double now, std::vector<Outgoing>& out);
+  /// Takes up the part of this robot in a joint plan, if it has one that begins where the robot stands.
+  void adopt(std::shared_ptr<const JointPlanMessage> plan, const FleetMember& self, const Fleet& fleet,
+             double now, std::vector<Outgoing>& out);
+  /// What another robot has reserved, if it keeps to that.
+  std::optional<KnownReservation> reservation_of(const FleetMember& m) const;
   /// The robot may try anew: something has changed since the last attempt, or that was a while ago.
   bool may_try(double now) const;
   /// Another robot has reserved at the same time, too close, and goes first. The robot is to stand, and to
@@ -104,6 +121,7 @@ class Reserver {
  private:
   struct Pair {                ///< this robot and another one
     std::uint32_t number = 0;  ///< of the other's reservation
+    bool is_awaited = false;   ///< the other robot is to take up its part of the same joint plan
     Gates gates{};
     std::vector<Gate> theirs{};  ///< before this robot
     bool is_related = false;     ///< one was planned around the other
@@ -133,6 +151,7 @@ class Reserver {
   struct Held {
     std::shared_ptr<const ReservationMessage> own;
     WayFollower follower;
+    RoundId round{};  ///< of the joint plan that it is a part of
     std::map<RobotName, Pair> pairs{};
     std::vector<First> first{};  ///< in this period
     bool is_overridden = false;
@@ -145,8 +164,9 @@ class Reserver {
   std::uint32_t next_number(double now);
   void say(ReservationMessage message, const FleetMember& self, double now, std::vector<Outgoing>& out);
   bool is_turn(const Wanted& wanted, const Fleet& fleet, double now) const;
+  Held& hold(ReservationMessage message, double now, std::vector<Outgoing>& out);
+  static bool has_left(const Held& held, const Pair& pair, const FleetMember& m);
   void look_at_others(Held& held, const Fleet& fleet) const;
-  bool is_related(const ReservationMessage& own, const ReservationMessage& other) const;
   bool comes_too_close(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places);
   void leave_strip(const Fleet& fleet, double now);
   void confirm(const RobotState& other);
@@ -159,6 +179,7 @@ class Reserver {
   bool is_news_ = false;  ///< others have not been told that there is no reservation
   std::variant<None, Wanted, Held> state_;
   RobotName waits_for_;
+  double waits_until_ = 0;
   std::map<RobotName, std::uint32_t> knows_this_;  ///< the number of this robot that another one has heard of
   struct Told {
     std::uint32_t number = 0;

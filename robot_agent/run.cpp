@@ -63,7 +63,7 @@ void Run::go_on_from(const SavedState& saved, double now) {
   if (tracking_ && !track_.empty()) last_seen_ = track_.last().time;
   counter_ = StateCounter(saved.sequence);
   timing_.first = false;
-  round_.forget(saved.round_epoch, saved.stage != Stage::free);
+  round_.forget(saved.round_epoch);
   join_in_mid_run(saved.silent, now);
   const AgentStatus& before = saved.status;
   if (before.mission != mission_.number) return;
@@ -111,7 +111,6 @@ void Run::begin(const Mission& mission, double now) {
   came_to_ = body_.position();
   times_stranded_ = 0;
   round_.forget_failures();
-  lets_others_finish_ = true;
 }
 
 void Run::set_out(double now) {

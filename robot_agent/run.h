@@ -112,14 +112,23 @@ class Run {
   void wake(double now);
   double listening_time() const;
   bool is_too_long(double seconds) const;
-  void decide(double now);
+  void decide(double now, std::vector<Outgoing>& out);
   bool joins(double now);
   bool waits_for_its_robot(double now);
   void watch_isolation(double now);
+  bool is_at_large(double now) const;
+  bool may_move(double now);
+  bool may_reserve(double now) const;
   bool may_drive(double now);
+  bool carries_on(double now);
+  double around() const;
+  Stage stage() const;
   void reserve(double now, std::vector<Outgoing>& out);
-  void drive(Driving& driving, double now, std::span<const Neighbour> neighbours);
-  void execute_plan(double now, std::span<const Neighbour> neighbours);
+  void evade(Driving& driving, double now, std::span<const Neighbour> neighbours);
+  void follow_reservation(std::vector<Outgoing>& out);
+  void keep_to_reservation(double now, std::span<const Neighbour> neighbours);
+  void call_if_it_stalls(double now);
+  Path way_ahead() const;
   void stand_for(double now, double seconds);
   void watch_arrival(double now);
   void give_up(std::string reason);
@@ -127,10 +136,10 @@ class Run {
   void watch_movement(double now, double lived);
   bool all_free_around() const;
   bool may_set_off(double now);
+  std::size_t robots_to_know(double now) const;
   std::span<const Neighbour> neighbours(double now);
   FleetMember self() const;
   bool takes_part() const;
-  const RobotName& waits_for() const;
   bool is_under_way() const;
   bool stands_still(double now) const;
 
@@ -187,7 +196,6 @@ class Run {
   WallTime begun_at_ = 0;  ///< wall clock
   double startup_since_ = 0;
   Point2 came_to_ = Point2::Zero();  ///< where the robot last came on
-  bool lets_others_finish_ = true;   ///< the mission may have come while a joint plan is executed
   int times_stranded_ = 0;
   std::unique_ptr<PathImprover<ClearanceField>> improver_;  ///< on the map, for `improver_radius_`
   double improver_radius_ = 0;

@@ -18,6 +18,8 @@ struct Steady {
   RoundId round{};
   Stage stage = Stage::free;
   RobotName waits_for{};
+  std::uint32_t reservation = 0;  ///< number
+  std::uint32_t heeds = 0;        ///< grows with each reservation of another robot that it heeds
   bool operator==(const Steady&) const = default;
 };
 

@@ -18,10 +18,11 @@ constexpr double share_of_overload = 0.25;  // of the last decisions that came l
 
 /// Tells the peers. A robot that goes on standing as it has said does so at heartbeats only.
 void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
-  counter_.note({body_.stands(), phase(), round_.id(), round_.stage(), waits_for()});
+  counter_.note({body_.stands(), phase(), round_.id(), stage(), reserver_.waits_for(), reserver_.number(),
+                 reserver_.heeds()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
-  auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, waits_for(), now);
+  auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, reserver_.waits_for(), now);
   RobotState said = state(now, std::move(echoes));
   said.misses = std::move(misses);
   said.knows = reserver_.knows(agents);
@@ -53,11 +54,10 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
           .max_acceleration = body_.limits().max_acceleration,
           .phase = phase(),
           .round = round_.id(),
-          .stage = round_.stage(),
+          .stage = stage(),
           .reservation = reserver_.number(),
           .reservation_progress = reserver_.progress(),
-          .progress = round_.progress(),
-          .waits_for = waits_for(),
+          .waits_for = reserver_.waits_for(),
           .copies = copies(),
           .is_new = connectivity_.joining() || asks_for_news,
           .wants_echo = !fleet_.echoed(now),

@@ -33,7 +33,7 @@ struct Timing {
   static constexpr double idle_lease = 1;
   /// The same, fleet s, of a robot that waits and may soon drive on.
   static constexpr double waiting_lease = 0.3;
-  /// fleet s: the longest lease of a robot that waits for a member of its joint plan.
+  /// fleet s: the longest lease of a robot that waits for another one to pass.
   static constexpr double longest_lease = 2;
   /// A lease grows by this multiple of the clock error. Network, clocks: a late state shortens what the
   /// others may use of the lease.
@@ -174,11 +174,11 @@ struct Timing {
   static constexpr double longest_wait_for_plan = 60;
   /// The same, scaled s: the larger of both counts.
   static constexpr double least_wait_for_plan = 20;
-  /// fleet s for which a member waits for another one that does not come on. Network: that may be cut off.
-  static constexpr double longest_wait_for_member = 120;
-  /// fleet s without progress, although nobody with an earlier move is in the way, after which a member calls
-  /// a new round.
+  /// fleet s without progress, although nobody goes first, after which a member calls a new round.
   static constexpr double plan_patience = 5;
+  /// fleet s between the moves of a joint plan and its first departure: the leader finds times for the moves
+  /// meanwhile. Only order counts in the end.
+  static constexpr double plan_to_departure = 1;
 
   // ---- Reservations
 

@@ -15,11 +15,6 @@ constexpr double in_the_way = 2;  // sums of radii between two of which one stop
 
 }  // namespace
 
-/// The robot that passes first, at the gate where this one stands; empty: none.
-const RobotName& Run::waits_for() const {
-  return round_.stage() == Stage::free ? reserver_.waits_for() : round_.waits_for();
-}
-
 /// In the order in which a control step looks at what keeps a robot that has a goal to reach.
 Run::WaitKind Run::wait_kind(double now) {
   using W = WaitTimes;
@@ -29,10 +24,9 @@ Run::WaitKind Run::wait_kind(double now) {
   if (tracking_ && !(tracking_->is_recent(wall_now) && tracking_->keeps_up(wall_now))) return &W::odometry;
   if (fleet_.cut_off() || connectivity_.listens(now)) return &W::connection;
   if (round_.stage() == Stage::waiting) return &W::joint_plan;
-  if (round_.stage() == Stage::executing) return round_.waits_for().empty() ? &W::promise : &W::gate;
   if (!may_set_off(now)) return &W::startup;
   if (!reserver_.waits_for().empty()) return &W::gate;
-  if (round_.stranded() || lets_others_finish_) return &W::joint_plan;
+  if (round_.stranded()) return &W::joint_plan;
   return reserver_.holds() ? &W::promise : &W::reservation;
 }
 
@@ -43,7 +37,7 @@ std::string Run::wait_cause(double now) {
   if (kind == &W::connection) return what_it_has_not_heard();
   if (kind == &W::odometry) return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));
   if (kind == &W::joint_plan) return which_plan_it_waits_for();
-  if (kind == &W::gate) return fmt::format("it waits for {}, which goes first", waits_for());
+  if (kind == &W::gate) return fmt::format("it waits for {}, which goes first", reserver_.waits_for());
   if (kind == &W::reservation)
     return reserver_.wants() ? "it waits for its turn to reserve a trajectory"
                              : "no trajectory to its goal is free: it tries again";
@@ -64,8 +58,7 @@ std::string Run::what_is_wrong_with_the_odometry(WallTime now) const {
 
 std::string Run::which_plan_it_waits_for() const {
   if (round_.stage() == Stage::free)
-    return round_.stranded() ? "no joint plan brings it to its goal: it stands until the others are done"
-                             : "it lets others finish their joint plan";
+    return "no joint plan brings it to its goal: it stands until the others are done";
   if (round_.id().leader != process_.name)
     return fmt::format("it stands until {} has made a joint plan", round_.id().leader);
   return round_.plans() ? "it makes a joint plan for the robots around it"

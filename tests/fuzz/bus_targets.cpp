@@ -213,15 +213,16 @@ std::vector<Input> topic_seeds<RobotState>() {
 }
 template <>
 std::vector<Input> topic_seeds<JointPlanMessage>() {
-  return {encoded(
-      JointPlanMessage{{1, "b", {12, 6}, 20},
-                       {{"b", 1, false}, {"a", 1, true}},
-                       {{1, {{4, 8}, {6, 8}}}, {0, {{20, 4}, {15, 8}, {10, 8}}}, {1, {{6, 8}, {4, 8}}}}})};
+  return {encoded(JointPlanMessage{{1, "b", {12, 6}, 20},
+                                   {{"b", 1, false, {{1, {20, 4}}, {2, {15, 8}}, {3, {10, 8}}}},
+                                    {"a", 1, true, {{1, {4, 8}}, {2, {6, 8}}, {5, {6, 8}}, {6, {4, 8}}}}},
+                                   {{"c", 2, 0.5}}})};
 }
 template <>
 std::vector<Input> topic_seeds<ReservationMessage>() {
   return {encoded(ReservationMessage{"b", 2, 5, 12, {}}),
-          encoded(ReservationMessage{"b", 3, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {{"a", 1, 0.5}}})};
+          encoded(ReservationMessage{"b", 3, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {{"a", 1, 0.5}}}),
+          encoded(ReservationMessage{"b", 4, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {}, {"a", 1, 0.5}})};
 }
 template <>
 std::vector<Input> topic_seeds<PathMessage>() {

@@ -51,7 +51,10 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
   const Message tree = some_tree(1, 9);
   const Message path = PathMessage{"r1", 3, {{0, 0}, {1, 2}, {5, 5}}, 1.7e9};
   const Message plan = JointPlanMessage{
-      {4, "r1"}, {{"r1", 5, false}, {"r2", 4.5, true}}, {{1, {{0, 0}, {1, 2}}}, {0, {{3, 4}}}}, 1.7e9};
+      {4, "r1"},
+      {{"r1", 5, false, {{1, {0, 0}}, {2, {1, 2}}}}, {"r2", 4.5, true}, {"r3", 5, false, {{3, {4, 5}}}}},
+      {{"r4", 6, 0.25}},
+      1.7e9};
   const Message track = TrackMessage{"r1", 3, 12, {{0.05, {1, 1}, {2, 0}}, {0.1, {1.1, 1}, {2, 0}}}, 1.7e9};
   const Message status = AgentStatus{"r1",
                                      3,

@@ -67,6 +67,12 @@ struct Any {
     for (int k = *rc::gen::inRange(0, 4); k > 0; --k) all.push_back(point());
     return all;
   }
+  Trajectory trajectory() const {
+    return some([&] { return TimedPoint{number(), point()}; });
+  }
+  std::vector<ReservationBasis> basis() const {
+    return some([&] { return ReservationBasis{name(), u32(), number()}; });
+  }
   RoundId round() const { return {u32(), name(), point(), number()}; }
 };
 
@@ -116,7 +122,6 @@ RobotState any(const Any& a) {
           a.one<Stage>(),
           a.u32(),
           a.number(),
-          a.number(),
           a.name(),
           a.u8(),
           a.u8(),
@@ -135,24 +140,14 @@ RobotState any(const Any& a) {
 template <>
 JointPlanMessage any(const Any& a) {
   return {a.round(), a.some([&] {
-            return JointPlanMessage::Member{a.name(), a.number(), a.flag()};
+            return JointPlanMessage::Member{a.name(), a.number(), a.flag(), a.trajectory()};
           }),
-          a.some([&] {
-            return Move{a.u32(), a.path()};
-          })};
+          a.basis()};
 }
 template <>
 ReservationMessage any(const Any& a) {
-  return {a.name(),
-          a.u32(),
-          a.number(),
-          a.number(),
-          a.some([&] {
-            return TimedPoint{a.number(), a.point()};
-          }),
-          a.some([&] {
-            return ReservationMessage::Basis{a.name(), a.u32(), a.number()};
-          })};
+  return {
+      a.name(), a.u32(), a.number(), a.number(), a.trajectory(), a.basis(), {a.name(), a.u32(), a.number()}};
 }
 template <>
 PathMessage any(const Any& a) {
@@ -279,7 +274,8 @@ TEST(RecordedMessage, MalformedBytesAreRefused) {
   EXPECT_FALSE(message_in(path, "\x1a\x02\x09\x01")) << "a number is longer than its waypoint";
   EXPECT_FALSE(message_in(path, "\x0b")) << "groups are not used";
   const auto plan = topic_number<JointPlanMessage>();
-  EXPECT_FALSE(message_in(plan, std::string("\x1a\x03\x12\x04\x00", 5))) << "a path is longer than its move";
+  EXPECT_FALSE(message_in(plan, std::string("\x12\x03\x0a\x04\x00", 5)))
+      << "a name is longer than its member";
 }
 
 TEST(RecordedMessage, FieldsAreReadInAnyOrder) {

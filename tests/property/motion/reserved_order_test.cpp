@@ -60,7 +60,7 @@ void drive(Reserved& own, const std::vector<Reserved>& robots, Random& random) {
   if (own.pause > 0 && --own.pause > 0) return;
   double end = std::min(own.way.length(), own.progress + own.pace);
   for (std::size_t k = 0; k < robots.size(); ++k)
-    end = std::min(end, own.before[k].open(own.progress, 0, [&](std::size_t) { return robots[k].progress; }));
+    end = std::min(end, own.before[k].open(own.progress, 0, robots[k].progress));
   own.progress = std::max(own.progress, end);
 }
 

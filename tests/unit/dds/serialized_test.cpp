@@ -23,8 +23,7 @@ long peak_memory() {  // KiB
 
 // Each zero might begin a member. Memory for all of them would be a hundred times as many bytes.
 TEST(Serialized, ASequenceLongerThanItsTypeAllowsAllocatesNoMemory) {
-  std::vector<std::uint8_t> bytes =
-      serialized(JointPlanMessage{.round = {1, "a"}, .members = {}, .moves = {}});
+  std::vector<std::uint8_t> bytes = serialized(JointPlanMessage{.round = {1, "a"}, .members = {}});
   // The offset of the members: behind the kind, the encapsulation, the leader, the epoch, the centre and the
   // reach.
   constexpr std::size_t length_of_members = 1 + 4 + 40;

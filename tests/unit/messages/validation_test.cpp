@@ -41,7 +41,7 @@ InactiveTreeMessage tree() {
   return {.tree = {1, 2}, .map_id = "m", .radius = 1, .nodes = {{{0, 0}, -1, 2}, {{1, 0}, 0, 1}}};
 }
 JointPlanMessage plan() {
-  return {.round = {1, "r1"}, .members = {{"r1", 1, false}}, .moves = {{0, {{0, 0}, {1, 1}}}}};
+  return {.round = {1, "r1"}, .members = {{"r1", 1, false, {{0, {0, 0}}, {1, {1, 1}}}}}};
 }
 
 template <class M>
@@ -86,7 +86,7 @@ TEST(Validation, InvalidStatesAreRefused) {
                                                       [](M& m) { m.phase = static_cast<Phase>(9); },
                                                       [](M& m) { m.stage = static_cast<Stage>(3); },
                                                       [](M& m) { m.round.epoch = 1; },
-                                                      [](M& m) { m.progress = -1; },
+                                                      [](M& m) { m.reservation_progress = -1; },
                                                       [](M& m) { m.radius = 2e9; },
                                                       [](M& m) { m.radius = 1e-300; },
                                                       [](M& m) { m.max_acceleration = 1e-3; },
@@ -121,23 +121,46 @@ TEST(Validation, InvalidJointPlansAreRefused) {
   using M = JointPlanMessage;
   const std::vector<std::function<void(M&)>> spoilers{
       [](M& m) { m.round.epoch = 0; }, [](M& m) { m.round.leader.clear(); },
-      [](M& m) { m.members[0].radius = 0; }, [](M& m) { m.moves[0].robot = 1; },
-      [](M& m) { m.moves[0].path.clear(); }, [](M& m) { m.moves[0].path[1].y() = infinity; },
-      [](M& m) { m.members.clear(); }, [](M& m) { m.members.resize(4097, m.members[0]); },
+      [](M& m) { m.members[0].radius = 0; }, [](M& m) { m.members[0].robot.clear(); },
+      [](M& m) { m.members[0].trajectory[1].position.y() = infinity; },
+      [](M& m) { m.members[0].trajectory[1].time = -1; }, [](M& m) { m.members.resize(4097, m.members[0]); },
       [](M& m) { m.members[0].radius = 1e-300; },
-      // Pieces of the size of a robot would be endless for a path there, or there and back.
+      // Pieces of the size of a robot would be endless for a way there.
       [](M& m) {
-        m.moves[0].path[1] = {2e6, 0};
+        m.members[0].trajectory[1].position = {2e6, 0};
       },
       [](M& m) {
-        for (int k = 0; k < 90; ++k) m.moves[0].path.insert(m.moves[0].path.end(), {{0, 0}, {9000, 0}});
+        m.basis = {{"r2", 0, 0}};
+      },
+      [](M& m) {
+        m.basis = {{"r2", 1, nan}};
       }};
+  EXPECT_FALSE(problem_with(plan()));
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(plan(), spoilers[k])) << k;
-  const auto larger = [&](M& m) {
-    spoilers.back()(m);
-    m.members[0].radius = 2;
-  };
-  EXPECT_FALSE(problem<M>(plan(), larger)) << "the pieces are counted";
+}
+
+TEST(Validation, InvalidReservationsAreRefused) {
+  using M = ReservationMessage;
+  const M fine{.robot = "r1",
+               .number = 1,
+               .radius = 1,
+               .way = 3,
+               .trajectory = {{0, {0, 0}}, {1, {1, 1}}},
+               .basis = {{"r2", 3, 0.5}},
+               .plan = {"r2", 1, 0.5},
+               .run = {}};
+  const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.robot.clear(); },
+                                                      [](M& m) { m.number = 0; },
+                                                      [](M& m) { m.radius = -1; },
+                                                      [](M& m) { m.way = nan; },
+                                                      [](M& m) { m.trajectory[0].time = 2; },
+                                                      [](M& m) { m.trajectory.resize(65'537); },
+                                                      [](M& m) { m.basis[0].robot.clear(); },
+                                                      [](M& m) { m.plan.epoch = 0; },
+                                                      [](M& m) { m.plan.shift = infinity; },
+                                                      [](M& m) { m.plan.leader = "\xff"; }};
+  EXPECT_FALSE(problem_with(fine));
+  for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(fine, spoilers[k])) << k;
 }
 
 TEST(Validation, InvalidRootNodesTracksAndMapsAreRefused) {
@@ -188,7 +211,7 @@ TEST(Validation, AnAgentSpeaksForItsOwnRobotUnlessItRelays) {
   RobotState passed_on = state();
   passed_on.passed_on = true;
   EXPECT_EQ(sender(passed_on), "");
-  EXPECT_EQ(sender(JointPlanMessage{.round = {1, "r7"}, .members = {{"r1", 1, false}}, .moves = {}}), "r7");
+  EXPECT_EQ(sender(JointPlanMessage{.round = {1, "r7"}, .members = {{"r1", 1, false}}}), "r7");
   EXPECT_EQ(sender(PathMessage{.robot = "r2", .waypoints = {}}), "r2");
   EXPECT_EQ(sender(TrackMessage{.robot = "r3", .points = {}}), "r3");
   EXPECT_EQ(sender(RootNodes{.robot = "r4", .nodes = {}}), "r4");

@@ -33,10 +33,10 @@ TEST(RobotAgent, TheAgentJoinsARoundThatItHearsOfAndWaits) {
   EXPECT_EQ(last.stage, Stage::waiting);
   EXPECT_TRUE(last.promise.velocity.isZero(0));
 
-  // Once the plan is there, the robot drives exactly its moves.
+  // Once the plan is there, the robot drives its part of it.
   agent.on(arrival_of(
-      JointPlanMessage{
-          other.round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.promise.position, {20, 70}}}}},
+      JointPlanMessage{other.round,
+                       {{"a", 5, false, {{3, last.promise.position}, {6, {20, 70}}}}, {"b", 5, false}}},
       2));
   const auto after = run(agent, 2, 70);  // meanwhile b falls silent and is declared failed in the end
   double nearest = 100;
@@ -92,7 +92,7 @@ TEST(RobotAgent, AStoppedAgentTakesNoPartInRounds) {
   mission.cancelled = true;
   agent.on(arrival_of(mission, 2));
   EXPECT_EQ(after_b_says(Stage::waiting, agent, 2, 3).stage, Stage::free);
-  agent.on(arrival_of(JointPlanMessage{{4, "b", {20, 20}, 50}, {{"a", 5, false}}, {}}, 3));
+  agent.on(arrival_of(JointPlanMessage{{4, "b", {20, 20}, 50}, {{"a", 5, false}}}, 3));
   EXPECT_EQ(last_of("a", run(agent, 3, 4)).stage, Stage::free);
 }
 
@@ -108,7 +108,8 @@ TEST(RobotAgent, TheAgentAcceptsAPlanThatArrivesAfterItsLeaderDrives) {
   EXPECT_EQ(last.round, round);
   EXPECT_EQ(last.stage, Stage::waiting);
   agent.on(arrival_of(
-      JointPlanMessage{round, {{"a", 5, false}, {"b", 5, false}}, {{0, {last.promise.position, {20, 70}}}}},
+      JointPlanMessage{round,
+                       {{"a", 5, false, {{9, last.promise.position}, {12, {20, 70}}}}, {"b", 5, false}}},
       8));
   last = after_b_says(Stage::executing, agent, 8, 8.5, last);
   EXPECT_EQ(last.stage, Stage::executing);

@@ -31,7 +31,11 @@ struct Robot {
                  0);
   }
   void want(double now) { reserver.want(length_of(path), self, now, said); }
-  void plan(double now) { reserver.plan(path, self, limits, fleet, places, now, said); }
+  void plan(double now) { reserver.plan(path, now, self, limits, fleet, places, now, said); }
+  void adopt(const JointPlanMessage& plan, double now) {
+    self.round = plan.round;
+    reserver.adopt(std::make_shared<const JointPlanMessage>(plan), self, fleet, now, said);
+  }
   void drop(double now) { reserver.drop(self, fleet, now, said); }
   void look() { reserver.preferred_velocity(self, fleet, path.front(), limits, 0); }
   RobotState state(double now) {
@@ -136,6 +140,78 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
   RobotState ahead = state;
   ahead.reservation_progress = 100;  // past the gate where it lets a pass first
   EXPECT_FALSE(a.reserver.passes(ahead, 0.05));
+}
+
+/// b goes first where the ways cross.
+JointPlanMessage plan_of_both() {
+  return {.round = {4, "a", {100, 100}, 200},
+          .members = {{"a", 5, false, {{1, {20, 100}}, {8, {20, 100}}, {16, {180, 100}}}},
+                      {"b", 5, false, {{1, {100, 6}}, {8.7, {100, 160}}}}},
+          .basis = {},
+          .run = {}};
+}
+
+TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
+  a.adopt(plan_of_both(), 0.5);
+  ASSERT_TRUE(a.reserver.holds());
+  EXPECT_TRUE(a.reserver.executes_plan());
+  EXPECT_EQ(a.last().plan.leader, "a");
+  EXPECT_EQ(a.last().plan.epoch, 4u);
+  EXPECT_EQ(path_of(a.last().trajectory), a.path);
+  b.adopt(plan_of_both(), 0.5);
+  tell(a, b);
+  tell(b, a);
+  a.look();
+  b.look();
+  tell_state(b, a, 0.6);
+  RobotState state = tell_state(a, b, 0.7);
+  ASSERT_EQ(state.knows.size(), 1u);
+  EXPECT_TRUE(a.reserver.passes(state, 0.05)) << "the parts of one plan were planned around each other";
+}
+
+TEST_F(ReserverTest, AMemberThatHasNotTakenUpItsPartIsWaitedFor) {
+  a.adopt(plan_of_both(), 0.5);
+  a.self.position = {80, 100};  // soon at the crossing
+  RobotState waits = b.state(0.6);
+  waits.round = plan_of_both().round;
+  waits.stage = Stage::waiting;
+  a.fleet.hear(std::make_shared<const RobotState>(waits), 0.6);
+  const auto speed_at = [&](double x) {
+    Point2 v = Point2::Zero();
+    for (double at = 20; at <= x; at += 1)
+      v = a.reserver.preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6);
+    return v.norm();
+  };
+  EXPECT_LT(speed_at(89), 0.5);
+  EXPECT_EQ(a.reserver.waits_for(), "b");
+  b.drop(0.7);
+  RobotState left = b.state(0.8);
+  left.round = plan_of_both().round;
+  a.fleet.hear(std::make_shared<const RobotState>(left), 0.8);
+  EXPECT_GT(speed_at(89), 5) << "it has left the plan";
+}
+
+TEST_F(ReserverTest, AMemberThatStandsElsewhereSaysThatItHasNoReservation) {
+  a.self.position = {30, 100};
+  a.adopt(plan_of_both(), 0.5);
+  EXPECT_FALSE(a.reserver.holds());
+  ASSERT_EQ(a.said.size(), 1u);
+  EXPECT_TRUE(a.last().trajectory.empty());
+}
+
+TEST_F(ReserverTest, TheJointPlanHoldsAgainstAReservationThatWasMadeMeanwhile) {
+  b.path = {{100, 20}, {100, 179}};
+  b.self.position = b.path.front();
+  b.want(0);
+  b.plan(5.1);
+  JointPlanMessage plan = plan_of_both();
+  plan.members.pop_back();
+  plan.members[0].trajectory = {{5, {20, 100}}, {13, {180, 100}}};
+  a.adopt(plan, 5.1);
+  tell(a, b);
+  tell(b, a);
+  EXPECT_FALSE(a.reserver.is_overridden(a.self, a.fleet, places));
+  EXPECT_TRUE(b.reserver.is_overridden(b.self, b.fleet, places));
 }
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) {

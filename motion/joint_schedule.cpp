@@ -1,0 +1,152 @@
+#include "motion/joint_schedule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "motion/safe_interval_search.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr std::size_t moves_a_step = 50;
+constexpr std::size_t searches_a_step = 4;
+constexpr double rounding = 1e-9;
+constexpr double worthwhile = 0.01;  // seconds that an arrival must be earlier
+
+double speeding_up(const Limits& limits) {
+  return limits.max_speed / limits.max_acceleration / 2;
+}
+
+double touching(double radius, double other_radius) {
+  return radius + other_radius - rounding;
+}
+
+}  // namespace
+
+JointSchedule::JointSchedule(MapRoadmaps& places, std::vector<Robot> robots, std::vector<Move> moves,
+                             std::vector<Other> others, std::vector<Disc> obstacles, double begin,
+                             double seconds_a_step)
+    : places_(places),
+      robots_(std::move(robots)),
+      moves_(std::move(moves)),
+      others_(std::move(others)),
+      obstacles_(std::move(obstacles)),
+      begin_(begin),
+      seconds_a_step_(seconds_a_step) {
+  for (const Robot& robot : robots_) trajectories_.push_back({{begin_, robot.start}});
+}
+
+bool JointSchedule::step() {
+  if (!is_feasible_) return true;
+  if (scheduled_ < moves_.size()) {
+    for (std::size_t k = 0; k < moves_a_step && scheduled_ < moves_.size(); ++k)
+      schedule(moves_[scheduled_++]);
+    return false;
+  }
+  taken_.clear();
+  for (std::size_t k = 0; k < searches_a_step && next_ < robots_.size(); ++k) improve(next_++);
+  if (next_ < robots_.size()) return false;
+  next_ = 0;
+  return std::exchange(saved_, 0) <= cost_of_a_pass();
+}
+
+/// Seconds that all robots together wait for a pass over all robots.
+double JointSchedule::cost_of_a_pass() const {
+  const auto robots = static_cast<double>(robots_.size());
+  return robots * seconds_a_step_ * std::ceil(robots / static_cast<double>(searches_a_step));
+}
+
+/// The moves lead past the obstacles anyway.
+JointSchedule::Taken& JointSchedule::taken_for(double radius) {
+  const Box<2> bounds = places_.field().bounds();
+  const auto [at, is_new] =
+      taken_.try_emplace(radius, Taken{SpaceTime(bounds, radius), SpaceTime(bounds, radius, touching)});
+  Taken& taken = at->second;
+  if (!is_new) return taken;
+  for (SpaceTime* space : {&taken.apart, &taken.touching}) {
+    for (const Other& other : others_) space->add(other.trajectory, other.radius);
+    for (std::uint32_t k = 0; k < robots_.size(); ++k) space->add(trajectories_[k], robots_[k].radius, k);
+  }
+  return taken;
+}
+
+void JointSchedule::schedule(const Move& move) {
+  for (const Robot& robot : robots_) taken_for(robot.radius);
+  const Robot& robot = robots_[move.robot];
+  Taken& taken = taken_for(robot.radius);
+  Trajectory& own = trajectories_[move.robot];
+  double time = departure(taken.apart, move, own.back().time);
+  if (time == SpaceTime::forever) time = departure(taken.touching, move, own.back().time);
+  if (time == SpaceTime::forever) {
+    is_feasible_ = false;
+    return;
+  }
+  Trajectory rest{{time, own.back().position}};
+  for (std::size_t k = 1; k < move.path.size(); ++k) {
+    const double duration = (move.path[k] - move.path[k - 1]).norm() / robot.limits.max_speed;
+    if (duration > 0) rest.push_back({rest.back().time + duration, move.path[k]});
+  }
+  for (auto& [radius, other] : taken_) {
+    for (SpaceTime* space : {&other.apart, &other.touching})
+      space->go_on(static_cast<std::uint32_t>(move.robot), rest, robot.radius);
+  }
+  own.insert(own.end(), rest.begin() + (time > own.back().time ? 0 : 1), rest.end());
+}
+
+/// The first time at which the robot of a move may set off.
+double JointSchedule::departure(SpaceTime& taken, const Move& move, double ready) const {
+  const Robot& robot = robots_[move.robot];
+  const auto number = static_cast<std::uint32_t>(move.robot);
+  std::vector<Interval> blocked;
+  taken.blocked_at(move.path.back(), blocked, number);
+  double arrival = ready;
+  for (const Interval& i : blocked) arrival = std::max(arrival, i.end);
+  const double first = std::max(ready, arrival - length_of(move.path) / robot.limits.max_speed);
+  const auto free_from = [&](double time) {
+    for (bool is_free = false; !is_free && time < SpaceTime::forever;) {
+      is_free = true;
+      double along = 0;
+      for (std::size_t k = 1; k < move.path.size(); ++k) {
+        const double duration = (move.path[k] - move.path[k - 1]).norm() / robot.limits.max_speed;
+        if (duration == 0) continue;
+        const double free =
+            taken.first_departure(move.path[k - 1], move.path[k], duration, time + along, number);
+        if (free > time + along + rounding) {
+          time = free - along;
+          is_free = false;
+        }
+        along += duration;
+      }
+    }
+    return time;
+  };
+  const double time = free_from(first);
+  const bool waits = time > ready && time < SpaceTime::forever;
+  return waits ? free_from(time + speeding_up(robot.limits)) : time;
+}
+
+/// One robot plans again around all others.
+void JointSchedule::improve(std::size_t k) {
+  const Robot& robot = robots_[k];
+  Trajectory& own = trajectories_[k];
+  if (own.back().position == robot.start) return;
+  SpaceTime taken(places_.field().bounds(), robot.radius);
+  for (std::size_t i = 0; i < robots_.size(); ++i) {
+    if (i != k) taken.add(trajectories_[i], robots_[i].radius);
+  }
+  for (const Other& other : others_) taken.add(other.trajectory, other.radius);
+  for (const Disc& disc : obstacles_) taken.add_obstacle(disc);
+  taken.start_at(robot.start, begin_);
+  SafeIntervalSearch search(places_.field(), places_.lattice(robot.radius), robot.radius, path_of(own));
+  auto found = search.search(taken, begin_, robot.limits.max_speed, speeding_up(robot.limits),
+                             own.back().time - worthwhile);
+  if (!found || found->size() < 2) return;
+  saved_ += own.back().time - found->back().time;
+  own = *std::move(found);
+}
+
+}  // namespace coppice

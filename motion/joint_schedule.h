@@ -1,0 +1,83 @@
+// Gives times to the moves of a joint plan (joint_plan.h), so that many robots drive at once: a trajectory
+// for each robot.
+//
+// The moves are taken in the order of the plan. Each one begins as early as possible: so late that its robot
+// keeps apart from all trajectories so far, and may stand at its end for good. If robots must pass more
+// closely, they keep from touching. Such a time exists, because the way is free when all earlier moves are
+// over; unless a robot that is not of the plan ends there.
+//
+// Then the trajectories are improved: one robot after the other plans again around all others, and keeps the
+// new trajectory if it arrives earlier (large neighbourhood search with neighbourhoods of one robot; Li,
+// Chen, Harabor, Stuckey, Koenig, "Anytime Multi-Agent Path Finding via Large Neighborhood Search", 2021).
+// This ends when another pass over all robots would cost them more time than it saves.
+//
+// Metres in the map frame, seconds of fleet time.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "motion/joint_plan.h"
+#include "motion/kinematics.h"
+#include "motion/packed_roadmap.h"
+#include "motion/space_time.h"
+#include "motion/trajectory.h"
+
+namespace coppice {
+
+class JointSchedule {
+ public:
+  struct Robot {
+    Point2 start = Point2::Zero();
+    double radius = 0;
+    Limits limits{};
+  };
+  /// A robot that is not of the plan, and drives by a trajectory.
+  struct Other {
+    Trajectory trajectory{};
+    double radius = 0;
+  };
+
+  /// `places` must outlive it. The robots stand until `begin`. `obstacles` stand for ever.
+  /// `seconds_a_step`: for which all robots wait, for each call of step().
+  JointSchedule(MapRoadmaps& places, std::vector<Robot> robots, std::vector<Move> moves,
+                std::vector<Other> others, std::vector<Disc> obstacles, double begin, double seconds_a_step);
+
+  /// Does a bounded amount of work. Returns true once the trajectories are complete.
+  bool step();
+  /// Whether the robots get past those that are not of the plan.
+  bool is_feasible() const { return is_feasible_; }
+  /// By robot. Only one point: it does not move.
+  const std::vector<Trajectory>& trajectories() const { return trajectories_; }
+
+ private:
+  /// What robots of one size must keep apart from.
+  struct Taken {
+    SpaceTime apart;
+    SpaceTime touching;
+  };
+
+  Taken& taken_for(double radius);
+  void schedule(const Move& move);
+  double departure(SpaceTime& taken, const Move& move, double ready) const;
+  void improve(std::size_t robot);
+  double cost_of_a_pass() const;
+
+  MapRoadmaps& places_;
+  std::vector<Robot> robots_;
+  std::vector<Move> moves_;
+  std::vector<Other> others_;
+  std::vector<Disc> obstacles_;
+  double begin_;
+  double seconds_a_step_;
+  std::vector<Trajectory> trajectories_{};
+  std::map<double, Taken> taken_{};  ///< by radius
+  bool is_feasible_ = true;
+  std::size_t scheduled_ = 0;  ///< moves
+  std::size_t next_ = 0;       ///< robot that plans again
+  double saved_ = 0;           ///< seconds, in this pass
+};
+
+}  // namespace coppice

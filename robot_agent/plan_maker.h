@@ -1,0 +1,56 @@
+// Makes the joint plan of a round for its leader: moves (motion/joint_planner.h), and times for them
+// (motion/joint_schedule.h).
+//
+// First for robots that are a tenth larger: then their trajectories keep apart as reservations do
+// (motion/space_time.h), and the robots pass each other at full speed. If that brings not all of them to
+// their goals, for robots as large as they are.
+//
+// Fleet time of the leader, seconds; metres in the map frame.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "messages/messages.h"
+#include "motion/joint_planner.h"
+#include "motion/joint_schedule.h"
+#include "motion/packed_roadmap.h"
+#include "planning/random.h"
+#include "robot_agent/fleet.h"
+#include "robot_agent/reservations.h"
+
+namespace coppice {
+
+class PlanMaker {
+ public:
+  /// `places` must outlive it. `members`: as they stand, the leader first. `obstacles` stand for ever.
+  /// `others`: the reservations of robots that are no members.
+  PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
+            std::span<const KnownReservation> others, Random random);
+
+  /// Does a bounded amount of work. Returns true once the plan is complete, or if it cannot bring all members
+  /// to their goals and `everybody` must be.
+  bool step(double now, bool everybody);
+  /// Whether the members get past the reservations of the others.
+  bool is_feasible() const { return schedule_ == nullptr || schedule_->is_feasible(); }
+  /// Some members are not brought to their goals.
+  bool strands() const { return !plan_.stranded.empty(); }
+  /// The plan, without its round and run.
+  JointPlanMessage message() const;
+
+ private:
+  void schedule(double now);
+
+  MapRoadmaps& places_;
+  std::vector<FleetMember> members_;
+  std::vector<JointTask> tasks_;  ///< of the members, then of the obstacles
+  std::vector<KnownReservation> others_;
+  Random random_;
+  bool is_roomy_ = false;
+  std::unique_ptr<JointPlanner> planner_;  ///< until there are moves
+  JointPlan plan_{};
+  std::unique_ptr<JointSchedule> schedule_;
+};
+
+}  // namespace coppice

@@ -1,0 +1,204 @@
+// Tests of the times of joint plans: robots that carry them out keep apart, whatever their speed.
+#include "motion/joint_schedule.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "motion/joint_planner.h"
+#include "motion/reserved_order.h"
+#include "motion/way_follower.h"
+#include "planning/map_generator.h"
+#include "tests/unit/motion/plans.h"
+
+namespace coppice {
+namespace {
+
+constexpr double radius = 5;
+constexpr double period = 0.05;
+const Limits limits{20, 40};
+
+Point2 position_at(const Trajectory& trajectory, double time) {
+  if (time <= trajectory.front().time) return trajectory.front().position;
+  for (std::size_t k = 1; k < trajectory.size(); ++k) {
+    const TimedPoint& a = trajectory[k - 1];
+    const TimedPoint& b = trajectory[k];
+    if (time < b.time) return a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));
+  }
+  return trajectory.back().position;
+}
+
+double latest(const std::vector<Trajectory>& trajectories) {
+  double end = 0;
+  for (const Trajectory& trajectory : trajectories) end = std::max(end, trajectory.back().time);
+  return end;
+}
+
+/// The least distance between the centres of two robots that carry out the trajectories.
+double nearest(const std::vector<Trajectory>& trajectories) {
+  double least = 1e9;
+  for (double time = 0; time < latest(trajectories); time += 0.05) {
+    for (std::size_t a = 0; a < trajectories.size(); ++a) {
+      for (std::size_t b = 0; b < a; ++b)
+        least =
+            std::min(least, (position_at(trajectories[a], time) - position_at(trajectories[b], time)).norm());
+    }
+  }
+  return least;
+}
+
+std::vector<Trajectory> complete(JointSchedule schedule) {
+  while (!schedule.step()) {
+  }
+  return schedule.trajectories();
+}
+
+std::vector<JointSchedule::Robot> robots_of(const std::vector<JointTask>& tasks) {
+  std::vector<JointSchedule::Robot> robots;
+  for (const JointTask& task : tasks) robots.push_back({task.position, radius, limits});
+  return robots;
+}
+
+/// Tasks of robots in random rooms, and the trajectories of a joint plan for them.
+struct Rooms {
+  explicit Rooms(std::uint64_t seed) : random(seed) {
+    for (const StartAndGoal& task : random_tasks(field, 8, 1.1 * radius, 0.2, random))
+      tasks.push_back({task.start, task.goal, 1.1 * radius});
+    JointPlanner planner(places, tasks, Random(seed));
+    while (!planner.step()) {
+    }
+    plan = planner.take_plan();
+    trajectories = complete({places, robots_of(tasks), plan.moves, {}, {}, 1, period});
+  }
+  Random random;
+  OccupancyMap map = generate_map(MapKind::room, 256, 256, random);
+  ClearanceField field{map};
+  MapRoadmaps places{field};
+  std::vector<JointTask> tasks;
+  JointPlan plan;
+  std::vector<Trajectory> trajectories;
+};
+
+TEST(JointSchedule, TrajectoriesKeepApartAndEndAtTheGoals) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    const Rooms rooms(seed);
+    ASSERT_TRUE(rooms.plan.stranded.empty());
+    EXPECT_GE(nearest(rooms.trajectories), kept_apart(radius, radius) - 1e-6);
+    for (std::size_t i = 0; i < rooms.tasks.size(); ++i) {
+      const Trajectory& trajectory = rooms.trajectories[i];
+      EXPECT_EQ(trajectory.front().position, rooms.tasks[i].position);
+      EXPECT_EQ(trajectory.back().position, *rooms.tasks[i].goal);
+      EXPECT_TRUE(std::ranges::is_sorted(trajectory, {}, &TimedPoint::time));
+      for (std::size_t k = 1; k < trajectory.size(); ++k)
+        EXPECT_TRUE(
+            rooms.field.segment_free(trajectory[k - 1].position, trajectory[k].position, radius - 1e-9));
+    }
+  }
+}
+
+TEST(JointSchedule, RobotsKeepTheOrderAtAnySpeed) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    Rooms rooms(seed);
+    const std::vector<Trajectory>& trajectories = rooms.trajectories;
+    struct Runner {
+      WayFollower follower;
+      std::vector<Gates> gates;  ///< by other robot
+      Point2 position;
+      double pace;
+      int pause = 0;
+    };
+    std::vector<Runner> runners;
+    for (const Trajectory& own : trajectories) {
+      std::vector<Gates> gates;
+      for (const Trajectory& other : trajectories)
+        gates.emplace_back(&other == &own ? std::vector<Gate>()
+                                          : order_of(own, radius, other, radius, 0).gates);
+      runners.push_back({WayFollower(legs_of(path_of(own)), radius, reserved_stray_radii * radius),
+                         std::move(gates), own.front().position, rooms.random.uniform(2, 20)});
+    }
+    bool all_there = false;
+    for (int step = 0; step < 40'000 && !all_there; ++step) {
+      all_there = true;
+      for (Runner& runner : runners) {
+        if (runner.follower.finished()) continue;
+        all_there = false;
+        if (runner.pause == 0 && rooms.random.uniform() < 0.002) runner.pause = 200;
+        if (runner.pause > 0 && --runner.pause > 0) continue;
+        double open = 1e9;
+        for (std::size_t k = 0; k < runners.size(); ++k)
+          open = std::min(open, runner.gates[k].open(runner.follower.progress(), gate_slack_radii * radius,
+                                                     runners[k].follower.progress()));
+        runner.position += period * runner.follower.preferred_velocity(
+                                        runner.position, {runner.pace, 2 * runner.pace}, period, open);
+      }
+      for (std::size_t a = 0; a < runners.size(); ++a) {
+        for (std::size_t b = 0; b < a; ++b)
+          ASSERT_GE((runners[a].position - runners[b].position).norm(), 2 * radius)
+              << "step " << step << ": " << a << " and " << b;
+      }
+    }
+    EXPECT_TRUE(all_there);
+    for (std::size_t i = 0; i < runners.size(); ++i)
+      EXPECT_LT((runners[i].position - *rooms.tasks[i].goal).norm(), 0.1);
+  }
+}
+
+TEST(JointSchedule, RobotsThatMeetNobodySetOffAtOnce) {
+  const ClearanceField field(test::open_map(200, 200));
+  MapRoadmaps places(field);
+  const auto trajectories = complete({places,
+                                      {{{20, 20}, radius, limits}, {{20, 100}, radius, limits}},
+                                      {{0, {{20, 20}, {180, 20}}}, {1, {{20, 100}, {180, 100}}}},
+                                      {},
+                                      {},
+                                      3,
+                                      period});
+  for (const Trajectory& trajectory : trajectories) {
+    EXPECT_EQ(trajectory.front().time, 3);
+    EXPECT_NEAR(trajectory.back().time, 3 + 8, 1e-9);
+  }
+}
+
+// Robot 1 waits aside in the plan. A straight way past robot 0 is shorter.
+TEST(JointSchedule, ANeedlessDetourIsLeftOut) {
+  const ClearanceField field(test::open_map(200, 200));
+  MapRoadmaps places(field);
+  const std::vector<Move> moves{
+      {1, {{180, 100}, {180, 180}}}, {0, {{20, 100}, {180, 100}}}, {1, {{180, 180}, {20, 180}, {20, 100}}}};
+  const auto trajectories = complete(
+      {places, {{{20, 100}, radius, limits}, {{180, 100}, radius, limits}}, moves, {}, {}, 0, period});
+  EXPECT_LT(trajectories[1].back().time, 10);
+  EXPECT_GE(nearest(trajectories), kept_apart(radius, radius) - 1e-6);
+}
+
+// The other one comes from the right, and ends beside the way.
+TEST(JointSchedule, RobotsKeepApartFromThoseThatAreNotOfThePlan) {
+  const ClearanceField field(test::open_map(200, 200));
+  MapRoadmaps places(field);
+  const JointSchedule::Other other{{{0, {100, 20}}, {4, {100, 100}}, {6, {100, 100}}, {10, {100, 180}}},
+                                   radius};
+  auto trajectories = complete(
+      {places, {{{20, 100}, radius, limits}}, {{0, {{20, 100}, {180, 100}}}}, {other}, {}, 0, period});
+  EXPECT_GT(trajectories[0].back().time, 8);
+  trajectories.push_back(other.trajectory);
+  EXPECT_GE(nearest(trajectories), kept_apart(radius, radius) - 1e-6);
+}
+
+// Robots that almost touch cannot keep apart as usual.
+TEST(JointSchedule, MovesPastRobotsThatAlmostTouchAreMadeAllTheSame) {
+  const ClearanceField field(test::open_map(200, 200));
+  MapRoadmaps places(field);
+  const std::vector<Move> moves{{0, {{20, 100}, {180, 100}}}, {1, {{20, 110.01}, {180, 110.01}}}};
+  const auto trajectories = complete(
+      {places, {{{20, 100}, radius, limits}, {{20, 110.01}, radius, limits}}, moves, {}, {}, 0, period});
+  EXPECT_EQ(trajectories[0].back().position, Point2(180, 100));
+  EXPECT_EQ(trajectories[1].back().position, Point2(180, 110.01));
+  EXPECT_GE(nearest(trajectories), 2 * radius);
+}
+
+}  // namespace
+}  // namespace coppice
