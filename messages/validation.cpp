@@ -177,7 +177,7 @@ Problem check(const RobotState& m) {
         "too many echoes, or one without a name or a finite time"}});
 }
 
-/// Empty: none.
+/// What is wrong with a trajectory. An empty one is fine: the robot has none.
 Problem problem_with(const Trajectory& trajectory, double radius) {
   const auto point_fine = [](const TimedPoint& p) { return is_sane(p.time) && sane(p.position); };
   return first_of({{std::ranges::all_of(trajectory, point_fine), "point is not finite"},

@@ -16,7 +16,6 @@
 
 #include <cstddef>
 #include <map>
-#include <span>
 #include <vector>
 
 #include "motion/joint_plan.h"
@@ -41,7 +40,7 @@ class JointSchedule {
   };
 
   /// `places` must outlive it. The robots stand until `begin`. `obstacles` stand for ever.
-  /// `seconds_a_step`: for which all robots wait, for each call of step().
+  /// `seconds_a_step`: all robots wait for so long while step() runs once.
   JointSchedule(MapRoadmaps& places, std::vector<Robot> robots, std::vector<Move> moves,
                 std::vector<Other> others, std::vector<Disc> obstacles, double begin, double seconds_a_step);
 
@@ -49,7 +48,7 @@ class JointSchedule {
   bool step();
   /// Whether the robots get past those that are not of the plan.
   bool is_feasible() const { return is_feasible_; }
-  /// By robot. Only one point: it does not move.
+  /// The trajectory of each robot. A robot whose trajectory has one point does not move.
   const std::vector<Trajectory>& trajectories() const { return trajectories_; }
 
  private:

@@ -212,11 +212,13 @@ void SpaceTime::for_each_cell_near(const Point2& a, const Point2& b, double dist
   }
 }
 
-/// Calls fn(cell, part) for the cells that the line from a to b passes; part: of the line, from 0 to 1.
+/// Calls fn(cell, part) for the cells that the line from a to b passes. `part` tells which share of the line
+/// lies in the cell, from 0 to 1.
 template <class Fn>
 void SpaceTime::for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn) {
   const Point2 way = b - a;
-  // Of the line, up to the border of the cell in which its end `to` is.
+  // The share of the line at which it leaves column (axis 0) or row (axis 1) `from` for the one that leads to
+  // `to`. Infinite: it stays there.
   const auto border = [&](int axis, std::size_t from, std::size_t to) {
     if (from == to) return SpaceTime::forever;
     const double line = lower_[axis] + cell_ * static_cast<double>(way[axis] > 0 ? from + 1 : from);
@@ -273,8 +275,8 @@ double SpaceTime::first_departure(const Point2& a, const Point2& b, double durat
   return departure;
 }
 
-/// Whether a disc that departs at a time may come too close to a piece. A quick look: it reckons with room in
-/// time on all sides.
+/// Whether a disc that departs at a time may come too close to a piece. The test is quick and cautious: it
+/// counts room in time on all sides.
 bool SpaceTime::may_block(const Piece& piece, const Point2& a, const Point2& w, const Interval& on_way,
                           double departure) {
   const double first = std::max(on_way.begin, piece.begin - room_in_time - departure);

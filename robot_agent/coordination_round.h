@@ -61,8 +61,8 @@ class CoordinationRound {
   /// The robot takes no part any more.
   void leave();
 
-  /// Begins a new round of the cluster around, or of the whole fleet, with this robot as its leader. `way`:
-  /// that it is to drive.
+  /// Begins a new round of the cluster around, or of the whole fleet, with this robot as its leader. The
+  /// robot is to drive along `way`.
   void call(const FleetMember& self, const Path& way, const Fleet& fleet, double now);
   void call_everybody(const FleetMember& self, double now);
 

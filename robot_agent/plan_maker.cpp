@@ -1,7 +1,7 @@
 #include "robot_agent/plan_maker.h"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "motion/segments.h"

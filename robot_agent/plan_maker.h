@@ -29,8 +29,8 @@ class PlanMaker {
   PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
             std::span<const KnownReservation> others, Random random);
 
-  /// Does a bounded amount of work. Returns true once the plan is complete, or if it cannot bring all members
-  /// to their goals and `everybody` must be.
+  /// Does a bounded amount of work. Returns true once the plan is complete. If `everybody` is to be brought
+  /// to the goal, it also returns true when it has found that this fails.
   bool step(double now, bool everybody);
   /// Whether the members get past the reservations of the others.
   bool is_feasible() const { return schedule_ == nullptr || schedule_->is_feasible(); }

@@ -263,7 +263,7 @@ void Reserver::adopt(std::shared_ptr<const JointPlanMessage> plan, const FleetMe
   for (const JointPlanMessage::Member& m : plan->members) {
     if (m.robot == robot_ || m.trajectory.empty()) continue;
     const ReservationMessage* const last = others_->find(m.robot, run_);
-    if (last != nullptr && are_of_one_plan(*last, *held.own)) continue;  // it was faster
+    if (last != nullptr && are_of_one_plan(*last, *held.own)) continue;  // the member took up its part first
     Pair& pair = held.pairs[m.robot];
     pair = {.number = last != nullptr ? last->number : 0, .is_awaited = true};
     pair.gates = Gates(order_of(part->trajectory, self.radius, m.trajectory, m.radius, 0).gates);
