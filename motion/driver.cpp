@@ -18,7 +18,8 @@ constexpr int directions = 16;  // directions of the velocities that are tried a
 // Shares of the largest change of velocity in a period that are tried.
 constexpr std::array shares{1.0, 0.6, 0.3};
 // Shares of the wanted speed, tried in order.
-constexpr std::array speeds{1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03};
+constexpr std::array speeds{1.0, 0.7, 0.5};
+constexpr std::array low_speeds{0.35, 0.2, 0.1, 0.03};
 
 }  // namespace
 
@@ -90,6 +91,20 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
   return safe_velocity(preferred, limits_.max_speed, obstacles, robots);
 }
 
+/// Velocities that the robot can take at its next turn, in all directions.
+std::vector<Point2> Driver::around_velocity() const {
+  std::vector<Point2> velocities;
+  const double reach = std::min(limits_.max_acceleration * period_, limits_.max_speed);
+  for (const double share : shares) {
+    for (int k = 0; k < directions; ++k) {
+      const double angle = 2 * std::numbers::pi * k / directions;
+      const Point2 v = velocity_ + share * reach * Point2(std::cos(angle), std::sin(angle));
+      if (v.norm() <= limits_.max_speed) velocities.push_back(v);
+    }
+  }
+  return velocities;
+}
+
 void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbours,
                     const ClearanceField& field) {
   if (bound_to_stand()) return;
@@ -98,15 +113,8 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   std::size_t suspect = neighbours.size();
   if (safe(next_velocity_, neighbours, field, suspect)) return;
 
-  std::vector<Point2> candidates{velocity_};
-  const double reach = std::min(limits_.max_acceleration * period_, limits_.max_speed);
-  for (const double share : shares) {
-    for (int k = 0; k < directions; ++k) {
-      const double angle = 2 * std::numbers::pi * k / directions;
-      const Point2 v = velocity_ + share * reach * Point2(std::cos(angle), std::sin(angle));
-      if (v.norm() <= limits_.max_speed) candidates.push_back(v);
-    }
-  }
+  std::vector<Point2> candidates = around_velocity();
+  candidates.push_back(velocity_);
   std::ranges::sort(candidates, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
   const auto first =
       std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field, suspect); });
@@ -118,20 +126,27 @@ bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
                     const Allowed& allowed) {
   if (bound_to_stand()) return true;
   std::size_t suspect = neighbours.size();
-  bool is_allowed = true;
-  for (const double speed : speeds) {
-    next_velocity_ = within_limits(speed * wanted, velocity_, limits_, period_);
-    is_allowed = !allowed || allowed(next_velocity_);
-    if (is_allowed && safe(next_velocity_, neighbours, field, suspect)) return true;
-  }
-  const bool nothing_stands_there = is_allowed && safe(next_velocity_, {}, field, suspect) &&
-                                    std::ranges::all_of(neighbours, [&](Neighbour n) {
-                                      if (!n.promise.stands()) return true;
-                                      n.promise.expiry = std::numeric_limits<double>::max();
-                                      return safe(next_velocity_, {&n, 1}, field, suspect);
-                                    });
+  const auto takes = [&](const Point2& v) {
+    if (!allowed(v) || !safe(v, neighbours, field, suspect)) return false;
+    next_velocity_ = v;
+    return true;
+  };
+  const auto takes_share = [&](double speed) {
+    return takes(within_limits(speed * wanted, velocity_, limits_, period_));
+  };
+  if (std::ranges::any_of(speeds, takes_share)) return true;
+  std::vector<Point2> beside = around_velocity();
+  std::erase_if(beside, [&](const Point2& v) { return v.norm() > wanted.norm() || v.dot(wanted) <= 0; });
+  std::ranges::sort(beside, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
+  if (std::ranges::any_of(beside, takes)) return false;
+  if (std::ranges::any_of(low_speeds, takes_share)) return true;
   next_velocity_ = braked(velocity_, limits_, period_);
-  return nothing_stands_there;
+  const Point2 slow = within_limits(low_speeds.back() * wanted, velocity_, limits_, period_);
+  return allowed(slow) && safe(slow, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
+           if (!n.promise.stands()) return true;
+           n.promise.expiry = std::numeric_limits<double>::max();
+           return safe(slow, {&n, 1}, field, suspect);
+         });
 }
 
 }  // namespace coppice

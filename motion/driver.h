@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <span>
+#include <vector>
 
 #include "motion/braking_line.h"
 #include "motion/kinematics.h"
@@ -42,11 +43,12 @@ class Driver {
   /// Whether a robot may take a velocity from turn_position() on, for one period, and then brake.
   using Allowed = std::function<bool(const Point2&)>;
 
-  /// Chooses the velocity along a way that a plan has cleared: towards `wanted`, as fast as is safe and
-  /// allowed, without reciprocal avoidance. Returns false if an obstacle or a standing robot blocks the way
-  /// at any speed, or no speed is allowed.
-  bool follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
-              const Allowed& allowed = nullptr);
+  /// Chooses the velocity along a way that a plan has cleared: towards `wanted`, or beside it, as fast as is
+  /// safe and allowed, without reciprocal avoidance. Returns false if the robot can take no velocity towards
+  /// `wanted`, or a low one, because of an obstacle, of a robot that stands, or of what is allowed.
+  bool follow(
+      const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
+      const Allowed& allowed = [](const Point2&) { return true; });
 
   /// If the robot stands, binds it to stand at least until the time `until`.
   void stay(double until);
@@ -72,6 +74,8 @@ class Driver {
                   const ClearanceField& field) const;
   bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
             std::size_t& suspect) const;
+  std::vector<Point2> around_velocity() const;
+
   Point2 position_;
   double time_;
   double radius_;

@@ -11,10 +11,10 @@ namespace coppice {
 
 namespace {
 
-constexpr double look_ahead_radii = 0.25;  // radii to the point for which the robot heads
-constexpr double least_look_ahead_radii = 0.0002;
-constexpr double window_radii = 2;    // radii; window of the search for the nearest point of the way
-constexpr double there_radii = 0.01;  // radii within which a robot counts as having reached a point
+constexpr double look_ahead_radii = 0.25;   // radii to the point for which the robot heads, at least
+constexpr double least_look_ahead = 0.001;  // share of the usual one
+constexpr double window_radii = 2;          // radii; window of the search for the nearest point of the way
+constexpr double there_radii = 0.01;        // radii within which a robot counts as having reached a point
 
 /// Joins the legs to one way. Each must begin where the previous one ends.
 Path joined(std::span<const Path> legs) {
@@ -26,7 +26,7 @@ Path joined(std::span<const Path> legs) {
 }  // namespace
 
 WayFollower::WayFollower(std::span<const Path> legs, double radius, double stray)
-    : way_(joined(legs)), radius_(radius), stray_(stray), look_ahead_(look_ahead_radii * radius) {
+    : way_(joined(legs)), radius_(radius), stray_(stray) {
   std::size_t end = 0;
   for (const Path& leg : legs) leg_ends_.push_back(way_.along[end += leg.size() - 1]);
 }
@@ -126,9 +126,9 @@ double WayFollower::speed_limit(double stop, const Limits& limits, double period
 }
 
 /// Metres ahead to the point for which the robot heads: it stays in the strip on a straight line there.
-double WayFollower::look_ahead_in_strip(const Point2& position) const {
+double WayFollower::look_ahead_in_strip(const Point2& position, double usual) const {
   constexpr int halvings = 4;
-  double ahead = look_ahead_;
+  double ahead = look_ahead_ * usual;
   for (int k = 0; k < halvings && !in_strip(position, way_.at(progress_ + ahead), progress_, halvings); ++k)
     ahead /= 2;
   return ahead;
@@ -139,7 +139,9 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
   advance_progress(position);
   const double slack = there_radii * radius_;
   const double stop = std::min(open, leg_ends_[leg_]);
-  const Point2 gap = way_.at(std::min(progress_ + look_ahead_in_strip(position), stop)) - position;
+  // A robot drives no further in a period than to the point for which it heads.
+  const double usual = std::max(look_ahead_radii * radius_, limits.max_speed * period);
+  const Point2 gap = way_.at(std::min(progress_ + look_ahead_in_strip(position, usual), stop)) - position;
   const double distance = gap.norm();
   if (stop <= progress_ - slack || distance <= 1e-9) return Point2::Zero();
   // The robot must not drive past the point for which it heads: in a passage without slack it would hit the
@@ -150,8 +152,7 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
 }
 
 void WayFollower::led_past(bool everything) {
-  look_ahead_ = everything ? std::min(look_ahead_ * 2, look_ahead_radii * radius_)
-                           : std::max(look_ahead_ / 2, least_look_ahead_radii * radius_);
+  look_ahead_ = everything ? std::min(look_ahead_ * 2, 1.0) : std::max(look_ahead_ / 2, least_look_ahead);
 }
 
 }  // namespace coppice

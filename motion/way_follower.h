@@ -41,7 +41,7 @@ class WayFollower {
  private:
   double nearest(const Point2& position, double from) const;
   bool in_strip(const Point2& a, const Point2& b, double from, int halvings) const;
-  double look_ahead_in_strip(const Point2& position) const;
+  double look_ahead_in_strip(const Point2& position, double usual) const;
   void advance_progress(const Point2& position);
   struct Corner {
     double speed;
@@ -56,7 +56,7 @@ class WayFollower {
   double radius_;
   double stray_;  ///< metres
   double progress_ = 0;
-  double look_ahead_;
+  double look_ahead_ = 1;  ///< share of the usual one
 };
 
 }  // namespace coppice
