@@ -35,7 +35,7 @@ bool Dissemination::tells_about_round(const Peer& p) const {
 int Dissemination::interval_to(const Peer& p, double now) const {
   const double gap = own_.gap(p) - p.max_speed * own_.since(p.heard_at, now);
   const int interval = send_interval(gap, own_.closing_speed(p));
-  if (!is_synchronised(p)) return std::min(interval, handshake_interval(peers_.size()));
+  if (!p.state) return std::min(interval, handshake_interval(peers_.size()));
   return p.exchange.waits_for_this ? 1 : interval;
 }
 
@@ -43,7 +43,9 @@ int Dissemination::interval_to(const Peer& p, double now) const {
 bool Dissemination::is_told(std::size_t number, std::uint32_t tick, double now) {
   Peer& p = peers_[number];
   StateExchange& e = p.exchange;
-  if (e.is_witness || e.asks || (own_.waits() && tells_about_round(p))) return true;
+  const bool shakes_hands = e.is_in_turn;
+  e.is_in_turn = false;
+  if (shakes_hands || e.is_witness || e.asks || (own_.waits() && tells_about_round(p))) return true;
   if (tick >= e.interval_until) {
     e.interval = static_cast<std::uint8_t>(interval_to(p, now));
     e.interval_until = tick + static_cast<std::uint32_t>(e.interval / Timing::checks_per_interval);
@@ -75,10 +77,27 @@ void Dissemination::choose_witnesses() {
   chosen_among_ = peers_.size();
 }
 
+/// The next few of the peers that were heard, and that may not know this robot's clock: as many as one state
+/// has echoes for. They come after the one that got the last echo.
+void Dissemination::choose_handshakes() {
+  if (!shakes_hands_) return;
+  shakes_hands_ = false;
+  std::size_t chosen = 0;
+  for (std::size_t k = 0; k < peers_.size() && chosen < Timing::handshakes_per_tick; ++k) {
+    const std::size_t number = (last_echo_ + 1 + k) % peers_.size();
+    Peer& p = peers_[number];
+    if (!p.alive() || is_synchronised(p)) continue;
+    shakes_hands_ = p.exchange.is_in_turn = true;
+    peers_.told_from[number] = 0;
+    ++chosen;
+  }
+}
+
 Dissemination::Address Dissemination::address(std::uint32_t tick, const RoundId* news,
                                               const RobotName& waits_for, double now) {
   if (!own_.mission) return {};
   if (is_tick_of(0, tick, Timing::ticks_per_choice) || peers_.size() != chosen_among_) choose_witnesses();
+  choose_handshakes();
   const auto awaited = peers_.find(waits_for);
   std::vector<Peer*> addressed;
   addressed.reserve(peers_.size());
@@ -168,13 +187,17 @@ std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, s
   for (const std::size_t missed : std::exchange(missed_by_others_, {}))
     echoes.push_back(echo_of(peers_[missed]));
   const std::size_t most_news = echoes.size() + Timing::echoes_a_state;
+  const auto first =
+      std::ranges::upper_bound(addressed, last_echo_, {}, [&](Peer* p) { return peers_.number_of(*p); });
+  const auto begin = static_cast<std::size_t>(first - addressed.begin());
   for (std::size_t k = 0; k < addressed.size() && echoes.size() < most_echoes; ++k) {
-    Peer& p = *addressed[(tick + k) % addressed.size()];
+    Peer& p = *addressed[(begin + k) % addressed.size()];
     if (!p.state) continue;
     const bool in_time =
         p.exchange.interval < Timing::rare || p.state->promise.stamp - p.echo_sent < Timing::between_echoes;
     if (in_time && is_synchronised(p) && !p.exchange.asks) continue;
     add(p);
+    last_echo_ = peers_.number_of(p);
     if (p.clock.known() && !is_synchronised(p)) ++p.exchange.handshakes;
   }
   const bool all_news = is_tick_of(0, tick, Timing::ticks_per_echo);

@@ -37,6 +37,12 @@ class Dissemination {
   /// A newer state of the peer was taken up. Notes what the peer asks for.
   void hear(std::size_t number, double now);
 
+  /// The next state goes to this peer, too.
+  void answer(std::size_t number) {
+    peers_[number].exchange.asks = true;
+    peers_.told_from[number] = 0;
+  }
+
   const LossCount& loss() const { return loss_; }
   /// Chooses how often to send each state: several times where few listen or much is lost, so that one peer
   /// hears the last of it.
@@ -44,6 +50,8 @@ class Dissemination {
     copies_ = alive > 0 ? loss_.copies_for(std::min(alive, sure_witnesses)) : 1;
   }
   int copies() const { return copies_; }
+  /// Some peers may not know this robot's clock.
+  bool shakes_hands() const { return shakes_hands_; }
 
   struct Address {
     std::vector<RobotName> agents;  ///< recipients
@@ -72,6 +80,7 @@ class Dissemination {
   int interval_to(const Peer& peer, double now) const;
   bool is_told(std::size_t number, std::uint32_t tick, double now);
   void choose_witnesses();
+  void choose_handshakes();
   bool hears(const Peer& peer, double now) const;
   bool answers(std::size_t asker, double now);
   std::vector<RobotName> next_missing();
@@ -83,7 +92,9 @@ class Dissemination {
   LossCount loss_;
   int copies_ = 1;
   std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
-  std::size_t next_echo_ = 0;     ///< number of the peer whose echo is news next
+  bool shakes_hands_ = false;
+  std::size_t last_echo_ = 0;  ///< number of the peer whose echo was sent last
+  std::size_t next_echo_ = 0;  ///< number of the peer whose echo is news next
   std::vector<std::size_t>
       missed_by_others_;       ///< numbers of peers that are heard here: echoed in the next state
   std::size_t asked_for_ = 0;  ///< missing peers that all states have named so far
@@ -95,6 +106,7 @@ inline void Dissemination::hear(std::size_t number, double now) {
   p.exchange.waits_for_this = p.state->waits_for == own_.name;
   p.exchange.interval_until = 0;
   peers_.told_from[number] = 0;
+  shakes_hands_ = shakes_hands_ || !is_synchronised(p);
 }
 
 }  // namespace coppice

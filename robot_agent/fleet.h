@@ -176,6 +176,14 @@ class Fleet {
   /// So many robots have missions.
   bool has_missions(std::size_t robots) const { return peers_.size() + 1 >= robots; }
 
+  /// Some peers may not know this robot's clock.
+  bool shakes_hands() const { return dissemination_.shakes_hands(); }
+
+  /// The next state goes to a peer, too.
+  void answer(const RobotName& robot) {
+    if (const auto number = peers_.find(robot)) dissemination_.answer(*number);
+  }
+
   using Address = Dissemination::Address;
   /// The recipients of a state, the echoes and the missing peers that it names.
   Address address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for, double now) {

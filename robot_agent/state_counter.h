@@ -20,6 +20,7 @@ struct Steady {
   RobotName waits_for{};
   std::uint32_t reservation = 0;  ///< number
   std::uint32_t heeds = 0;        ///< grows with each reservation of another robot that it heeds
+  bool shakes_hands = false;      ///< some peers may not know its clock
   bool operator==(const Steady&) const = default;
 };
 
@@ -44,7 +45,7 @@ class StateCounter {
   /// Once in each control step: what the robot says now.
   void note(const Steady& now) {
     const bool same_part = now.round == last_.round && now.stage == last_.stage;
-    since_change_ = now.stands && now == last_ ? since_change_ + 1 : 0;
+    since_change_ = now.stands && !now.shakes_hands && now == last_ ? since_change_ + 1 : 0;
     since_round_change_ = same_part ? since_round_change_ + 1 : 0;
     last_ = now;
   }

@@ -19,7 +19,7 @@ constexpr double share_of_overload = 0.25;  // of the last decisions that came l
 /// Tells the peers. A robot that goes on standing as it has said does so at heartbeats only.
 void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
   counter_.note({body_.stands(), phase(), round_.id(), stage(), reserver_.waits_for(), reserver_.number(),
-                 reserver_.heeds()});
+                 reserver_.heeds(), fleet_.shakes_hands()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
   auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, reserver_.waits_for(), now);

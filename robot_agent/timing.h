@@ -88,8 +88,9 @@ struct Timing {
   /// Echoes to a peer whose clock is known, until the handshake is over. Network: the peer must have heard
   /// one although samples are lost.
   static constexpr int handshakes_needed = 5;
-  /// A robot sends states to about so many peers a tick for handshakes: all pairs of a fleet are many.
-  static constexpr std::size_t handshakes_per_tick = 8;
+  /// The most peers to which a robot sends a state for handshakes in a tick: as many as a state has echoes
+  /// for.
+  static constexpr std::size_t handshakes_per_tick = 32;
   /// ticks: the longest interval between two states of a handshake.
   static constexpr int longest_handshake_interval = 32;
   /// Echoes of one kind in a state, at most.
@@ -176,6 +177,8 @@ struct Timing {
   static constexpr double least_wait_for_plan = 20;
   /// fleet s without progress, although nobody goes first, after which a member calls a new round.
   static constexpr double plan_patience = 5;
+  /// The same, if the robot has found no trajectory.
+  static constexpr double patience_without_trajectory = 1.5;
   /// fleet s between the moves of a joint plan and its first departure: the leader finds times for the moves
   /// meanwhile. Only order counts in the end.
   static constexpr double plan_to_departure = 1;

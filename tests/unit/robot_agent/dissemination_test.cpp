@@ -113,6 +113,42 @@ TEST(Dissemination, WitnessesHearEveryStateAndOtherPeersHearSome) {
   EXPECT_LT(all, 9 * ticks);
 }
 
+// The fleet has more peers than one state has echoes for.
+TEST(Dissemination, PeersThatDoNotKnowTheClockGetEchoesInTurn) {
+  constexpr int peers = 100;
+  Row row(peers);
+  for (int k = 1; k <= peers; ++k) row.hear(k, 0, 0.001);
+  row.judge(0);
+  std::map<RobotName, int> echoes;
+  for (std::uint32_t tick = 1; tick <= 4; ++tick) {
+    const auto to = row.fleet().address(tick, nullptr, {}, tick * period);
+    EXPECT_LE(to.echoes.size(), most_echoes);
+    for (const Echo& echo : to.echoes) echoes[echo.robot] += std::ranges::count(to.agents, echo.robot) > 0;
+  }
+  for (int k = 1; k <= peers; ++k) EXPECT_GE(echoes[Row::name(k)], 1) << k;
+  EXPECT_TRUE(row.fleet().shakes_hands());
+}
+
+TEST(Dissemination, APeerThatIsToBeAnsweredIsToldAtOnce) {
+  Row row(40);
+  std::uint32_t tick = 0;
+  const auto tell = [&] {
+    const double now = ++tick * period;
+    for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+    row.judge(now);
+    return row.fleet().address(tick, nullptr, {}, now).agents;
+  };
+  int rare = 0;
+  for (int k = 0; k < 2 * longest_interval; ++k) tell();
+  for (int k = 0; k < 20; ++k) {
+    rare += static_cast<int>(std::ranges::count(tell(), Row::name(40)));
+    row.fleet().answer(Row::name(40));
+    EXPECT_EQ(std::ranges::count(tell(), Row::name(40)), 1);
+  }
+  EXPECT_LT(rare, 5);
+  EXPECT_FALSE(row.fleet().shakes_hands());
+}
+
 TEST(Dissemination, CopiesGoToWitnessesAndToSynchronisedPeers) {
   Row row(40);
   std::vector<RobotName> all;
