@@ -78,6 +78,7 @@ COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_ST
 COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
 COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP");
 COPPICE_ENUMERATORS(Stage, "Stage", "FREE", "WAITING_FOR_PLAN", "EXECUTING");
+COPPICE_ENUMERATORS(Turn, "Turn", "URGENT", "WINDING", "USUAL", "LAST");
 
 COPPICE_FIELDS(Point2, "Point", COPPICE_FIELD_AT(1, x, x(), x()), COPPICE_FIELD_AT(2, y, y(), y()));
 
@@ -210,7 +211,8 @@ COPPICE_FIELDS(ReservationMessage, "Reservation",
   COPPICE_FIELD_AT(7, run, run.epoch, run()),
   COPPICE_FIELD_AT(8, plan_leader, plan.leader, plan_leader()),
   COPPICE_FIELD_AT(9, plan_epoch, plan.epoch, plan_epoch()),
-  COPPICE_FIELD_AT(10, plan_shift, plan.shift, plan_shift()));
+  COPPICE_FIELD_AT(10, plan_shift, plan.shift, plan_shift()),
+  COPPICE_FIELD(11, turn));
 
 COPPICE_FIELDS(PathMessage, "Path",
   COPPICE_FIELD(1, robot),

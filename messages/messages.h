@@ -223,13 +223,21 @@ struct JointPlanMessage {
   bool operator==(const JointPlanMessage&) const = default;
 };
 
+/// Which of the robots that want a reservation plans first (docs/coordination.md).
+enum class Turn : std::uint8_t {
+  urgent,   ///< it found no trajectory around the others: these give way to it
+  winding,  ///< its way is much longer than the straight line; the longest way is first
+  usual,    ///< the shortest way is first
+  last,     ///< where it stands in the end, it closes a passage; the longest way is first
+};
+
 /// reservation: agent -> agents, monitor. The trajectory that a robot has reserved in space and time
 /// (docs/coordination.md). A later number replaces an earlier one.
 struct ReservationMessage {
   RobotName robot;
   std::uint32_t number = 0;  ///< above 0
   double radius = 0;
-  double way = 0;  ///< metres to its goal; the longest way reserves first. 0: it wants no reservation
+  double way = 0;                         ///< metres to its goal; 0: it wants no reservation
   Trajectory trajectory{};                ///< by its clock; empty: it has none
   std::vector<ReservationBasis> basis{};  ///< those that it comes near
   /// The joint plan that it is a part of. It was planned around all other parts.
@@ -240,6 +248,7 @@ struct ReservationMessage {
     bool operator==(const Plan&) const = default;
   };
   Plan plan{};
+  Turn turn = Turn::usual;
   RunId run;
   bool operator==(const ReservationMessage&) const = default;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ranges>
 #include <utility>
 
 #include "motion/safe_interval_search.h"
@@ -15,10 +16,6 @@ constexpr std::size_t moves_a_step = 50;
 constexpr std::size_t searches_a_step = 4;
 constexpr double rounding = 1e-9;
 constexpr double worthwhile = 0.01;  // seconds that an arrival must be earlier
-
-double speeding_up(const Limits& limits) {
-  return limits.max_speed / limits.max_acceleration / 2;
-}
 
 double touching(double radius, double other_radius) {
   return radius + other_radius - rounding;
@@ -36,11 +33,17 @@ JointSchedule::JointSchedule(MapRoadmaps& places, std::vector<Robot> robots, std
       obstacles_(std::move(obstacles)),
       begin_(begin),
       seconds_a_step_(seconds_a_step) {
+  begin_anew();
+}
+
+void JointSchedule::begin_anew() {
+  scheduled_ = 0;
+  taken_.clear();
+  trajectories_.clear();
   for (const Robot& robot : robots_) trajectories_.push_back({{begin_, robot.start}});
 }
 
 bool JointSchedule::step() {
-  if (!is_feasible_) return true;
   if (scheduled_ < moves_.size()) {
     for (std::size_t k = 0; k < moves_a_step && scheduled_ < moves_.size(); ++k)
       schedule(moves_[scheduled_++]);
@@ -67,7 +70,9 @@ JointSchedule::Taken& JointSchedule::taken_for(double radius) {
   Taken& taken = at->second;
   if (!is_new) return taken;
   for (SpaceTime* space : {&taken.apart, &taken.touching}) {
-    for (const Other& other : others_) space->add(other.trajectory, other.radius);
+    for (const Other& other : others_) {
+      if (!other.gives_way) space->add(other.trajectory, other.radius);
+    }
     for (std::uint32_t k = 0; k < robots_.size(); ++k) space->add(trajectories_[k], robots_[k].radius, k);
   }
   return taken;
@@ -81,8 +86,8 @@ void JointSchedule::schedule(const Move& move) {
   double time = departure(taken.apart, move, own.back().time);
   if (time == SpaceTime::forever) time = departure(taken.touching, move, own.back().time);
   if (time == SpaceTime::forever) {
-    is_feasible_ = false;
-    return;
+    if (let_give_way(move)) return begin_anew();
+    time = own.back().time;  // the members' moves are free in this order, but for rounding
   }
   Trajectory rest{{time, own.back().position}};
   for (std::size_t k = 1; k < move.path.size(); ++k) {
@@ -94,6 +99,33 @@ void JointSchedule::schedule(const Move& move) {
       space->go_on(static_cast<std::uint32_t>(move.robot), rest, robot.radius);
   }
   own.insert(own.end(), rest.begin() + (time > own.back().time ? 0 : 1), rest.end());
+}
+
+/// Others that end in the way of a move. Returns whether there are any.
+bool JointSchedule::let_give_way(const Move& move) {
+  bool is_news = false;
+  for (Other& other : others_) {
+    const double near = touching(robots_[move.robot].radius, other.radius);
+    const bool in_the_way = point_path_distance(other.trajectory.back().position, move.path) < near;
+    is_news = is_news || (in_the_way && !other.gives_way);
+    other.gives_way = other.gives_way || in_the_way;
+  }
+  return is_news;
+}
+
+/// A robot may also wait where another one is to pass.
+std::vector<std::size_t> JointSchedule::passed() const {
+  std::vector<std::size_t> result;
+  for (std::size_t k = 0; k < others_.size(); ++k) {
+    const Other& other = others_[k];
+    const auto is_met = [&](std::size_t i) {
+      return come_too_close(trajectories_[i], other.trajectory, touching(robots_[i].radius, other.radius),
+                            begin_);
+    };
+    if (!other.gives_way && std::ranges::none_of(std::views::iota(std::size_t{0}, robots_.size()), is_met))
+      result.push_back(k);
+  }
+  return result;
 }
 
 /// The first time at which the robot of a move may set off.
@@ -137,7 +169,9 @@ void JointSchedule::improve(std::size_t k) {
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (i != k) taken.add(trajectories_[i], robots_[i].radius);
   }
-  for (const Other& other : others_) taken.add(other.trajectory, other.radius);
+  for (const Other& other : others_) {
+    if (!other.gives_way) taken.add(other.trajectory, other.radius);
+  }
   for (const Disc& disc : obstacles_) taken.add_obstacle(disc);
   taken.start_at(robot.start, begin_);
   SafeIntervalSearch search(places_.field(), places_.lattice(robot.radius), robot.radius, path_of(own));

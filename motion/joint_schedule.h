@@ -37,6 +37,7 @@ class JointSchedule {
   struct Other {
     Trajectory trajectory{};
     double radius = 0;
+    bool gives_way = false;  ///< it ends in the way of the plan, which goes on as if it were not there
   };
 
   /// `places` must outlive it. The robots stand until `begin`. `obstacles` stand for ever.
@@ -46,8 +47,8 @@ class JointSchedule {
 
   /// Does a bounded amount of work. Returns true once the trajectories are complete.
   bool step();
-  /// Whether the robots get past those that are not of the plan.
-  bool is_feasible() const { return is_feasible_; }
+  /// The numbers of the others that are in nobody's way. The rest must give way.
+  std::vector<std::size_t> passed() const;
   /// The trajectory of each robot. A robot whose trajectory has one point does not move.
   const std::vector<Trajectory>& trajectories() const { return trajectories_; }
 
@@ -59,7 +60,9 @@ class JointSchedule {
   };
 
   Taken& taken_for(double radius);
+  void begin_anew();
   void schedule(const Move& move);
+  bool let_give_way(const Move& move);
   double departure(SpaceTime& taken, const Move& move, double ready) const;
   void improve(std::size_t robot);
   double cost_of_a_pass() const;
@@ -73,10 +76,9 @@ class JointSchedule {
   double seconds_a_step_;
   std::vector<Trajectory> trajectories_{};
   std::map<double, Taken> taken_{};  ///< by radius
-  bool is_feasible_ = true;
-  std::size_t scheduled_ = 0;  ///< moves
-  std::size_t next_ = 0;       ///< robot that plans again
-  double saved_ = 0;           ///< seconds, in this pass
+  std::size_t scheduled_ = 0;        ///< moves
+  std::size_t next_ = 0;             ///< robot that plans again
+  double saved_ = 0;                 ///< seconds, in this pass
 };
 
 }  // namespace coppice

@@ -51,6 +51,11 @@ inline double free_flow_time(double length, const Limits& limits) {
                                                  : 2 * std::sqrt(length / limits.max_acceleration);
 }
 
+/// Seconds that a robot loses because it speeds up from standstill.
+inline double speeding_up(const Limits& limits) {
+  return limits.max_speed / limits.max_acceleration / 2;
+}
+
 /// The velocity nearest to `wanted` that `limits` allow one period after `current`.
 inline Point2 within_limits(const Point2& wanted, const Point2& current, const Limits& limits,
                             double period) {

@@ -13,7 +13,9 @@ namespace coppice {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::size_t most_expansions = 15'000;  // about half a second: an agent must not fall silent
+// An agent must not fall silent: a search takes 0.2 s, at most.
+constexpr std::size_t most_expansions = 40'000;
+constexpr std::size_t most_expansions_in_all = 80'000;
 constexpr double detour = 1.5;       // of the shortest way: vertices further away are not looked at
 constexpr double worthwhile = 1.2;   // of the path: if the lattice's way is longer, the path is looked at too
 constexpr double detour_steps = 20;  // spacings beyond that
@@ -193,7 +195,7 @@ std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double b
     if (std::exchange(states_[number].closed, true)) continue;
     const State here = states_[number];
     if (here.vertex == goal_ && here.safe_until == infinity) return trajectory_to(number, begin, speed);
-    if (++expanded > most_expansions) return std::nullopt;
+    if (++expanded > most_expansions || ++expanded_in_all_ > most_expansions_in_all) return std::nullopt;
     for_each_link(here.vertex, [&](Vertex w, double length) {
       if (distance_[w] == std::numeric_limits<float>::infinity()) return;
       if (here.parent != none) {

@@ -33,7 +33,7 @@ class SafeIntervalSearch {
 
   /// The trajectory with the earliest arrival that the vertices allow. It begins where the path begins, at
   /// `begin`, and keeps the speed. `speeding_up`: seconds that a robot loses after each wait. Nothing if
-  /// there is none that arrives before `before`, or if the search takes too long.
+  /// there is none that arrives before `before`, or if this search or all together take too long.
   std::optional<Trajectory> search(SpaceTime& others, double begin, double speed, double speeding_up,
                                    double before = SpaceTime::forever);
 
@@ -84,6 +84,7 @@ class SafeIntervalSearch {
   std::vector<float> distance_;  ///< by vertex: metres to the goal; infinite: too far
   std::unordered_map<Vertex, Known> known_;
   std::vector<State> states_;
+  std::size_t expanded_in_all_ = 0;
   std::vector<std::pair<double, std::uint32_t>> open_;  ///< a heap, the earliest arrival at the goal first
 };
 

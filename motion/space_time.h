@@ -21,7 +21,7 @@
 namespace coppice {
 
 /// Radii by which a robot may stray from the way of its trajectory.
-inline constexpr double reserved_stray_radii = 0.05;
+inline constexpr double reserved_stray_radii = 0.075;
 /// Seconds by which a trajectory keeps clear of where others are earlier and later.
 inline constexpr double room_in_time = 0.125;
 /// Metres between the centres of two robots that trajectories keep: they may stray, and the gates that follow

@@ -27,4 +27,8 @@ inline Path path_of(const Trajectory& trajectory) {
   return path;
 }
 
+/// Whether two robots that carry out their trajectories are ever closer than `near` metres between their
+/// centres, from a time on.
+bool come_too_close(const Trajectory& a, const Trajectory& b, double near, double from);
+
 }  // namespace coppice

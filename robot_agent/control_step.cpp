@@ -135,7 +135,8 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   } else if (!reserver_.may_leave_strip(fleet_, now) || reserver_.is_to_stand() ||
              (reserver_.holds() && !carries_on(now))) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
-    if (body_.stands()) stand_for(now, waiting_lease);
+    const bool sets_off_soon = !may_set_off(now);
+    if (body_.stands() && !sets_off_soon) stand_for(now, waiting_lease);
   } else if (reserver_.holds()) {
     keep_to_reservation(now, others);
     call_if_it_stalls(now);
@@ -239,7 +240,7 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
     const bool strayed = reserver_.off_the_way(body_.position()) > body_.radius() / 2;
     const bool over =
         reserver_.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
-    const bool overridden = reserver_.is_overridden(self(), fleet_, map_->roadmaps);
+    const bool overridden = reserver_.is_overridden(fleet_);
     if (body_.stands() && (strayed || over || overridden)) reserver_.drop(self(), fleet_, now, out);
     return;
   }
@@ -247,7 +248,7 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   Route& route = driving->route;
   if (route.improvement && !route.improvement->is_taut()) follow(route, route.improvement->pull_taut(), out);
   if (!reserver_.wants()) {
-    if (reserver_.may_try(now)) reserver_.want(route.follower.way_left(body_.position()), self(), now, out);
+    if (reserver_.may_try(now)) reserver_.want(way_ahead(), self(), map_->field, now, out);
     return;
   }
   const double ready = may_set_off(now) ? now : startup_since_ + fleet_.handshakes_take();
@@ -291,7 +292,7 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
   // Several robots may keep clear of each other's next moves: one of them must go.
   if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
   if (!is_bound && now - last_executed_ > waiting_lease && reserver_.gives_way(self(), fleet_)) {
-    body_.follow(Point2::Zero(), neighbours, map_->field);
+    body_.follow(Point2::Zero(), neighbours, map_->field, allowed);
     stand_for(now, waiting_lease);
   }
   progress_.comes_to(reserver_.progress(), least_gain(body_.radius(), body_.limits()), now);
@@ -312,8 +313,11 @@ void Run::call_if_it_stalls(double now) {
   const bool executes = reserver_.executes_plan();
   if (!driving() && !executes) return;
   if (fleet_.is_suspected_near(body_.position(), around())) return progress_.excuse(now);
-  const bool stalls = progress_.stalled_for(now) > (executes ? Timing::plan_patience : stall) ||
-                      progress_.without_progress_for(now) > longest_stall;
+  const double patience = executes            ? Timing::plan_patience
+                          : reserver_.holds() ? stall
+                                              : Timing::patience_without_trajectory;
+  const bool stalls =
+      progress_.stalled_for(now) > patience || progress_.without_progress_for(now) > longest_stall;
   if (stalls && (executes || all_free_around() || fleet_.is_awaited(body_.position(), around())))
     round_.call(self(), way_ahead(), fleet_, now);
 }

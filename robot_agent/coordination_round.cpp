@@ -15,8 +15,7 @@ constexpr double long_delay = Timing::plan_delivery;
 constexpr double longest_wait_for_plan = Timing::longest_wait_for_plan;
 constexpr double least_wait_for_plan = Timing::least_wait_for_plan;
 
-constexpr int infeasible_before_wider = 4;  // plans
-constexpr double cluster_radii = 8;         // between two robots of one cluster
+constexpr double cluster_radii = 8;  // between two robots of one cluster
 
 }  // namespace
 
@@ -69,10 +68,7 @@ void CoordinationRound::call_everybody(const FleetMember& self, double now) {
 void CoordinationRound::begin(const FleetMember& self, double reach, double now) {
   const bool moved = (self.position - called_from_).norm() > self.radius / 2;
   calls_in_vain_ = moved ? 0 : calls_in_vain_ + 1;
-  if (moved) {
-    called_from_ = self.position;
-    infeasible_ = 0;
-  }
+  if (moved) called_from_ = self.position;
   join({epoch_after(latest_epoch_), robot_, self.position, reach});
   waiting_since_ = now;
   called_at_ = now;
@@ -137,11 +133,6 @@ void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, const 
 }
 
 void CoordinationRound::publish(const FleetMember& self, double now) {
-  if (!maker_->is_feasible()) {
-    // Others are to pass first. Mostly the way is free a little later, and the cluster need not be wider.
-    if (++infeasible_ % infeasible_before_wider != 0) called_at_.reset();
-    return leave();
-  }
   if (maker_->strands() && id_.reach < everywhere) return call_everybody(self, now);
   JointPlanMessage message = maker_->message();
   maker_.reset();

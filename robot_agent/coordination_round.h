@@ -95,7 +95,6 @@ class CoordinationRound {
   std::optional<double> called_at_;
   Point2 called_from_ = Point2::Zero();
   int calls_in_vain_ = 0;
-  int infeasible_ = 0;  ///< plans that did not get past the reservations of others, from the same position
   std::unique_ptr<PlanMaker> maker_;
   std::optional<JointPlanMessage> own_plan_;
   std::shared_ptr<const JointPlanMessage> taken_up_;

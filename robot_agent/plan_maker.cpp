@@ -86,7 +86,7 @@ JointPlanMessage PlanMaker::message() const {
         {members_[k].robot, members_[k].radius, false, trajectory.size() > 1 ? trajectory : Trajectory()});
   }
   for (const std::size_t k : plan_.stranded) message.members[k].stranded = true;
-  for (const KnownReservation& other : others_) message.basis.push_back(other.basis);
+  for (const std::size_t k : schedule_->passed()) message.basis.push_back(others_[k].basis);
   return message;
 }
 

@@ -32,8 +32,6 @@ class PlanMaker {
   /// Does a bounded amount of work. Returns true once the plan is complete. If `everybody` is to be brought
   /// to the goal, it also returns true when it has found that this fails.
   bool step(double now, bool everybody);
-  /// Whether the members get past the reservations of the others.
-  bool is_feasible() const { return schedule_ == nullptr || schedule_->is_feasible(); }
   /// Some members are not brought to their goals.
   bool strands() const { return !plan_.stranded.empty(); }
   /// The plan, without its round and run.

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "messages/validation.h"
-#include "motion/safe_interval_search.h"
 #include "motion/space_time.h"
 #include "robot_agent/limits.h"
 #include "robot_agent/timing.h"
+#include "robot_agent/turn.h"
 
 namespace coppice {
 
@@ -22,11 +22,6 @@ constexpr double same_place = 0.01;  // metres between where a plan begins and w
 constexpr double same_time = 1e-6;   // seconds: rounding
 constexpr double close_radii = 3;    // between robots that may fear each other's next move
 
-/// Robots with longer ways reserve first.
-bool goes_first(double way, const RobotName& robot, double other_way, const RobotName& other) {
-  return way != other_way ? way > other_way : robot < other;
-}
-
 bool is_of_plan(const ReservationMessage& r) {
   return !r.plan.leader.empty();
 }
@@ -37,7 +32,9 @@ bool are_of_one_plan(const ReservationMessage& a, const ReservationMessage& b) {
 /// Whether another reservation holds against this one, if the two were planned without each other.
 bool overrides(const ReservationMessage& other, const ReservationMessage& own) {
   if (is_of_plan(other) != is_of_plan(own)) return is_of_plan(other);
-  return goes_first(other.way, other.robot, own.way, own.robot);
+  if (is_of_plan(own) && other.plan.epoch != own.plan.epoch)
+    return is_later_epoch(other.plan.epoch, own.plan.epoch);
+  return plans_first(other.turn, other.way, other.robot, own.turn, own.way, own.robot);
 }
 
 bool is_in_basis(const ReservationMessage& of, const RobotName& robot, std::uint32_t number) {
@@ -94,9 +91,11 @@ void Reserver::say(ReservationMessage message, const FleetMember& self, double n
   out.emplace_back(std::move(message));
 }
 
-void Reserver::want(double way, const FleetMember& self, double now, std::vector<Outgoing>& out) {
-  say({.robot = {}, .way = way, .run = {}}, self, now, out);
-  state_ = Wanted{way, now};
+void Reserver::want(const Path& path, const FleetMember& self, const ClearanceField& field, double now,
+                    std::vector<Outgoing>& out) {
+  const Wanted wanted{is_urgent_ ? Turn::urgent : turn_of(path, self.radius, field), length_of(path), now};
+  say({.robot = {}, .way = wanted.way, .turn = wanted.turn, .run = {}}, self, now, out);
+  state_ = wanted;
 }
 
 /// Another robot may count on the strip if this robot has told it that it heeds its reservation.
@@ -160,6 +159,7 @@ std::vector<ReservationId> Reserver::knows(std::span<const RobotName> robots) {
 
 void Reserver::drop(const FleetMember& self, const Fleet& fleet, double now, std::vector<Outgoing>& out) {
   if (std::holds_alternative<None>(state_) && !std::exchange(is_news_, false)) return;
+  if (holds() && finished()) is_urgent_ = false;
   leave_strip(fleet, now);
   say({.robot = {}, .run = {}}, self, now, out);
   state_ = nothing;
@@ -180,7 +180,9 @@ bool Reserver::is_turn(const Wanted& wanted, const Fleet& fleet, double now) con
     const ReservationMessage* const known = others_->find(m.robot, run_);
     if (known == nullptr) return false;
     const ReservationMessage& r = *known;
-    if (r.trajectory.empty() && r.way > 0 && goes_first(r.way, m.robot, wanted.way, robot_)) return false;
+    const bool waits_for_its_turn = r.trajectory.empty() && r.way > 0;
+    if (waits_for_its_turn && plans_first(r.turn, r.way, r.robot, wanted.turn, wanted.way, robot_))
+      return false;
   }
   return true;
 }
@@ -189,31 +191,42 @@ void Reserver::plan(const Path& path, double ready, const FleetMember& self, con
                     const Fleet& fleet, MapRoadmaps& places, double now, std::vector<Outgoing>& out) {
   const auto* const wanted = std::get_if<Wanted>(&state_);
   if (wanted == nullptr || !self.stands || !is_turn(*wanted, fleet, now)) return;
-  SpaceTime taken(places.field().bounds(), self.radius);
-  ReservationMessage message{.robot = robot_, .radius = self.radius, .way = wanted->way, .run = run_};
-  for (const FleetMember& m : fleet.others()) {
-    if (m.failed) continue;
-    if (auto known = reservation_of(m)) {
-      taken.add(known->trajectory, known->radius);
-      message.basis.push_back(known->basis);
-    } else {
-      taken.add_standing(m.position, m.radius, m.wants_to_stay ? infinity : now + Timing::sets_off_within);
-    }
+  const double begin = std::max(now + lead, ready) + speeding_up(limits);
+  TrajectoryPlanner planner(places, path, self.radius, limits, begin, others_to_reckon_with(fleet, now),
+                            fleet.zones_of_failed(self.position, now));
+  auto found = planner.around_all();
+  if (!found) {
+    is_urgent_ = true;
+    found = planner.around_most();
   }
-  for (const Disc& zone : fleet.zones_of_failed(self.position, now)) taken.add_obstacle(zone);
-  const double speeding_up = limits.max_speed / limits.max_acceleration / 2;
-  const double begin = std::max(now + lead, ready) + speeding_up;
-  taken.start_at(self.position, begin);
-  SafeIntervalSearch search(places.field(), places.lattice(self.radius), self.radius, path);
-  auto found = search.search(taken, begin, limits.max_speed, speeding_up);
-  if (!found || path_of(*found).size() < 2) {
+  if (!found) {
     drop(self, fleet, now, out);
     state_ = None{now, others_->news()};
-    planned_in_vain_ = true;
     return;
   }
-  message.trajectory = *std::move(found);
-  hold(std::move(message), now, out);
+  hold({.robot = robot_,
+        .radius = self.radius,
+        .way = wanted->way,
+        .trajectory = *std::move(found),
+        .basis = planner.basis(),
+        .turn = is_urgent_ ? Turn::urgent : wanted->turn,
+        .run = run_},
+       now, out);
+}
+
+std::vector<OtherRobot> Reserver::others_to_reckon_with(const Fleet& fleet, double now) const {
+  std::vector<OtherRobot> others;
+  for (const FleetMember& m : fleet.others()) {
+    if (m.failed) continue;
+    others.push_back({.position = m.position,
+                      .radius = m.radius,
+                      .reservation = reservation_of(m),
+                      .stands_until = m.wants_to_stay ? infinity : now + Timing::sets_off_within});
+    if (!others.back().reservation) continue;
+    const ReservationMessage& r = *others_->find(m.robot, run_);
+    others.back().may_give_way = !m.wants_to_stay && !is_of_plan(r) && r.turn != Turn::urgent;
+  }
+  return others;
 }
 
 std::optional<KnownReservation> Reserver::reservation_of(const FleetMember& m) const {
@@ -235,7 +248,6 @@ Reserver::Held& Reserver::hold(ReservationMessage message, double now, std::vect
   const std::vector<Path> legs = legs_of(path_of(message.trajectory));
   auto own = std::make_shared<const ReservationMessage>(std::move(message));
   out.emplace_back(*own);
-  planned_in_vain_ = false;
   state_ = Held{own, WayFollower(legs, own->radius, reserved_stray_radii * own->radius)};
   return std::get<Held>(state_);
 }
@@ -270,37 +282,26 @@ void Reserver::adopt(std::shared_ptr<const JointPlanMessage> plan, const FleetMe
   }
 }
 
-/// Where two robots planned at the same time, the robot with the shorter way plans again.
-bool Reserver::is_overridden(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places) {
+/// Where two robots planned without each other, one of them plans again.
+bool Reserver::is_overridden(const Fleet& fleet) {
   Held& held = std::get<Held>(state_);
-  held.is_overridden = held.is_overridden || comes_too_close(self, fleet, places);
+  held.is_overridden = held.is_overridden || comes_too_close(fleet);
   return held.is_overridden;
 }
 
-bool Reserver::comes_too_close(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places) {
+bool Reserver::comes_too_close(const Fleet& fleet) {
   Held& held = std::get<Held>(state_);
   if (std::exchange(held.compared, others_->news()) == others_->news()) return false;
   const ReservationMessage& own = *held.own;
-  for (const auto& [robot, other] : *others_) {
-    if (other->run != run_ || other->trajectory.empty() || !overrides(*other, own)) continue;
-    if (are_related(own, *other)) continue;
-    const auto m = fleet.find(robot);
-    if (!m || m->failed || !come_near(own, *other)) continue;
-    SpaceTime taken(places.field().bounds(), self.radius);
-    taken.add(shifted(other->trajectory, m->clock_offset), other->radius);
-    for (std::size_t k = 1; k < own.trajectory.size(); ++k) {
-      const TimedPoint& a = own.trajectory[k - 1];
-      const TimedPoint& b = own.trajectory[k];
-      if (b.time <= a.time) continue;
-      if (taken.first_departure(a.position, b.position, b.time - a.time, a.time) > a.time) return true;
-    }
-    std::vector<Interval> blocked;
-    taken.blocked_at(own.trajectory.back().position, blocked);
-    for (const Interval& i : blocked) {
-      if (i.end > own.trajectory.back().time) return true;
-    }
-  }
-  return false;
+  return std::ranges::any_of(*others_, [&](const auto& known) {
+    const ReservationMessage& other = *known.second;
+    if (other.run != run_ || other.trajectory.empty() || !overrides(other, own)) return false;
+    if (are_related(own, other) || !come_near(own, other)) return false;
+    const auto m = fleet.find(other.robot);
+    return m && !m->failed &&
+           come_too_close(own.trajectory, shifted(other.trajectory, m->clock_offset),
+                          kept_apart(own.radius, other.radius), own.trajectory.front().time);
+  });
 }
 
 /// Takes up the order with robots whose reservations are new.

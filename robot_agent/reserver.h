@@ -1,10 +1,14 @@
 // The reservation of one robot: a trajectory in space and time, planned around those of the others, and the
 // order in which it passes them.
 //
-// A robot that has a path announces how long its way is. The robots with the longest ways plan first; each
-// plans for itself as soon as nobody who waits has a longer way. It publishes its trajectory, and with it the
-// reservations around which it was planned (its basis). If two robots plan at the same time, neither is in
-// the other's basis; where the two come too close, the robot with the shorter way plans again.
+// A robot that has a path announces it. The robots plan in turns (turn.h): each plans for itself as soon as
+// nobody waits who is to plan before it. It publishes its trajectory, and with it the reservations around
+// which it was planned (its basis). If two robots plan at the same time, neither is in the other's basis;
+// where the two come too close, the second one plans again.
+//
+// A robot that finds no trajectory around all others is urgent until it is at its goal: it plans around as
+// many as possible, and the rest plan again (trajectory_planner.h). Urgent robots, and those of a joint plan,
+// do not give way to it.
 //
 // While it drives, order counts and time does not: where its way comes near the way of another, the robot
 // whose trajectory passes first goes first (motion/reserved_order.h).
@@ -36,6 +40,7 @@
 #include "motion/way_follower.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/reservations.h"
+#include "robot_agent/trajectory_planner.h"
 
 namespace coppice {
 
@@ -50,8 +55,8 @@ class Reserver {
   /// The robot drives by its reservation, or has driven to its end.
   bool holds() const { return std::holds_alternative<Held>(state_); }
   bool wants() const { return std::holds_alternative<Wanted>(state_); }
-  /// The robot waits for its turn, and has not planned in vain since it last held a reservation.
-  bool waits_for_its_turn() const { return wants() && !planned_in_vain_; }
+  /// The robot waits for its turn, and has not planned in vain on its way to its goal.
+  bool waits_for_its_turn() const { return wants() && !is_urgent_; }
   std::uint32_t number() const { return holds() ? std::get<Held>(state_).own->number : 0; }
   /// Grows with each reservation of another robot that this robot heeds.
   std::uint32_t heeds() const { return holds() ? others_->news() : 0; }
@@ -70,8 +75,9 @@ class Reserver {
   /// Metres between the robot and the way of its reservation.
   double off_the_way(const Point2& p) const { return std::get<Held>(state_).follower.off_the_way(p); }
 
-  /// The robot stands and has a path of so many metres to drive. Announces it.
-  void want(double way, const FleetMember& self, double now, std::vector<Outgoing>& out);
+  /// The robot stands, and is to drive along a path. Announces it.
+  void want(const Path& path, const FleetMember& self, const ClearanceField& field, double now,
+            std::vector<Outgoing>& out);
   /// The robot stands. It has no reservation any more, and wants none. Tells the others, if it is news.
   void drop(const FleetMember& self, const Fleet& fleet, double now, std::vector<Outgoing>& out);
 
@@ -88,12 +94,14 @@ class Reserver {
   bool may_try(double now) const;
   /// Another robot has reserved at the same time, too close, and goes first. The robot is to stand, and to
   /// plan anew.
-  bool is_overridden(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places);
+  bool is_overridden(const Fleet& fleet);
 
   /// A state of another robot came.
   void hear(const RobotState& state);
   /// What to tell these robots: the reservations of theirs that this robot heeds.
   std::vector<ReservationId> knows(std::span<const RobotName> robots);
+  /// Whether this robot has told another one that it heeds a reservation of that robot.
+  bool has_told(const RobotName& robot) const { return told_.contains(robot); }
   /// The process was started in mid-run, or slept: others may rely on a reservation that it does not know.
   /// `last_state`: the stamp of the last state that was said before.
   void begin_anew(const Fleet& fleet, double last_state, double now);
@@ -145,6 +153,7 @@ class Reserver {
     std::uint32_t news;  ///< of the others, up to then
   };
   struct Wanted {
+    Turn turn = Turn::usual;
     double way = 0;  ///< metres
     double since = 0;
   };
@@ -167,7 +176,8 @@ class Reserver {
   Held& hold(ReservationMessage message, double now, std::vector<Outgoing>& out);
   static bool has_left(const Held& held, const Pair& pair, const FleetMember& m);
   void look_at_others(Held& held, const Fleet& fleet) const;
-  bool comes_too_close(const FleetMember& self, const Fleet& fleet, MapRoadmaps& places);
+  std::vector<OtherRobot> others_to_reckon_with(const Fleet& fleet, double now) const;
+  bool comes_too_close(const Fleet& fleet);
   void leave_strip(const Fleet& fleet, double now);
   void confirm(const RobotState& other);
 
@@ -175,8 +185,8 @@ class Reserver {
   RunId run_;
   const Reservations* others_;
   std::uint32_t number_ = 0;  ///< of the last message
-  bool planned_in_vain_ = false;
-  bool is_news_ = false;  ///< others have not been told that there is no reservation
+  bool is_urgent_ = false;    ///< it has planned in vain on its way to its goal
+  bool is_news_ = false;      ///< others have not been told that there is no reservation
   std::variant<None, Wanted, Held> state_;
   RobotName waits_for_;
   double waits_until_ = 0;

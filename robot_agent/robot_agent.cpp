@@ -36,6 +36,7 @@ void RobotAgent::on(Arrival arrival) {
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
     if (run_) run_->hear({std::move(arrival.message), plan});
   } else if (const auto* reserved = std::get_if<ReservationMessage>(arrival.message.get())) {
+    if (run_) run_->hear(*reserved);
     reservations_.hear({std::move(arrival.message), reserved});
   } else {
     std::visit(

@@ -51,6 +51,10 @@ class Run {
     round_.hear(state, takes_part() ? std::optional(body_.position()) : std::nullopt);
   }
   void hear(std::shared_ptr<const JointPlanMessage> plan);
+  /// Another robot may wait to hear that this one does not count on its strip any more.
+  void hear(const ReservationMessage& reservation) {
+    if (reserver_.has_told(reservation.robot)) fleet_.answer(reservation.robot);
+  }
   void hear(const InactiveTreeMessage& tree);
   /// The robot that follows the body was seen.
   void see(const OdometrySample& robot);

@@ -146,8 +146,14 @@ JointPlanMessage any(const Any& a) {
 }
 template <>
 ReservationMessage any(const Any& a) {
-  return {
-      a.name(), a.u32(), a.number(), a.number(), a.trajectory(), a.basis(), {a.name(), a.u32(), a.number()}};
+  return {a.name(),
+          a.u32(),
+          a.number(),
+          a.number(),
+          a.trajectory(),
+          a.basis(),
+          {a.name(), a.u32(), a.number()},
+          static_cast<Turn>(a.u32() % 4)};
 }
 template <>
 PathMessage any(const Any& a) {

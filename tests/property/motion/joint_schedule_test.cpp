@@ -188,6 +188,45 @@ TEST(JointSchedule, RobotsKeepApartFromThoseThatAreNotOfThePlan) {
   EXPECT_GE(nearest(trajectories), kept_apart(radius, radius) - 1e-6);
 }
 
+// One ends on the way, one crosses it later, and one passes where the robot stands at first.
+TEST(JointSchedule, ThoseThatAreInTheWayForGoodMustGiveWay) {
+  const ClearanceField field(test::open_map(200, 200));
+  MapRoadmaps places(field);
+  const JointSchedule::Other ends{{{0, {100, 20}}, {4, {100, 100}}}, radius};
+  const JointSchedule::Other crosses{{{0, {150, 20}}, {10, {150, 20}}, {14, {150, 100}}, {18, {150, 180}}},
+                                     radius};
+  const JointSchedule::Other runs_over{{{0, {20, 20}}, {2, {20, 100}}, {4, {20, 180}}}, radius};
+  JointSchedule schedule(places, {{{20, 100}, radius, limits}}, {{0, {{20, 100}, {180, 100}}}},
+                         {ends, crosses, runs_over}, {}, 0, period);
+  while (!schedule.step()) {
+  }
+  EXPECT_EQ(schedule.trajectories()[0].back().position, Point2(180, 100));
+  const std::vector<std::size_t> passed = schedule.passed();
+  EXPECT_EQ(std::ranges::count(passed, 0u), 0);
+  EXPECT_EQ(std::ranges::count(passed, 1u), 1);
+  for (const std::size_t k : passed) {
+    const JointSchedule::Other& other = k == 1 ? crosses : runs_over;
+    EXPECT_FALSE(come_too_close(schedule.trajectories()[0], other.trajectory, 2 * radius - 1e-6, 0));
+  }
+}
+
+// A robot that must wait stands in the way of one that is to pass there.
+TEST(JointSchedule, ThoseThatPassWhereARobotWaitsMustGiveWay) {
+  const ClearanceField field(test::open_map(200, 200));
+  MapRoadmaps places(field);
+  const JointSchedule::Other runs_over{{{0, {20, 20}}, {2, {20, 100}}, {4, {20, 180}}}, radius};
+  const std::vector<Move> moves{{1, {{100, 100}, {100, 180}}}, {0, {{20, 100}, {100, 100}}}};
+  JointSchedule schedule(places, {{{20, 100}, radius, limits}, {{100, 100}, radius, limits}}, moves,
+                         {runs_over}, {}, 0, period);
+  while (!schedule.step()) {
+  }
+  for (const std::size_t k : schedule.passed()) {
+    EXPECT_EQ(k, 0u);
+    for (const Trajectory& trajectory : schedule.trajectories())
+      EXPECT_FALSE(come_too_close(trajectory, runs_over.trajectory, 2 * radius - 1e-6, 0));
+  }
+}
+
 // Robots that almost touch cannot keep apart as usual.
 TEST(JointSchedule, MovesPastRobotsThatAlmostTouchAreMadeAllTheSame) {
   const ClearanceField field(test::open_map(200, 200));

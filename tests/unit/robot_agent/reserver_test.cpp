@@ -30,7 +30,7 @@ struct Robot {
                          .clock = {}},
                  0);
   }
-  void want(double now) { reserver.want(length_of(path), self, now, said); }
+  void want(double now) { reserver.want(path, self, places.field(), now, said); }
   void plan(double now) { reserver.plan(path, now, self, limits, fleet, places, now, said); }
   void adopt(const JointPlanMessage& plan, double now) {
     self.round = plan.round;
@@ -83,10 +83,10 @@ class ReserverTest : public testing::Test {
   ClearanceField field{test::open_map(200, 200)};
   MapRoadmaps places{field};
   Robot a{"a", {{20, 100}, {180, 100}}, places};
-  Robot b{"b", {{100, 6}, {100, 160}}, places};  ///< b passes second
+  Robot b{"b", {{100, 6}, {100, 190}}, places};  ///< b passes second
 };
 
-TEST_F(ReserverTest, TheRobotWithTheLongestWayReservesFirst) {
+TEST_F(ReserverTest, TheRobotWithTheShortestWayReservesFirst) {
   for (Robot* robot : {&a, &b}) robot->want(0);
   tell(b, a);
   tell(a, b);
@@ -113,17 +113,39 @@ TEST_F(ReserverTest, ARobotWaitsForItsTurnForFiveSecondsAtMost) {
   EXPECT_TRUE(b.reserver.holds());
 }
 
-TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheShorterWayPlansAnew) {
-  b.path = {{100, 20}, {100, 179}};  // both would be in the middle at the same time
+TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheLongerWayPlansAnew) {
+  b.path = {{100, 20}, {100, 181}};  // both would be in the middle at the same time
   b.self.position = b.path.front();
   for (Robot* robot : {&a, &b}) robot->want(0);
   for (Robot* robot : {&a, &b}) robot->plan(5.1);
   ASSERT_TRUE(a.reserver.holds() && b.reserver.holds());
   tell(a, b);
   tell(b, a);
-  EXPECT_FALSE(a.reserver.is_overridden(a.self, a.fleet, places));
-  EXPECT_TRUE(b.reserver.is_overridden(b.self, b.fleet, places));
+  EXPECT_FALSE(a.reserver.is_overridden(a.fleet));
+  EXPECT_TRUE(b.reserver.is_overridden(b.fleet));
   EXPECT_TRUE(b.reserver.is_to_stand());
+}
+
+// b is to end in the corridor, and to close it.
+TEST_F(ReserverTest, ARobotThatFindsNoTrajectoryIsUrgentAndOthersGiveWayToIt) {
+  const ClearanceField corridor(
+      OccupancyMap{.width = 200, .height = 14, .blocked = std::vector<std::uint8_t>(2800, 0)});
+  MapRoadmaps narrow(corridor);
+  Robot first{"b", {{60, 7}, {100, 7}}, narrow};
+  Robot second{"a", {{20, 7}, {180, 7}}, narrow};
+  for (Robot* robot : {&first, &second}) robot->want(0);
+  first.plan(5.1);  // it has waited for its turn
+  ASSERT_TRUE(first.reserver.holds());
+  tell(second, first);
+  tell_state(second, first, 5.15);
+  second.plan(5.2);
+  ASSERT_TRUE(second.reserver.holds());
+  EXPECT_EQ(second.last().turn, Turn::urgent);
+  EXPECT_TRUE(second.last().basis.empty());
+  tell(first, second);
+  tell_state(first, second, 5.25);
+  EXPECT_TRUE(first.reserver.is_overridden(first.fleet));
+  EXPECT_FALSE(second.reserver.is_overridden(second.fleet));
 }
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
@@ -200,7 +222,7 @@ TEST_F(ReserverTest, AMemberThatStandsElsewhereSaysThatItHasNoReservation) {
 }
 
 TEST_F(ReserverTest, TheJointPlanHoldsAgainstAReservationThatWasMadeMeanwhile) {
-  b.path = {{100, 20}, {100, 179}};
+  b.path = {{100, 20}, {100, 181}};
   b.self.position = b.path.front();
   b.want(0);
   b.plan(5.1);
@@ -210,8 +232,8 @@ TEST_F(ReserverTest, TheJointPlanHoldsAgainstAReservationThatWasMadeMeanwhile) {
   a.adopt(plan, 5.1);
   tell(a, b);
   tell(b, a);
-  EXPECT_FALSE(a.reserver.is_overridden(a.self, a.fleet, places));
-  EXPECT_TRUE(b.reserver.is_overridden(b.self, b.fleet, places));
+  EXPECT_FALSE(a.reserver.is_overridden(a.fleet));
+  EXPECT_TRUE(b.reserver.is_overridden(b.fleet));
 }
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) {

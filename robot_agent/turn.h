@@ -1,0 +1,27 @@
+// The turn in which a robot plans its reservation.
+//
+// Robots that plan first drive nearly freely, and the rest go around them. The sum of the arrival times is
+// least if robots with short ways plan first, as with the shortest job first. Two kinds of robots must not be
+// treated so. In a maze, robots with long ways have no way around those that have arrived early. And a robot
+// that closes a passage at its goal must be the last one there.
+//
+// Metres in the map frame.
+#pragma once
+
+#include "messages/messages.h"
+#include "planning/clearance_field.h"
+
+namespace coppice {
+
+/// The turn of a disc that is to drive along `way`, without regard to others. The way has two points or more.
+Turn turn_of(const Path& way, double radius, const ClearanceField& field);
+
+/// Whether nobody of the same size gets past a disc that stands at p: free places around it are not
+/// connected.
+bool closes_a_passage(const Point2& p, double radius, const ClearanceField& field);
+
+/// Whether the first of two robots plans before the second.
+bool plans_first(Turn turn, double way, const RobotName& robot, Turn other_turn, double other_way,
+                 const RobotName& other);
+
+}  // namespace coppice
