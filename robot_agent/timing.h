@@ -91,7 +91,7 @@ struct Timing {
   /// The most peers to which a robot sends a state for handshakes in a tick: as many as a state has echoes
   /// for.
   static constexpr std::size_t handshakes_per_tick = 32;
-  /// ticks: the longest interval between two states of a handshake.
+  /// ticks: the longest interval between two states to a peer that was not heard yet.
   static constexpr int longest_handshake_interval = 32;
   /// Echoes of one kind in a state, at most.
   static constexpr std::size_t echoes_a_state = 8;
