@@ -20,8 +20,9 @@
 
 namespace coppice {
 
-/// Radii by which a robot may stray from the way of its trajectory.
-inline constexpr double reserved_stray_radii = 0.075;
+/// Radii by which a robot may stray from the way of its trajectory. With more, robots of 0.45 cells could not
+/// stand side by side in the cells of a grid (kept_apart()).
+inline constexpr double reserved_stray_radii = 0.06;
 /// Seconds by which a trajectory keeps clear of where others are earlier and later.
 inline constexpr double room_in_time = 0.125;
 /// Metres between the centres of two robots that trajectories keep: they may stray, and the gates that follow
