@@ -42,6 +42,9 @@ INSTANTIATE_TEST_SUITE_P(
 // own direction. They let each other go first for ever, and the time for which they stood did not count as
 // being without progress.
 INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
+// A joint plan led a robot away from its new goal. The robot took the plan's path for its own, and reserved a
+// way of no length again and again.
+INSTANTIATE_TEST_SUITE_P(LedAway, FuzzSeeds, testing::Values(8300043));
 
 // A robot fell silent, was heard again, and failed elsewhere while another agent was down. That agent knew
 // only of the silence, and drove into the robot.
