@@ -177,7 +177,7 @@ Problem check(const RobotState& m) {
         "too many echoes, or one without a name or a finite time"}});
 }
 
-/// What is wrong with a trajectory. An empty one is fine: the robot has none.
+/// Tells what is wrong with a trajectory. A robot without a trajectory sends an empty one, which is valid.
 Problem problem_with(const Trajectory& trajectory, double radius) {
   const auto point_fine = [](const TimedPoint& p) { return is_sane(p.time) && sane(p.position); };
   return first_of({{std::ranges::all_of(trajectory, point_fine), "point is not finite"},

@@ -101,7 +101,7 @@ void JointSchedule::schedule(const Move& move) {
   own.insert(own.end(), rest.begin() + (time > own.back().time ? 0 : 1), rest.end());
 }
 
-/// Others that end in the way of a move. Returns whether there are any.
+/// Lets those give way that end in the way of a move. Returns whether any of them did not yet.
 bool JointSchedule::let_give_way(const Move& move) {
   bool is_news = false;
   for (Other& other : others_) {

@@ -13,7 +13,7 @@ namespace coppice {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// An agent must not fall silent: a search takes 0.2 s, at most.
+// An agent must not fall silent: these take some tenths of a second.
 constexpr std::size_t most_expansions = 40'000;
 constexpr std::size_t most_expansions_in_all = 80'000;
 constexpr double detour = 1.5;       // of the shortest way: vertices further away are not looked at

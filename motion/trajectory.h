@@ -27,6 +27,12 @@ inline Path path_of(const Trajectory& trajectory) {
   return path;
 }
 
+/// The same trajectory, so many seconds later.
+inline Trajectory shifted(Trajectory trajectory, double seconds) {
+  for (TimedPoint& p : trajectory) p.time += seconds;
+  return trajectory;
+}
+
 /// Whether two robots that carry out their trajectories are ever closer than `near` metres between their
 /// centres, from a time on.
 bool come_too_close(const Trajectory& a, const Trajectory& b, double near, double from);

@@ -8,6 +8,7 @@
 #include "messages/validation.h"
 #include "motion/space_time.h"
 #include "robot_agent/limits.h"
+#include "robot_agent/reservation_pair.h"
 #include "robot_agent/timing.h"
 #include "robot_agent/turn.h"
 
@@ -21,58 +22,6 @@ constexpr double recent_state = Timing::recent_state;
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 constexpr double same_time = 1e-6;   // seconds: rounding
 constexpr double close_radii = 3;    // between robots that may fear each other's next move
-
-bool is_of_plan(const ReservationMessage& r) {
-  return !r.plan.leader.empty();
-}
-bool are_of_one_plan(const ReservationMessage& a, const ReservationMessage& b) {
-  return is_of_plan(a) && a.plan.leader == b.plan.leader && a.plan.epoch == b.plan.epoch;
-}
-
-/// Whether another reservation holds against this one, if the two were planned without each other.
-bool overrides(const ReservationMessage& other, const ReservationMessage& own) {
-  if (is_of_plan(other) != is_of_plan(own)) return is_of_plan(other);
-  if (is_of_plan(own) && other.plan.epoch != own.plan.epoch)
-    return is_later_epoch(other.plan.epoch, own.plan.epoch);
-  return plans_first(other.turn, other.way, other.robot, own.turn, own.way, own.robot);
-}
-
-bool is_in_basis(const ReservationMessage& of, const RobotName& robot, std::uint32_t number) {
-  return std::ranges::any_of(
-      of.basis, [&](const ReservationBasis& b) { return b.robot == robot && b.number == number; });
-}
-
-Box<2> box_of(const Trajectory& trajectory) {
-  Box<2> box{trajectory.front().position, trajectory.front().position};
-  for (const TimedPoint& p : trajectory) box = extended(box, p.position);
-  return box;
-}
-
-bool come_near(const ReservationMessage& a, const ReservationMessage& b) {
-  return distance(box_of(a.trajectory), box_of(b.trajectory)) < kept_apart(a.radius, b.radius);
-}
-
-/// They were planned around each other, or one of them around the other.
-bool are_related(const ReservationMessage& a, const ReservationMessage& b) {
-  return are_of_one_plan(a, b) || is_in_basis(a, b.robot, b.number) || is_in_basis(b, a.robot, a.number);
-}
-
-Trajectory shifted(Trajectory trajectory, double offset) {
-  for (TimedPoint& p : trajectory) p.time += offset;
-  return trajectory;
-}
-
-/// Seconds to be added to the times of `other`, so that all robots order the two alike.
-double offset_between(const ReservationMessage& own, const ReservationMessage& other, double estimate) {
-  if (are_of_one_plan(own, other)) return own.plan.shift - other.plan.shift;
-  for (const ReservationBasis& b : own.basis) {
-    if (b.robot == other.robot && b.number == other.number) return b.offset;
-  }
-  for (const ReservationBasis& b : other.basis) {
-    if (b.robot == own.robot && b.number == own.number) return -b.offset;
-  }
-  return estimate;
-}
 
 }  // namespace
 

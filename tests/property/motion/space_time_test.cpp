@@ -7,9 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "planning/random.h"
+#include "tests/unit/motion/trajectories.h"
 
 namespace coppice {
 namespace {
+
+using test::position_at;
 
 constexpr double radius = 5;
 constexpr double other_radius = 4;
@@ -28,16 +31,6 @@ Trajectory random_trajectory(Random& random) {
     trajectory.push_back({last.time + random.uniform(0.5, 4), next});
   }
   return trajectory;
-}
-
-Point2 position_at(const Trajectory& trajectory, double time) {
-  if (time <= trajectory.front().time) return trajectory.front().position;
-  for (std::size_t k = 1; k < trajectory.size(); ++k) {
-    const TimedPoint& a = trajectory[k - 1];
-    const TimedPoint& b = trajectory[k];
-    if (time <= b.time) return a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));
-  }
-  return trajectory.back().position;
 }
 
 bool holds(const std::vector<Interval>& intervals, double time) {

@@ -6,8 +6,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "tests/unit/motion/trajectories.h"
+
 namespace coppice {
 namespace {
+
+using test::position_at;
 
 const Trajectory crossing{{0, {0, 0}}, {10, {100, 0}}};
 
@@ -28,16 +32,6 @@ TEST(Trajectory, ARobotStandsBeforeItsTrajectoryAndAfterIt) {
 TEST(Trajectory, WhatIsOverDoesNotCount) {
   const Trajectory other{{0, {50, -50}}, {10, {50, 50}}};
   EXPECT_FALSE(come_too_close(crossing, other, 10, 7));
-}
-
-Point2 position_at(const Trajectory& trajectory, double time) {
-  if (time <= trajectory.front().time) return trajectory.front().position;
-  for (std::size_t k = 1; k < trajectory.size(); ++k) {
-    const TimedPoint& a = trajectory[k - 1];
-    const TimedPoint& b = trajectory[k];
-    if (time < b.time) return a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));
-  }
-  return trajectory.back().position;
 }
 
 Trajectory any_trajectory() {

@@ -1,0 +1,27 @@
+// What follows from the reservations of two robots: whether they were planned around each other, which of
+// them holds if not, and how the times of one count for the other. All robots find the same.
+//
+// Metres in the map frame, seconds of fleet time.
+#pragma once
+
+#include "messages/messages.h"
+
+namespace coppice {
+
+bool is_of_plan(const ReservationMessage& r);
+bool are_of_one_plan(const ReservationMessage& a, const ReservationMessage& b);
+
+/// They were planned around each other, or one of them around the other.
+bool are_related(const ReservationMessage& a, const ReservationMessage& b);
+
+/// Whether another reservation holds against this one, if the two were planned without each other.
+bool overrides(const ReservationMessage& other, const ReservationMessage& own);
+
+/// Whether the two robots may come near each other, at whatever times. Both have trajectories.
+bool come_near(const ReservationMessage& a, const ReservationMessage& b);
+
+/// Seconds to be added to the times of `other`, so that all robots order the two alike. `estimate`: the
+/// difference of the clocks, where neither reservation tells it.
+double offset_between(const ReservationMessage& own, const ReservationMessage& other, double estimate);
+
+}  // namespace coppice
