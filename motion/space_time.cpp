@@ -67,7 +67,8 @@ SpaceTime::SpaceTime(const Box<2>& bounds, double radius, double (*apart)(double
   cell_ = std::max(cell_, std::sqrt(extent.prod() / most_cells));
   columns_ = static_cast<std::size_t>(extent.x() / cell_) + 1;
   rows_ = static_cast<std::size_t>(extent.y() / cell_) + 1;
-  cells_.resize(columns_ * rows_);
+  squares_.resize(columns_ * rows_);
+  cells_.emplace_back();
 }
 
 std::size_t SpaceTime::column(double x) const {
@@ -208,7 +209,14 @@ void SpaceTime::for_each_cell_near(const Point2& a, const Point2& b, double dist
   const Point2 low = a.cwiseMin(b).array() - distance;
   const Point2 high = a.cwiseMax(b).array() + distance;
   for (std::size_t j = row(low.y()); j <= row(high.y()); ++j) {
-    for (std::size_t i = column(low.x()); i <= column(high.x()); ++i) fn(cells_[j * columns_ + i]);
+    for (std::size_t i = column(low.x()); i <= column(high.x()); ++i) {
+      std::uint32_t& number = square(i, j);
+      if (number == 0) {
+        number = static_cast<std::uint32_t>(cells_.size());
+        cells_.emplace_back();
+      }
+      fn(cells_[number]);
+    }
   }
 }
 
@@ -233,7 +241,7 @@ void SpaceTime::for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn) {
     const double x = border(0, i, last_i);
     const double y = border(1, j, last_j);
     const double end = std::clamp(std::min(x, y), begin, 1.0);
-    fn(cells_[j * columns_ + i], Interval{begin, end});
+    fn(cells_[square(i, j)], Interval{begin, end});
     if (i == last_i && j == last_j) return;
     begin = end;
     if (x <= y) {
@@ -245,7 +253,7 @@ void SpaceTime::for_each_cell_along(const Point2& a, const Point2& b, Fn&& fn) {
 }
 
 void SpaceTime::blocked_at(const Point2& p, std::vector<Interval>& out, Number own) const {
-  const Cell& cell = cells_[row(p.y()) * columns_ + column(p.x())];
+  const Cell& cell = cells_[squares_[row(p.y()) * columns_ + column(p.x())]];
   for (const Piece& piece : cell.standing) {
     if (is_own(piece, own)) continue;
     if ((p - piece.from).squaredNorm() < piece.near * piece.near)

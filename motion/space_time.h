@@ -93,6 +93,7 @@ class SpaceTime {
   void add_piece(const Piece& piece);
   std::size_t column(double x) const;
   std::size_t row(double y) const;
+  std::uint32_t& square(std::size_t i, std::size_t j) { return squares_[j * columns_ + i]; }
   static bool is_own(const Piece& piece, Number own) { return own != nobody && piece.robot == own; }
   template <class Fn>
   void for_each_cell_near(const Point2& a, const Point2& b, double distance, Fn&& fn);
@@ -111,8 +112,9 @@ class SpaceTime {
   Point2 lower_;
   std::size_t columns_;
   std::size_t rows_;
-  std::vector<Cell> cells_;
-  double longest_ = 0;  ///< seconds that a moving piece lasts
+  std::vector<std::uint32_t> squares_;  ///< of the map: numbers of their cells
+  std::vector<Cell> cells_;             ///< the first one stays empty: nobody comes near most squares
+  double longest_ = 0;                  ///< seconds that a moving piece lasts
 };
 
 }  // namespace coppice
