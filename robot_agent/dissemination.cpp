@@ -221,6 +221,16 @@ std::vector<RobotState> Dissemination::last_words(double now) const {
   return states;
 }
 
+std::vector<RobotName> Dissemination::next_to_relay_to() {
+  const std::size_t part = (peers_.size() + Timing::relay_parts - 1) / Timing::relay_parts;
+  const std::size_t count = std::min(std::max(part, Timing::least_relayed_to), peers_.size());
+  std::vector<RobotName> names;
+  names.reserve(count);
+  for (std::size_t k = 0; k < count; ++k) names.push_back(peers_[(relayed_to_ + k) % peers_.size()].robot);
+  relayed_to_ += count;
+  return names;
+}
+
 std::vector<RobotName> Dissemination::peers_to_inform(double now) const {
   std::vector<RobotName> names;
   const double informs_for = Timing::informs_for * own_.second();

@@ -67,6 +67,8 @@ class Dissemination {
 
   /// The last states of peers that have just fallen silent.
   std::vector<RobotState> last_words(double now) const;
+  /// Those to which they are relayed at this heartbeat.
+  std::vector<RobotName> next_to_relay_to();
   /// Peers that were started anew in mid-run, or were out of touch and are back: they may not know where all
   /// peers are, or may have been last.
   std::vector<RobotName> peers_to_inform(double now) const;
@@ -96,8 +98,9 @@ class Dissemination {
   std::size_t last_echo_ = 0;  ///< number of the peer whose echo was sent last
   std::size_t next_echo_ = 0;  ///< number of the peer whose echo is news next
   std::vector<std::size_t>
-      missed_by_others_;       ///< numbers of peers that are heard here: echoed in the next state
-  std::size_t asked_for_ = 0;  ///< missing peers that all states have named so far
+      missed_by_others_;        ///< numbers of peers that are heard here: echoed in the next state
+  std::size_t relayed_to_ = 0;  ///< peers to which states were relayed so far
+  std::size_t asked_for_ = 0;   ///< missing peers that all states have named so far
 };
 
 inline void Dissemination::hear(std::size_t number, double now) {

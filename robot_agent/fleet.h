@@ -195,6 +195,8 @@ class Fleet {
   }
   /// The last states of peers that have just fallen silent.
   std::vector<RobotState> last_words(double now) const { return dissemination_.last_words(now); }
+  /// Those to which they are relayed at this heartbeat.
+  std::vector<RobotName> next_to_relay_to() { return dissemination_.next_to_relay_to(); }
   /// Peers that were started anew in mid-run, or were out of touch and are back. And what to tell them: the
   /// last states of the peers that are silent or failed.
   std::vector<RobotName> peers_to_inform(double now) const { return dissemination_.peers_to_inform(now); }

@@ -18,10 +18,14 @@
 namespace coppice {
 
 /// Ticks between two states, a power of two. `gap`: metres between the two robots; `closing_speed`: the most
-/// at which the gap shrinks.
+/// at which the gap shrinks. The interval grows with the square of the time until the two may touch, but
+/// takes no more than a fixed share of that: otherwise the next state of a robot that comes from far away
+/// could be due when the two are close.
 inline int send_interval(double gap, double closing_speed) {
-  const double times = std::max(0.0, gap) / (Timing::close * closing_speed);
-  const double ticks = std::clamp(times * times, 1.0, static_cast<double>(longest_interval));
+  const double seconds = std::max(0.0, gap) / closing_speed;
+  const double times = seconds / Timing::close;
+  const double share = Timing::interval_share * seconds / Timing::control_period;
+  const double ticks = std::clamp(std::min(times * times, share), 1.0, static_cast<double>(longest_interval));
   return static_cast<int>(std::bit_floor(static_cast<unsigned>(ticks)));
 }
 

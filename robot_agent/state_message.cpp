@@ -35,7 +35,11 @@ void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
 }
 
 void Run::relay_states(double now, std::vector<Outgoing>& out) {
-  for (RobotState& last : fleet_.last_words(now)) out.emplace_back(std::move(last));
+  std::vector<RobotState> last_words = fleet_.last_words(now);
+  if (!last_words.empty()) {
+    const std::vector<RobotName> hearers = fleet_.next_to_relay_to();
+    for (RobotState& last : last_words) out.emplace_back(std::move(last), hearers);
+  }
   if (counter_.heartbeats() % heartbeats_between_relays != 0) return;
   const std::vector<RobotName> to = fleet_.peers_to_inform(now);
   if (to.empty()) return;

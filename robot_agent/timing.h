@@ -70,6 +70,8 @@ struct Timing {
   static constexpr int heartbeat_interval = 4;
   /// fleet s until two robots might touch: within this time each sends every state to the other.
   static constexpr double close = 0.4;
+  /// The largest share of the time until two robots might touch that may pass between two states.
+  static constexpr double interval_share = 0.625;
   /// So many of the nearest peers receive every state. Network: they know the last decisions of a robot that
   /// fails, although samples are lost.
   static constexpr std::size_t witnesses = 6;
@@ -87,7 +89,7 @@ struct Timing {
 
   /// Echoes to a peer whose clock is known, until the handshake is over. Network: the peer must have heard
   /// one although samples are lost.
-  static constexpr int handshakes_needed = 5;
+  static constexpr int handshakes_needed = 3;
   /// The most peers to which a robot sends a state for handshakes in a tick: as many as a state has echoes
   /// for.
   static constexpr std::size_t handshakes_per_tick = 32;
@@ -117,6 +119,11 @@ struct Timing {
   static constexpr double relay_from = 0.5;
   /// scaled s of silence until which it is relayed.
   static constexpr double relay_until = 4;
+  /// At each heartbeat the state is relayed to one of so many parts of the peers, in turn. So each relaying
+  /// robot tells each peer four times, and a relay in a large fleet does not fill the network.
+  static constexpr std::size_t relay_parts = 4;
+  /// A smaller part is not worth a turn.
+  static constexpr std::size_t least_relayed_to = 16;
   /// Heartbeats between two relays of what is known of silent peers to a peer that is new or back.
   static constexpr std::uint32_t heartbeats_between_relays = 2;
   /// scaled s between two counts of the silent peers, at most.

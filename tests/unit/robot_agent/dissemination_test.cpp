@@ -26,6 +26,11 @@ TEST(Dissemination, TheSendIntervalGrowsWithTheDistance) {
   }
 }
 
+TEST(Dissemination, TheNextStateComesBeforeTwoDistantRobotsCanMeet) {
+  for (double gap = 20; gap < 300; gap += 0.5)
+    EXPECT_LT(send_interval(gap, 40) * period, 0.65 * gap / 40) << gap;
+}
+
 TEST(Dissemination, APeerIsDueOnceInEachSendInterval) {
   for (const char* robot : {"a", "r17", "a robot with a long name"}) {
     for (int interval = 1; interval <= longest_interval; interval *= 2) {
@@ -231,6 +236,24 @@ TEST(Dissemination, AnAnswerIsSentWithTheNextState) {
     told += tick > 1000 && answers;
   }
   EXPECT_GT(told, 1000 / 12 - 5);
+}
+
+// All robots that miss a peer relay its last state. If each told all others at each heartbeat, a large fleet
+// would do little else.
+TEST(Dissemination, EachPeerHearsARelayAtEachFourthHeartbeat) {
+  Row row(100);
+  std::map<RobotName, int> told;
+  for (int heartbeat = 0; heartbeat < 16; ++heartbeat) {
+    const std::vector<RobotName> hearers = row.fleet().next_to_relay_to();
+    EXPECT_EQ(hearers.size(), 25u);
+    for (const RobotName& robot : hearers) ++told[robot];
+  }
+  for (int k = 1; k <= 100; ++k) EXPECT_EQ(told[Row::name(k)], 4) << k;
+}
+
+TEST(Dissemination, AllPeersOfASmallFleetHearARelayAtEachHeartbeat) {
+  Row row(7);
+  for (int heartbeat = 0; heartbeat < 3; ++heartbeat) EXPECT_EQ(row.fleet().next_to_relay_to().size(), 7u);
 }
 
 TEST(Dissemination, NoPeerIsAskedBeforeTheRobotHasAMission) {
