@@ -132,7 +132,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     // The body brakes: peers that miss the robot do not reckon with where it would evade to.
     progress_.excuse(now);
     if (body_.stands()) stand_for(now, waiting_lease);
-  } else if (!reserver_.may_leave_strip(fleet_, now) || reserver_.is_to_stand() ||
+  } else if (!reserver_.may_leave_strip(self(), fleet_, now) || reserver_.is_to_stand() ||
              (reserver_.holds() && !carries_on(now))) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
     const bool sets_off_soon = !may_set_off(now);

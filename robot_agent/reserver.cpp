@@ -54,9 +54,9 @@ void Reserver::leave_strip(const Fleet& fleet, double now) {
   for (const auto& [robot, told] : told_) {
     const ReservationMessage* const r = others_->find(robot, run_);
     const bool heeds = r != nullptr && told.number == r->number && !r->trajectory.empty();
-    if (heeds && come_near(*held->own, *r)) rely_on_strip_.push_back(robot);
+    if (heeds && come_near(*held->own, *r))
+      rely_on_strip_.push_back({robot, now + recent_state + fleet.longest_braking() + lead});
   }
-  strip_until_ = rely_on_strip_.empty() ? now : now + recent_state + fleet.longest_braking() + lead;
 }
 
 /// The process before this one may have held a reservation.
@@ -65,22 +65,30 @@ void Reserver::begin_anew(const Fleet& fleet, double last_state, double now) {
   number_ = next_number(now);
   waits_for_.clear();
   is_news_ = true;
+  rely_on_strip_.clear();
   if (fleet.size_of_the_run() < 2) return;
-  strip_until_ = last_state + recent_state + fleet.longest_braking() + lead;
-  rely_on_strip_.assign(1, RobotName());  // so that no answer of a peer shortens the wait
+  // Without a name: it is not known who relies on it.
+  rely_on_strip_.push_back({RobotName(), last_state + recent_state + fleet.longest_braking() + lead});
 }
 
-/// A robot that says that it has heard may still brake on a line for which it relied on the strip.
-bool Reserver::may_leave_strip(const Fleet& fleet, double now) {
-  if (now >= strip_until_) rely_on_strip_.clear();
-  if (rely_on_strip_.empty()) return now >= strip_until_;
-  std::erase_if(rely_on_strip_, [&](const RobotName& robot) {
-    const auto knows = knows_this_.find(robot);
-    const auto m = fleet.find(robot);
-    return m && (m->failed || (knows != knows_this_.end() && knows->second >= number_));
-  });
-  if (rely_on_strip_.empty()) strip_until_ = std::min(strip_until_, now + fleet.longest_braking() + lead);
-  return now >= strip_until_;
+/// A robot that says that it has heard may still brake on a line for which it relied on the strip. It does
+/// not matter if the two are too far apart to meet before that is over.
+bool Reserver::may_leave_strip(const FleetMember& self, const Fleet& fleet, double now) {
+  const auto concerns = [&](Relies& other) {
+    const auto m = fleet.find(other.robot, now);
+    if (now >= other.until || (m && m->failed)) return false;
+    if (!m || m->limits.max_speed == 0) return true;  // nothing is known of where it is
+    const auto knows = knows_this_.find(other.robot);
+    if (!other.has_heard && knows != knows_this_.end() && knows->second >= number_)
+      other = {other.robot, std::min(other.until, now + fleet.longest_braking() + lead), true};
+    const double age = now - m->promise.stamp + m->clock_error;
+    const double gap = (m->promise.position - self.position).norm() - self.radius - m->radius;
+    return gap <= m->max_speed * age + (m->max_speed + self.limits.max_speed) * (other.until - now);
+  };
+  // All are looked at: each notes when the other robot has heard.
+  const auto concerned = std::ranges::count_if(rely_on_strip_, concerns);
+  if (concerned == 0) rely_on_strip_.clear();
+  return concerned == 0;
 }
 
 void Reserver::hear(const RobotState& state) {

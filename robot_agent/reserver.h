@@ -105,9 +105,9 @@ class Reserver {
   /// The process was started in mid-run, or slept: others may rely on a reservation that it does not know.
   /// `last_state`: the stamp of the last state that was said before.
   void begin_anew(const Fleet& fleet, double last_state, double now);
-  /// Whether this robot may move off the strip of its last reservation: no other robot counts on it to stay
-  /// there any more.
-  bool may_leave_strip(const Fleet& fleet, double now);
+  /// Whether this robot, which stands, may move off the strip of its last reservation: no other robot counts
+  /// on it to stay there any more, or meets it before it has ceased to.
+  bool may_leave_strip(const FleetMember& self, const Fleet& fleet, double now);
   /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.
   /// `age`: of the other's state, at most, seconds.
   bool passes(const RobotState& other, double age);
@@ -168,6 +168,13 @@ class Reserver {
     std::uint32_t compared = 0;              ///< up to which others were compared with this one
   };
 
+  /// Another robot may rely on this one to stay in its strip.
+  struct Relies {
+    RobotName robot;
+    double until;            ///< fleet time
+    bool has_heard = false;  ///< that this robot does not keep to the strip
+  };
+
   static constexpr None nothing{-1e9, 0};
 
   std::uint32_t next_number(double now);
@@ -197,8 +204,7 @@ class Reserver {
   };
   std::map<RobotName, Told> told_;
   std::size_t next_told_ = 0;
-  std::vector<RobotName> rely_on_strip_;  ///< they may, until they have heard of the last message
-  double strip_until_ = 0;                ///< then nobody relies on it any more
+  std::vector<Relies> rely_on_strip_;  ///< on that of the last reservation
   double own_speed_ = 0;
   Limits own_limits_{};
   RobotName awaited_;

@@ -18,8 +18,13 @@ constexpr Limits limits{20, 40};
 struct Robot {
   Robot(RobotName name, Path way, MapRoadmaps& map)
       : path(std::move(way)), places(map), fleet(name), reserver(name, {}, others) {
-    self = {
-        .robot = name, .position = path.front(), .radius = 5, .stands = true, .round = {}, .waits_for = {}};
+    self = {.robot = name,
+            .position = path.front(),
+            .radius = 5,
+            .stands = true,
+            .round = {},
+            .waits_for = {},
+            .limits = limits};
     for (const char* robot : {"a", "b"})
       fleet.hear(Mission{.robot = robot,
                          .start = path.front(),
@@ -62,7 +67,8 @@ class ReserverTest : public testing::Test {
     to.others.hear(std::make_shared<const ReservationMessage>(from.last()));
   }
   static RobotState tell_state(Robot& to, Robot& from, double now) {
-    const RobotState state = from.state(now);
+    RobotState state = from.state(now);
+    state.echoes = {{to.self.robot, now - 0.001, now}};  // so that the clocks are known
     to.fleet.hear(std::make_shared<const RobotState>(state), now + 0.001);
     to.reserver.hear(state);
     return state;
@@ -251,25 +257,40 @@ TEST_F(ReserverTest, ARobotLeavesItsStripWhenThoseWhoRelyOnItHaveHeardAndCouldHa
   reserve_both();
   tell_state(b, a, 0.3);  // a says that it heeds b's reservation
   a.drop(1);
-  EXPECT_FALSE(a.reserver.may_leave_strip(a.fleet, 1));
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
   tell(b, a);
+  b.self.position = {50, 100};
   tell_state(a, b, 1.2);
-  EXPECT_FALSE(a.reserver.may_leave_strip(a.fleet, 1.2)) << "b may still brake";
-  EXPECT_TRUE(a.reserver.may_leave_strip(a.fleet, 1.2 + 0.7));
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2)) << "b may still brake";
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.7));
+}
+
+TEST_F(ReserverTest, ARobotLeavesItsStripAtOnceIfThoseThatHaveHeardStandTooFarAwayToMeetIt) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  tell(b, a);
+  tell_state(a, b, 1.2);  // 113 m away
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2));
+  b.self.position = {30, 100};
+  tell_state(a, b, 1.3);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.3)) << "b could not come so close";
 }
 
 TEST_F(ReserverTest, ARobotThatHearsNothingLeavesItsStripWhenNoRecentStateNamesItsReservation) {
   reserve_both();
+  b.self.position = {50, 100};
+  tell_state(a, b, 0.25);
   tell_state(b, a, 0.3);
   a.drop(1);
-  EXPECT_FALSE(a.reserver.may_leave_strip(a.fleet, 1 + 2.5));
-  EXPECT_TRUE(a.reserver.may_leave_strip(a.fleet, 1 + 2.7));
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.7));
 }
 
 TEST_F(ReserverTest, ARobotInWhoseStatesNobodyIsHeededMayLeaveItsStripAtOnce) {
   reserve_both();
   a.drop(1);
-  EXPECT_TRUE(a.reserver.may_leave_strip(a.fleet, 1));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
 }
 
 }  // namespace
