@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/kinematics.h"
 #include "planning/geometry.h"
 
 namespace coppice {
@@ -25,6 +26,13 @@ inline double arc_radius(const Point2& in, const Point2& out, double stray) {
 
 inline double speed_around(const Point2& in, const Point2& out, double stray, double acceleration) {
   return std::sqrt(acceleration * braking_share * arc_radius(in, out, stray));
+}
+
+/// Seconds that a robot at full speed loses because it slows down for a corner.
+inline double time_lost_around(const Point2& in, const Point2& out, double stray, const Limits& limits) {
+  const double full = limits.max_speed;
+  const double change = full - std::min(full, speed_around(in, out, stray, limits.max_acceleration));
+  return change * change * (1 + 1 / braking_share) / (2 * limits.max_acceleration * full);
 }
 
 }  // namespace coppice

@@ -6,6 +6,7 @@
 #include <ranges>
 #include <utility>
 
+#include "motion/corner_speed.h"
 #include "motion/safe_interval_search.h"
 
 namespace coppice {
@@ -16,6 +17,32 @@ constexpr std::size_t moves_a_step = 50;
 constexpr std::size_t searches_a_step = 4;
 constexpr double rounding = 1e-9;
 constexpr double worthwhile = 0.01;  // seconds that an arrival must be earlier
+
+double time_lost_at(const Point2& before, const Point2& corner, const Point2& after,
+                    const JointSchedule::Robot& robot) {
+  return time_lost_around((corner - before).normalized(), (after - corner).normalized(),
+                          reserved_stray_radii * robot.radius, robot.limits);
+}
+
+/// A robot drives along a path from time 0 on, at full speed but for corners.
+Trajectory drive_along(const Path& path, const JointSchedule::Robot& robot) {
+  Trajectory drive{{0, path.front()}};
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    const double length = (path[k] - path[k - 1]).norm();
+    if (length == 0) continue;
+    if (drive.size() > 1) {
+      const double lost = time_lost_at(drive[drive.size() - 2].position, path[k - 1], path[k], robot);
+      if (lost > 0) drive.push_back({drive.back().time + lost, path[k - 1]});
+    }
+    drive.push_back({drive.back().time + length / robot.limits.max_speed, path[k]});
+  }
+  return drive;
+}
+
+/// Seconds that a robot loses at the corner between its trajectory so far and what comes next.
+double time_lost_between(const Trajectory& so_far, const Path& next, const JointSchedule::Robot& robot) {
+  return so_far.size() > 1 ? time_lost_at(so_far[so_far.size() - 2].position, next[0], next[1], robot) : 0;
+}
 
 double touching(double radius, double other_radius) {
   return radius + other_radius - rounding;
@@ -83,22 +110,20 @@ void JointSchedule::schedule(const Move& move) {
   const Robot& robot = robots_[move.robot];
   Taken& taken = taken_for(robot.radius);
   Trajectory& own = trajectories_[move.robot];
-  double time = departure(taken.apart, move, own.back().time);
-  if (time == SpaceTime::forever) time = departure(taken.touching, move, own.back().time);
+  const Trajectory drive = drive_along(move.path, robot);
+  const double ready = own.back().time + time_lost_between(own, move.path, robot);
+  double time = departure(taken.apart, move.robot, drive, ready);
+  if (time == SpaceTime::forever) time = departure(taken.touching, move.robot, drive, ready);
   if (time == SpaceTime::forever) {
     if (let_give_way(move)) return begin_anew();
-    time = own.back().time;  // the members' moves are free in this order, but for rounding
+    time = ready;  // the members' moves are free in this order, but for rounding
   }
-  Trajectory rest{{time, own.back().position}};
-  for (std::size_t k = 1; k < move.path.size(); ++k) {
-    const double duration = (move.path[k] - move.path[k - 1]).norm() / robot.limits.max_speed;
-    if (duration > 0) rest.push_back({rest.back().time + duration, move.path[k]});
-  }
+  const Trajectory rest = shifted(drive, time);
   for (auto& [radius, other] : taken_) {
     for (SpaceTime* space : {&other.apart, &other.touching})
       space->go_on(static_cast<std::uint32_t>(move.robot), rest, robot.radius);
   }
-  own.insert(own.end(), rest.begin() + (time > own.back().time ? 0 : 1), rest.end());
+  own.insert(own.end(), rest.begin() + (rest.front().time > own.back().time ? 0 : 1), rest.end());
 }
 
 /// Lets those give way that end in the way of a move. Returns whether any of them did not yet.
@@ -128,36 +153,33 @@ std::vector<std::size_t> JointSchedule::passed() const {
   return result;
 }
 
-/// The first time at which the robot of a move may set off.
-double JointSchedule::departure(SpaceTime& taken, const Move& move, double ready) const {
-  const Robot& robot = robots_[move.robot];
-  const auto number = static_cast<std::uint32_t>(move.robot);
+/// The first time at which a robot may set off.
+double JointSchedule::departure(SpaceTime& taken, std::size_t k, const Trajectory& drive,
+                                double ready) const {
+  const auto number = static_cast<std::uint32_t>(k);
   std::vector<Interval> blocked;
-  taken.blocked_at(move.path.back(), blocked, number);
+  taken.blocked_at(drive.back().position, blocked, number);
   double arrival = ready;
   for (const Interval& i : blocked) arrival = std::max(arrival, i.end);
-  const double first = std::max(ready, arrival - length_of(move.path) / robot.limits.max_speed);
+  const double first = std::max(ready, arrival - drive.back().time);
   const auto free_from = [&](double time) {
     for (bool is_free = false; !is_free && time < SpaceTime::forever;) {
       is_free = true;
-      double along = 0;
-      for (std::size_t k = 1; k < move.path.size(); ++k) {
-        const double duration = (move.path[k] - move.path[k - 1]).norm() / robot.limits.max_speed;
-        if (duration == 0) continue;
+      for (std::size_t i = 1; i < drive.size(); ++i) {
+        const TimedPoint& from = drive[i - 1];
+        const TimedPoint& to = drive[i];
         const double free =
-            taken.first_departure(move.path[k - 1], move.path[k], duration, time + along, number);
-        if (free > time + along + rounding) {
-          time = free - along;
-          is_free = false;
-        }
-        along += duration;
+            taken.first_departure(from.position, to.position, to.time - from.time, time + from.time, number);
+        if (free <= time + from.time + rounding) continue;
+        time = free - from.time;
+        is_free = false;
       }
     }
     return time;
   };
   const double time = free_from(first);
   const bool waits = time > ready && time < SpaceTime::forever;
-  return waits ? free_from(time + speeding_up(robot.limits)) : time;
+  return waits ? free_from(time + speeding_up(robots_[k].limits)) : time;
 }
 
 /// One robot plans again around all others.
@@ -175,8 +197,7 @@ void JointSchedule::improve(std::size_t k) {
   for (const Disc& disc : obstacles_) taken.add_obstacle(disc);
   taken.start_at(robot.start, begin_);
   SafeIntervalSearch search(places_.field(), places_.lattice(robot.radius), robot.radius, path_of(own));
-  auto found = search.search(taken, begin_, robot.limits.max_speed, speeding_up(robot.limits),
-                             own.back().time - worthwhile);
+  auto found = search.search(taken, begin_, robot.limits, own.back().time - worthwhile);
   if (!found || found->size() < 2) return;
   saved_ += own.back().time - found->back().time;
   own = *std::move(found);

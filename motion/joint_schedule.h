@@ -64,7 +64,7 @@ class JointSchedule {
   void begin_anew();
   void schedule(const Move& move);
   bool let_give_way(const Move& move);
-  double departure(SpaceTime& taken, const Move& move, double ready) const;
+  double departure(SpaceTime& taken, std::size_t robot, const Trajectory& drive, double ready) const;
   void improve(std::size_t robot);
   double cost_of_a_pass() const;
 

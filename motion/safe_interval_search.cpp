@@ -121,27 +121,23 @@ SafeIntervalSearch::Known& SafeIntervalSearch::known(Vertex v, SpaceTime& others
 }
 
 /// Seconds that a robot loses because it slows down for the turn at a state's vertex.
-double SafeIntervalSearch::time_lost(const State& s, Vertex to, const Pace& pace) const {
+double SafeIntervalSearch::time_lost(const State& s, Vertex to, const Limits& limits) const {
   if (s.parent == none) return 0;
   const Point2 here = at(s.vertex);
   const Point2 in = (here - at(states_[s.parent].vertex)).normalized();
   const Point2 out = (at(to) - here).normalized();
-  const double acceleration = pace.speed / (2 * pace.speeding_up);
-  const double corner =
-      std::min(pace.speed, speed_around(in, out, reserved_stray_radii * radius_, acceleration));
-  const double change = pace.speed - corner;
-  return change * change * (1 + 1 / braking_share) / (2 * acceleration * pace.speed);
+  return time_lost_around(in, out, reserved_stray_radii * radius_, limits);
 }
 
 /// The earliest arrivals at a vertex, one in each of its safe intervals, straight from a state.
 void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, SpaceTime& others,
-                               const Pace& pace) {
+                               const Limits& limits) {
   const State s = states_[from];
-  const double duration = length / pace.speed;
+  const double duration = length / limits.max_speed;
   Known& there = known(to, others);
   if (std::ranges::find(there.from, from) != there.from.end()) return;
   there.from.push_back(from);
-  const double ready = s.time + time_lost(s, to, pace);
+  const double ready = s.time + time_lost(s, to, limits);
   double departure = ready;
   for (std::size_t k = 0; k < there.safe.size(); ++k) {
     const Interval& safe = there.safe[k];
@@ -155,7 +151,7 @@ void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, Spa
     };
     departure = free_from(departure);
     if (s.parent != none && departure > ready)
-      departure = free_from(departure + std::min(pace.speeding_up, departure - ready));
+      departure = free_from(departure + std::min(speeding_up(limits), departure - ready));
     if (departure > s.safe_until || departure == infinity) return;
     const double arrival = departure + duration;
     if (arrival >= safe.end) continue;
@@ -167,14 +163,14 @@ void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, Spa
     if (arrival >= known.time) continue;
     known.time = arrival;
     known.parent = from;
-    open_.emplace_back(arrival + distance_[to] / pace.speed, state);
+    open_.emplace_back(arrival + distance_[to] / limits.max_speed, state);
     std::ranges::push_heap(open_, std::greater<>());
   }
 }
 
-std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double begin, double speed,
-                                                     double speeding_up, double before) {
-  const Pace pace{speed, speeding_up};
+std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double begin, const Limits& limits,
+                                                     double before) {
+  const double speed = limits.max_speed;
   if (distance_[start_] == std::numeric_limits<float>::infinity()) return std::nullopt;
   known_.clear();
   states_.clear();
@@ -201,9 +197,9 @@ std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double b
       if (here.parent != none) {
         const Vertex up = states_[here.parent].vertex;
         if (up != w && field_.segment_free(at(up), at(w), roomy_))
-          reach(here.parent, w, (at(up) - at(w)).norm(), others, pace);
+          reach(here.parent, w, (at(up) - at(w)).norm(), others, limits);
       }
-      reach(number, w, length, others, pace);
+      reach(number, w, length, others, limits);
     });
   }
   return std::nullopt;

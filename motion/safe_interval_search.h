@@ -19,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "motion/kinematics.h"
 #include "motion/lattice.h"
 #include "motion/space_time.h"
 #include "motion/trajectory.h"
@@ -32,9 +33,10 @@ class SafeIntervalSearch {
   SafeIntervalSearch(const ClearanceField& field, Lattice& lattice, double radius, const Path& path);
 
   /// The trajectory with the earliest arrival that the vertices allow. It begins where the path begins, at
-  /// `begin`, and keeps the speed. `speeding_up`: seconds that a robot loses after each wait. Nothing if
-  /// there is none that arrives before `before`, or if this search or all together take too long.
-  std::optional<Trajectory> search(SpaceTime& others, double begin, double speed, double speeding_up,
+  /// `begin`, and is at rest or at full speed. It stands where it slows down for a corner, for as long as it
+  /// loses there, and so after each wait. Nothing if there is none that arrives before `before`, or if this
+  /// search or all together take too long.
+  std::optional<Trajectory> search(SpaceTime& others, double begin, const Limits& limits,
                                    double before = SpaceTime::forever);
 
  private:
@@ -52,10 +54,6 @@ class SafeIntervalSearch {
     std::vector<std::uint32_t> states{};  ///< by safe interval
     std::vector<std::uint32_t> from{};    ///< states from which it was reached, or not, before
   };
-  struct Pace {
-    double speed;
-    double speeding_up;
-  };
   struct Link {
     Vertex to;
     double length;
@@ -68,8 +66,8 @@ class SafeIntervalSearch {
   void add_path(const Path& path);
   void measure_distances();
   Known& known(Vertex v, SpaceTime& others);
-  double time_lost(const State& s, Vertex to, const Pace& pace) const;
-  void reach(std::uint32_t from, Vertex to, double length, SpaceTime& others, const Pace& pace);
+  double time_lost(const State& s, Vertex to, const Limits& limits) const;
+  void reach(std::uint32_t from, Vertex to, double length, SpaceTime& others, const Limits& limits);
   Trajectory trajectory_to(std::uint32_t state, double begin, double speed) const;
 
   const ClearanceField& field_;

@@ -32,7 +32,7 @@ std::optional<Trajectory> TrajectoryPlanner::search() {
   }
   for (const Disc& zone : zones_) taken.add_obstacle(zone);
   taken.start_at(path_.front(), begin_);
-  auto found = search_.search(taken, begin_, limits_.max_speed, speeding_up(limits_));
+  auto found = search_.search(taken, begin_, limits_);
   if (found && path_of(*found).size() < 2) found.reset();
   return found;
 }

@@ -40,7 +40,7 @@ std::vector<Reserved> plan(const ClearanceField& field, std::span<const StartAnd
       taken.add_standing(tasks[k].start, radius, SpaceTime::forever);
     const auto path = roadmap.way(tasks[i].start, tasks[i].goal, radius);
     if (!path) continue;
-    const auto found = SafeIntervalSearch(field, lattice, radius, *path).search(taken, 0, speed, 0.25);
+    const auto found = SafeIntervalSearch(field, lattice, radius, *path).search(taken, 0, {speed, 40});
     if (found) robots.push_back({*found, Polyline(path_of(*found))});
   }
   for (Reserved& own : robots) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double radius = 5;
 constexpr double speed = 20;
-constexpr double speeding_up = 0.25;
+constexpr Limits limits{speed, 40};
 
 struct World {
   explicit World(const OccupancyMap& map)
@@ -24,7 +24,7 @@ struct World {
         lattice(field, (1 + reserved_stray_radii) * radius, radius),
         taken(field.bounds(), radius) {}
   std::optional<Trajectory> search(const Path& path, double begin = 0) {
-    return SafeIntervalSearch(field, lattice, radius, path).search(taken, begin, speed, speeding_up);
+    return SafeIntervalSearch(field, lattice, radius, path).search(taken, begin, limits);
   }
   ClearanceField field;
   Lattice lattice;
