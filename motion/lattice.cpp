@@ -1,5 +1,7 @@
 #include "motion/lattice.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace coppice {
@@ -23,9 +25,44 @@ Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
   known_vertex_.assign(size(), unknown);
 }
 
-Lattice::Known Lattice::look_at(Vertex v) const {
-  if (field_.lower_bound(at(v)) >= radius_ + spacing_ * std::numbers::sqrt2) return wide;
-  return field_.is_free(at(v), radius_) ? free_ : blocked;
+Lattice Lattice::of_walls(const ClearanceField& field, double radius, double spacing, double fine_within) {
+  Lattice lattice(field, radius, spacing);
+  lattice.fine_within_ = std::max(fine_within, radius + lattice.spacing_ * std::numbers::sqrt2);
+  lattice.shifts_.assign(lattice.size(), {0, 0});
+  return lattice;
+}
+
+Lattice::Known Lattice::look_at(Vertex v) {
+  const double clear = field_.lower_bound(at(v));
+  const bool is_between = (static_cast<int>(v) % columns_ | static_cast<int>(v) / columns_) % 2 != 0;
+  if (is_between && clear >= fine_within_) return left_out;
+  const double longest_edge = (is_of_walls() ? 1.5 : 1) * spacing_ * std::numbers::sqrt2;
+  if (clear >= radius_ + longest_edge) return wide;
+  if (field_.is_free(at(v), radius_) || (is_of_walls() && shift_off_wall(v))) return free_;
+  return blocked;
+}
+
+/// Moves a vertex up the gradient of the clearance until the disc is free there. Returns false if that is too
+/// far away.
+bool Lattice::shift_off_wall(Vertex v) {
+  constexpr int steps_uphill = 4;
+  const Point2 place = at(v);
+  if (!field_.is_free(place, 0)) return false;
+  Point2 p = place;
+  for (int k = 0; k < steps_uphill; ++k) {
+    const double near = shift_unit();
+    const auto slope = [&](const Point2& d) { return field_.clearance(p + d) - field_.clearance(p - d); };
+    const Point2 uphill(slope({near, 0}), slope({0, near}));
+    if (uphill.isZero(0)) break;
+    p += uphill.normalized() * (radius_ + 2 * shift_unit() - field_.clearance(p));
+    const Point2 units = (p - place) / shift_unit();
+    if (units.cwiseAbs().maxCoeff() > most_shift) break;
+    shifts_[v] = {static_cast<std::int8_t>(std::lround(units.x())),
+                  static_cast<std::int8_t>(std::lround(units.y()))};
+    if (field_.is_free(at(v), radius_)) return true;
+  }
+  shifts_[v] = {0, 0};
+  return false;
 }
 
 bool Lattice::edge_free(Vertex v, Vertex w, std::size_t direction) {

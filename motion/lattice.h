@@ -3,6 +3,10 @@
 // Each vertex and edge is checked exactly when it is first used. Lattice points lie at multiples of half a
 // cell, so that they hit the middle of a corridor of any width.
 //
+// A lattice of walls is fine near obstacles only, and follows them: a vertex that is too close to a wall is
+// moved off it, by half a spacing at most. So no passage is missed because it lies between two rows, and
+// robots find two lanes where there is room for two.
+//
 // Metres in the map frame.
 #pragma once
 
@@ -11,6 +15,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -28,15 +33,21 @@ class Lattice {
   /// The lattice of a disc of `radius` (metres) on `field`, which must outlive it. The spacing is `spacing`
   /// (metres) rounded down to a multiple of half a cell.
   Lattice(const ClearanceField& field, double radius, double spacing);
+  /// The lattice of walls. Vertices further than `fine_within` (metres) from obstacles lie two spacings
+  /// apart.
+  static Lattice of_walls(const ClearanceField& field, double radius, double spacing, double fine_within);
 
   double spacing() const { return spacing_; }
   std::size_t size() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
   Point2 at(Vertex v) const {
-    return origin_ + spacing_ * Point2(static_cast<int>(v) % columns_, static_cast<int>(v) / columns_);
+    const Point2 p =
+        origin_ + spacing_ * Point2(static_cast<int>(v) % columns_, static_cast<int>(v) / columns_);
+    return shifts_.empty() ? p : Point2(p + shift(v));
   }
+
   bool vertex_free(Vertex v) {
     if (known_vertex_[v] == unknown) known_vertex_[v] = look_at(v);
-    return known_vertex_[v] != blocked;
+    return known_vertex_[v] != blocked && known_vertex_[v] != left_out;
   }
 
   /// Calls fn(vertex, metres) for each neighbour of v that a free edge leads to and for which
@@ -47,10 +58,17 @@ class Lattice {
     const int j = static_cast<int>(v) / columns_;
     for (std::size_t d = 0; d < steps.size(); ++d) {
       const auto [di, dj] = steps[d];
-      if (i + di < 0 || i + di >= columns_ || j + dj < 0 || j + dj >= rows_) continue;
+      if (!contains(i + di, j + dj)) continue;
       const Vertex w = vertex(i + di, j + dj);
-      if (!passable(w) || !vertex_free(w) || !edge_free(v, w, d)) continue;
-      fn(w, length(static_cast<Direction>(d)));
+      if (!passable(w)) continue;
+      if (vertex_free(w)) {
+        if (edge_free(v, w, d))
+          fn(w, is_of_walls() ? (at(w) - at(v)).norm() : length(static_cast<Direction>(d)));
+      } else if (known_vertex_[w] == left_out && contains(i + 2 * di, j + 2 * dj)) {
+        // No obstacle is near enough to block an edge through w.
+        const Vertex beyond = vertex(i + 2 * di, j + 2 * dj);
+        if (passable(beyond) && vertex_free(beyond)) fn(beyond, (at(beyond) - at(v)).norm());
+      }
     }
   }
 
@@ -121,29 +139,43 @@ class Lattice {
   }
 
  private:
-  enum Known : std::uint8_t { unknown, blocked, free_, wide };  ///< wide: all edges from the vertex are free
+  /// wide: all edges from the vertex are free. left_out: it is free, but no vertex of this lattice of walls.
+  enum Known : std::uint8_t { unknown, blocked, free_, wide, left_out };
   struct Step {
     int di;
     int dj;
     bool operator==(const Step&) const = default;
   };
+  /// From the place on the lattice to that of the vertex, in shift_unit().
+  struct Shift {
+    std::int8_t i;
+    std::int8_t j;
+  };
+  static constexpr double most_shift = 127;
   // The first four edges are stored at the vertex that they start from, the others at the vertex that they
   // lead to.
   static constexpr std::array<Step, 8> steps{
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
+  bool contains(int i, int j) const { return i >= 0 && i < columns_ && j >= 0 && j < rows_; }
   Vertex vertex(int i, int j) const { return static_cast<Vertex>(j * columns_ + i); }
-  Known look_at(Vertex v) const;
+  bool is_of_walls() const { return !shifts_.empty(); }
+  Known look_at(Vertex v);
+  bool shift_off_wall(Vertex v);
+  double shift_unit() const { return spacing_ / 2 / most_shift; }
+  Point2 shift(Vertex v) const { return shift_unit() * Point2(shifts_[v].i, shifts_[v].j); }
   /// Both vertices must be free.
   bool edge_free(Vertex v, Vertex w, std::size_t direction);
 
   const ClearanceField& field_;
   double radius_;
   double spacing_;
+  double fine_within_ = std::numeric_limits<double>::infinity();
   Point2 origin_;
   int columns_;
   int rows_;
   std::vector<Known> known_vertex_;
+  std::vector<Shift> shifts_{};              ///< by vertex of a lattice of walls
   std::vector<std::uint8_t> known_edges_{};  ///< to E, NE, N, NW: 2 bits each; empty: no edge is known
 };
 

@@ -106,13 +106,17 @@ class MapRoadmaps {
   PackedRoadmap& packed(double radius, double spacing);
   /// The lattice on which robots of `radius` search trajectories.
   Lattice& lattice(double radius) {
+    const auto known = lattices_.find(radius);
+    if (known != lattices_.end()) return known->second;
     return lattices_
-        .try_emplace(radius, field_, (1 + reserved_stray_radii) * radius, trajectory_spacing_radii * radius)
+        .emplace(radius, Lattice::of_walls(field_, (1 + reserved_stray_radii) * radius,
+                                           trajectory_spacing_radii * radius, fine_within_radii * radius))
         .first->second;
   }
 
  private:
-  static constexpr double trajectory_spacing_radii = 1;
+  static constexpr double trajectory_spacing_radii = 0.5;
+  static constexpr double fine_within_radii = 2.5;  ///< from obstacles
 
   const ClearanceField& field_;
   std::map<std::pair<double, double>, PackedRoadmap> packed_;  ///< by radius and spacing
