@@ -38,6 +38,7 @@ class PlanMaker {
   JointPlanMessage message() const;
 
  private:
+  void begin_where_robots_stand();
   void schedule(double now);
 
   MapRoadmaps& places_;
@@ -45,7 +46,8 @@ class PlanMaker {
   std::vector<JointTask> tasks_;  ///< of the members, then of the obstacles
   std::vector<KnownReservation> others_;
   Random random_;
-  bool is_roomy_ = false;
+  bool is_roomy_ = false;  ///< the planner plans for larger robots
+  int roomy_steps_left_;
   std::unique_ptr<JointPlanner> planner_;  ///< until there are moves
   JointPlan plan_{};
   std::unique_ptr<JointSchedule> schedule_;
