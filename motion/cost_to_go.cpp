@@ -67,7 +67,7 @@ float CostToGo::from(Vertex place) {
     const Vertex number = numbers_[next.place];
     known_[number / Known::places]->settled.set(number % Known::places);
     for (const AnnotatedRoadmap::Edge& edge : graph_->edges(next.place))
-      reach(edge.to, next.cost + static_cast<float>(edge.length));
+      reach(edge.to, next.cost + static_cast<float>(edge.length * edge.cost_back));
   }
   const auto& known = known_[numbers_[place] / Known::places];
   return known ? known->cost[numbers_[place] % Known::places] : unknown;

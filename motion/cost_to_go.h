@@ -1,5 +1,5 @@
-// The length of the shortest way from a vertex to a goal, computed on demand: reverse resumable A* (Silver,
-// "Cooperative Pathfinding", 2005).
+// The cost of the cheapest way from a vertex to a goal, computed on demand: reverse resumable A* (Silver,
+// "Cooperative Pathfinding", 2005). The cost of a way is its length, but more along left lanes.
 //
 // A robot of a cluster asks for the vertices around it and along its way, while its goal may be at the other
 // end of the map. Visiting all vertices for each robot would cost most of the time and memory of a joint
@@ -28,7 +28,7 @@ class CostToGo {
   /// `start`, where the first queries are.
   CostToGo(const AnnotatedRoadmap& graph, std::span<const Vertex> numbers, Vertex goal, Vertex start);
 
-  /// The length of the shortest way from `place` to the goal; infinite if there is none.
+  /// The cost of the cheapest way from `place` to the goal; infinite if there is none.
   float from(Vertex place);
 
  private:

@@ -21,6 +21,7 @@ namespace {
 constexpr double comfort = 0.1;        // radii between robots on packed vertices, beyond touching
 constexpr double reach_of_more = 1.8;  // distance to which added vertices are linked in a straight line, in
                                        // distances between packed vertices
+constexpr double left_lane = 2;        // cost of a metre there, times that elsewhere
 constexpr double detour_for_comfort = 1.5;  // factor of length that a way away from corners is worth
 constexpr double rounding = 1e-9;           // metres
 constexpr double around_crowd = 16;         // radii within which a cluster may use added vertices
@@ -243,7 +244,10 @@ PackedRoadmap::Crossings PackedRoadmap::crossings() {
 
 /// Links the roadmap vertices whose cells touch.
 void PackedRoadmap::link(const Crossings& crossings) {
-  const auto add = [&](Edge& edge) { add_near(grid_, reach_, 0, {touching_, apart_}, edge); };
+  const auto add = [&](Edge& edge) {
+    if (is_right_lane(edge.path)) edge.cost_back = left_lane;
+    add_near(grid_, reach_, 0, {touching_, apart_}, edge);
+  };
   for (const auto& [pair, crossing] : crossings) {
     Path path = way_to_its_place(crossing.a);
     std::ranges::reverse(path);
@@ -252,6 +256,15 @@ void PackedRoadmap::link(const Crossings& crossings) {
     add_edges(packed_, pair.first, pair.second, optimise_line_of_sight(field_, path, radius_), add);
   }
   packed_.shrink_to_fit();
+}
+
+/// Whether another robot has room to the left of a way, and none has to its right.
+bool PackedRoadmap::is_right_lane(const Path& path) const {
+  const Point2 middle = 0.5 * (path.front() + path.back());
+  const Point2 way = path.back() - path.front();
+  const Point2 left = apart_ * Point2(-way.y(), way.x()).normalized();
+  return field_.segment_free(middle, middle + left, radius_) &&
+         !field_.segment_free(middle, middle - left, radius_);
 }
 
 void PackedRoadmap::index_ways() {
@@ -353,6 +366,7 @@ AnnotatedRoadmap PackedRoadmap::with(std::span<const Point2> more, std::span<con
   const auto link_over = [&](Vertex a, Vertex b, Path path) {
     if (!passes(obstacles, path)) return;
     add_edges(graph, a, b, std::move(path), [&](Edge& edge) {
+      if (is_right_lane(edge.path)) edge.cost_back = left_lane;
       add_near(grid_, reach_, 0, is_near, edge);
       add_near(grid_of_more, reach_, first, is_near, edge);
     });

@@ -7,6 +7,10 @@
 // the lattice is. Each edge lists the vertices that must be empty while a robot drives along it. The starts
 // and goals of the robots are added as further vertices.
 //
+// Traffic keeps to the right: where there is room for two lanes, a way costs more in the left one. Such
+// one-way streets let many robots pass each other (Cohen, Uras, Koenig, "Feasibility Study: Using Highways
+// for Bounded-Suboptimal Multi-Agent Path Finding", 2015).
+//
 // For robots of one radius. Metres in the map frame.
 #pragma once
 
@@ -69,6 +73,7 @@ class PackedRoadmap {
   std::vector<Vertex> cells() const;
   Crossings crossings();
   void link(const Crossings& crossings);
+  bool is_right_lane(const Path& path) const;
   void index_ways();
   template <class Fn>
   void for_each_way_near(const Point2& p, double distance, Fn&& fn) const;
