@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace coppice {
 
 namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The largest multiple of half a cell that is at most `wanted`; at least half a cell.
 double on_half_cells(double wanted, double resolution) {
@@ -14,22 +17,31 @@ double on_half_cells(double wanted, double resolution) {
   return half * std::max(1.0, std::floor(wanted / half));
 }
 
+/// The same, but half a cell is divided if that is too much.
+double on_parts_of_cells(double wanted, double resolution) {
+  const double half = resolution / 2;
+  return wanted < half ? half / std::round(half / wanted) : on_half_cells(wanted, resolution);
+}
+
 }  // namespace
 
 Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
-    : field_(field), radius_(radius), spacing_(on_half_cells(spacing, field.frame().resolution)) {
+    : Lattice(field, radius, on_half_cells(spacing, field.frame().resolution), infinity) {}
+
+Lattice Lattice::of_walls(const ClearanceField& field, double radius, double spacing, double fine_within) {
+  const double exact = on_parts_of_cells(spacing, field.frame().resolution);
+  Lattice lattice(field, radius, exact, std::max(fine_within, radius + exact * std::numbers::sqrt2));
+  lattice.shifts_.assign(lattice.size(), {0, 0});
+  return lattice;
+}
+
+Lattice::Lattice(const ClearanceField& field, double radius, double spacing, double fine_within)
+    : field_(field), radius_(radius), spacing_(spacing), fine_within_(fine_within) {
   const Box<2> box = field.bounds();
   origin_ = box.lower;
   columns_ = static_cast<int>((box.upper.x() - box.lower.x()) / spacing_) + 1;
   rows_ = static_cast<int>((box.upper.y() - box.lower.y()) / spacing_) + 1;
   known_vertex_.assign(size(), unknown);
-}
-
-Lattice Lattice::of_walls(const ClearanceField& field, double radius, double spacing, double fine_within) {
-  Lattice lattice(field, radius, spacing);
-  lattice.fine_within_ = std::max(fine_within, radius + lattice.spacing_ * std::numbers::sqrt2);
-  lattice.shifts_.assign(lattice.size(), {0, 0});
-  return lattice;
 }
 
 Lattice::Known Lattice::look_at(Vertex v) {

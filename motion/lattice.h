@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -31,10 +30,10 @@ class Lattice {
   using Direction = std::uint8_t;  ///< of an edge: 0 to 7, counterclockwise from +x (the signs in `steps`)
 
   /// The lattice of a disc of `radius` (metres) on `field`, which must outlive it. The spacing is `spacing`
-  /// (metres) rounded down to a multiple of half a cell.
+  /// (metres) rounded down to a multiple of half a cell, but not below that.
   Lattice(const ClearanceField& field, double radius, double spacing);
   /// The lattice of walls. Vertices further than `fine_within` (metres) from obstacles lie two spacings
-  /// apart.
+  /// apart. Where half a cell is more than `spacing`, the spacing is a part of half a cell.
   static Lattice of_walls(const ClearanceField& field, double radius, double spacing, double fine_within);
 
   double spacing() const { return spacing_; }
@@ -157,6 +156,7 @@ class Lattice {
   static constexpr std::array<Step, 8> steps{
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
+  Lattice(const ClearanceField& field, double radius, double spacing, double fine_within);
   bool contains(int i, int j) const { return i >= 0 && i < columns_ && j >= 0 && j < rows_; }
   Vertex vertex(int i, int j) const { return static_cast<Vertex>(j * columns_ + i); }
   bool is_of_walls() const { return !shifts_.empty(); }
@@ -170,7 +170,7 @@ class Lattice {
   const ClearanceField& field_;
   double radius_;
   double spacing_;
-  double fine_within_ = std::numeric_limits<double>::infinity();
+  double fine_within_;
   Point2 origin_;
   int columns_;
   int rows_;
