@@ -23,10 +23,10 @@ class AnnotatedRoadmap {
   struct Edge {
     Vertex to = 0;
     double length = 0;
-    double cost_back = 1;  ///< of a metre on the way back: more in the left one of two lanes
     Path path{};
     std::vector<Vertex> near{};  ///< vertices at which a standing robot is touched by a robot on this edge;
                                  ///< includes `to`; ascending
+    double cost_back = 1;        ///< of a metre on the way back: more in the left one of two lanes
   };
 
   AnnotatedRoadmap() = default;

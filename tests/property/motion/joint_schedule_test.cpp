@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "motion/corner_speed.h"
 #include "motion/joint_planner.h"
 #include "motion/reserved_order.h"
 #include "motion/way_follower.h"
@@ -153,6 +154,21 @@ TEST(JointSchedule, RobotsThatMeetNobodySetOffAtOnce) {
   for (const Trajectory& trajectory : trajectories) {
     EXPECT_EQ(trajectory.front().time, 3);
     EXPECT_NEAR(trajectory.back().time, 3 + 8, 1e-9);
+  }
+}
+
+TEST(JointSchedule, RobotsHaveTimeForEachCorner) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    const Rooms rooms(seed);
+    for (const Trajectory& trajectory : rooms.trajectories) {
+      const Path path = path_of(trajectory);
+      double least = length_of(path) / limits.max_speed;
+      for (std::size_t k = 1; k + 1 < path.size(); ++k)
+        least += time_lost_around((path[k] - path[k - 1]).normalized(), (path[k + 1] - path[k]).normalized(),
+                                  reserved_stray_radii * radius, limits);
+      EXPECT_GE(trajectory.back().time - trajectory.front().time, least - 1e-6);
+    }
   }
 }
 

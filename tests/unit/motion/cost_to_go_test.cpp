@@ -20,8 +20,8 @@ AnnotatedRoadmap strewn(int count, Random& random) {
       const double straight = (graph.at(a) - graph.at(b)).norm();
       if (straight > 14) continue;
       const double length = straight * (1 + random.uniform());
-      graph.own_edges(a).push_back({b, length, {}, {b}});
-      graph.own_edges(b).push_back({a, length, {}, {a}});
+      graph.own_edges(a).push_back({b, length, {}, {b}, 1 + random.uniform()});
+      graph.own_edges(b).push_back({a, length, {}, {a}, 1 + random.uniform()});
     }
   }
   return graph;
@@ -33,13 +33,13 @@ std::vector<double> costs(const AnnotatedRoadmap& graph, Vertex goal) {
   for (std::size_t round = 0; round < graph.size(); ++round) {
     for (Vertex k = 0; k < graph.size(); ++k) {
       for (const AnnotatedRoadmap::Edge& edge : graph.edges(k))
-        cost[k] = std::min(cost[k], cost[edge.to] + edge.length);
+        cost[edge.to] = std::min(cost[edge.to], cost[k] + edge.length * edge.cost_back);
     }
   }
   return cost;
 }
 
-TEST(CostToGo, TheCostIsTheShortestPathLengthInAnyOrderOfQueries) {
+TEST(CostToGo, TheCostIsThatOfTheCheapestWayInAnyOrderOfQueries) {
   Random random(1);
   for (int trial = 0; trial < 20; ++trial) {
     const AnnotatedRoadmap graph = strewn(200, random);

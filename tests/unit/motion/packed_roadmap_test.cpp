@@ -117,6 +117,32 @@ TEST(PackedRoadmap, AWideCorridorGetsTwoLanes) {
   EXPECT_NEAR(static_cast<double>(two_lanes), 2 * 190 / 10.5, 4);
 }
 
+TEST(PackedRoadmap, TheLeftOneOfTwoLanesCostsMore) {
+  const ClearanceField field(corridor(24));
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap graph = packed.with({}, {});
+  int along_lanes = 0;
+  for (Vertex from = 0; from < graph.size(); ++from) {
+    for (const AnnotatedRoadmap::Edge& edge : graph.edges(from)) {
+      const Point2 way = graph.at(edge.to) - graph.at(from);
+      if (std::abs(way.y()) > 1) continue;
+      ++along_lanes;
+      const bool back_is_to_the_left = (way.x() > 0) == (graph.at(from).y() < 50);
+      EXPECT_EQ(edge.cost_back > 1, back_is_to_the_left);
+    }
+  }
+  EXPECT_GT(along_lanes, 50);
+}
+
+TEST(PackedRoadmap, ASingleLaneCostsTheSameBothWays) {
+  const ClearanceField field(corridor(14));
+  PackedRoadmap packed(field, radius, 1);
+  const AnnotatedRoadmap graph = packed.with({}, {});
+  for (Vertex from = 0; from < graph.size(); ++from) {
+    for (const AnnotatedRoadmap::Edge& edge : graph.edges(from)) EXPECT_EQ(edge.cost_back, 1);
+  }
+}
+
 TEST(PackedRoadmap, NoEdgeLeadsThroughAFailedRobot) {
   const ClearanceField field(corridor(14));
   const std::vector<Disc> failed{{{100, 50}, radius}};

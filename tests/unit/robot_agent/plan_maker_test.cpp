@@ -1,0 +1,83 @@
+// Tests of joint plans with room around the robots, wherever these stand when the plan is made.
+#include "robot_agent/plan_maker.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "motion/space_time.h"
+#include "tests/unit/motion/plans.h"
+#include "tests/unit/motion/trajectories.h"
+
+namespace coppice {
+namespace {
+
+constexpr double radius = 5;
+
+FleetMember member(const RobotName& name, const Point2& position, const Point2& goal) {
+  FleetMember m;
+  m.robot = name;
+  m.position = position;
+  m.goal = goal;
+  m.arrives_within = 0.5;
+  m.radius = radius;
+  m.stands = true;
+  m.limits = {20, 40};
+  return m;
+}
+
+std::vector<JointPlanMessage::Member> planned(const OccupancyMap& map, std::vector<FleetMember> members) {
+  const ClearanceField field(map);
+  MapRoadmaps places(field);
+  PlanMaker maker(places, std::move(members), {}, {}, Random(1));
+  while (!maker.step(0, true)) {
+  }
+  EXPECT_FALSE(maker.strands());
+  return maker.message().members;
+}
+
+/// A corridor along x: centres of robots between y = 25 and 45.
+OccupancyMap corridor() {
+  OccupancyMap map = test::open_map(300, 70);
+  test::block(map, 0, 0, 300, 20);
+  test::block(map, 0, 50, 300, 70);
+  return map;
+}
+
+double least_distance(const Trajectory& a, const Trajectory& b, double from) {
+  double least = 1e9;
+  const double end = std::max(a.back().time, b.back().time);
+  for (double time = from; time < end; time += 0.02)
+    least = std::min(least, (test::position_at(a, time) - test::position_at(b, time)).norm());
+  return least;
+}
+
+TEST(PlanMaker, ARobotThatStandsAtAWallLeavesIt) {
+  const auto members =
+      planned(corridor(), {member("a", {40, 25.004}, {260, 35}), member("b", {260, 35}, {40, 35})});
+  ASSERT_EQ(members.size(), 2u);
+  const Trajectory& a = members[0].trajectory;
+  EXPECT_EQ(a.front().position, Point2(40, 25.004));
+  EXPECT_EQ(a.back().position, Point2(260, 35));
+  EXPECT_GE(least_distance(a, members[1].trajectory, 0), kept_apart(radius, radius) - 1e-6);
+  const auto is_roomy = [](const TimedPoint& p) {
+    return p.position.x() < 60 || p.position.y() >= 25 + reserved_stray_radii * radius - 1e-6;
+  };
+  EXPECT_TRUE(std::ranges::all_of(a, is_roomy));
+}
+
+TEST(PlanMaker, RobotsThatStandCloselyDriveApart) {
+  const auto members =
+      planned(corridor(), {member("a", {40, 30}, {260, 42}), member("b", {40, 40.05}, {260, 28})});
+  const Trajectory& a = members[0].trajectory;
+  const Trajectory& b = members[1].trajectory;
+  EXPECT_EQ(a.back().position, Point2(260, 42));
+  EXPECT_EQ(b.back().position, Point2(260, 28));
+  EXPECT_GE(least_distance(a, b, 0), 2 * radius);
+  const double soon = std::max(a.front().time, b.front().time) + 4;
+  EXPECT_GE(least_distance(a, b, soon), kept_apart(radius, radius) - 1e-6);
+}
+
+}  // namespace
+}  // namespace coppice
