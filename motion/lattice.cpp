@@ -10,6 +10,7 @@ namespace coppice {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double most_vertices = 1e6;  // of a fine lattice: a search takes 8 bytes for each
 
 /// The largest multiple of half a cell that is at most `wanted`; at least half a cell.
 double on_half_cells(double wanted, double resolution) {
@@ -29,7 +30,12 @@ Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
     : Lattice(field, radius, on_half_cells(spacing, field.frame().resolution), infinity) {}
 
 Lattice Lattice::of_walls(const ClearanceField& field, double radius, double spacing, double fine_within) {
-  const double exact = on_parts_of_cells(spacing, field.frame().resolution);
+  const Point2 extent = field.bounds().upper - field.bounds().lower;
+  double exact = on_parts_of_cells(spacing, field.frame().resolution);
+  if (extent.prod() > most_vertices * exact * exact) {
+    exact = on_half_cells(2 * spacing, field.frame().resolution);
+    fine_within = infinity;
+  }
   Lattice lattice(field, radius, exact, std::max(fine_within, radius + exact * std::numbers::sqrt2));
   lattice.shifts_.assign(lattice.size(), {0, 0});
   return lattice;

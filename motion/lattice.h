@@ -33,7 +33,8 @@ class Lattice {
   /// (metres) rounded down to a multiple of half a cell, but not below that.
   Lattice(const ClearanceField& field, double radius, double spacing);
   /// The lattice of walls. Vertices further than `fine_within` (metres) from obstacles lie two spacings
-  /// apart. Where half a cell is more than `spacing`, the spacing is a part of half a cell.
+  /// apart. Where half a cell is more than `spacing`, the spacing is a part of half a cell. On a map that is
+  /// too large for that, the spacing is twice as large everywhere, and at least half a cell.
   static Lattice of_walls(const ClearanceField& field, double radius, double spacing, double fine_within);
 
   double spacing() const { return spacing_; }

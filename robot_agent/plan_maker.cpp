@@ -39,7 +39,7 @@ std::vector<JointTask> with_room(std::span<const JointTask> tasks, const Clearan
     if (!task.movable) continue;
     const auto start = with_room_near(task.position, task.radius, roomy * task.radius, field);
     if (!start || (task.goal && !field.is_free(*task.goal, roomy * task.radius))) return {};
-    if (wants_to_move(task)) task.position = *start;
+    if (task.goal != task.position) task.position = *start;
     task.radius *= roomy;
   }
   for (std::size_t i = 0; i < tasks.size(); ++i) {

@@ -118,6 +118,12 @@ TEST(LatticeOfWalls, IsCoarseFarFromObstacles) {
   EXPECT_EQ(neighbours, 8);
 }
 
+TEST(LatticeOfWalls, IsNotFinerThanALargeMapAllows) {
+  const ClearanceField field(test::open_map(1000, 1000));
+  const Lattice lattice = Lattice::of_walls(field, 0.37, 0.175, 0.9);
+  EXPECT_EQ(lattice.spacing(), 0.5);
+}
+
 TEST(LatticeOfWalls, DividesACellForASmallRobot) {
   const ClearanceField field(test::open_map(20, 20));
   EXPECT_NEAR(Lattice::of_walls(field, 0.37, 0.175, 0.9).spacing(), 1.0 / 6, 1e-12);
