@@ -289,7 +289,7 @@ TEST(Fleet, AKilledAgentIsReportedAndTheOthersGoOn) {
   const proto::Report report = run.report();
   EXPECT_FALSE(report.robots(0).arrived());
   EXPECT_FALSE(report.robots(0).reason().empty());
-  EXPECT_EQ(report.collisions(), 0u);
+  EXPECT_EQ(report.collisions(), 0u) << run.log() << test::contents(run.file("report.json"));
   int arrived = 0;
   for (const auto& robot : report.robots()) arrived += robot.arrived();
   EXPECT_EQ(arrived, 9) << run.log();
