@@ -184,11 +184,12 @@ struct Process {
   int niceness = 0;
 };
 
-/// `programs`: folder of the roles' programs. `state`: folder for their state; empty: none. Throws if
-/// credentials are invalid.
+/// `programs`: folder of the roles' programs. `state`: folder for their state; empty: none. `black_boxes`:
+/// folder for the ends of tracks. Throws if credentials are invalid.
 std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& options,
                                   const FleetOptions& fleet, const std::filesystem::path& programs,
-                                  const std::filesystem::path& state) {
+                                  const std::filesystem::path& state,
+                                  const std::filesystem::path& black_boxes) {
   const Command all_are_told = joined(network_of(fleet, scenario.robots.size()), log_of(fleet.log));
   const auto on_network = [&](Command command, const std::string& role_name, Role role) {
     command[0] = (programs / command[0]).string();
@@ -220,7 +221,7 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   if (fleet.standby)
     all.push_back({"standby_broker", with(broker, "broker", Role::broker, state / "standby")});
   for (const RobotTask& robot : scenario.robots) {
-    Command agent = joined({"robot_agent", "--name", robot.name}, ros);
+    Command agent = joined({"robot_agent", "--name", robot.name, "--black-boxes", black_boxes.string()}, ros);
     if (fleet.ros.drives)
       agent = joined(std::move(agent), {"--odom-timeout", fmt::format("{}", fleet.ros.patience)});
     all.push_back({.name = name_of_agent(robot.name),
@@ -228,6 +229,7 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
                    .niceness = niceness_of_agents});
   }
   Command service = joined(service_command(options, service_name, fleet.ros.waits_for_goals), ros);
+  service = joined(std::move(service), {"--black-boxes", black_boxes.string()});
   if (fleet.ros.waits_for_goals) service.emplace_back("--serve");
   all.push_back(
       {service_name, with(service, "service", Role::service, state), ProcessFleet::Output::terminal});
@@ -414,7 +416,8 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   std::optional<UnusedDomain> own_domain;
   if (!fleet_options.domain && !fleet_options.ros.on) own_domain.emplace(run_folder.path().string());
   if (!fleet_options.domain) fleet_on_domain.domain = own_domain ? own_domain->number() : usual_ros_domain();
-  const std::vector<Process> processes = processes_of(scenario, options, fleet_on_domain, programs, state);
+  const std::vector<Process> processes =
+      processes_of(scenario, options, fleet_on_domain, programs, state, run_folder.path() / "black-boxes");
   if (!own_domain) check_that_nobody_serves(settings_of(fleet_on_domain, scenario.robots.size()));
   if (!options.quiet)
     std::cout << fmt::format("fleet on domain {}; watch it with: {}", *fleet_on_domain.domain,

@@ -113,7 +113,9 @@ std::optional<Separation> separation_of(std::span<const Track> tracks) {
         const double bound = distance(covered[i][w], covered[j][w]) - radii;
         if (bound > std::min(least, result.least) && bound > 0) continue;
         const double from = begin + static_cast<double>(w) * window;
-        least = std::min(least, least_distance(*there[i], *there[j], from, from + window) - radii);
+        const double until = std::min({from + window, there[i]->known_until(), there[j]->known_until()});
+        if (until < from) break;
+        least = std::min(least, least_distance(*there[i], *there[j], from, until) - radii);
       }
       result.least = std::min(result.least, least);
       if (least < -overlap_tolerance) result.overlapping.emplace(numbers[j], numbers[i]);
@@ -147,10 +149,11 @@ std::optional<ObstacleClearance> clearance_of(std::span<const Track> tracks, con
 
 Track clipped(const Track& track, double from, double until) {
   Track part{track.radius, {}};
-  if (track.points.empty()) return part;
+  if (track.points.empty() || track.known_until() < from) return part;
   Cursor cursor(track);
   const auto add_end = [&](double time) {
-    if (std::isfinite(time)) part.points.push_back({time, cursor.at(time), Point2::Zero()});
+    if (std::isfinite(time) && time <= track.known_until())
+      part.points.push_back({time, cursor.at(time), Point2::Zero()});
   };
   add_end(from);
   for (const TrackPoint& point : track.points) {

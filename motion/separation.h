@@ -1,11 +1,12 @@
 // Least separation and clearance of recorded tracks, exact in continuous time.
 //
-// Positions are linear between a track's points. A robot stands before its first and after its last point.
-// Metres, seconds.
+// Positions are linear between a track's points. A robot stands before its first point. After its last point
+// it stands if it stood there; else nobody knows where it is, and it counts for nothing. Metres, seconds.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <set>
 #include <span>
@@ -26,6 +27,12 @@ struct TrackPoint {
 struct Track {
   double radius = 0;
   std::vector<TrackPoint> points;  ///< times grow
+
+  /// Until when it says where the robot is; infinity: for ever. Only if it has points.
+  double known_until() const {
+    const TrackPoint& last = points.back();
+    return last.velocity.isZero(0) ? std::numeric_limits<double>::infinity() : last.time;
+  }
 };
 
 /// Metres. Smaller overlaps are due to rounding.

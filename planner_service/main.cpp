@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
@@ -23,6 +24,7 @@
 #include "planner_service/service_loop.h"
 #include "ros2/dds_ros.h"
 #include "ros2/names.h"
+#include "runtime/black_box.h"
 #include "runtime/command_line.h"
 #include "runtime/journal.h"
 #include "runtime/process.h"
@@ -62,7 +64,8 @@ bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* jou
   DdsBus bus(options.process.network, Role::service, "planner_service");
   Heartbeat heart(options.process.alive);
   const auto ros = ros_of(options.ros, bus, scenario);
-  ServiceLoop loop(bus, heart, draw_identity(), names_of(scenario), options.process.network.domain);
+  const std::vector<RobotName> names = names_of(scenario);
+  ServiceLoop loop(bus, heart, draw_identity(), names, options.process.network.domain);
   const bool resumes = journal != nullptr && !journal->empty();
   StartupBarrier heard;
   if (!resumes) heard = loop.wait_for_agents();
@@ -77,6 +80,12 @@ bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* jou
   heard = StartupBarrier();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   loop.serve(service, keeper, ros.get(), options.run.quiet ? nullptr : &display);
+  if (!options.black_boxes.empty()) {
+    for (const RobotName& robot : names) {
+      if (auto rest = rest_of_track(options.black_boxes, robot))
+        service.complete(*std::move(rest), wall_now());
+    }
+  }
   const proto::Report report = service.report();
   if (!options.run.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options.run, report, service.tracks(), [&] { return service.picture(); });

@@ -11,6 +11,9 @@ void add_service_options(CLI::App& app, ServiceOptions& options) {
                       "Coppice planner service: missions in, progress and a report out");
   add_run_options(app, options.run, Progression::one_process);
   add_process_options(app, options.process);
+  add_black_box_option(
+      app, options.black_boxes,
+      "folder of agents on this host, where those that were killed left the ends of their tracks");
   add_ros_options(app, options.ros, false, true);
 }
 

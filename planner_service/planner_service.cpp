@@ -98,6 +98,15 @@ void PlannerService::receive(const PathMessage& path, WallTime) {
   if (RobotRecord* const robot = find_in_mission(path)) robot->update(path);
 }
 
+/// A robot that still brakes is where it is now.
+void PlannerService::complete(TrackMessage rest, WallTime now) {
+  const FleetClock* const clock = clock_of(phase_);
+  if (clock == nullptr) return;
+  const double fleet_now = clock->fleet_time(now);
+  std::erase_if(rest.points, [&](const TrackMessage::Point& point) { return point.time > fleet_now; });
+  receive(rest, now);
+}
+
 void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   RobotRecord* const known = find_in_run(batch);
   if (known == nullptr) return;

@@ -82,6 +82,8 @@ class PlannerService {
   bool succeeded() const { return everybody_arrived() && robots_without_goal().empty(); }
 
   Progress progress(WallTime now) const;
+  /// Takes up the end of the track of a robot whose agent was killed. After the run.
+  void complete(TrackMessage rest, WallTime now);
   /// Made from the tracks that the agents sent.
   proto::Report report() const { return report(tracks()); }
   /// Made from other tracks of the same run, with its robots in the order of the scenario.
@@ -137,10 +139,10 @@ class PlannerService {
   bool is_done(const RobotRecord& robot, WallTime now) const;
   AgentStage stage_of(const RobotRecord& robot) const;
 
-  // The report (run_report.cpp).
-  void describe_robot(const RobotRecord& robot, proto::Report::Robot& row) const;
+  // The report (run_report.cpp). `comes_to_stand`: by its track.
+  void describe_robot(const RobotRecord& robot, bool comes_to_stand, proto::Report::Robot& row) const;
   void describe_run(proto::Report& report) const;
-  std::string reason_of(const RobotRecord& robot, bool at_goal) const;
+  std::string reason_of(const RobotRecord& robot, bool at_goal, bool comes_to_stand) const;
   std::string why_it_is_under_way(const RobotRecord& robot) const;
 
   Scenario scenario_;

@@ -124,7 +124,7 @@ FirstMissions first_missions(const RobotRecords& robots, double time_scale) {
 
 }  // namespace
 
-std::string PlannerService::reason_of(const RobotRecord& robot, bool at_goal) const {
+std::string PlannerService::reason_of(const RobotRecord& robot, bool at_goal, bool comes_to_stand) const {
   if (at_goal) return goals_.shortage_of(robot.index);
   if (clock_of(phase_) == nullptr) return "the run was interrupted before it began";
   if (robot.track_lost())
@@ -134,8 +134,9 @@ std::string PlannerService::reason_of(const RobotRecord& robot, bool at_goal) co
   if (!robot.status->reason.empty()) return robot.status->reason;
   if (!liveliness_.is_lost(robot.index)) return why_it_is_under_way(robot);
   const auto last = tracks_.last(robot.index);
-  return last ? fmt::format("the agent has fallen silent at {:.1f} s", last->time)
-              : "the agent has fallen silent";
+  if (!last) return "the agent has fallen silent";
+  return fmt::format("the agent has fallen silent at {:.1f} s{}", last->time,
+                     comes_to_stand ? "" : ", and where its robot came to stand is not known");
 }
 
 std::string PlannerService::why_it_is_under_way(const RobotRecord& robot) const {
@@ -149,10 +150,11 @@ std::string PlannerService::why_it_is_under_way(const RobotRecord& robot) const 
 }
 
 /// Adds what the agent said to a row that holds what the tracks show.
-void PlannerService::describe_robot(const RobotRecord& robot, proto::Report::Robot& row) const {
+void PlannerService::describe_robot(const RobotRecord& robot, bool comes_to_stand,
+                                    proto::Report::Robot& row) const {
   row.set_name(robot.task.name);
   row.set_planned(!robot.path.empty());
-  row.set_reason(reason_of(robot, row.arrived()));
+  row.set_reason(reason_of(robot, row.arrived(), comes_to_stand));
   for (const Point2& p : robot.path) {
     row.add_path()->set_x(p.x());
     row.mutable_path()->rbegin()->set_y(p.y());
@@ -225,7 +227,7 @@ proto::Report PlannerService::report(const TrackParts& tracks) const {
     if (row.arrived() && robot.status)
       row.set_run_time(all.stands_since[i].value_or(robot.status->arrival_time));
     row.set_driven_length(all.length[i]);
-    describe_robot(robot, row);
+    describe_robot(robot, !all.last[i] || all.last[i]->velocity.isZero(0), row);
   }
   describe_run(report);
   if (all.separation) {

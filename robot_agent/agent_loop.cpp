@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -16,6 +17,7 @@ std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
   Past past{journal_in(options.process.state, "robot-" + robot, meanwhile),
             StateKeeper(robot, options.ros.drives)};
+  if (!options.black_boxes.empty()) past.black_box.emplace(options.black_boxes, robot);
   if (!past.journal) return past;
   if (!past.journal->complete()) {
     throw std::runtime_error(
@@ -37,10 +39,13 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
   return past;
 }
 
-Listeners::Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot)
+Listeners::Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
+                     const RobotAgent& own)
     : keeper(past.keeper()),
       ros(options.ros.on ? std::make_unique<RosLink>(bus, robot, options.ros.drives) : nullptr),
-      event_log(robot) {}
+      event_log(robot),
+      agent(own),
+      black_box(std::move(past.black_box)) {}
 
 void Listeners::heard(const Message& message) {
   keeper.heard(message);
@@ -50,6 +55,11 @@ void Listeners::heard(const Message& message) {
 
 void Listeners::said(const Message& message) {
   keeper.said(message);
+  // Each decision is said before it takes effect.
+  const auto* const state = std::get_if<RobotState>(&message);
+  if (black_box && state != nullptr && !state->passed_on && state->copy == 0) {
+    if (const auto rest = agent.run()->rest_of_track()) black_box->keep(*rest);
+  }
   for (const EventLog::Line& line : event_log.said(message, wall_now()))
     spdlog::log(line.is_warning ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
   if (ros) ros->said(message);

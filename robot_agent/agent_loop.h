@@ -14,6 +14,7 @@
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_link.h"
 #include "robot_agent/saved_state.h"
+#include "runtime/black_box.h"
 #include "runtime/journal.h"
 #include "runtime/process.h"
 
@@ -27,12 +28,14 @@ struct Past {
   std::optional<Journal> journal;
   StateKeeper chooser;
   std::optional<SavedState> saved_state{};
+  std::optional<BlackBox> black_box{};  ///< for the end of this process's track
 
   Keeper<StateKeeper, Journal> keeper() { return {std::move(chooser), journal ? &*journal : nullptr}; }
 };
 
-/// Opens the journal of a robot and reads it. `meanwhile` is called again and again, for a long journal takes
-/// seconds. Throws JournalInUse if another process has it open, and std::runtime_error if it is of no use.
+/// Opens the journal and the black box of a robot, and reads the journal. `meanwhile` is called again and
+/// again, for a long journal takes seconds. Throws JournalInUse if another process has them open, and
+/// std::runtime_error if they are of no use.
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile);
 
 /// The listeners to all that a robot's agent hears and says.
@@ -40,8 +43,12 @@ struct Listeners {
   Keeper<StateKeeper, Journal> keeper;
   std::unique_ptr<RosLink> ros;  ///< null: nothing is said in ROS 2
   EventLog event_log;
+  const RobotAgent& agent;
+  std::optional<BlackBox> black_box;
 
-  Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot);
+  /// `agent`: of the robot. It outlives this object.
+  Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
+            const RobotAgent& agent);
   void heard(const Message& message);
   void said(const Message& message);
 };

@@ -25,6 +25,8 @@ void add_agent_options(CLI::App& app, AgentOptions& options) {
       ->check(a_robot_name())
       ->default_str("one that the service says");
   add_process_options(app, options.process);
+  add_black_box_option(app, options.black_boxes,
+                       "folder for the end of the robot's track, should this process be killed");
   add_ros_options(app, options.ros, true, false);
 }
 

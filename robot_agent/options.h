@@ -10,7 +10,8 @@ namespace coppice {
 struct AgentOptions {
   ProcessOptions process;
   RosOptions ros;
-  std::string name;  ///< empty: the service says which robot it is
+  std::string black_boxes;  ///< folder (runtime/black_box.h); empty: none
+  std::string name;         ///< empty: the service says which robot it is
 };
 
 /// `options` outlives the parsing.

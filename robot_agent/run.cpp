@@ -303,6 +303,18 @@ void Run::end_track() {
   if (!tracking_) track_.add({body_.time(), body_.position(), body_.velocity()});
 }
 
+std::optional<TrackMessage> Run::rest_of_track() const {
+  if (tracking_) return std::nullopt;
+  TrackMessage rest = track_.rest(process_.name, status_.mission, status_.run);
+  Driver body = body_;
+  while (!body.stands()) {
+    rest.points.push_back({body.time(), body.position(), body.velocity()});
+    body.advance();
+  }
+  rest.points.push_back({body.time(), body.position(), body.velocity()});
+  return rest;
+}
+
 bool Run::take_status_change() {
   auto* const stopped = std::get_if<Stopped>(&task_);
   const bool has_come_to_stand = stopped != nullptr && !track_.empty() && track_.last().velocity.isZero(0);

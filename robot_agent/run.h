@@ -68,6 +68,9 @@ class Run {
   void send_track(bool all, std::vector<Outgoing>& out);
   /// The track ends where the body is now.
   void end_track();
+  /// The end of the track, if the process is killed now: the points that were not sent, and those of the body
+  /// as it brakes (docs/safety.md, A1). None of a robot that is elsewhere.
+  std::optional<TrackMessage> rest_of_track() const;
   /// Whether the status has changed since the last call.
   bool take_status_change();
   /// The status, without the counters of the process.

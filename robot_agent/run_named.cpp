@@ -14,8 +14,8 @@ int run_named(const AgentOptions& options, Heartbeat& heart) {
   DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
-  Listeners listeners(past, options, bus, name);
   RobotAgent agent(name);
+  Listeners listeners(past, options, bus, name, agent);
   if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
   agent.restore(std::move(past.saved_state));
   spdlog::info("on domain {}", network.domain);

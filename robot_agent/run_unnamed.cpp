@@ -87,7 +87,7 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
     DdsSettings network = options.network;
     network.robot = robot;
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-    Listeners listeners(*past, all_options, bus, robot);
+    Listeners listeners(*past, all_options, bus, robot, agent.agent());
     claim_again(bus);
     while (!stop_requested()) {
       keep_the_claim();  // first: the process may have slept

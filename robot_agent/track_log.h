@@ -24,6 +24,13 @@ class TrackLog {
   const TrackMessage::Point& last() const { return points_.back(); }
   /// Points that were sent.
   std::uint32_t sent() const { return sent_; }
+  /// The points that were not sent, and some before them that may be lost with the process.
+  TrackMessage rest(const RobotName& robot, std::uint32_t mission, const RunId& run) const {
+    TrackMessage message{robot, mission, sent_ - static_cast<std::uint32_t>(last_sent_.size()), last_sent_,
+                         run};
+    message.points.insert(message.points.end(), points_.begin(), points_.end());
+    return message;
+  }
 
   /// Sends all points, in messages of bounded size.
   void send(const RobotName& robot, std::uint32_t mission, const RunId& run, std::vector<Outgoing>& out) {
@@ -35,14 +42,17 @@ class TrackLog {
       sent_ += static_cast<std::uint32_t>(message.points.size());
       out.emplace_back(std::move(message));
     }
+    last_sent_.assign(points_.end() - static_cast<std::ptrdiff_t>(std::min(points_.size(), batch)),
+                      points_.end());
     points_.clear();
   }
 
  private:
-  static constexpr std::size_t batch = 10;  // half a second of fleet time, which a killed process loses
+  static constexpr std::size_t batch = 10;                // half a second of fleet time
   static constexpr std::size_t longest_message = 10'000;  // points
 
   std::vector<TrackMessage::Point> points_{};
+  std::vector<TrackMessage::Point> last_sent_{};
   std::uint32_t sent_ = 0;
 };
 

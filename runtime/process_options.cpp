@@ -117,6 +117,11 @@ void add_log_options(CLI::App& app, LogOptions& options) {
   app.add_flag("--log-json", options.json, "writes the log as lines of JSON");
 }
 
+void add_black_box_option(CLI::App& app, std::string& folder, const std::string& help) {
+  app.option_defaults()->group("Supervision");
+  app.add_option("--black-boxes", folder, help)->check(a_folder_name())->default_str("none");
+}
+
 void add_process_options(CLI::App& app, ProcessOptions& options) {
   app.option_defaults()->group("Network");
   app.add_option("--domain", options.network.domain, "DDS domain")->check(a_domain());

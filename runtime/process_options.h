@@ -18,6 +18,10 @@ struct LogOptions {
   bool json = false;
 };
 
+/// The folder of the boxes in which agents leave the ends of their tracks (runtime/black_box.h); empty: none.
+/// `help`: what the process does with them.
+void add_black_box_option(CLI::App& app, std::string& folder, const std::string& help);
+
 struct ProcessOptions {
   DdsSettings network;
   std::string state;  ///< folder for the state that a successor needs; empty: nothing is kept

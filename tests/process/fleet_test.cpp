@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -283,6 +284,7 @@ TEST(Fleet, AKilledAgentIsReportedAndTheOthersGoOn) {
   // For one minute of wall time the agent may only be cut off: 600 s of this fleet's time.
   FleetRun run(test::scenarios() / "blank-10.json", {"--timeout", "1500"});
   ASSERT_TRUE(run.says("paths found 10/10")) << run.log();
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it drives, if the machine is not too busy
   kill(run.first("robot_agent"), SIGKILL);
   EXPECT_EQ(run.process.wait(), 1) << run.log();
   EXPECT_NE(run.log().find("r1 ended early, exit code 137"), std::string::npos) << run.log();
@@ -290,6 +292,11 @@ TEST(Fleet, AKilledAgentIsReportedAndTheOthersGoOn) {
   EXPECT_FALSE(report.robots(0).arrived());
   EXPECT_FALSE(report.robots(0).reason().empty());
   EXPECT_EQ(report.collisions(), 0u) << run.log() << test::contents(run.file("report.json"));
+  const auto track = test::read_trajectory_rows(run.file("t.csv")).at("r1");
+  ASSERT_GE(track.size(), 2u);
+  const test::Sample& before = track[track.size() - 2];
+  EXPECT_LT(std::hypot(track.back().place.x - before.place.x, track.back().place.y - before.place.y), 0.11)
+      << "the record shows how it braked: by 40 m/s2, in periods of 0.05 s";
   int arrived = 0;
   for (const auto& robot : report.robots()) arrived += robot.arrived();
   EXPECT_EQ(arrived, 9) << run.log();

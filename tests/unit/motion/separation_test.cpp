@@ -29,6 +29,17 @@ TEST(Separation, RobotsStandBeforeAndAfterTheirTracks) {
   EXPECT_NEAR(separation_of(tracks)->least, 1, 1e-12);
 }
 
+TEST(Separation, NobodyKnowsWhereARobotIsAfterATrackThatEndsInMotion) {
+  const Track lost = track(1, {{0, {0, 0}, Point2::Zero()}, {1, {5, 0}, {5, 0}}});
+  const Track passes_before =
+      track(1, {{0, {5, 30}, Point2::Zero()}, {0.9, {5, 3}, {0, 30}}, {3, {5, 30}, {0, 0}}});
+  const Track passes_after = track(1, {{2, {5, 30}, Point2::Zero()}, {4, {5, -30}, Point2::Zero()}});
+  EXPECT_TRUE(separation_of(std::vector<Track>{lost, passes_after})->overlapping.empty());
+  EXPECT_LT(separation_of(std::vector<Track>{lost, passes_before})->least, 1.2);
+  EXPECT_EQ(clipped(lost, 0.5, 4).points.back().time, 1);
+  EXPECT_TRUE(clipped(lost, 2, 4).points.empty());
+}
+
 TEST(Separation, ASingleTrackHasNoSeparation) {
   EXPECT_FALSE(separation_of({}));
   EXPECT_FALSE(separation_of(std::vector<Track>{track(1, {{0, {0, 0}, Point2::Zero()}}), track(1, {})}));

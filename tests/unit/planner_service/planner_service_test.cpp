@@ -106,6 +106,36 @@ TEST(PlannerService, ARunEndsWhenAllStandAndPassingAGoalIsNotArriving) {
   EXPECT_DOUBLE_EQ(report.robots(1).run_time(), 1.2);
 }
 
+TEST(PlannerService, TheTrackOfAKilledAgentIsCompletedUpToNow) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  service.on(arrival_of(TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}}}, 1));
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {1, {20, 55}, {0, -20}}}}, 1));
+  const TrackMessage rest{
+      "a", 1, 1, {{1, {20, 55}, {0, -20}}, {2, {20, 35}, {0, -10}}, {3, {20, 25}, {0, 0}}}};
+  service.complete(rest, 2.5);  // it still brakes
+  EXPECT_EQ(service.report().collisions(), 0u);
+  EXPECT_DOUBLE_EQ(service.report().robots(0).driven_length(), 25);
+  service.complete(rest, 4);  // it touches b as it comes to stand
+  EXPECT_EQ(service.report().collisions(), 1u);
+  EXPECT_DOUBLE_EQ(service.report().robots(0).driven_length(), 35);
+}
+
+TEST(PlannerService, ARobotWhoseTrackEndsInMotionIsNotTakenToStandThere) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  const auto say = [&](double now) {
+    service.on(arrival_of(AgentStatus{.robot = "a", .mission = 1, .phase = Phase::driving}, now));
+  };
+  say(1);
+  service.on(arrival_of(TrackMessage{"a", 1, 0, {{0, {20, 60}, {0, 0}}, {1, {20, 55}, {0, -20}}}}, 1));
+  service.on(arrival_of(
+      TrackMessage{"b", 1, 0, {{0, {20, 20}, {0, 0}}, {5, {20, 20}, {0, 0}}, {9, {20, 60}, {0, 0}}}}, 9));
+  const proto::Report report = service.report();
+  EXPECT_EQ(report.collisions(), 0u);
+  EXPECT_GT(report.least_separation(), 20);
+}
+
 TEST(PlannerService, TheReportGivesTheLengthOfThePathFromTheStart) {
   PlannerService service(two_robots(), {}, 0);
   map_and_missions(service);

@@ -94,6 +94,30 @@ TEST(AgentRestart, AnAgentKilledAtTheEndOfTheRunReportsWhereItsRobotStands) {
   EXPECT_LT((track.back().position - Point2(100, 60)).norm(), 1);
 }
 
+TEST(AgentRestart, TheRestOfTheTrackIsThatWithWhichARestartedAgentGoesOn) {
+  for (const double killed_at : {0.4, 1.9, 2.85, 3.0, 3.1, 3.77}) {
+    AgentRun before;
+    run_until_killed_at(killed_at, before);
+    const TrackMessage rest = before.agent.run()->rest_of_track().value();
+    const std::size_t sent = track_in(before.said).size();
+    EXPECT_LE(rest.first_index, sent);
+    EXPECT_TRUE(rest.points.back().velocity.isZero(0));
+
+    AgentRun after;
+    after.restore(before.store.messages);
+    after.hear(map_message(), 8);
+    after.hear(mission_of_a(0), 8);
+    after.run(8, 9);
+    const std::vector<TrackMessage::Point> track = track_in(after.said);
+    for (std::size_t k = 0; k < rest.points.size(); ++k) {
+      const std::size_t index = rest.first_index + k;
+      ASSERT_LT(index, track.size());
+      ASSERT_NEAR(rest.points[k].time, track[index].time, 1e-9) << killed_at;
+      ASSERT_LT((rest.points[k].position - track[index].position).norm(), 1e-9) << killed_at;
+    }
+  }
+}
+
 TEST(AgentRestart, AnAgentKilledTwiceRemembersItsPartInAJointPlan) {
   RobotState state = state_of("a", 1, {20, 60});
   state.round = {7, "b", {20, 60}, 30};
