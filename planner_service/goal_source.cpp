@@ -9,12 +9,6 @@
 
 namespace coppice {
 
-namespace {
-
-constexpr double least_distance = 0.2;  // between two goals: of the diagonal of what the robot reaches
-
-}  // namespace
-
 GoalSource::GoalSource(const Scenario& scenario, double margin)
     : scenario_(scenario), margin_(margin), random_(scenario.seed), robots_(scenario.robots.size()) {}
 
@@ -90,12 +84,13 @@ std::vector<KeepOut> GoalSource::taken_by_others(std::size_t robot, std::span<co
   return taken;
 }
 
-/// The goal leaves a cell between the robot and all others if there is room for that.
+/// All places are equally likely, as in lifelong multi-agent path finding. The goal leaves a cell between the
+/// robot and all others if there is room for that.
 std::optional<Point2> GoalSource::draw_goal(std::size_t robot, std::span<const RoomOfRobot> robots) {
   const RobotTask& task = *robots[robot].task;
   const ReachablePart& part = part_of(task);
   if (part.empty()) return std::nullopt;
-  const double least_way = least_distance * (part.box().upper - part.box().lower).norm();
+  const double least_way = 2 * task.radius;
   for (const double spare : {scenario_.map.resolution, 0.0}) {
     auto goal = draw_place(part, task.goal, least_way, taken_by_others(robot, robots, spare), random_);
     if (goal) return goal;
