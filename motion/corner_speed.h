@@ -12,9 +12,6 @@
 
 namespace coppice {
 
-/// Share of the acceleration for braking before corners; the rest is for turning.
-inline constexpr double braking_share = 0.5;
-
 /// The radius of the arc that touches both edges of a corner and strays from it by `stray`. `in` and `out`:
 /// the directions of the edges, of length 1. Infinite where there is no turn.
 inline double arc_radius(const Point2& in, const Point2& out, double stray) {
@@ -24,15 +21,28 @@ inline double arc_radius(const Point2& in, const Point2& out, double stray) {
   return share < 1e-9 ? std::numeric_limits<double>::infinity() : stray / share;
 }
 
-inline double speed_around(const Point2& in, const Point2& out, double stray, double acceleration) {
-  return std::sqrt(acceleration * braking_share * arc_radius(in, out, stray));
+/// The speed on an arc. The robot must be able to turn so fast. And if it brakes at any point of the arc, on
+/// a straight line, it must not stray by more than `stray`. `period`: of control, 0 for a bound.
+inline double speed_on_arc(double radius, double stray, const Limits& limits, double period) {
+  const double turning = std::sqrt(limits.max_acceleration * radius);
+  const double braking = speed_to_stop_within(std::sqrt(2 * stray * radius), limits, period / 2);
+  return std::min({turning, braking, limits.max_speed});
 }
 
-/// Seconds that a robot at full speed loses because it slows down for a corner.
+/// Seconds that a robot at full speed loses because it slows down for a corner: before and after the arc, and
+/// on it. At a right angle and beyond it stops.
 inline double time_lost_around(const Point2& in, const Point2& out, double stray, const Limits& limits) {
   const double full = limits.max_speed;
-  const double change = full - std::min(full, speed_around(in, out, stray, limits.max_acceleration));
-  return change * change * (1 + 1 / braking_share) / (2 * limits.max_acceleration * full);
+  const double stop = full / limits.max_acceleration;
+  if (in.dot(out) <= 0) return stop;
+  const double radius = arc_radius(in, out, stray);
+  const double speed = speed_on_arc(radius, stray, limits, 0);
+  if (speed == full) return 0;
+  const double tangent = std::sqrt(stray * (stray + 2 * radius));  // from the corner to the ends of the arc
+  const double change = full - speed;
+  constexpr double share_of_arc = 0.7;  // then the robot speeds up again
+  const double on_arc = share_of_arc * 2 * tangent * (1 / speed - 1 / full);
+  return std::min(change * change / (limits.max_acceleration * full) + on_arc, stop);
 }
 
 }  // namespace coppice

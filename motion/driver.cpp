@@ -18,7 +18,7 @@ constexpr int directions = 16;  // directions of the velocities that are tried a
 // Shares of the largest change of velocity in a period that are tried.
 constexpr std::array shares{1.0, 0.6, 0.3};
 // Shares of the wanted speed, tried in order.
-constexpr std::array speeds{1.0, 0.7, 0.5};
+constexpr std::array speeds{1.0, 0.9, 0.8, 0.7, 0.6, 0.5};
 constexpr std::array low_speeds{0.35, 0.2, 0.1, 0.03};
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "motion/corner_speed.h"
@@ -28,7 +30,12 @@ Path joined(std::span<const Path> legs) {
 WayFollower::WayFollower(std::span<const Path> legs, double radius, double stray)
     : way_(joined(legs)), radius_(radius), stray_(stray) {
   std::size_t end = 0;
-  for (const Path& leg : legs) leg_ends_.push_back(way_.along[end += leg.size() - 1]);
+  arcs_.resize(way_.points.size());
+  for (std::size_t i = 1; i + 1 < arcs_.size(); ++i) arcs_[i] = arc_at(i);
+  for (const Path& leg : legs) {
+    leg_ends_.push_back(way_.along[end += leg.size() - 1]);
+    arcs_[end] = {};
+  }
 }
 
 /// Metres along the way to the point of the leg, within the window, that is nearest to a position; never
@@ -94,33 +101,49 @@ bool WayFollower::finished() const {
   return progress_ == way_.length();
 }
 
-/// The arc around a corner: its speed, and how far before the corner it begins.
-WayFollower::Corner WayFollower::corner_at(std::size_t corner, const Limits& limits, double period) const {
-  const double turns_at_once = limits.max_acceleration * period;
+/// Each of an edge's two corners may use half of the edge.
+WayFollower::Arc WayFollower::arc_at(std::size_t corner) const {
   const Point2 in = way_.points[corner] - way_.points[corner - 1];
   const Point2 out = way_.points[corner + 1] - way_.points[corner];
-  if (in.isZero(0) || out.isZero(0)) return {limits.max_speed, 0};
-  const double cosine = std::sqrt(std::max(0.0, (1 + in.normalized().dot(out.normalized())) / 2));
-  if (cosine < 1e-6) return {turns_at_once, 0};
-  const double tangent = std::sqrt(1 - cosine * cosine) / cosine;
-  if (tangent < 1e-6) return {limits.max_speed, 0};
-  // Each of an edge's two corners may use half of the edge.
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (in.isZero(0) || out.isZero(0)) return {infinity, 0, 0};
+  const double turn = std::acos(std::clamp(in.normalized().dot(out.normalized()), -1.0, 1.0));
+  const double tangent = std::tan(turn / 2);
+  if (tangent < 1e-6) return {infinity, 0, 0};
   const double room = std::min(in.norm(), out.norm()) / (2 * tangent);
-  const double arc = std::min(arc_radius(in.normalized(), out.normalized(), stray_), room);
-  const double speed = std::sqrt(limits.max_acceleration * braking_share * arc);
-  return {std::clamp(speed, turns_at_once, limits.max_speed), arc * tangent};
+  const double radius = std::min(arc_radius(in.normalized(), out.normalized(), stray_), room);
+  return {radius, turn, radius * tangent};
+}
+
+/// The point at `along` metres of the way with rounded corners.
+Point2 WayFollower::rounded_at(double along) const {
+  const Point2 sharp = way_.at(along);
+  const auto next = std::upper_bound(way_.along.begin(), way_.along.end(), along) - way_.along.begin();
+  for (auto i = static_cast<std::size_t>(std::max<std::ptrdiff_t>(next - 1, 1));
+       i <= static_cast<std::size_t>(next) && i + 1 < way_.points.size(); ++i) {
+    const Arc& arc = arcs_[i];
+    const double from = way_.along[i] - arc.tangent;
+    if (along <= from || along >= way_.along[i] + arc.tangent) continue;
+    const Point2 in = (way_.points[i] - way_.points[i - 1]).normalized();
+    const Point2 out = (way_.points[i + 1] - way_.points[i]).normalized();
+    const Point2 inwards = (out - in.dot(out) * in).normalized();
+    const double angle = arc.turn * (along - from) / (2 * arc.tangent);
+    return way_.points[i] - arc.tangent * in +
+           arc.radius * (std::sin(angle) * in + (1 - std::cos(angle)) * inwards);
+  }
+  return sharp;
 }
 
 double WayFollower::speed_limit(double stop, const Limits& limits, double period) const {
-  const Limits braking{limits.max_speed, braking_share * limits.max_acceleration};
   double speed = std::min(limits.max_speed, speed_to_stop_within(stop - progress_, limits, period));
-  const double far = limits.max_speed * limits.max_speed / (2 * braking.max_acceleration);
+  const double far = limits.max_speed * limits.max_speed / (2 * limits.max_acceleration);
   const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
   for (auto i = static_cast<std::size_t>(first - way_.along.begin());
-       i + 1 < way_.points.size() && way_.along[i] < progress_ + far; ++i) {
-    const Corner corner = corner_at(i, limits, period);
-    const double room = std::max(0.0, way_.along[i] - progress_ - corner.before);
-    speed = std::min(speed, std::sqrt(corner.speed * corner.speed + 2 * braking.max_acceleration * room));
+       i + 1 < way_.points.size() && way_.along[i] - arcs_[i].tangent < progress_ + far; ++i) {
+    const double on_arc =
+        std::max(limits.max_acceleration * period, speed_on_arc(arcs_[i].radius, stray_, limits, period));
+    const double room = std::max(0.0, way_.along[i] - progress_ - arcs_[i].tangent);
+    speed = std::min(speed, std::sqrt(on_arc * on_arc + 2 * limits.max_acceleration * room));
   }
   return speed;
 }
@@ -129,7 +152,8 @@ double WayFollower::speed_limit(double stop, const Limits& limits, double period
 double WayFollower::look_ahead_in_strip(const Point2& position, double usual) const {
   constexpr int halvings = 4;
   double ahead = look_ahead_ * usual;
-  for (int k = 0; k < halvings && !in_strip(position, way_.at(progress_ + ahead), progress_, halvings); ++k)
+  for (int k = 0; k < halvings && !in_strip(position, rounded_at(progress_ + ahead), progress_, halvings);
+       ++k)
     ahead /= 2;
   return ahead;
 }
@@ -141,7 +165,9 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
   const double stop = std::min(open, leg_ends_[leg_]);
   // A robot drives no further in a period than to the point for which it heads.
   const double usual = std::max(look_ahead_radii * radius_, limits.max_speed * period);
-  const Point2 gap = way_.at(std::min(progress_ + look_ahead_in_strip(position, usual), stop)) - position;
+  // Where it is to stop, the robot drives to the way itself: it has come so far then.
+  const double ahead = progress_ + look_ahead_in_strip(position, usual);
+  const Point2 gap = (ahead < stop ? rounded_at(ahead) : way_.at(stop)) - position;
   const double distance = gap.norm();
   if (stop <= progress_ - slack || distance <= 1e-9) return Point2::Zero();
   // The robot must not drive past the point for which it heads: in a passage without slack it would hit the

@@ -43,14 +43,18 @@ class WayFollower {
   bool in_strip(const Point2& a, const Point2& b, double from, int halvings) const;
   double look_ahead_in_strip(const Point2& position, double usual) const;
   void advance_progress(const Point2& position);
-  struct Corner {
-    double speed;
-    double before;  ///< metres before the corner, where the arc begins
+  /// The arc on which the robot drives around a corner, close to it.
+  struct Arc {
+    double radius = 0;   ///< metres; infinite where the way goes straight on
+    double turn = 0;     ///< radians
+    double tangent = 0;  ///< metres before the corner at which it begins, and after it at which it ends
   };
-  Corner corner_at(std::size_t corner, const Limits& limits, double period) const;
+  Arc arc_at(std::size_t corner) const;
+  Point2 rounded_at(double along) const;
   double speed_limit(double stop, const Limits& limits, double period) const;
 
   Polyline way_;
+  std::vector<Arc> arcs_;         ///< by point of the way
   std::vector<double> leg_ends_;  ///< distance of the legs' ends from the way's beginning, metres
   std::size_t leg_ = 0;
   double radius_;

@@ -1,10 +1,18 @@
 // Tests of how a robot drives along a way.
 #include "motion/way_follower.h"
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "motion/corner_speed.h"
+#include "motion/driver.h"
+#include "motion/segments.h"
+#include "motion/space_time.h"
+#include "tests/unit/motion/plans.h"
 
 namespace coppice {
 namespace {
@@ -29,6 +37,55 @@ TEST(WayFollower, ARobotDoesNotDrivePastWhereTheWayIsOpen) {
     position += period * follower.preferred_velocity(position, limits, period, 30);
   EXPECT_LE(position.x(), 30 + 1e-6);
   EXPECT_GT(position.x(), 29);
+}
+
+/// Drives along a way in its strip until the end, and returns the seconds that takes.
+double driven(const Path& way, double radius, const Limits& limits) {
+  static const ClearanceField field(test::open_map(300, 300));
+  const double stray = reserved_stray_radii * radius;
+  WayFollower follower(std::vector<Path>{way}, radius, stray);
+  Driver body(way.front(), 0, radius, limits, period);
+  const auto stays_in_strip = [&](Point2 velocity) {
+    Point2 here = body.turn_position();
+    double along = follower.progress();
+    for (; !velocity.isZero(0); velocity = braked(velocity, limits, period)) {
+      const auto comes_to = follower.along_strip(here, here + period * velocity, along);
+      if (!comes_to) return false;
+      here += period * velocity;
+      along = *comes_to;
+    }
+    return true;
+  };
+  while (!follower.finished() && body.time() < 100) {
+    const Point2 wanted = follower.preferred_velocity(body.turn_position(), limits, period, open);
+    body.follow(wanted, {}, field, stays_in_strip);
+    body.advance();
+    EXPECT_LE(point_path_distance(body.position(), way), stray + 1e-6) << body.time();
+  }
+  return body.time();
+}
+
+TEST(WayFollower, ARobotLosesAtACornerNoMoreThanASearchReckonsWith) {
+  const Limits limits{20, 40};
+  const double straight = driven({{20, 20}, {220, 20}}, 5, limits);
+  for (const double degrees : {5, 15, 25, 35, 45, 60, 75, 85}) {
+    const double turn = degrees * std::numbers::pi / 180;
+    const Point2 out(std::cos(turn), std::sin(turn));
+    const double lost = driven({{20, 20}, {120, 20}, Point2(120, 20) + 100 * out}, 5, limits) - straight;
+    const double reckoned = time_lost_around({1, 0}, out, reserved_stray_radii * 5, limits);
+    EXPECT_LE(lost, 1.3 * reckoned + 0.06) << degrees;
+    EXPECT_GE(lost, 0.4 * reckoned - 0.06) << degrees;
+  }
+}
+
+TEST(WayFollower, ARobotRoundsCornersThatFollowCloselyOnEachOther) {
+  Path bend{{20, 20}};
+  for (int k = 0; k <= 9; ++k) {
+    const double angle = k * std::numbers::pi / 18;
+    bend.emplace_back(80 + 30 * std::sin(angle), 50 - 30 * std::cos(angle));
+  }
+  bend.emplace_back(110, 110);
+  EXPECT_LT(driven(bend, 5, {20, 40}), length_of(bend) / 20 + 0.5 + 1);
 }
 
 }  // namespace
