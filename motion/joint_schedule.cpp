@@ -13,7 +13,7 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t moves_a_step = 50;
+constexpr std::size_t moves_a_step = 500;
 constexpr std::size_t searches_a_step = 4;
 constexpr double rounding = 1e-9;
 constexpr double worthwhile = 0.01;  // seconds that an arrival must be earlier
@@ -71,7 +71,7 @@ void JointSchedule::begin_anew() {
 }
 
 bool JointSchedule::step() {
-  if (scheduled_ < moves_.size()) {
+  if (!has_times()) {
     for (std::size_t k = 0; k < moves_a_step && scheduled_ < moves_.size(); ++k)
       schedule(moves_[scheduled_++]);
     return false;
@@ -81,6 +81,12 @@ bool JointSchedule::step() {
   if (next_ < robots_.size()) return false;
   next_ = 0;
   return std::exchange(saved_, 0) <= cost_of_a_pass();
+}
+
+double JointSchedule::sum_of_arrivals() const {
+  double sum = 0;
+  for (const Trajectory& trajectory : trajectories_) sum += trajectory.back().time;
+  return sum;
 }
 
 /// Seconds that all robots together wait for a pass over all robots.

@@ -48,6 +48,10 @@ class JointSchedule {
 
   /// Does a bounded amount of work. Returns true once the trajectories are complete.
   bool step();
+  /// Each move has its time. From then on, trajectories are improved.
+  bool has_times() const { return scheduled_ == moves_.size(); }
+  /// Of the fleet times at which the robots arrive.
+  double sum_of_arrivals() const;
   /// The numbers of the others that are in nobody's way. The rest must give way.
   std::vector<std::size_t> passed() const;
   /// The trajectory of each robot. A robot whose trajectory has one point does not move.

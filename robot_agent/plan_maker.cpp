@@ -15,8 +15,12 @@ namespace coppice {
 
 namespace {
 
-constexpr double roomy = 1.1;    // of the radii
-constexpr int roomy_steps = 10;  // of the planner: LaCAM has then found a plan, or evacuation is next
+constexpr double roomy = 1.1;  // of the radii
+// Steps of the planner: LaCAM has then found a plan, or evacuation is next.
+constexpr int bounded_steps = 10;
+constexpr int most_in_vain = 3;  // plans in a row that are no better
+// Another plan is made if a robot waits on average so many times as long as it takes to make it.
+constexpr double worthwhile = 100;
 
 /// A position close to p at which a larger robot has room; none: there is none.
 std::optional<Point2> with_room_near(const Point2& p, double radius, double larger,
@@ -67,29 +71,72 @@ PlanMaker::PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std:
       tasks_(joint_tasks(members_, obstacles, places.field())),
       others_(others.begin(), others.end()),
       random_(random),
-      roomy_steps_left_(roomy_steps) {
-  std::vector<JointTask> larger = with_room(tasks_, places.field());
-  is_roomy_ = !larger.empty();
-  planner_ = std::make_unique<JointPlanner>(places_, is_roomy_ ? std::move(larger) : tasks_, random_);
-}
+      larger_(with_room(tasks_, places.field())),
+      steps_left_(bounded_steps),
+      planner_(std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_, random_)) {}
 
 bool PlanMaker::step(double now, bool everybody) {
-  if (schedule_) return schedule_->step();
-  const bool ends = planner_->step();
-  const bool tries_in_vain =
-      is_roomy_ && (ends ? !planner_->plan().stranded.empty() : --roomy_steps_left_ == 0);
-  if (tries_in_vain) {
-    is_roomy_ = false;
-    planner_ = std::make_unique<JointPlanner>(places_, tasks_, random_);
-    return false;
-  }
-  if (!ends) return false;
-  plan_ = planner_->take_plan();
-  planner_.reset();
-  if (strands() && everybody) return true;
-  begin_where_robots_stand();
-  schedule(now);
+  if (planner_) return make_moves(now, everybody);
+  if (is_chosen_ || !schedule_->has_times()) return schedule_->step() && is_chosen_;
+  compare(now);
   return false;
+}
+
+/// Returns true if there is no plan that brings everybody to the goal.
+bool PlanMaker::make_moves(double now, bool everybody) {
+  if (since_ == 0) since_ = now;
+  const bool ends = planner_->step();
+  const bool has_one = least_ < std::numeric_limits<double>::infinity();
+  const bool is_last_resort = larger_.empty() && !has_one;
+  const bool fails = !is_last_resort && (ends ? !planner_->plan().stranded.empty() : --steps_left_ == 0);
+  if (fails && has_one) {
+    go_on(now);
+  } else if (fails) {
+    larger_.clear();
+    planner_ = std::make_unique<JointPlanner>(places_, tasks_, random_);
+  } else if (ends) {
+    plan_ = planner_->take_plan();
+    planner_.reset();
+    if (strands() && everybody) return true;
+    begin_where_robots_stand();
+    schedule(now);
+  }
+  return false;
+}
+
+void PlanMaker::compare(double now) {
+  const double sum = schedule_->sum_of_arrivals();
+  if (sum < least_) {
+    best_ = plan_;
+    least_ = sum;
+    in_vain_ = -1;
+  }
+  if (strands() || waiting() < worthwhile * (now - since_)) in_vain_ = most_in_vain;
+  go_on(now);
+}
+
+/// Seconds that a robot waits in the plan, on average.
+double PlanMaker::waiting() const {
+  double sum = 0;
+  for (const Trajectory& trajectory : schedule_->trajectories())
+    sum += trajectory.back().time - trajectory.front().time;
+  for (const Move& move : plan_.moves) sum -= length_of(move.path) / members_[move.robot].limits.max_speed;
+  return sum / static_cast<double>(members_.size());
+}
+
+/// Makes another plan, or chooses the best one.
+void PlanMaker::go_on(double now) {
+  if (++in_vain_ < most_in_vain) {
+    since_ = now;
+    steps_left_ = bounded_steps;
+    planner_ =
+        std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_, Random(random_.next()));
+    return;
+  }
+  planner_.reset();
+  is_chosen_ = true;
+  plan_ = std::move(best_);
+  schedule(now);
 }
 
 /// The moves of larger robots may begin a little beside.

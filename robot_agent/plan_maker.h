@@ -5,9 +5,14 @@
 // (motion/space_time.h), and the robots pass each other at full speed. If that brings not all of them to
 // their goals, for robots as large as they are.
 //
+// The planner draws at random, and the robots of one plan take twice as long as those of another. So where
+// robots wait for long in a plan, more are made, until several in a row are no better than the best one. The
+// times of that one are improved.
+//
 // Fleet time of the leader, seconds; metres in the map frame.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -38,19 +43,28 @@ class PlanMaker {
   JointPlanMessage message() const;
 
  private:
+  bool make_moves(double now, bool everybody);
   void begin_where_robots_stand();
   void schedule(double now);
+  void compare(double now);
+  void go_on(double now);
+  double waiting() const;
 
   MapRoadmaps& places_;
   std::vector<FleetMember> members_;
   std::vector<JointTask> tasks_;  ///< of the members, then of the obstacles
   std::vector<KnownReservation> others_;
   Random random_;
-  bool is_roomy_ = false;  ///< the planner plans for larger robots
-  int roomy_steps_left_;
+  std::vector<JointTask> larger_;          ///< tasks of larger robots; empty: these have no room, or no plan
+  double since_ = 0;                       ///< when the plan was begun
+  int steps_left_;                         ///< of the planner, unless it is the last resort
   std::unique_ptr<JointPlanner> planner_;  ///< until there are moves
   JointPlan plan_{};
-  std::unique_ptr<JointSchedule> schedule_;
+  std::unique_ptr<JointSchedule> schedule_;  ///< of the plan
+  bool is_chosen_ = false;                   ///< the plan is the best one
+  JointPlan best_{};
+  double least_ = std::numeric_limits<double>::infinity();  ///< sum of its arrival times, fleet time
+  int in_vain_ = 0;                                         ///< plans since then
 };
 
 }  // namespace coppice

@@ -2,6 +2,7 @@
 #include "robot_agent/plan_maker.h"
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -77,6 +78,28 @@ TEST(PlanMaker, RobotsThatStandCloselyDriveApart) {
   EXPECT_GE(least_distance(a, b, 0), 2 * radius);
   const double soon = std::max(a.front().time, b.front().time) + 4;
   EXPECT_GE(least_distance(a, b, soon), kept_apart(radius, radius) - 1e-6);
+}
+
+/// Two columns that pass each other in the corridor, and a robot that is no member and leaves it late.
+TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
+  const OccupancyMap map = corridor();
+  const ClearanceField field(map);
+  MapRoadmaps places(field);
+  std::vector<FleetMember> members;
+  for (int k = 0; k < 5; ++k) {
+    members.push_back(member("a" + std::to_string(k), {20.0 + 14 * k, 35}, {280.0 - 14 * k, 35}));
+    members.push_back(member("b" + std::to_string(k), {280.0 - 14 * k, 35}, {20.0 + 14 * k, 35}));
+  }
+  const KnownReservation other{
+      {"c", 1, 0},
+      {{0, {150, 35}}, {60, {150, 35}}, {61, {150, 45}}, {200, {150, 45}}, {201, {150, 35}}},
+      radius};
+  PlanMaker maker(places, members, {}, {&other, 1}, Random(1));
+  double now = 0;
+  while (!maker.step(now, true) && now < 20) now += 0.05;
+  EXPECT_LT(now, 5);
+  EXPECT_FALSE(maker.strands());
+  EXPECT_EQ(maker.message().members.size(), members.size());
 }
 
 }  // namespace
