@@ -284,7 +284,7 @@ TEST(Fleet, AKilledAgentIsReportedAndTheOthersGoOn) {
   // For one minute of wall time the agent may only be cut off: 600 s of this fleet's time.
   FleetRun run(test::scenarios() / "blank-10.json", {"--timeout", "1500"});
   ASSERT_TRUE(run.says("paths found 10/10")) << run.log();
-  std::this_thread::sleep_for(std::chrono::milliseconds(400));  // it drives, if the machine is not too busy
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it drives, if the machine is not too busy
   kill(run.first("robot_agent"), SIGKILL);
   EXPECT_EQ(run.process.wait(), 1) << run.log();
   EXPECT_NE(run.log().find("r1 ended early, exit code 137"), std::string::npos) << run.log();
