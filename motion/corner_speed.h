@@ -22,7 +22,8 @@ inline double arc_radius(const Point2& in, const Point2& out, double stray) {
 }
 
 /// The speed on an arc. The robot must be able to turn so fast. And if it brakes at any point of the arc, on
-/// a straight line, it must not stray by more than `stray`. `period`: of control, 0 for a bound.
+/// a straight line, it must not stray by more than `stray`. `period`: of control; braking begins half a
+/// period late on average. 0 gives an upper bound.
 inline double speed_on_arc(double radius, double stray, const Limits& limits, double period) {
   const double turning = std::sqrt(limits.max_acceleration * radius);
   const double braking = speed_to_stop_within(std::sqrt(2 * stray * radius), limits, period / 2);

@@ -66,11 +66,13 @@ struct FleetRun {
     return static_cast<std::size_t>(std::count_if(children.begin(), children.end(),
                                                   [&](const auto& child) { return child.name == name; }));
   }
-  /// The number of journals of its processes, in its own folders.
+  /// The number of journals of its processes, in its own folders. Black boxes are none.
   std::size_t journals() const {
     std::size_t count = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
-      count += entry.path().extension() == ".journal" ? 1 : 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+      const bool is_box = entry.path().parent_path().filename() == "black-boxes";
+      count += entry.path().extension() == ".journal" && !is_box ? 1 : 0;
+    }
     return count;
   }
   pid_t first(const std::string& name) const {
