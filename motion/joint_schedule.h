@@ -50,7 +50,7 @@ class JointSchedule {
   bool step();
   /// Each move has its time. From then on, trajectories are improved.
   bool has_times() const { return scheduled_ == moves_.size(); }
-  /// Of the fleet times at which the robots arrive.
+  /// Sums the times at which the robots arrive, fleet seconds.
   double sum_of_arrivals() const;
   /// The numbers of the others that are in nobody's way. The rest must give way.
   std::vector<std::size_t> passed() const;
