@@ -5,9 +5,9 @@
 // (motion/space_time.h), and the robots pass each other at full speed. If that brings not all of them to
 // their goals, for robots as large as they are.
 //
-// The planner draws at random, and the robots of one plan take twice as long as those of another. So where
-// robots wait for long in a plan, more are made, until several in a row are no better than the best one. The
-// times of that one are improved.
+// The planner draws at random, and the robots of one plan may take twice as long as those of another. So
+// where robots wait for long in a plan, more are made, until several in a row are no better than the best
+// one. The times of that one are improved.
 //
 // Fleet time of the leader, seconds; metres in the map frame.
 #pragma once

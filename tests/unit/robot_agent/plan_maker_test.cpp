@@ -80,7 +80,7 @@ TEST(PlanMaker, RobotsThatStandCloselyDriveApart) {
   EXPECT_GE(least_distance(a, b, soon), kept_apart(radius, radius) - 1e-6);
 }
 
-/// Two columns that pass each other in the corridor, and a robot that is no member and leaves it late.
+/// Two columns pass each other in the corridor. A robot that is no member closes it for a minute.
 TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
   const OccupancyMap map = corridor();
   const ClearanceField field(map);
@@ -90,10 +90,8 @@ TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
     members.push_back(member("a" + std::to_string(k), {20.0 + 14 * k, 35}, {280.0 - 14 * k, 35}));
     members.push_back(member("b" + std::to_string(k), {280.0 - 14 * k, 35}, {20.0 + 14 * k, 35}));
   }
-  const KnownReservation other{
-      {"c", 1, 0},
-      {{0, {150, 35}}, {60, {150, 35}}, {61, {150, 45}}, {200, {150, 45}}, {201, {150, 35}}},
-      radius};
+  const double large = 9;
+  const KnownReservation other{{"c", 1, 0}, {{0, {150, 35}}, {60, {150, 35}}, {62, {150, 69}}}, large};
   PlanMaker maker(places, members, {}, {&other, 1}, Random(1));
   double now = 0;
   while (!maker.step(now, true) && now < 20) now += 0.05;
