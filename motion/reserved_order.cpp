@@ -105,12 +105,4 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
   return order;
 }
 
-double time_at(const Trajectory& trajectory, double along) {
-  for (const Part& part : parts_of(trajectory, 0)) {
-    if (part.length > 0 && along < part.along + part.length)
-      return part.time(std::max(0.0, along - part.along));
-  }
-  return trajectory.back().time;
-}
-
 }  // namespace coppice

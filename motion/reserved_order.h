@@ -29,7 +29,4 @@ struct Order {
 Order order_of(const Trajectory& own, double own_radius, const Trajectory& other, double other_radius,
                double offset);
 
-/// The time at which a trajectory leaves the point that is so many metres along its way.
-double time_at(const Trajectory& trajectory, double along);
-
 }  // namespace coppice

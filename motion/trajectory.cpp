@@ -37,6 +37,23 @@ class Walk {
 
 }  // namespace
 
+Trajectory rest_of(const Trajectory& trajectory, double along) {
+  double left = std::max(0.0, along);
+  for (std::size_t k = 1; k < trajectory.size(); ++k) {
+    const TimedPoint& from = trajectory[k - 1];
+    const Point2 leg = trajectory[k].position - from.position;
+    if (left >= leg.norm()) {
+      left -= leg.norm();
+      continue;
+    }
+    const double share = left / leg.norm();
+    Trajectory rest{{from.time + share * (trajectory[k].time - from.time), from.position + share * leg}};
+    rest.insert(rest.end(), trajectory.begin() + static_cast<std::ptrdiff_t>(k), trajectory.end());
+    return rest;
+  }
+  return {trajectory.back()};
+}
+
 bool come_too_close(const Trajectory& a, const Trajectory& b, double near, double from) {
   Walk walk_a(a);
   Walk walk_b(b);

@@ -33,6 +33,10 @@ inline Trajectory shifted(Trajectory trajectory, double seconds) {
   return trajectory;
 }
 
+/// What is left of it at the point that is so many metres along its way. It begins when the robot leaves
+/// there.
+Trajectory rest_of(const Trajectory& trajectory, double along);
+
 /// Whether two robots that carry out their trajectories are ever closer than `near` metres between their
 /// centres, from a time on.
 bool come_too_close(const Trajectory& a, const Trajectory& b, double near, double from);

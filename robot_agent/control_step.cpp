@@ -275,8 +275,11 @@ void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbo
   const Point2 next = body_.position() + control_period * body_.velocity();
   follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
   if (follower.lost()) look_for_a_path(way_back_to_the_path(driving.route));
-  if (reserver_.waits_for_its_turn()) progress_.excuse(now);
   body_.choose(Point2::Zero(), neighbours, map_->field);
+  if (!reserver_.waits_for_its_turn()) return;
+  progress_.excuse(now);
+  // Others that set off before it may pass closely, however late its states reach them.
+  if (body_.stands()) stand_for(now, 0);
 }
 
 void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {

@@ -130,23 +130,35 @@ bool Reserver::may_try(double now) const {
              (others_->news() != none->news ? Timing::reserve_again : Timing::reserve_again_without_news);
 }
 
-bool Reserver::is_turn(const Wanted& wanted, const Fleet& fleet, double now) const {
-  if (now - wanted.since > Timing::longest_turn * fleet.second()) return true;
+/// Whose turn it is, as far as this robot knows.
+RobotName Reserver::next_to_plan(const Wanted& wanted, const Fleet& fleet) const {
+  const ReservationMessage own{.robot = robot_, .way = wanted.way, .turn = wanted.turn, .run = {}};
+  const ReservationMessage* next = &own;
   for (const FleetMember& m : fleet.others()) {
-    if (m.failed || m.wants_to_stay || m.stage == Stage::waiting) continue;
-    const ReservationMessage* const known = others_->find(m.robot, run_);
-    if (known == nullptr) return false;
-    const ReservationMessage& r = *known;
-    const bool waits_for_its_turn = r.trajectory.empty() && r.way > 0;
-    if (waits_for_its_turn && plans_first(r.turn, r.way, r.robot, wanted.turn, wanted.way, robot_))
-      return false;
+    if (m.failed || m.wants_to_stay || m.stage == Stage::waiting || wanted.passed_over.contains(m.robot))
+      continue;
+    const ReservationMessage* const r = others_->find(m.robot, run_);
+    if (r == nullptr && !wanted.passed_over.contains({})) return {};
+    if (r == nullptr || !r->trajectory.empty() || r->way == 0) continue;
+    if (plans_first(r->turn, r->way, r->robot, next->turn, next->way, next->robot)) next = r;
   }
-  return true;
+  return next->robot;
+}
+
+bool Reserver::is_turn(Wanted& wanted, const Fleet& fleet, double now) const {
+  for (;;) {
+    const RobotName next = next_to_plan(wanted, fleet);
+    if (next == robot_) return true;
+    if (wanted.next && *wanted.next != next) wanted.since = now;
+    wanted.next = next;
+    if (now - wanted.since <= Timing::longest_turn * fleet.second()) return false;
+    wanted.passed_over.insert(next);
+  }
 }
 
 void Reserver::plan(const Path& path, double ready, const FleetMember& self, const Limits& limits,
                     const Fleet& fleet, MapRoadmaps& places, double now, std::vector<Outgoing>& out) {
-  const auto* const wanted = std::get_if<Wanted>(&state_);
+  auto* const wanted = std::get_if<Wanted>(&state_);
   if (wanted == nullptr || !self.stands || !is_turn(*wanted, fleet, now)) return;
   const double begin = std::max(now + lead, ready) + speeding_up(limits);
   TrajectoryPlanner planner(places, path, self.radius, limits, begin, others_to_reckon_with(fleet, now),
@@ -186,13 +198,21 @@ std::vector<OtherRobot> Reserver::others_to_reckon_with(const Fleet& fleet, doub
   return others;
 }
 
+/// What the other robot is to drive from where it is, and as late as it is. Gates hold it up, or its
+/// trajectory was planned around somebody that has gone. Where it has been, it does not come again.
 std::optional<KnownReservation> Reserver::reservation_of(const FleetMember& m) const {
   const ReservationMessage* const r = others_->find(m.robot, run_);
   const bool keeps_to_it =
       r != nullptr && !r->trajectory.empty() && m.reservation <= r->number && m.stage != Stage::waiting;
   if (!keeps_to_it) return std::nullopt;
-  return KnownReservation{
-      {m.robot, r->number, m.clock_offset}, shifted(r->trajectory, m.clock_offset), r->radius};
+  KnownReservation known{{m.robot, r->number, m.clock_offset}, r->trajectory, r->radius};
+  if (m.reservation == r->number) {
+    known.trajectory = rest_of(r->trajectory, m.reservation_progress);
+    const double late = m.promise.turn - (known.trajectory.front().time + m.clock_offset);
+    if (late > room_in_time) known.basis.offset += late;
+  }
+  known.trajectory = shifted(std::move(known.trajectory), known.basis.offset);
+  return known;
 }
 
 /// From now on the robot drives by this reservation. The message has all but its number.
@@ -424,14 +444,14 @@ void Reserver::doubt_all() {
 
 bool Reserver::gives_way(const FleetMember& self, const Fleet& fleet) const {
   const Held& held = std::get<Held>(state_);
-  const double own = time_at(held.own->trajectory, held.follower.progress());
+  const double own = rest_of(held.own->trajectory, held.follower.progress()).front().time;
   for (const FleetMember& m : fleet.beside(self.position, self.radius, close_radii)) {
     const ReservationMessage* const known = others_->find(m.robot, run_);
     if (m.failed || known == nullptr || known->trajectory.empty() || m.reservation != known->number) continue;
     const auto pair = held.pairs.find(m.robot);
     const bool is_confirmed = pair != held.pairs.end() && pair->second.is_confirmed;
     if (is_confirmed || m.wants_to_stay || !m.waits_for.empty()) continue;
-    const double later = time_at(known->trajectory, m.reservation_progress) +
+    const double later = rest_of(known->trajectory, m.reservation_progress).front().time +
                          offset_between(*held.own, *known, m.clock_offset) - own;
     if (later < -same_time || (later < same_time && m.robot < robot_)) return true;
   }

@@ -27,6 +27,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <variant>
@@ -154,8 +155,10 @@ class Reserver {
   };
   struct Wanted {
     Turn turn = Turn::usual;
-    double way = 0;  ///< metres
-    double since = 0;
+    double way = 0;                     ///< metres
+    double since = 0;                   ///< it has waited for the next one
+    std::optional<RobotName> next{};    ///< whose turn it is; an empty name: robots that were not heard
+    std::set<RobotName> passed_over{};  ///< they took too long
   };
   struct Held {
     std::shared_ptr<const ReservationMessage> own;
@@ -179,7 +182,8 @@ class Reserver {
 
   std::uint32_t next_number(double now);
   void say(ReservationMessage message, const FleetMember& self, double now, std::vector<Outgoing>& out);
-  bool is_turn(const Wanted& wanted, const Fleet& fleet, double now) const;
+  RobotName next_to_plan(const Wanted& wanted, const Fleet& fleet) const;
+  bool is_turn(Wanted& wanted, const Fleet& fleet, double now) const;
   Held& hold(ReservationMessage message, double now, std::vector<Outgoing>& out);
   static bool has_left(const Held& held, const Pair& pair, const FleetMember& m);
   void look_at_others(Held& held, const Fleet& fleet) const;

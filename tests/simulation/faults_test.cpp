@@ -47,6 +47,21 @@ TEST(Faults, LossAndDelayCostOnlyTime) {
   }
 }
 
+// Robots that wait for their turn to reserve stand side by side with those that set off.
+TEST(Faults, LossAndDelayAtMostDoubleTheTimeThatTheRobotsTake) {
+  const auto sum_of_run_times = [](const Outcome& outcome) {
+    double sum = 0;
+    for (const auto& robot : outcome.report.robots()) sum += robot.run_time();
+    return sum;
+  };
+  for (const char* name : {"corridor-40", "door-20"}) {
+    const Outcome undisturbed = simulate(name, 20, 1, {});
+    const Outcome outcome = simulate(name, 20, 1, {.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}});
+    expect_all_arrive(outcome, name);
+    EXPECT_LT(sum_of_run_times(outcome), 2 * sum_of_run_times(undisturbed)) << name;
+  }
+}
+
 TEST(Faults, PausesCostOnlyTime) {
   for (std::uint32_t seed = 1; seed <= 2; ++seed)
     expect_all_arrive(simulate("circle", 10, seed, {.pause_rate = 300}), "circle");

@@ -1,4 +1,4 @@
-// Tests of when two trajectories come too close.
+// Tests of what is left of a trajectory, and of when two of them come too close.
 #include "motion/trajectory.h"
 
 #include <algorithm>
@@ -32,6 +32,14 @@ TEST(Trajectory, ARobotStandsBeforeItsTrajectoryAndAfterIt) {
 TEST(Trajectory, WhatIsOverDoesNotCount) {
   const Trajectory other{{0, {50, -50}}, {10, {50, 50}}};
   EXPECT_FALSE(come_too_close(crossing, other, 10, 7));
+}
+
+TEST(Trajectory, TheRestBeginsWhenTheRobotLeavesThePoint) {
+  const Trajectory waits{{1, {0, 0}}, {6, {50, 0}}, {9, {50, 0}}, {14, {50, 50}}};
+  EXPECT_EQ(rest_of(waits, 10), (Trajectory{{2, {10, 0}}, {6, {50, 0}}, {9, {50, 0}}, {14, {50, 50}}}));
+  EXPECT_EQ(rest_of(waits, 50), (Trajectory{{9, {50, 0}}, {14, {50, 50}}}));
+  EXPECT_EQ(rest_of(waits, -1), waits);
+  EXPECT_EQ(rest_of(waits, 101), (Trajectory{{14, {50, 50}}}));
 }
 
 Trajectory any_trajectory() {

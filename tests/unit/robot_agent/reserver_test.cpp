@@ -119,6 +119,18 @@ TEST_F(ReserverTest, ARobotWaitsForItsTurnForFiveSecondsAtMost) {
   EXPECT_TRUE(b.reserver.holds());
 }
 
+TEST_F(ReserverTest, EachRobotThatComesFirstHasFiveSeconds) {
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  b.plan(0.1);
+  b.plan(4.9);
+  tell(b, a);
+  b.plan(5);
+  b.plan(9.9);
+  EXPECT_FALSE(b.reserver.holds());
+  b.plan(10.1);
+  EXPECT_TRUE(b.reserver.holds());
+}
+
 TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheLongerWayPlansAnew) {
   b.path = {{100, 20}, {100, 181}};  // both would be in the middle at the same time
   b.self.position = b.path.front();
@@ -152,6 +164,21 @@ TEST_F(ReserverTest, ARobotThatFindsNoTrajectoryIsUrgentAndOthersGiveWayToIt) {
   tell_state(first, second, 5.25);
   EXPECT_TRUE(first.reserver.is_overridden(first.fleet));
   EXPECT_FALSE(second.reserver.is_overridden(second.fleet));
+}
+
+TEST_F(ReserverTest, ARobotPlansAroundALateOneAsLateAsThatIs) {
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  tell(a, b);
+  tell(b, a);
+  tell_state(a, b, 0);
+  a.plan(0.1);
+  tell(b, a);
+  const Trajectory& planned = a.last().trajectory;
+  tell_state(b, a, planned.front().time + 3);  // a has not set off yet
+  b.plan(planned.front().time + 3.1);
+  ASSERT_EQ(b.last().basis.size(), 1u);
+  EXPECT_NEAR(b.last().basis.front().offset, 3, 0.1);
+  EXPECT_FALSE(come_too_close(b.last().trajectory, shifted(planned, 3), 10, 0));
 }
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
@@ -195,6 +222,22 @@ TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
   RobotState state = tell_state(a, b, 0.7);
   ASSERT_EQ(state.knows.size(), 1u);
   EXPECT_TRUE(a.reserver.passes(state, 0.05)) << "the parts of one plan were planned around each other";
+}
+
+// a was to stand at the beginning of its way for longer. It stands in the middle of b's way.
+TEST_F(ReserverTest, ARobotPlansAroundOneThatIsEarlyWhereThatIs) {
+  b.path = {{100, 6}, {100, 190}};
+  a.adopt(plan_of_both(), 0.5);
+  tell(b, a);
+  a.self.position = {100, 100};
+  RobotState early = a.state(1);
+  early.reservation_progress = 80;
+  early.echoes = {{"b", 0.999, 1}};
+  b.fleet.hear(std::make_shared<const RobotState>(early), 1.001);
+  b.want(1);
+  b.plan(1.1);
+  ASSERT_TRUE(b.reserver.holds());
+  EXPECT_FALSE(come_too_close(b.last().trajectory, {{12, {100, 100}}, {16, {180, 100}}}, 10, 1));
 }
 
 TEST_F(ReserverTest, AMemberThatHasNotTakenUpItsPartIsWaitedFor) {
