@@ -6,11 +6,13 @@
 #include <iostream>
 #include <memory>
 #include <random>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "dds/dds_bus.h"
@@ -56,6 +58,18 @@ ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros)
           .margin = in_ros.drives ? in_ros.tolerance : 0};
 }
 
+/// The report comes also if a box cannot be read. Then the track ends as the agent sent it.
+void complete_tracks(PlannerService& service, std::span<const RobotName> robots,
+                     const std::string& black_boxes) {
+  for (const RobotName& robot : robots) {
+    try {
+      if (auto rest = rest_of_track(black_boxes, robot)) service.complete(*std::move(rest), wall_now());
+    } catch (const std::exception& error) {
+      spdlog::warn("the end of the track of {} is not known: {}", robot, error.what());
+    }
+  }
+}
+
 /// Runs the fleet and writes the results. True if the run succeeded.
 bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* journal) {
   const std::string& state = options.process.state;
@@ -80,12 +94,7 @@ bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* jou
   heard = StartupBarrier();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   loop.serve(service, keeper, ros.get(), options.run.quiet ? nullptr : &display);
-  if (!options.black_boxes.empty()) {
-    for (const RobotName& robot : names) {
-      if (auto rest = rest_of_track(options.black_boxes, robot))
-        service.complete(*std::move(rest), wall_now());
-    }
-  }
+  if (!options.black_boxes.empty()) complete_tracks(service, names, options.black_boxes);
   const proto::Report report = service.report();
   if (!options.run.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options.run, report, service.tracks(), [&] { return service.picture(); });
@@ -99,6 +108,7 @@ int run(const ServiceOptions& options) {
   Scenario scenario = read_scenario(options.run.scenario, options.run.overrides);
   check_results(options.run, scenario);
   if (options.ros.on) check_ros_names(names_of(scenario));
+  if (!options.black_boxes.empty()) make_folder(options.black_boxes);
   auto journal = open_journal(options.process.state);
   const bool succeeded = run_succeeds(options, std::move(scenario), journal ? &*journal : nullptr);
   // Last of all: a process that is killed before this and restarted ends the same run again, and begins no

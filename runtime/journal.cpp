@@ -202,12 +202,16 @@ void Journal::keep(Keep choice, const Message& message) {
   if (choice != Keep::nothing) append(message);
 }
 
-std::optional<Journal> journal_in(const std::string& folder, const std::string& process,
-                                  const std::function<void()>& meanwhile) {
-  if (folder.empty()) return std::nullopt;
+void make_folder(const std::string& folder) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) fail(folder, fmt::format("cannot be made: {}", problem.message()));
+}
+
+std::optional<Journal> journal_in(const std::string& folder, const std::string& process,
+                                  const std::function<void()>& meanwhile) {
+  if (folder.empty()) return std::nullopt;
+  make_folder(folder);
   std::string name;
   for (const char c : process) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';

@@ -72,6 +72,9 @@ class Journal {
   bool complete_ = true;
 };
 
+/// Makes a folder for journals if there is none. Throws std::runtime_error if that fails.
+void make_folder(const std::string& folder);
+
 /// The journal of a process in the folder that `--state` names. Creates the folder. Returns nothing if
 /// `folder` is empty: then nothing is kept. Throws as Journal does.
 std::optional<Journal> journal_in(

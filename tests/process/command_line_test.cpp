@@ -243,6 +243,15 @@ TEST(CommandLine, AnErrorOfEveryProcessOfARunIsReportedOnce) {
   }
 }
 
+TEST(CommandLine, AFolderOfBlackBoxesThatCannotBeMadeIsRefusedBeforeTheRun) {
+  for (const std::string& program : {std::string("robot_agent' --name r1"), "planner_service' " + rooms()}) {
+    const test::Outcome outcome =
+        test::shell("'" + test::program(program) + " --domain 7 --black-boxes /proc/nope");
+    EXPECT_EQ(outcome.exit_code, 2) << program;
+    EXPECT_NE(outcome.output.find("/proc/nope: cannot be made"), std::string::npos) << outcome.output;
+  }
+}
+
 TEST(CommandLine, TheErrorThatEndsAProgramIsLoggedAtEveryLevel) {
   for (const std::string program :
        {"tree_broker' --state /proc/nope", "robot_agent' --name r1 --state /proc/nope",
