@@ -129,7 +129,7 @@ void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, const 
       obstacles.push_back({failed.centre, std::nullopt, failed.radius, false});
   }
   maker_ = std::make_unique<PlanMaker>(places, std::move(members), std::move(obstacles), others,
-                                       Random(id_.epoch));
+                                       Random(id_.epoch), now);
 }
 
 void CoordinationRound::publish(const FleetMember& self, double now) {

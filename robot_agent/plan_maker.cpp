@@ -15,9 +15,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double roomy = 1.1;  // of the radii
-// Steps of the planner: LaCAM has then found a plan, or evacuation is next.
-constexpr int bounded_steps = 10;
+constexpr double roomy = 1.1;    // of the radii
 constexpr int most_in_vain = 3;  // plans in a row that are no better
 // Another plan is made if a robot waits on average so many times as long as it takes to make it.
 constexpr double worthwhile = 100;
@@ -65,91 +63,104 @@ std::vector<JointTask> with_room(std::span<const JointTask> tasks, const Clearan
 }  // namespace
 
 PlanMaker::PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
-                     std::span<const KnownReservation> others, Random random)
+                     std::span<const KnownReservation> others, Random random, double now)
     : places_(places),
       members_(std::move(members)),
       tasks_(joint_tasks(members_, obstacles, places.field())),
       others_(others.begin(), others.end()),
       random_(random),
       larger_(with_room(tasks_, places.field())),
-      steps_left_(bounded_steps),
-      planner_(std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_, random_)) {}
+      phase_(MakesMoves{planner_with(random_), now}) {}
 
 bool PlanMaker::step(double now, bool everybody) {
-  if (planner_) return make_moves(now, everybody);
-  if (is_chosen_ || !schedule_->has_times()) return schedule_->step() && is_chosen_;
-  compare(now);
-  return false;
+  if (auto* const moves = std::get_if<MakesMoves>(&phase_)) return make_moves(*moves, now, everybody);
+  if (auto* const times = std::get_if<FindsTimes>(&phase_)) {
+    if (times->schedule->has_times()) {
+      compare(*times, now);
+    } else {
+      times->schedule->step();
+    }
+    return false;
+  }
+  return std::holds_alternative<Fails>(phase_) || std::get<ImprovesTimes>(phase_).schedule->step();
+}
+
+bool PlanMaker::strands() const {
+  const auto* const complete = std::get_if<ImprovesTimes>(&phase_);
+  return complete == nullptr || !complete->plan.stranded.empty();
+}
+
+std::unique_ptr<JointPlanner> PlanMaker::planner_with(Random random) const {
+  return std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_, random);
 }
 
 /// Returns true if there is no plan that brings everybody to the goal.
-bool PlanMaker::make_moves(double now, bool everybody) {
-  if (since_ == 0) since_ = now;
-  const bool ends = planner_->step();
-  const bool has_one = least_ < std::numeric_limits<double>::infinity();
-  const bool is_last_resort = larger_.empty() && !has_one;
-  const bool fails = !is_last_resort && (ends ? !planner_->plan().stranded.empty() : --steps_left_ == 0);
-  if (fails && has_one) {
+bool PlanMaker::make_moves(MakesMoves& phase, double now, bool everybody) {
+  const bool ends = phase.planner->step();
+  const bool is_last_resort = larger_.empty() && !best_;
+  const bool fails =
+      !is_last_resort && (ends ? !phase.planner->plan().stranded.empty() : --phase.steps_left == 0);
+  if (fails && best_) {
     go_on(now);
   } else if (fails) {
     larger_.clear();
-    planner_ = std::make_unique<JointPlanner>(places_, tasks_, random_);
+    phase.planner = planner_with(random_);
   } else if (ends) {
-    plan_ = planner_->take_plan();
-    planner_.reset();
-    if (strands() && everybody) return true;
-    begin_where_robots_stand();
-    schedule(now);
+    JointPlan plan = phase.planner->take_plan();
+    if (everybody && !plan.stranded.empty()) {
+      phase_ = Fails();
+      return true;
+    }
+    begin_where_robots_stand(plan);
+    auto schedule = schedule_of(plan, now);
+    phase_ = FindsTimes{std::move(plan), std::move(schedule), phase.since};
   }
   return false;
 }
 
-void PlanMaker::compare(double now) {
-  const double sum = schedule_->sum_of_arrivals();
-  if (sum < least_) {
-    best_ = plan_;
-    least_ = sum;
+void PlanMaker::compare(FindsTimes& phase, double now) {
+  const bool is_worthwhile = waiting(phase) >= worthwhile * (now - phase.since);
+  const bool goes_on = phase.plan.stranded.empty() && is_worthwhile;
+  const double sum = phase.schedule->sum_of_arrivals();
+  if (!best_ || sum < best_->sum) {
+    best_ = Best{std::move(phase.plan), sum};
     in_vain_ = -1;
   }
-  if (strands() || waiting() < worthwhile * (now - since_)) in_vain_ = most_in_vain;
+  if (!goes_on) in_vain_ = most_in_vain;
   go_on(now);
 }
 
 /// Seconds that a robot waits in the plan, on average.
-double PlanMaker::waiting() const {
+double PlanMaker::waiting(const FindsTimes& phase) const {
   double sum = 0;
-  for (const Trajectory& trajectory : schedule_->trajectories())
+  for (const Trajectory& trajectory : phase.schedule->trajectories())
     sum += trajectory.back().time - trajectory.front().time;
-  for (const Move& move : plan_.moves) sum -= length_of(move.path) / members_[move.robot].limits.max_speed;
+  for (const Move& move : phase.plan.moves)
+    sum -= length_of(move.path) / members_[move.robot].limits.max_speed;
   return sum / static_cast<double>(members_.size());
 }
 
 /// Makes another plan, or chooses the best one.
 void PlanMaker::go_on(double now) {
   if (++in_vain_ < most_in_vain) {
-    since_ = now;
-    steps_left_ = bounded_steps;
-    planner_ =
-        std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_, Random(random_.next()));
-    return;
+    phase_ = MakesMoves{planner_with(Random(random_.next())), now};
+  } else {
+    auto schedule = schedule_of(best_->plan, now);
+    phase_ = ImprovesTimes{std::move(best_->plan), std::move(schedule)};
   }
-  planner_.reset();
-  is_chosen_ = true;
-  plan_ = std::move(best_);
-  schedule(now);
 }
 
 /// The moves of larger robots may begin a little beside.
-void PlanMaker::begin_where_robots_stand() {
+void PlanMaker::begin_where_robots_stand(JointPlan& plan) const {
   std::vector<bool> has_set_off(members_.size());
-  for (Move& move : plan_.moves) {
+  for (Move& move : plan.moves) {
     const Point2& start = members_[move.robot].position;
     if (!has_set_off[move.robot] && move.path.front() != start) move.path.insert(move.path.begin(), start);
     has_set_off[move.robot] = true;
   }
 }
 
-void PlanMaker::schedule(double now) {
+std::unique_ptr<JointSchedule> PlanMaker::schedule_of(const JointPlan& plan, double now) const {
   std::vector<JointSchedule::Robot> robots;
   for (const FleetMember& m : members_) robots.push_back({m.position, m.radius, m.limits});
   std::vector<JointSchedule::Other> others;
@@ -157,20 +168,21 @@ void PlanMaker::schedule(double now) {
   std::vector<Disc> obstacles;
   for (const JointTask& task : std::span(tasks_).subspan(members_.size()))
     obstacles.push_back({task.position, task.radius});
-  schedule_ =
-      std::make_unique<JointSchedule>(places_, std::move(robots), plan_.moves, std::move(others),
-                                      std::move(obstacles), now + Timing::plan_to_departure, control_period);
+  return std::make_unique<JointSchedule>(places_, std::move(robots), plan.moves, std::move(others),
+                                         std::move(obstacles), now + Timing::plan_to_departure,
+                                         control_period);
 }
 
 JointPlanMessage PlanMaker::message() const {
+  const auto& [plan, schedule] = std::get<ImprovesTimes>(phase_);
   JointPlanMessage message{.round = {}, .members = {}, .basis = {}, .run = {}};
   for (std::size_t k = 0; k < members_.size(); ++k) {
-    const Trajectory& trajectory = schedule_->trajectories()[k];
+    const Trajectory& trajectory = schedule->trajectories()[k];
     message.members.push_back(
         {members_[k].robot, members_[k].radius, false, trajectory.size() > 1 ? trajectory : Trajectory()});
   }
-  for (const std::size_t k : plan_.stranded) message.members[k].stranded = true;
-  for (const std::size_t k : schedule_->passed()) message.basis.push_back(others_[k].basis);
+  for (const std::size_t k : plan.stranded) message.members[k].stranded = true;
+  for (const std::size_t k : schedule->passed()) message.basis.push_back(others_[k].basis);
   return message;
 }
 

@@ -12,9 +12,10 @@
 // Fleet time of the leader, seconds; metres in the map frame.
 #pragma once
 
-#include <limits>
 #include <memory>
+#include <optional>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "messages/messages.h"
@@ -32,39 +33,55 @@ class PlanMaker {
   /// `places` must outlive it. `members`: as they stand, the leader first. `obstacles` stand for ever.
   /// `others`: the reservations of robots that are no members.
   PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
-            std::span<const KnownReservation> others, Random random);
+            std::span<const KnownReservation> others, Random random, double now);
 
   /// Does a bounded amount of work. Returns true once the plan is complete. If `everybody` is to be brought
   /// to the goal, it also returns true when it has found that this fails.
   bool step(double now, bool everybody);
-  /// Some members are not brought to their goals.
-  bool strands() const { return !plan_.stranded.empty(); }
-  /// The plan, without its round and run.
+  /// Some members are not brought to their goals. Valid once step() has returned true.
+  bool strands() const;
+  /// The plan, without its round and run. Valid once the plan is complete.
   JointPlanMessage message() const;
 
  private:
-  bool make_moves(double now, bool everybody);
-  void begin_where_robots_stand();
-  void schedule(double now);
-  void compare(double now);
+  struct MakesMoves {
+    std::unique_ptr<JointPlanner> planner;
+    double since;         ///< the plan was begun
+    int steps_left = 10;  ///< of the planner, unless it is the last resort: LaCAM has then found a plan, or
+                          ///< evacuation is next
+  };
+  struct FindsTimes {
+    JointPlan plan;
+    std::unique_ptr<JointSchedule> schedule;
+    double since;  ///< the plan was begun
+  };
+  struct ImprovesTimes {  ///< of the best plan
+    JointPlan plan;
+    std::unique_ptr<JointSchedule> schedule;
+  };
+  struct Fails {};
+  struct Best {
+    JointPlan plan;
+    double sum;  ///< of its arrival times, fleet time
+  };
+
+  std::unique_ptr<JointPlanner> planner_with(Random random) const;
+  bool make_moves(MakesMoves& phase, double now, bool everybody);
+  void begin_where_robots_stand(JointPlan& plan) const;
+  std::unique_ptr<JointSchedule> schedule_of(const JointPlan& plan, double now) const;
+  void compare(FindsTimes& phase, double now);
   void go_on(double now);
-  double waiting() const;
+  double waiting(const FindsTimes& phase) const;
 
   MapRoadmaps& places_;
   std::vector<FleetMember> members_;
   std::vector<JointTask> tasks_;  ///< of the members, then of the obstacles
   std::vector<KnownReservation> others_;
   Random random_;
-  std::vector<JointTask> larger_;          ///< tasks of larger robots; empty: these have no room, or no plan
-  double since_ = 0;                       ///< when the plan was begun
-  int steps_left_;                         ///< of the planner, unless it is the last resort
-  std::unique_ptr<JointPlanner> planner_;  ///< until there are moves
-  JointPlan plan_{};
-  std::unique_ptr<JointSchedule> schedule_;  ///< of the plan
-  bool is_chosen_ = false;                   ///< the plan is the best one
-  JointPlan best_{};
-  double least_ = std::numeric_limits<double>::infinity();  ///< sum of its arrival times, fleet time
-  int in_vain_ = 0;                                         ///< plans since then
+  std::vector<JointTask> larger_;  ///< tasks of larger robots; empty: these have no room, or no plan
+  std::optional<Best> best_{};
+  int in_vain_ = 0;  ///< plans since then
+  std::variant<MakesMoves, FindsTimes, ImprovesTimes, Fails> phase_;
 };
 
 }  // namespace coppice

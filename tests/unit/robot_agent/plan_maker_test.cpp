@@ -31,7 +31,7 @@ FleetMember member(const RobotName& name, const Point2& position, const Point2& 
 std::vector<JointPlanMessage::Member> planned(const OccupancyMap& map, std::vector<FleetMember> members) {
   const ClearanceField field(map);
   MapRoadmaps places(field);
-  PlanMaker maker(places, std::move(members), {}, {}, Random(1));
+  PlanMaker maker(places, std::move(members), {}, {}, Random(1), 0);
   while (!maker.step(0, true)) {
   }
   EXPECT_FALSE(maker.strands());
@@ -92,7 +92,7 @@ TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
   }
   const double large = 9;
   const KnownReservation other{{"c", 1, 0}, {{0, {150, 35}}, {60, {150, 35}}, {62, {150, 69}}}, large};
-  PlanMaker maker(places, members, {}, {&other, 1}, Random(1));
+  PlanMaker maker(places, members, {}, {&other, 1}, Random(1), 0);
   double now = 0;
   while (!maker.step(now, true) && now < 20) now += 0.05;
   EXPECT_LT(now, 5);
