@@ -23,6 +23,17 @@ constexpr double same_place = 0.01;  // metres between where a plan begins and w
 constexpr double same_time = 1e-6;   // seconds: rounding
 constexpr double close_radii = 3;    // between robots that may fear each other's next move
 
+bool may_plan(const FleetMember& m) {
+  return !m.failed && !m.wants_to_stay && m.stage != Stage::waiting;
+}
+/// The robot waits for its turn.
+bool is_wish(const ReservationMessage& r) {
+  return r.trajectory.empty() && r.way > 0;
+}
+bool plans_first(const ReservationMessage& a, const ReservationMessage& b) {
+  return plans_first(a.turn, a.way, a.robot, b.turn, b.way, b.robot);
+}
+
 }  // namespace
 
 /// Numbers grow, also over restarts of the process.
@@ -135,12 +146,10 @@ RobotName Reserver::next_to_plan(const Wanted& wanted, const Fleet& fleet) const
   const ReservationMessage own{.robot = robot_, .way = wanted.way, .turn = wanted.turn, .run = {}};
   const ReservationMessage* next = &own;
   for (const FleetMember& m : fleet.others()) {
-    if (m.failed || m.wants_to_stay || m.stage == Stage::waiting || wanted.passed_over.contains(m.robot))
-      continue;
+    if (!may_plan(m) || wanted.passed_over.contains(m.robot)) continue;
     const ReservationMessage* const r = others_->find(m.robot, run_);
     if (r == nullptr && !wanted.passed_over.contains({})) return {};
-    if (r == nullptr || !r->trajectory.empty() || r->way == 0) continue;
-    if (plans_first(r->turn, r->way, r->robot, next->turn, next->way, next->robot)) next = r;
+    if (r != nullptr && is_wish(*r) && plans_first(*r, *next)) next = r;
   }
   return next->robot;
 }
@@ -183,14 +192,25 @@ void Reserver::plan(const Path& path, double ready, const FleetMember& self, con
        now, out);
 }
 
+/// Those that wait for their turn set off one after the other: each reservation must reach the next one.
 std::vector<OtherRobot> Reserver::others_to_reckon_with(const Fleet& fleet, double now) const {
+  const std::vector<FleetMember> members = fleet.others();
+  std::vector<const ReservationMessage*> queue;
+  for (const FleetMember& m : members) {
+    const ReservationMessage* const r = others_->find(m.robot, run_);
+    if (may_plan(m) && r != nullptr && is_wish(*r)) queue.push_back(r);
+  }
+  std::ranges::sort(queue, [](const auto* a, const auto* b) { return plans_first(*a, *b); });
+  const double turn = 2 * fleet.clock_error(now);  // about the time there and back
   std::vector<OtherRobot> others;
-  for (const FleetMember& m : fleet.others()) {
+  for (const FleetMember& m : members) {
     if (m.failed) continue;
+    const auto before = std::ranges::find(queue, others_->find(m.robot, run_)) - queue.begin();
+    const double sets_off = now + Timing::sets_off_within + turn * static_cast<double>(before);
     others.push_back({.position = m.position,
                       .radius = m.radius,
                       .reservation = reservation_of(m),
-                      .stands_until = m.wants_to_stay ? infinity : now + Timing::sets_off_within});
+                      .stands_until = m.wants_to_stay ? infinity : sets_off});
     if (!others.back().reservation) continue;
     const ReservationMessage& r = *others_->find(m.robot, run_);
     others.back().may_give_way = !m.wants_to_stay && !is_of_plan(r) && r.turn != Turn::urgent;

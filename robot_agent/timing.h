@@ -198,7 +198,8 @@ struct Timing {
   /// scaled s for which a robot waits for the one whose turn it is. Network: a message reaches all within this
   /// time.
   static constexpr double longest_turn = 5;
-  /// fleet s for which a reservation keeps clear of a robot that stands and has none: it is to set off soon.
+  /// fleet s for which a reservation keeps clear of a robot that stands and has none: it is to set off soon,
+  /// if it is next in turn.
   static constexpr double sets_off_within = 5;
   /// fleet s between two attempts to reserve, if another robot has a new reservation.
   static constexpr double reserve_again = 0.5;
