@@ -195,8 +195,8 @@ struct Timing {
   /// fleet s. Older states do not show that a robot keeps its strip. A robot that leaves a strip stands for
   /// so long, and until the others could have braked, unless they say that they have heard of it.
   static constexpr double recent_state = 2;
-  /// scaled s for which a robot waits for the one whose turn it is. Network: a message reaches all within this
-  /// time.
+  /// scaled s for which a robot waits for the one whose turn it is. Network: a message reaches all within
+  /// this time.
   static constexpr double longest_turn = 5;
   /// fleet s for which a reservation keeps clear of a robot that stands and has none: it is to set off soon,
   /// if it is next in turn.

@@ -54,7 +54,7 @@ TEST(Faults, LossAndDelayAtMostDoubleTheTimeThatTheRobotsTake) {
     for (const auto& robot : outcome.report.robots()) sum += robot.run_time();
     return sum;
   };
-  for (const char* name : {"corridor-40", "door-20"}) {
+  for (const char* name : {"corridor-40", "rooms"}) {
     const Outcome undisturbed = simulate(name, 20, 1, {});
     const Outcome outcome = simulate(name, 20, 1, {.bus = {.loss = 0.3, .delay = 0.2, .jitter = 0.1}});
     expect_all_arrive(outcome, name);

@@ -186,5 +186,23 @@ TEST(RobotAgent, AReturningPeerIsToldOfFailedRobotsOftenEnoughToHear) {
   for (const auto& [step, times] : told) EXPECT_GE(times, 3) << step;  // one listener and no known loss
 }
 
+// Nothing was heard of what b wants to reserve. Messages take 0.2 s.
+TEST(RobotAgent, ARobotThatWaitsForItsTurnBindsItselfToStandForLongerThanAStateTakes) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  RobotState last;
+  for (double now = 0.5; now < 4; now += 0.1) {
+    RobotState other = state_of("b", now - 0.2, {20, 20});
+    other.phase = Phase::driving;
+    other.echoes = {{"a", now - 0.4, now - 0.2}};
+    agent.on(arrival_of(other, now));
+    for (const RobotState& state : of<RobotState>(run(agent, now, now + 0.1))) last = state;
+  }
+  EXPECT_TRUE(last.promise.velocity.isZero(0));
+  EXPECT_EQ(last.reservation, 0u);
+  EXPECT_GT(last.promise.expiry - last.promise.stamp, 0.6);
+}
+
 }  // namespace
 }  // namespace coppice

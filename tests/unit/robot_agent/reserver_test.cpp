@@ -2,10 +2,12 @@
 #include "robot_agent/reserver.h"
 
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "robot_agent/timing.h"
 #include "tests/unit/motion/plans.h"
 #include "tests/unit/robot_agent/states.h"
 
@@ -179,6 +181,35 @@ TEST_F(ReserverTest, ARobotPlansAroundALateOneAsLateAsThatIs) {
   ASSERT_EQ(b.last().basis.size(), 1u);
   EXPECT_NEAR(b.last().basis.front().offset, 3, 0.1);
   EXPECT_FALSE(come_too_close(b.last().trajectory, shifted(planned, 3), 10, 0));
+}
+
+// b stands in the corridor. c has a longer way, and its turn before b. Messages take a second.
+TEST_F(ReserverTest, ARobotKeepsClearForLongerOfOneThatIsNotNextInTurnIfStatesAreLate) {
+  const ClearanceField corridor(
+      OccupancyMap{.width = 300, .height = 14, .blocked = std::vector<std::uint8_t>(4200, 0)});
+  MapRoadmaps narrow(corridor);
+  Robot first{"a", {{20, 7}, {120, 7}}, narrow};
+  first.fleet.hear(Mission{.robot = "c", .start = {290, 7}, .goal = {280, 7}, .radius = 5, .clock = {}}, 0);
+  const double now = 3;
+  first.want(now);
+  for (const auto& [name, x, way] : {std::tuple{"b", 100, 60}, std::tuple{"c", 290, 80}}) {
+    first.others.hear(
+        std::make_shared<const ReservationMessage>(ReservationMessage{.robot = name,
+                                                                      .number = 1,
+                                                                      .radius = 5,
+                                                                      .way = static_cast<double>(way),
+                                                                      .turn = first.last().turn,
+                                                                      .run = {}}));
+    RobotState state = state_of(name, now - 1, Point2(x, 7));
+    state.phase = Phase::driving;
+    state.echoes = {{"a", now - 2, now - 1}};
+    first.fleet.hear(std::make_shared<const RobotState>(state), now);
+  }
+  first.fleet.detect_failures(now, first.self.position, {}, corridor);
+  first.plan(now);
+  ASSERT_TRUE(first.reserver.holds());
+  const double beside_b = rest_of(first.last().trajectory, 100 - 20 - 10).front().time;
+  EXPECT_GT(beside_b, now + Timing::sets_off_within + 2);
 }
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
