@@ -221,6 +221,53 @@ TEST(JointPlan, FailedRobotsStayWhereTheyAre) {
   EXPECT_TRUE(plan.moves.empty());
 }
 
+/// A hall of 100 m x 100 m with an aisle 14 m wide that ends blind.
+OccupancyMap hall_and_aisle() {
+  OccupancyMap map = open_map(300, 100);
+  block(map, 100, 0, 300, 100);
+  block(map, 100, 43, 290, 57, false);
+  return map;
+}
+
+// The robot that stands nearest to the exit must go in deepest.
+TEST(JointPlan, ADeadEndFilledInTheWrongOrderIsFilledAgain) {
+  for (const int robots : {2, 6, 12}) {
+    std::vector<JointTask> tasks;
+    for (int k = 0; k < robots; ++k) tasks.push_back({{120.0 + 11 * k, 50}, Point2(280 - 11 * k, 50), 5});
+    EXPECT_TRUE(solve(hall_and_aisle(), tasks).stranded.empty()) << robots;
+  }
+}
+
+TEST(JointPlan, ADeadEndIsFilledAgainByRobotsOfSeveralSizes) {
+  std::vector<JointTask> tasks;
+  for (int k = 0; k < 6; ++k) tasks.push_back({{120.0 + 13 * k, 50}, Point2(280 - 13 * k, 50), 3 + 0.5 * k});
+  EXPECT_TRUE(solve(hall_and_aisle(), tasks).stranded.empty());
+}
+
+TEST(JointPlan, ARobotAtItsGoalInADeadEndComesOutAndReturns) {
+  const JointPlan plan =
+      solve(hall_and_aisle(),
+            {{{50, 50}, Point2(280, 50), 5}, {{200, 50}, Point2(200, 50), 5}, {{230, 50}, std::nullopt, 5}});
+  EXPECT_TRUE(plan.stranded.empty());
+}
+
+// The branch of the corridor is a dead end, too.
+TEST(JointPlan, TwoRobotsPassEachOtherAtTheBranchOfACorridor) {
+  OccupancyMap map = open_map(200, 200);
+  block(map, 0, 0, 200, 200);
+  block(map, 10, 93, 190, 107, false);
+  block(map, 93, 10, 107, 93, false);
+  const JointPlan plan = solve(map, {{{30, 100}, Point2(170, 100), 5}, {{170, 100}, Point2(30, 100), 5}});
+  EXPECT_TRUE(plan.stranded.empty());
+}
+
+TEST(JointPlan, ARobotBehindAFailedOneIsStrandedAndTheOthersArrive) {
+  const JointPlan plan = solve(
+      hall_and_aisle(),
+      {{{60, 20}, Point2(280, 50), 5}, {{150, 50}, Point2(20, 80), 5}, {{230, 50}, std::nullopt, 5, false}});
+  EXPECT_EQ(plan.stranded, std::vector<std::size_t>{0});
+}
+
 // It need not return, unlike a robot that stands at its goal.
 TEST(JointPlan, ARobotWithoutAGoalLeavesTheGoalOfAnother) {
   for (const double radius : {5.0, 6.0}) {  // equal and different sizes use different searches
