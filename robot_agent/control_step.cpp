@@ -15,7 +15,6 @@ namespace {
 
 // Timeouts: see timing.h.
 constexpr WallTime own_silence = Timing::own_silence;
-constexpr double longest_startup = Timing::longest_startup;
 constexpr double longest_ignorance = Timing::longest_ignorance;
 constexpr double least_ignorance = Timing::least_ignorance;
 constexpr double asks_for_news = Timing::asks_for_news;
@@ -135,7 +134,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   } else if (!reserver_.may_leave_strip(self(), fleet_, now) || reserver_.is_to_stand() ||
              (reserver_.holds() && !carries_on(now))) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
-    const bool sets_off_soon = !may_set_off(now);
+    const bool sets_off_soon = !may_set_off();
     if (body_.stands() && !sets_off_soon) stand_for(now, waiting_lease);
   } else if (reserver_.holds()) {
     keep_to_reservation(now, others);
@@ -149,7 +148,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     body_.choose(Point2::Zero(), others, map_->field);
     // A robot that plans, or waits for news of the others, may set off at any moment.
     const bool sets_off_soon =
-        std::holds_alternative<Planning>(task_) || (driving != nullptr && !may_set_off(now));
+        std::holds_alternative<Planning>(task_) || (driving != nullptr && !may_set_off());
     if (!sets_off_soon) stand_for(now, free ? idle_lease : waiting_lease);
   }
   if (!stopped()) watch_arrival(now);
@@ -159,7 +158,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
 bool Run::joins(double now) {
   if (!connectivity_.joining()) return false;
   // The peer that the robot met last is to tell which peers failed.
-  if (!may_set_off(now)) connectivity_.stand_until(now + listening_time());
+  if (!may_set_off()) connectivity_.stand_until(now + listening_time());
   if (!connectivity_.still_joining(now)) {
     if (!has_no_way(phase())) status_.reason.clear();
     retry_after_change();
@@ -203,13 +202,13 @@ bool Run::is_at_large(double now) const {
 }
 
 bool Run::may_move(double now) {
-  return is_at_large(now) && may_set_off(now);
+  return is_at_large(now) && may_set_off();
 }
 
 /// The missions say where robots stand that were not heard yet.
 bool Run::may_reserve(double now) const {
-  return driving() && !round_.stranded() && body_.stands() && is_at_large(now) &&
-         fleet_.has_missions(robots_to_know(now)) && fleet_.nobody_waits(body_.position(), around());
+  return driving() && !round_.stranded() && body_.stands() && is_at_large(now) && fleet_.has_missions() &&
+         fleet_.nobody_waits(body_.position(), around());
 }
 
 /// The robot drives to its goal on its own, and nothing holds it.
@@ -254,7 +253,7 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
     if (reserver_.may_try(now)) reserver_.want(way_ahead(), self(), map_->field, now, out);
     return;
   }
-  const double ready = may_set_off(now) ? now : startup_since_ + fleet_.handshakes_take();
+  const double ready = may_set_off() ? now : startup_since_ + fleet_.handshakes_take();
   reserver_.plan(way_ahead(), ready, self(), body_.limits(), fleet_, map_->roadmaps, now, out);
   follow_reservation(out);
 }
@@ -418,14 +417,9 @@ bool Run::all_free_around() const {
 }
 
 /// A robot sets off when it knows where all others are, and what their clocks say. The missions say how many
-/// there are.
-bool Run::may_set_off(double now) {
-  return fleet_.complete(robots_to_know(now));
-}
-
-std::size_t Run::robots_to_know(double now) const {
-  const bool startup_is_over = now - startup_since_ > longest_startup * std::max(1.0, mission_.clock.scale);
-  return startup_is_over ? 0 : mission_.fleet_size;
+/// there are. A robot that lacks some of them does not know where these robots stand.
+bool Run::may_set_off() {
+  return fleet_.complete();
 }
 
 /// All peers that may come near while this robot looks ahead, or brakes.

@@ -380,9 +380,9 @@ std::vector<RobotName> Fleet::missing() const {
   return robots;
 }
 
-bool Fleet::complete(std::size_t robots) {
+bool Fleet::complete() {
   all_known_ = all_known_ || std::ranges::all_of(peers_, [&](const Peer& p) { return is_known(p); });
-  return all_known_ && has_missions(robots);
+  return all_known_ && has_missions();
 }
 
 }  // namespace coppice

@@ -164,17 +164,17 @@ class Fleet {
   RobotName unknown() const;
   /// Peers that are silent now, and are not failed.
   std::vector<RobotName> missing() const;
-  /// So many robots have missions, and each of them was heard and its clock is known, or it is failed, or has
-  /// no more to do.
-  bool complete(std::size_t robots);
+  /// As many robots are known as the run has, and each of them was heard and its clock is known, or it is
+  /// failed, or has no more to do.
+  bool complete();
   /// About how many seconds it takes from the missions on until all clocks are known.
   double handshakes_take() const {
     constexpr double states_each_way = 2;
     return states_each_way * control_period * static_cast<double>(peers_.size()) /
            Timing::handshakes_per_tick;
   }
-  /// So many robots have missions.
-  bool has_missions(std::size_t robots) const { return peers_.size() + 1 >= robots; }
+  /// As many robots are known as the run has.
+  bool has_missions() const { return peers_.size() + 1 >= size_of_the_run_; }
 
   /// Some peers may not know this robot's clock.
   bool shakes_hands() const { return dissemination_.shakes_hands(); }

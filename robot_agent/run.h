@@ -142,8 +142,7 @@ class Run {
   void retry_after_change();
   void watch_movement(double now, double lived);
   bool all_free_around() const;
-  bool may_set_off(double now);
-  std::size_t robots_to_know(double now) const;
+  bool may_set_off();
   std::span<const Neighbour> neighbours(double now);
   FleetMember self() const;
   bool takes_part() const;

@@ -50,8 +50,8 @@ struct Timing {
 
   // ---- Starting
 
-  /// scaled s in which all missions and agents of a run come. Later, a robot sets off without them, and a
-  /// peer that never said anything is declared failed. Processes: a process starts within this time.
+  /// scaled s in which all agents of a run come. Later, a peer that never said anything is declared failed.
+  /// Processes: a process starts within this time.
   static constexpr double longest_startup = 10;
   /// scaled s after `longest_startup` and `longest_partition` in which peers that never came still count as
   /// a piece of the network. Network: a network may be in pieces from the beginning.

@@ -24,7 +24,7 @@ Run::WaitKind Run::wait_kind(double now) {
   if (tracking_ && !(tracking_->is_recent(wall_now) && tracking_->keeps_up(wall_now))) return &W::odometry;
   if (fleet_.cut_off() || connectivity_.listens(now)) return &W::connection;
   if (round_.stage() == Stage::waiting) return &W::joint_plan;
-  if (!may_set_off(now)) return &W::startup;
+  if (!may_set_off()) return &W::startup;
   if (!reserver_.waits_for().empty()) return &W::gate;
   if (round_.stranded()) return &W::joint_plan;
   return reserver_.holds() ? &W::promise : &W::reservation;

@@ -54,6 +54,10 @@ INSTANTIATE_TEST_SUITE_P(FailedUnseen, FuzzSeedsWithRestarts, testing::Values(11
 // and never so many at once that it took its own part for the smaller one.
 INSTANTIATE_TEST_SUITE_P(PartitionedFromTheStart, FuzzSeedsWithRestarts, testing::Values(2100149));
 
+// The network was partitioned when an agent had its own mission, and not yet those of the others. It did not
+// know that there were others, and drove after the startup.
+INSTANTIATE_TEST_SUITE_P(PartitionedBetweenTheMissions, FuzzSeedsWithRestarts, testing::Values(11200066));
+
 // The zones of failed robots left no room for a way past. A robot stood in such a zone, or very slightly too
 // close to it.
 INSTANTIATE_TEST_SUITE_P(OversizedZones, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));

@@ -83,7 +83,7 @@ TEST(Peers, ARobotOutsideTheRunIsNoNeighbour) {
   fleet.collect_neighbours({80, 80}, 100, 10, 0.1, ages, near);
   ASSERT_EQ(near.size(), 1u);
   EXPECT_EQ(near.front().promise.position, Point2(70, 70));
-  EXPECT_FALSE(fleet.complete(2));  // b has not been heard yet
+  EXPECT_FALSE(fleet.complete());  // b has not been heard yet
   hear(fleet, "c", 100, 401);
   EXPECT_EQ(fleet.others().size(), 1u);
 }

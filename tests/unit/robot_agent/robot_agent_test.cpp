@@ -39,6 +39,26 @@ TEST(RobotAgent, TheAgentDrivesAloneWithOnlyAService) {
   EXPECT_EQ(points, last.track_points);
 }
 
+TEST(RobotAgent, AnAgentThatLacksAMissionOfTheRunStandsUntilItComes) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  std::vector<Message> late;
+  for (const Message& message : map_and_missions(service)) {
+    const auto* const mission = std::get_if<Mission>(&message);
+    if (mission != nullptr && mission->robot == "b") {
+      late.push_back(message);
+    } else {
+      agent.on(arrival_of(message, 0));
+    }
+  }
+  ASSERT_EQ(late.size(), 1u);
+  const auto said = run(agent, 0, 40);
+  EXPECT_EQ(of<RobotState>(said).back().promise.position, Point2(20, 60));
+  EXPECT_EQ(of<AgentStatus>(said).back().wait_cause, "1 of 2 robots have missions by now");
+  agent.on(arrival_of(late.front(), 40));
+  EXPECT_GT((of<RobotState>(run(agent, 40, 140)).back().promise.position - Point2(20, 60)).norm(), 10);
+}
+
 TEST(RobotAgent, TheAgentOfASlowFleetSendsItsTrackInBatches) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
