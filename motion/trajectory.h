@@ -33,8 +33,8 @@ inline Trajectory shifted(Trajectory trajectory, double seconds) {
   return trajectory;
 }
 
-/// What is left of it at the point that is so many metres along its way. It begins when the robot leaves
-/// there.
+/// The part of a trajectory from the point that is so many metres along its way. It begins when the robot
+/// leaves that point.
 Trajectory rest_of(const Trajectory& trajectory, double along);
 
 /// Whether two robots that carry out their trajectories are ever closer than `near` metres between their

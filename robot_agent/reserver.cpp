@@ -141,7 +141,7 @@ bool Reserver::may_try(double now) const {
              (others_->news() != none->news ? Timing::reserve_again : Timing::reserve_again_without_news);
 }
 
-/// Whose turn it is, as far as this robot knows.
+/// The robot whose turn it is, as far as this robot knows. Empty: a robot of which nothing was heard.
 RobotName Reserver::next_to_plan(const Wanted& wanted, const Fleet& fleet) const {
   const ReservationMessage own{.robot = robot_, .way = wanted.way, .turn = wanted.turn, .run = {}};
   const ReservationMessage* next = &own;
@@ -218,8 +218,8 @@ std::vector<OtherRobot> Reserver::others_to_reckon_with(const Fleet& fleet, doub
   return others;
 }
 
-/// What the other robot is to drive from where it is, and as late as it is. Gates hold it up, or its
-/// trajectory was planned around somebody that has gone. Where it has been, it does not come again.
+/// The other robot drives on from where it is, as late as it is: gates hold it up, or its trajectory was
+/// planned around somebody that has gone. It does not come again where it has been.
 std::optional<KnownReservation> Reserver::reservation_of(const FleetMember& m) const {
   const ReservationMessage* const r = others_->find(m.robot, run_);
   const bool keeps_to_it =
