@@ -72,9 +72,10 @@ dds::DataWriterQos writer_qos() {
   constexpr bool among_agents = Topic<M>::written_by(Role::agent) && Topic<M>::read_by(Role::agent);
   dds::DataWriterQos qos;
   apply(info, qos);
-  // DDS's own thread sends the fragments of a large sample. A small sample is sent at once.
-  qos.publish_mode().kind = info.reliability == Reliability::reliable ? dds::ASYNCHRONOUS_PUBLISH_MODE
-                                                                      : dds::SYNCHRONOUS_PUBLISH_MODE;
+  // DDS's own thread sends maps and trees, which are large. It spins while another thread holds its writer
+  // (Fast DDS 2.9, FlowControllerImpl::run), so an agent sends at once: it writes small samples, and often.
+  qos.publish_mode().kind =
+      Topic<M>::written_by(Role::agent) ? dds::SYNCHRONOUS_PUBLISH_MODE : dds::ASYNCHRONOUS_PUBLISH_MODE;
   qos.reliable_writer_qos().times.heartbeatPeriod =
       Duration_t(0, among_agents ? heartbeat_among_agents_nanoseconds : heartbeat_nanoseconds);
   qos.reliable_writer_qos().times.nackResponseDelay = Duration_t(0, 0);
