@@ -27,18 +27,15 @@ namespace transport = eprosima::fastdds::rtps;
 
 namespace {
 
-// The multicast group gets all news and contains all new members. A participant that was told directly
-// because it had just appeared is in the group, too.
+// A participant that was told directly because it had just appeared is in the multicast group, too. The group
+// gets all news and contains all new members.
 constexpr std::chrono::milliseconds repeat_to_one{10'000};
-constexpr std::chrono::milliseconds repeat_to_group{3'000};
 // The first announcements may be lost, or come too early for processes that start at the same time. The gaps
-// double from this one on.
+// double from this one on: two hundred processes that went on announcing themselves often would do little
+// else.
 constexpr std::chrono::milliseconds first_repeat_to_group{500};
-constexpr int most_doublings = 3;
-// By then all processes have met. Two hundred processes that went on announcing themselves often would do
-// little else.
-constexpr int repeats_until_seldom = 10;
 constexpr std::chrono::milliseconds seldom{30'000};
+constexpr int repeats_until_seldom = 10;
 
 constexpr std::chrono::milliseconds between_heartbeats{300};
 
@@ -50,7 +47,6 @@ constexpr std::string_view replayer_data = "replayer";
 }  // namespace
 
 Recipients::Limit::Limit(Recipients& recipients, std::vector<RobotName> agents) : recipients_(recipients) {
-  std::ranges::sort(agents);
   recipients_.agents_ = std::move(agents);
   recipients_.limited_in_ = std::this_thread::get_id();
 }
@@ -66,6 +62,7 @@ void Recipients::discover(const rtps::ParticipantDiscoveryInfo& info) {
   const auto& addresses = info.info.default_locators.unicast;
   const Announced announced{robot_of(info.info.m_userData), {addresses.begin(), addresses.end()}};
   const std::scoped_lock lock(mutex_);
+  ++changes_;
   if (gone) {
     for (auto& [address, there] : at_)
       std::erase_if(there, [&](const Process& p) { return p.participant == participant; });
@@ -81,6 +78,7 @@ void Recipients::discover(const rtps::ParticipantDiscoveryInfo& info) {
 
 void Recipients::authenticate(const Guid& participant) {
   const std::scoped_lock lock(mutex_);
+  ++changes_;
   authenticated_.insert(participant);
   const auto announced = unproven_.find(participant);
   if (announced == unproven_.end()) return;
@@ -100,12 +98,31 @@ void Recipients::place(const Guid& participant, const Announced& announced) {
   }
 }
 
-bool Recipients::includes(const rtps::Locator_t& address) const {
+transport::LocatorList Recipients::among(rtps::LocatorsIterator& begin, const rtps::LocatorsIterator& end) {
+  if (readers_.as_of != changes_) sort(begin, end);
+  transport::LocatorList chosen = readers_.others;
+  for (const RobotName& agent : agents_) {
+    const auto known = readers_.agents.find(agent);
+    if (known == readers_.agents.end()) continue;
+    for (const Address& address : known->second) chosen.push_back(address);
+  }
+  return chosen;
+}
+
+void Recipients::sort(rtps::LocatorsIterator& begin, const rtps::LocatorsIterator& end) {
+  readers_ = {.as_of = changes_};
   const std::scoped_lock lock(mutex_);
-  const auto known = at_.find(address);
-  return known == at_.end() || std::ranges::any_of(known->second, [&](const Process& p) {
-           return p.robot.empty() || std::ranges::binary_search(agents_, p.robot);
-         });
+  for (; begin != end; ++begin) {
+    const auto known = at_.find(*begin);
+    const bool all_are_agents =
+        known != at_.end() &&
+        std::ranges::none_of(known->second, [](const Process& p) { return p.robot.empty(); });
+    if (!all_are_agents) {
+      readers_.others.push_back(*begin);
+      continue;
+    }
+    for (const Process& process : known->second) readers_.agents[process.robot].push_back(*begin);
+  }
 }
 
 std::vector<std::uint8_t> user_data_of(const RobotName& robot) {
@@ -305,9 +322,8 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
   const auto [entry, fresh] = told_.try_emplace({sender, destination});
   Told& told = entry->second;
   const bool is_news = told.number != number && is_group;
-  const auto first_gaps = first_repeat_to_group * (1 << std::min(told.repeats, most_doublings));
-  const auto usual = is_group ? std::min(repeat_to_group, first_gaps) : repeat_to_one;
-  const auto gap = told.repeats < repeats_until_seldom ? usual : seldom;
+  const auto usual = is_group ? first_repeat_to_group * (1 << told.repeats) : repeat_to_one;
+  const auto gap = told.repeats < repeats_until_seldom ? std::min(usual, seldom) : seldom;
   if (!fresh && !is_news && now - told.at < gap) return false;
   const int repeats = fresh || is_news ? 0 : std::min(told.repeats + 1, repeats_until_seldom);
   told = {number, now, repeats};
@@ -338,10 +354,8 @@ class SparingTransport final : public transport::ChainingTransport {
   bool send(rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
             rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
             const std::chrono::steady_clock::time_point& timeout) override {
-    if (parts_.recipients.is_limited()) {
-      const auto includes = [&](const rtps::Locator_t& l) { return parts_.recipients.includes(l); };
-      return send_to(includes, udp, message, size, begin, end, timeout);
-    }
+    if (parts_.recipients.is_limited())
+      return send_to(parts_.recipients.among(*begin, *end), udp, message, size, timeout);
     if (parts_.announcements != nullptr) {
       Announcements& announcements = *parts_.announcements;
       const Bytes bytes(message, size);
@@ -350,19 +364,19 @@ class SparingTransport final : public transport::ChainingTransport {
         const auto is_due = [&](const rtps::Locator_t& l) {
           return announcements.is_due(udp, l, *number, now);
         };
-        return send_to(is_due, udp, message, size, begin, end, timeout);
+        return send_to(those(is_due, begin, end), udp, message, size, timeout);
       }
       if (const auto news = endpoint_heartbeat_in(bytes)) {
         const auto now = std::chrono::steady_clock::now();
         const auto is_due = [&](const rtps::Locator_t& l) {
           return announcements.is_due(udp, l, *news, now);
         };
-        return send_to(is_due, udp, message, size, begin, end, timeout);
+        return send_to(those(is_due, begin, end), udp, message, size, timeout);
       }
     }
     if (parts_.is_secure && is_handshake_of_others({message, size})) return true;
     const auto all = [](const rtps::Locator_t&) { return true; };
-    return send_to(all, udp, message, size, begin, end, timeout);
+    return send_to(those(all, begin, end), udp, message, size, timeout);
   }
 
   /// UDP sends through every channel that it has. DDS asks for the channels to all readers again whenever it
@@ -378,6 +392,7 @@ class SparingTransport final : public transport::ChainingTransport {
   /// Chooses as UDP does, but in linear time. UDP compares each locator with all locators chosen before. DDS
   /// chooses anew whenever a reader is found or lost, so N processes that meet would need N^4 comparisons.
   void select_locators(rtps::LocatorSelector& selector) const override {
+    parts_.recipients.note_selection();
     auto& readers = selector.transport_starts();
     const bool in_groups = std::ranges::any_of(readers, [](const rtps::LocatorSelectorEntry* reader) {
       return reader->transport_should_process && !reader->multicast.empty();
@@ -412,13 +427,17 @@ class SparingTransport final : public transport::ChainingTransport {
 
  private:
   template <class Wanted>
-  bool send_to(Wanted&& wanted, rtps::SenderResource* udp, const rtps::octet* message, std::uint32_t size,
-               rtps::LocatorsIterator* begin, rtps::LocatorsIterator* end,
-               const std::chrono::steady_clock::time_point& timeout) {
+  static transport::LocatorList those(Wanted&& wanted, rtps::LocatorsIterator* begin,
+                                      rtps::LocatorsIterator* end) {
     transport::LocatorList chosen;
     for (; *begin != *end; ++*begin) {
       if (wanted(**begin)) chosen.push_back(**begin);
     }
+    return chosen;
+  }
+
+  bool send_to(const transport::LocatorList& chosen, rtps::SenderResource* udp, const rtps::octet* message,
+               std::uint32_t size, const std::chrono::steady_clock::time_point& timeout) {
     if (chosen.empty()) return true;
     parts_.traffic.bytes_sent += std::uint64_t{size} * chosen.size();
     rtps::Locators first(chosen.begin());

@@ -38,6 +38,8 @@
 
 #include <fastdds/rtps/common/Guid.h>
 #include <fastdds/rtps/common/Locator.h>
+#include <fastdds/rtps/common/LocatorList.hpp>
+#include <fastdds/rtps/common/LocatorsIterator.hpp>
 #include <fastdds/rtps/network/SenderResource.h>
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
@@ -82,8 +84,13 @@ class Recipients {
   void authenticate(const eprosima::fastrtps::rtps::GUID_t& participant);
 
   bool is_limited() const { return limited_in_ == std::this_thread::get_id(); }
-  /// While limited: false if all processes at this address are agents other than the given ones.
-  bool includes(const eprosima::fastrtps::rtps::Locator_t& address) const;
+  /// DDS has chosen the addresses of a writer's readers anew.
+  void note_selection() { ++changes_; }
+  /// While limited: the addresses of the readers, without those at which all processes are agents other than
+  /// the given ones. The range is that of a writer's readers, always of the same writer: it is read only if
+  /// anything has changed, because DDS's memory of a hundred readers is slow to go through.
+  eprosima::fastdds::rtps::LocatorList among(eprosima::fastrtps::rtps::LocatorsIterator& begin,
+                                             const eprosima::fastrtps::rtps::LocatorsIterator& end);
 
  private:
   using Guid = eprosima::fastrtps::rtps::GUID_t;
@@ -93,9 +100,11 @@ class Recipients {
     std::vector<Address> addresses;
   };
   void place(const Guid& participant, const Announced& announced);
+  void sort(eprosima::fastrtps::rtps::LocatorsIterator& begin,
+            const eprosima::fastrtps::rtps::LocatorsIterator& end);
 
   std::atomic<std::thread::id> limited_in_{};  ///< the thread that is limited; none: no limit
-  std::vector<RobotName> agents_;              ///< sorted
+  std::vector<RobotName> agents_;
   struct Process {
     Guid participant;
     RobotName robot;  ///< empty: it is no agent
@@ -107,6 +116,15 @@ class Recipients {
   std::unordered_map<Address, std::vector<Process>, AddressHash> at_;
   std::map<Guid, Announced> unproven_;  ///< only if secure, as authenticated_
   std::set<Guid> authenticated_;
+  std::atomic<std::uint64_t> changes_ = 1;  ///< of the readers, and of who is where
+
+  /// The addresses of the readers, by who is there. Used by the thread that is limited.
+  struct Readers {
+    std::uint64_t as_of = 0;  ///< of `changes_`
+    std::unordered_map<RobotName, eprosima::fastdds::rtps::LocatorList> agents;
+    eprosima::fastdds::rtps::LocatorList others;
+  };
+  Readers readers_;
 };
 
 /// Bytes through this process's sockets.
