@@ -43,9 +43,9 @@ int Dissemination::interval_to(const Peer& p, double now) const {
 bool Dissemination::is_told(std::size_t number, std::uint32_t tick, double now) {
   Peer& p = peers_[number];
   StateExchange& e = p.exchange;
-  const bool shakes_hands = e.is_in_turn;
+  const bool is_in_turn = e.is_in_turn;
   e.is_in_turn = false;
-  if (shakes_hands || e.is_witness || e.asks || (own_.waits() && tells_about_round(p))) return true;
+  if (is_in_turn || e.is_witness || (own_.waits() && tells_about_round(p))) return true;
   if (tick >= e.interval_until) {
     e.interval = static_cast<std::uint8_t>(interval_to(p, now));
     e.interval_until = tick + static_cast<std::uint32_t>(e.interval / Timing::checks_per_interval);
@@ -54,18 +54,14 @@ bool Dissemination::is_told(std::size_t number, std::uint32_t tick, double now) 
   return is_tick_of(e.phase, tick, e.interval);
 }
 
-/// By a wide margin: the peer may think that this robot is further away.
-bool Dissemination::tells_at_every_heartbeat(const Peer& p) const {
-  return peers_.size() <= witnesses || own_.interval_from(p) <= heartbeat_interval / 2;
-}
-
 /// The nearest peers that are not failed.
 void Dissemination::choose_witnesses() {
   std::vector<std::pair<double, Peer*>> candidates;
   candidates.reserve(peers_.size());
   for (Peer& p : peers_) {
+    if (!p.failed())
+      candidates.emplace_back(own_.gap(p) * (p.exchange.is_witness ? Timing::kept_witness : 1), &p);
     p.exchange.is_witness = false;
-    if (!p.failed()) candidates.emplace_back(own_.gap(p), &p);
   }
   const std::size_t few = std::min(witnesses, candidates.size());
   std::ranges::nth_element(candidates, candidates.begin() + static_cast<std::ptrdiff_t>(few));
@@ -77,27 +73,31 @@ void Dissemination::choose_witnesses() {
   chosen_among_ = peers_.size();
 }
 
-/// The next few of the peers that were heard, and that may not know this robot's clock: as many as one state
-/// has echoes for. They come after the one that got the last echo.
-void Dissemination::choose_handshakes() {
-  if (!shakes_hands_) return;
-  shakes_hands_ = false;
+/// The next few of the peers that were heard and may not know this robot's clock, and of those that ask for
+/// an echo. They come after the one that got the last echo.
+void Dissemination::choose_in_turn(std::size_t most) {
+  if (!shakes_hands_ && !somebody_asks_) return;
+  shakes_hands_ = somebody_asks_ = false;
   std::size_t chosen = 0;
-  for (std::size_t k = 0; k < peers_.size() && chosen < Timing::handshakes_per_tick; ++k) {
+  for (std::size_t k = 0; k < peers_.size(); ++k) {
     const std::size_t number = (last_echo_ + 1 + k) % peers_.size();
     Peer& p = peers_[number];
-    if (!p.alive() || is_synchronised(p)) continue;
-    shakes_hands_ = p.exchange.is_in_turn = true;
-    peers_.told_from[number] = 0;
+    const bool shakes_hands = p.alive() && !is_synchronised(p);
+    if (!shakes_hands && !p.exchange.asks) continue;
+    shakes_hands_ = shakes_hands_ || shakes_hands;
+    somebody_asks_ = somebody_asks_ || p.exchange.asks;
+    if (chosen == most) continue;
     ++chosen;
+    p.exchange.is_in_turn = true;
+    peers_.told_from[number] = 0;
   }
 }
 
 Dissemination::Address Dissemination::address(std::uint32_t tick, const RoundId* news,
-                                              const RobotName& waits_for, double now) {
+                                              const RobotName& waits_for, bool busy, double now) {
   if (!own_.mission) return {};
   if (is_tick_of(0, tick, Timing::ticks_per_choice) || peers_.size() != chosen_among_) choose_witnesses();
-  choose_handshakes();
+  choose_in_turn(busy ? Timing::answers_if_busy : Timing::answers_a_tick);
   const auto awaited = peers_.find(waits_for);
   std::vector<Peer*> addressed;
   addressed.reserve(peers_.size());

@@ -32,16 +32,13 @@ class Dissemination {
   /// A state of a peer came, first copy, not relayed: counts which of its states were lost.
   void count_loss(Peer& peer, std::uint32_t tick) {
     const Received::Count count = peer.received.hear(tick);
-    if (count.sent > 0 && own_.mission && tells_at_every_heartbeat(peer)) loss_.add(count);
+    if (own_.mission) loss_.add(count);
   }
   /// A newer state of the peer was taken up. Notes what the peer asks for.
   void hear(std::size_t number, double now);
 
-  /// The next state goes to this peer, too.
-  void answer(std::size_t number) {
-    peers_[number].exchange.asks = true;
-    peers_.told_from[number] = 0;
-  }
+  /// A state goes to this peer soon, with an echo.
+  void answer(std::size_t number) { peers_[number].exchange.asks = somebody_asks_ = true; }
 
   const LossCount& loss() const { return loss_; }
   /// Chooses how often to send each state: several times where few listen or much is lost, so that one peer
@@ -61,7 +58,7 @@ class Dissemination {
   };
   /// `tick`: the number of the state. `news`: of its round, for all within that. `waits_for`: the robot that
   /// this one waits for, if any.
-  Address address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for, double now);
+  Address address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for, bool busy, double now);
   /// The recipients that receive further copies of a state.
   std::vector<RobotName> who_hears_copies(std::span<const RobotName> agents) const;
 
@@ -78,11 +75,10 @@ class Dissemination {
  private:
   bool is_synchronised(const Peer& peer) const;
   bool tells_about_round(const Peer& peer) const;
-  bool tells_at_every_heartbeat(const Peer& peer) const;
   int interval_to(const Peer& peer, double now) const;
   bool is_told(std::size_t number, std::uint32_t tick, double now);
   void choose_witnesses();
-  void choose_handshakes();
+  void choose_in_turn(std::size_t most);
   bool hears(const Peer& peer, double now) const;
   bool answers(std::size_t asker, double now);
   std::vector<RobotName> next_missing();
@@ -95,6 +91,7 @@ class Dissemination {
   int copies_ = 1;
   std::size_t chosen_among_ = 0;  ///< so many peers were the witnesses
   bool shakes_hands_ = false;
+  bool somebody_asks_ = false;
   std::size_t last_echo_ = 0;  ///< number of the peer whose echo was sent last
   std::size_t next_echo_ = 0;  ///< number of the peer whose echo is news next
   std::vector<std::size_t>
@@ -105,7 +102,7 @@ class Dissemination {
 
 inline void Dissemination::hear(std::size_t number, double now) {
   Peer& p = peers_[number];
-  if (answers(number, now) || p.state->wants_echo) p.exchange.asks = true;
+  if (answers(number, now) || p.state->wants_echo) answer(number);
   p.exchange.waits_for_this = p.state->waits_for == own_.name;
   p.exchange.interval_until = 0;
   peers_.told_from[number] = 0;

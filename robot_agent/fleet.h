@@ -170,8 +170,7 @@ class Fleet {
   /// About how many seconds it takes from the missions on until all clocks are known.
   double handshakes_take() const {
     constexpr double states_each_way = 2;
-    return states_each_way * control_period * static_cast<double>(peers_.size()) /
-           Timing::handshakes_per_tick;
+    return states_each_way * control_period * static_cast<double>(peers_.size()) / Timing::answers_a_tick;
   }
   /// As many robots are known as the run has.
   bool has_missions() const { return peers_.size() + 1 >= size_of_the_run_; }
@@ -186,8 +185,9 @@ class Fleet {
 
   using Address = Dissemination::Address;
   /// The recipients of a state, the echoes and the missing peers that it names.
-  Address address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for, double now) {
-    return dissemination_.address(tick, news, waits_for, now);
+  Address address(std::uint32_t tick, const RoundId* news, const RobotName& waits_for, bool busy,
+                  double now) {
+    return dissemination_.address(tick, news, waits_for, busy, now);
   }
   /// The recipients that receive further copies of a state.
   std::vector<RobotName> who_hears_copies(std::span<const RobotName> agents) const {

@@ -13,8 +13,8 @@ namespace coppice {
 
 /// Which of a peer's last states came. Only states at heartbeats are counted: all peers that are not far away
 /// receive these. States may overtake each other: a missing state counts as lost only when it is some
-/// heartbeats old. A peer may pause, or come from far away: so a missing state counts only if two in a row
-/// came both shortly before and shortly after it.
+/// heartbeats old. A peer may pause, or send fewer states to a robot that has neighbours closer by: so a
+/// state counts only if the two before it and the two after it came.
 class Received {
  public:
   struct Count {
@@ -34,7 +34,7 @@ class Received {
     const bool anew = came_ == 0 || sequence < newest_ || sequence - newest_ >= window;
     for (std::uint32_t k = anew ? 0 : sequence - newest_; k > 0; --k) {
       came_ <<= 1;
-      if (!two_in_a_row(settled + 1) || !two_in_a_row(settled - reach)) continue;
+      if ((came_ & neighbours) != neighbours) continue;
       ++count.sent;
       count.lost += (came_ >> settled & 1) == 0;
     }
@@ -47,12 +47,7 @@ class Received {
   static constexpr std::uint32_t window =
       32;  // heartbeats: a longer gap is a pause, a restart or a partition
   static constexpr std::uint32_t settled = 4;  // heartbeats: no state comes later
-  static constexpr std::uint32_t reach = 4;    // heartbeats before and after
-
-  bool two_in_a_row(std::uint32_t from) const {
-    const std::uint32_t part = came_ >> from & ((1u << reach) - 1);
-    return (part & part >> 1) != 0;
-  }
+  static constexpr std::uint32_t neighbours = 0b11011u << (settled - 2);
 
   std::uint32_t came_ = 0;    ///< a bit for each heartbeat, the newest in bit 0
   std::uint32_t newest_ = 0;  ///< heartbeat

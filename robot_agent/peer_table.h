@@ -74,7 +74,7 @@ struct StateExchange {
   std::uint8_t phase = 0;            ///< of the ticks at which the peer is sent a state (send_interval.h)
   std::uint8_t interval = 1;         ///< ticks between these
   std::uint8_t handshakes = 0;      ///< echoes sent since its clock is known; up to Timing::handshakes_needed
-  bool is_in_turn : 1 = false;      ///< of the handshakes, in this tick
+  bool is_in_turn : 1 = false;      ///< for a handshake or an answer, in this tick
   bool is_witness : 1 = false;      ///< the peer is a witness of this robot
   bool waits_for_this : 1 = false;  ///< the peer waits for this robot
   bool misses_somebody : 1 = false;  ///< the peer misses this robot, or one that is heard here

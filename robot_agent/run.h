@@ -154,6 +154,7 @@ class Run {
   void relay_states(double now, std::vector<Outgoing>& out);
   RobotState state(double now, std::vector<Echo> echoes) const;
   std::uint8_t copies() const;
+  bool overloaded() const;
   int periods_to_next_control() const;
   bool records(double now) const;
 

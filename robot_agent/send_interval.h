@@ -31,7 +31,7 @@ inline int send_interval(double gap, double closing_speed) {
 
 /// Ticks between two states to a peer that was not heard yet, at most, in a fleet with so many peers.
 inline int handshake_interval(std::size_t peers) {
-  const auto ticks = std::bit_floor(std::max<std::size_t>(1, peers / Timing::handshakes_per_tick));
+  const auto ticks = std::bit_floor(std::max<std::size_t>(1, peers / Timing::answers_a_tick));
   return std::min(Timing::longest_handshake_interval, static_cast<int>(ticks));
 }
 

@@ -22,7 +22,8 @@ void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
                  reserver_.heeds(), fleet_.shakes_hands()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
-  auto [agents, echoes, misses] = fleet_.address(counter_.tick_to_say(), news, reserver_.waits_for(), now);
+  auto [agents, echoes, misses] =
+      fleet_.address(counter_.tick_to_say(), news, reserver_.waits_for(), overloaded(), now);
   RobotState said = state(now, std::move(echoes));
   said.misses = std::move(misses);
   said.knows = reserver_.knows(agents);
@@ -74,9 +75,12 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
 /// would not reach peers that are too busy to listen.
 std::uint8_t Run::copies() const {
   const bool has_set_off = status_.driven_length > 0 || !body_.stands();
-  const bool overloaded = timing_.late > share_of_overload;
-  return static_cast<std::uint8_t>(has_set_off && !connectivity_.joining() && !overloaded ? fleet_.copies()
-                                                                                          : 1);
+  return static_cast<std::uint8_t>(has_set_off && !connectivity_.joining() && !overloaded() ? fleet_.copies()
+                                                                                            : 1);
+}
+
+bool Run::overloaded() const {
+  return timing_.late > share_of_overload;
 }
 
 /// A robot that is bound to stand need not decide again before it has something to say.

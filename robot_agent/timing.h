@@ -75,6 +75,9 @@ struct Timing {
   /// So many of the nearest peers receive every state. Network: they know the last decisions of a robot that
   /// fails, although samples are lost.
   static constexpr std::size_t witnesses = 6;
+  /// A peer becomes a witness instead of another one if its distance is below this share of the other's.
+  /// Peers take states that they do not receive, shortly after those of a witness, for lost.
+  static constexpr double kept_witness = 0.7;
   /// Processes: so many witnesses listen at any moment, while the others may pause. Copies are counted for
   /// these.
   static constexpr std::size_t sure_witnesses = 3;
@@ -90,9 +93,12 @@ struct Timing {
   /// Echoes to a peer whose clock is known, until the handshake is over. Network: the peer must have heard
   /// one although samples are lost.
   static constexpr int handshakes_needed = 3;
-  /// The most peers to which a robot sends a state for handshakes in a tick: as many as a state has echoes
-  /// for.
-  static constexpr std::size_t handshakes_per_tick = 32;
+  /// The most peers to which a robot sends a state in a tick for a handshake, or because they ask: as many as
+  /// a state has echoes for.
+  static constexpr std::size_t answers_a_tick = 32;
+  /// The same of a robot whose processor is too busy for its decisions. Processes: where all are busy, all
+  /// seem silent to each other, all ask, and the answers would take what is left.
+  static constexpr std::size_t answers_if_busy = 4;
   /// ticks: the longest interval between two states to a peer that was not heard yet.
   static constexpr int longest_handshake_interval = 32;
   /// Echoes of one kind in a state, at most.

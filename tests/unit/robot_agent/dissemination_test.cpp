@@ -1,6 +1,7 @@
 // Tests of how often each peer is sent a state, and of what silence means at a distance.
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -72,7 +73,11 @@ class Row {
   static Point2 place(int k) { return {10 + 100.0 * k, 10}; }
 
   void hear(int k, double stamp, double arrived, std::vector<Echo> echoes = {}, How how = {}) {
-    RobotState state = state_of(name(k), stamp, place(k));
+    hear_at(k, k, stamp, arrived, std::move(echoes), std::move(how));
+  }
+  /// The robot with the number k is where that with the number `at` began.
+  void hear_at(int k, int at, double stamp, double arrived, std::vector<Echo> echoes, How how = {}) {
+    RobotState state = state_of(name(k), stamp, place(at));
     state.passed_on = how.passed_on;
     state.wants_echo = how.wants_echo;
     state.misses = how.misses;
@@ -106,7 +111,7 @@ TEST(Dissemination, WitnessesHearEveryStateAndOtherPeersHearSome) {
     const double now = tick * period;
     for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
     row.judge(now);
-    const auto to = row.fleet().address(static_cast<std::uint32_t>(tick), nullptr, {}, now);
+    const auto to = row.fleet().address(static_cast<std::uint32_t>(tick), nullptr, {}, false, now);
     for (const RobotName& robot : to.agents) ++heard[robot];
   }
   for (int k = 1; k <= 6; ++k) EXPECT_EQ(heard[Row::name(k)], ticks) << k;
@@ -126,7 +131,7 @@ TEST(Dissemination, PeersThatDoNotKnowTheClockGetEchoesInTurn) {
   row.judge(0);
   std::map<RobotName, int> echoes;
   for (std::uint32_t tick = 1; tick <= 4; ++tick) {
-    const auto to = row.fleet().address(tick, nullptr, {}, tick * period);
+    const auto to = row.fleet().address(tick, nullptr, {}, false, tick * period);
     EXPECT_LE(to.echoes.size(), most_echoes);
     for (const Echo& echo : to.echoes) echoes[echo.robot] += std::ranges::count(to.agents, echo.robot) > 0;
   }
@@ -141,7 +146,7 @@ TEST(Dissemination, APeerThatIsToBeAnsweredIsToldAtOnce) {
     const double now = ++tick * period;
     for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
     row.judge(now);
-    return row.fleet().address(tick, nullptr, {}, now).agents;
+    return row.fleet().address(tick, nullptr, {}, false, now).agents;
   };
   int rare = 0;
   for (int k = 0; k < 2 * longest_interval; ++k) tell();
@@ -164,7 +169,7 @@ TEST(Dissemination, CopiesGoToWitnessesAndToSynchronisedPeers) {
       row.hear(k, now, now + 0.001,
                k <= 20 ? std::vector<Echo>{{"a", now - period, now - period + 0.001}} : std::vector<Echo>{});
     row.judge(now);
-    row.fleet().address(static_cast<std::uint32_t>(tick), nullptr, {}, now);
+    row.fleet().address(static_cast<std::uint32_t>(tick), nullptr, {}, false, now);
     const auto again = row.fleet().who_hears_copies(all);
     for (int k = 1; k <= 6; ++k) EXPECT_EQ(std::ranges::count(again, Row::name(k)), 1) << k;
     for (int k = 21; k <= 40; ++k) EXPECT_EQ(std::ranges::count(again, Row::name(k)), 0) << k;
@@ -182,7 +187,7 @@ TEST(Dissemination, APeerWithoutAnEchoGetsOneWithTheNextState) {
       row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
                {.wants_echo = asks && k == 2});
     row.judge(now);
-    const auto echoes = row.fleet().address(tick, nullptr, {}, now).echoes;
+    const auto echoes = row.fleet().address(tick, nullptr, {}, false, now).echoes;
     return std::ranges::count(echoes, Row::name(2), &Echo::robot) == 1;
   };
   for (int k = 0; k < 400; ++k) echoed_in_turn(false);  // the clocks are synchronised
@@ -202,7 +207,7 @@ TEST(Dissemination, APeerThatMissesAHeardRobotIsToldSoonAndRarely) {
       row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}},
                {.misses = k == 30 ? missed : std::vector<RobotName>()});
     row.judge(now);
-    const auto to = row.fleet().address(tick, nullptr, {}, now);
+    const auto to = row.fleet().address(tick, nullptr, {}, false, now);
     const auto is_told = [&](const RobotName& robot) {
       return std::ranges::find(to.echoes, robot, &Echo::robot) != to.echoes.end();
     };
@@ -219,6 +224,56 @@ TEST(Dissemination, APeerThatMissesAHeardRobotIsToldSoonAndRarely) {
 }
 
 // A standing robot sends at every fourth tick, and hears the peer more often than that.
+// Where all are busy, all seem silent, and all ask. Nobody may then spend what is left on answers.
+TEST(Dissemination, ABusyRobotAnswersAFewPeersInATickAndAllInTurn) {
+  constexpr std::uint32_t peers = 40;
+  Row row(peers);
+  std::uint32_t tick = 0;
+  const auto tell = [&](bool busy) {
+    const double now = ++tick * period;
+    for (int k = 1; k <= static_cast<int>(peers); ++k)
+      row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+    row.judge(now);
+    return row.fleet().address(tick, nullptr, {}, busy, now);
+  };
+  for (int k = 0; k < 2 * longest_interval; ++k) tell(false);
+  for (int k = 1; k <= static_cast<int>(peers); ++k) row.fleet().answer(Row::name(k));
+  std::set<RobotName> answered;
+  for (std::uint32_t k = 0; k < peers / Timing::answers_if_busy; ++k) {
+    const auto to = tell(true);
+    EXPECT_LE(to.agents.size(), witnesses + Timing::answers_if_busy + 6) << "6 are due anyway, at most";
+    for (const Echo& echo : to.echoes) answered.insert(echo.robot);
+  }
+  EXPECT_EQ(answered.size(), peers);
+}
+
+/// Two peers at nearly the same distance come and go by turns.
+TEST(Dissemination, WitnessesDoNotChangeWithSmallDistances) {
+  Row row(40);
+  std::uint32_t tick = 0;
+  std::set<RobotName> always;
+  for (; tick < 2 * longest_interval; ++tick) {
+    const double now = tick * period;
+    for (int k = 1; k <= 40; ++k) row.hear(k, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+    row.judge(now);
+    row.fleet().address(tick, nullptr, {}, false, now);
+  }
+  int sixth = 0;
+  constexpr int ticks = 2 * longest_interval;
+  for (int k = 0; k < ticks; ++k, ++tick) {
+    const double now = tick * period;
+    const bool seventh_is_closer = k / Timing::ticks_per_choice % 2 == 1;
+    for (int peer = 1; peer <= 40; ++peer) {
+      const int at = seventh_is_closer && peer == 6 ? 7 : seventh_is_closer && peer == 7 ? 6 : peer;
+      row.hear_at(peer, at, now, now + 0.001, {{"a", now - period, now - period + 0.001}});
+    }
+    row.judge(now);
+    const auto to = row.fleet().address(tick, nullptr, {}, false, now);
+    sixth += static_cast<int>(std::ranges::count(to.agents, Row::name(6)));
+  }
+  EXPECT_EQ(sixth, ticks);
+}
+
 TEST(Dissemination, AnAnswerIsSentWithTheNextState) {
   Row row(60);
   int told = 0;
@@ -230,7 +285,7 @@ TEST(Dissemination, AnAnswerIsSentWithTheNextState) {
                {.misses = k != 30 ? std::vector<RobotName>() : std::vector<RobotName>{asks ? "r40" : "r55"}});
     row.judge(now);
     if (tick % 4 != 0) continue;
-    const auto to = row.fleet().address(tick, nullptr, {}, now);
+    const auto to = row.fleet().address(tick, nullptr, {}, false, now);
     const bool answers = std::ranges::count(to.agents, Row::name(30)) == 1 &&
                          std::ranges::find(to.echoes, "r40", &Echo::robot) != to.echoes.end();
     told += tick > 1000 && answers;
@@ -263,7 +318,7 @@ TEST(Dissemination, NoPeerIsAskedBeforeTheRobotHasAMission) {
     state.misses = {"b", "c"};
     EXPECT_TRUE(fleet.hear(std::make_shared<const RobotState>(state), 0.001));
   }
-  EXPECT_TRUE(fleet.address(0, nullptr, {}, 0).agents.empty());
+  EXPECT_TRUE(fleet.address(0, nullptr, {}, false, 0).agents.empty());
 }
 
 TEST(Dissemination, TheRobotAsksForAllMissingPeers) {
@@ -272,7 +327,7 @@ TEST(Dissemination, TheRobotAsksForAllMissingPeers) {
     const double now = tick * period;
     for (int k = 1; k <= 3; ++k) row.hear(k, now, now + 0.001);
     row.judge(now);
-    std::vector<RobotName> missed = row.fleet().address(tick, nullptr, {}, now).misses;
+    std::vector<RobotName> missed = row.fleet().address(tick, nullptr, {}, false, now).misses;
     std::ranges::sort(missed);
     if (now < 0.9) {
       EXPECT_TRUE(missed.empty()) << now;
@@ -292,7 +347,7 @@ TEST(Dissemination, TheRobotAsksForManyMissingPeersInTurn) {
       const double now = tick * period;
       for (int k = 1; k <= 3; ++k) row.hear(k, now, now + 0.001);
       row.judge(now);
-      const auto missed = row.fleet().address(tick, nullptr, {}, now).misses;
+      const auto missed = row.fleet().address(tick, nullptr, {}, false, now).misses;
       EXPECT_LE(missed.size(), most_missed);
       if (now > 30 && is_tick_of(0, tick, longest_interval)) {
         EXPECT_TRUE(row.failed(10));

@@ -1,6 +1,10 @@
 // Tests of how many decisions of a robot may have reached no peer.
 #include "robot_agent/loss.h"
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 #include <gtest/gtest.h>
 
 #include "robot_agent/fleet.h"
@@ -30,9 +34,6 @@ TEST(Loss, UnheardStatesBecomeRarerWithCopiesAndWitnesses) {
   EXPECT_EQ(two_thirds.unheard_states(1), 19);  // 0.5^20 is the first power below one in a million
   EXPECT_EQ(two_thirds.unheard_states(10), 1);
   EXPECT_EQ(two_thirds.unheard_states(20), 0);
-
-  const LossCount tenth = counted(numbers_up_to(3000, [](auto k) { return k % 10 != 0; }));
-  EXPECT_EQ(tenth.unheard_states(1), 6);
 
   const LossCount none = counted(numbers_up_to(10000, [](auto) { return true; }));
   EXPECT_EQ(none.unheard_states(1), 2);
@@ -74,6 +75,25 @@ TEST(Loss, APeerThatIsHeardRarelySaysNothingAboutLoss) {
   for (const std::uint32_t stride : {2u, 4u, 8u, 16u}) {
     const LossCount loss = counted(numbers_up_to(5000, [&](auto k) { return k % stride == 0; }));
     EXPECT_EQ(loss.unheard_states(1), LossCount().unheard_states(1));
+  }
+}
+
+/// A witness hears each state. After a while this one is a witness for two heartbeats of eight only, and
+/// hears every second heartbeat besides.
+TEST(Loss, APeerThatIsAWitnessByTurnsSaysNothingAboutLoss) {
+  const LossCount loss =
+      counted(numbers_up_to(5000, [](auto k) { return k < 2000 || k % 2 == 0 || k % 8 == 5; }));
+  EXPECT_EQ(loss.unheard_states(1), 2);
+}
+
+/// Also where much is lost, the states between those that came are as likely to be lost as all others.
+TEST(Loss, TheShareOfIndependentLossesIsFound) {
+  std::mt19937_64 random(1);
+  for (const double share : {0.02, 0.1, 0.3}) {
+    std::bernoulli_distribution lost(share);
+    const LossCount loss = counted(numbers_up_to(50'000, [&](auto) { return !lost(random); }));
+    const double exact = std::ceil(std::log(1e-6) / std::log(share));
+    EXPECT_NEAR(loss.unheard_states(1) + 1, exact, std::max(1.0, 0.2 * exact)) << share;
   }
 }
 
