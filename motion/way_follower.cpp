@@ -135,7 +135,10 @@ Point2 WayFollower::rounded_at(double along) const {
 }
 
 double WayFollower::speed_limit(double stop, const Limits& limits, double period) const {
-  double speed = std::min(limits.max_speed, speed_to_stop_within(stop - progress_, limits, period));
+  const double left = std::max(0.0, stop - progress_);
+  // A robot can stop at once from this speed, so it drives what is left in one period.
+  const double last = std::min(limits.max_acceleration * period, left / period);
+  double speed = std::min(limits.max_speed, std::max(last, speed_to_stop_within(left, limits, period)));
   const double far = limits.max_speed * limits.max_speed / (2 * limits.max_acceleration);
   const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
   for (auto i = static_cast<std::size_t>(first - way_.along.begin());

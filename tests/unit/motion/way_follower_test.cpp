@@ -39,6 +39,27 @@ TEST(WayFollower, ARobotDoesNotDrivePastWhereTheWayIsOpen) {
   EXPECT_GT(position.x(), 29);
 }
 
+// It does not creep for the last millimetres.
+TEST(WayFollower, ARobotComesToStandAtTheEndAsSoonAsItsLimitsAllow) {
+  for (const Limits limits : {Limits{20, 40}, Limits{1, 2}, Limits{1, 10}}) {
+    for (double length = 3; length < 3.5; length += 0.013) {
+      WayFollower follower(std::vector<Path>{{{0, 0}, {length * limits.max_speed, 0}}},
+                           0.3 * limits.max_speed, 0.01);
+      Point2 position(0, 0);
+      Point2 velocity(0, 0);
+      int steps = 0;
+      do {
+        const Point2 wanted = follower.preferred_velocity(position, limits, period, open);
+        velocity = within_limits(wanted, velocity, limits, period);
+        position += period * velocity;
+        ++steps;
+      } while (!velocity.isZero(0) && steps < 1000);
+      EXPECT_NEAR(position.x(), length * limits.max_speed, 1e-9);
+      EXPECT_LE(steps * period, free_flow_time(length * limits.max_speed, limits) + 4 * period) << length;
+    }
+  }
+}
+
 /// Drives along a way in its strip until the end, and returns the seconds that takes.
 double driven(const Path& way, double radius, const Limits& limits) {
   static const ClearanceField field(test::open_map(300, 300));
