@@ -342,10 +342,12 @@ double Reserver::First::progress_at(double time) const {
   return progress + std::max(0.0, driven - slip);
 }
 
-/// Whether another robot does not go on by its reservation, and stands.
+/// Whether another robot does not go on by its reservation, and stands. A state may be older than a
+/// reservation that came before it: numbers tell when a reservation was made (next_number).
 bool Reserver::has_left(const Held& held, const Pair& pair, const FleetMember& m) {
   if (!m.stands) return false;
-  if (!pair.is_awaited) return m.reservation > pair.number || m.stage == Stage::waiting;
+  const bool is_newer = m.promise.stamp - m.clock_offset >= control_period * pair.number;
+  if (!pair.is_awaited) return m.reservation > pair.number || (is_newer && m.stage == Stage::waiting);
   if (m.round != held.round) return m.round.overrides(held.round);
   return m.stage != Stage::waiting && m.reservation == 0;
 }

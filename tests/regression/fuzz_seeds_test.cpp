@@ -46,6 +46,10 @@ INSTANTIATE_TEST_SUITE_P(PushedToAndFro, FuzzSeeds, testing::Values(1000588));
 // way of no length again and again.
 INSTANTIATE_TEST_SUITE_P(LedAway, FuzzSeeds, testing::Values(8300043));
 
+// A robot waited at a gate very close to the end of a leg, and counted as being at the end. So the gate lay
+// behind it, and it drove past another robot that was to go first.
+INSTANTIATE_TEST_SUITE_P(GateAtTheEndOfALeg, FuzzSeeds, testing::Values(12700135));
+
 // A robot fell silent, was heard again, and failed elsewhere while another agent was down. That agent knew
 // only of the silence, and drove into the robot.
 INSTANTIATE_TEST_SUITE_P(FailedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));

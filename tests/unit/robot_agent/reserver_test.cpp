@@ -88,6 +88,14 @@ class ReserverTest : public testing::Test {
     tell(a, b);
   }
 
+  /// The speed that a wants at the point (x, 100) of its way.
+  double speed_of_a_at(double x) {
+    Point2 v = Point2::Zero();
+    for (double at = 20; at <= x; at += 1)
+      v = a.reserver.preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6);
+    return v.norm();
+  }
+
   ClearanceField field{test::open_map(200, 200)};
   MapRoadmaps places{field};
   Robot a{"a", {{20, 100}, {180, 100}}, places};
@@ -278,19 +286,32 @@ TEST_F(ReserverTest, AMemberThatHasNotTakenUpItsPartIsWaitedFor) {
   waits.round = plan_of_both().round;
   waits.stage = Stage::waiting;
   a.fleet.hear(std::make_shared<const RobotState>(waits), 0.6);
-  const auto speed_at = [&](double x) {
-    Point2 v = Point2::Zero();
-    for (double at = 20; at <= x; at += 1)
-      v = a.reserver.preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6);
-    return v.norm();
-  };
-  EXPECT_LT(speed_at(89), 0.5);
+  EXPECT_LT(speed_of_a_at(89), 0.5);
   EXPECT_EQ(a.reserver.waits_for(), "b");
   b.drop(0.7);
   RobotState left = b.state(0.8);
   left.round = plan_of_both().round;
   a.fleet.hear(std::make_shared<const RobotState>(left), 0.8);
-  EXPECT_GT(speed_at(89), 5) << "it has left the plan";
+  EXPECT_GT(speed_of_a_at(89), 5) << "it has left the plan";
+}
+
+// States and reservations are under way for different times.
+TEST_F(ReserverTest, AStateThatIsOlderThanAReservationDoesNotShowThatItIsLeft) {
+  for (Robot* robot : {&a, &b}) robot->adopt(plan_of_both(), 0.5);
+  tell(a, b);
+  a.self.position = {80, 100};  // soon at the crossing
+  RobotState waits = b.state(0.4);
+  waits.reservation = 0;
+  waits.round = plan_of_both().round;
+  waits.stage = Stage::waiting;
+  a.fleet.hear(std::make_shared<const RobotState>(waits), 0.4);
+  EXPECT_LT(speed_of_a_at(89), 0.5);
+  EXPECT_EQ(a.reserver.waits_for(), "b");
+  RobotState left = b.state(0.8);
+  left.round.epoch = 5;
+  left.stage = Stage::waiting;
+  a.fleet.hear(std::make_shared<const RobotState>(left), 0.8);
+  EXPECT_GT(speed_of_a_at(89), 5);
 }
 
 TEST_F(ReserverTest, AMemberThatStandsElsewhereSaysThatItHasNoReservation) {
