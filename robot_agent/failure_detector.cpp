@@ -230,13 +230,15 @@ void FailureDetector::declare_silent_failed(double now, const ClearanceField& fi
 }
 
 /// A network may be in pieces from the beginning. Then peers are given up one by one, by when their missions
-/// came. Later these are not part of a piece: networks heal.
+/// came; and a single peer that was heard before the network fell apart is suspected before that. Later these
+/// are not part of a piece: networks heal.
 std::vector<Peer*> FailureDetector::with_those_who_never_came(std::vector<Peer*> lost, double now) {
   constexpr double pieces_end =
       Timing::longest_startup + Timing::longest_partition + Timing::pieces_from_the_beginning;
   if (now > pieces_end * own_.second()) return lost;
   for (Peer& p : peers_) {
-    if (p.failed() && !p.state) lost.push_back(&p);
+    const bool may_be_elsewhere = p.failed() && (!p.state || p.suspicion() != nullptr);
+    if (may_be_elsewhere && std::ranges::find(lost, &p) == lost.end()) lost.push_back(&p);
   }
   return lost;
 }

@@ -50,6 +50,10 @@ INSTANTIATE_TEST_SUITE_P(LedAway, FuzzSeeds, testing::Values(8300043));
 // behind it, and it drove past another robot that was to go first.
 INSTANTIATE_TEST_SUITE_P(GateAtTheEndOfALeg, FuzzSeeds, testing::Values(12700135));
 
+// The network was partitioned when some robots had heard of each other and some had not come yet. The first
+// were suspected one by one, the others given up later. So no robot counted all that were in the other part.
+INSTANTIATE_TEST_SUITE_P(PartitionedWhileTheRobotsCome, FuzzSeeds, testing::Values(13400004));
+
 // A robot fell silent, was heard again, and failed elsewhere while another agent was down. That agent knew
 // only of the silence, and drove into the robot.
 INSTANTIATE_TEST_SUITE_P(FailedUnseen, FuzzSeedsWithRestarts, testing::Values(1100169));
