@@ -262,8 +262,13 @@ bool FailureDetector::is_minority(std::span<Peer* const> lost) const {
   });
 }
 
+/// A peer chooses its copies so that no state is unheard by its own count. An agent that has counted little
+/// takes the peer's word, unless the peer sent as if nobody listened.
 int FailureDetector::unheard_states_of(const Peer& p, const LossCount& loss) const {
-  return loss.unheard_states(std::min(count_.left(), witnesses) * (p.state ? p.state->copies : 1));
+  const std::size_t copies = p.state ? p.state->copies : 1;
+  const std::size_t samples = std::min(count_.left(), witnesses) * copies;
+  const bool peer_has_counted = samples >= LossCount::fewest_samples && copies < Timing::most_copies;
+  return loss.knows_little() && peer_has_counted ? 0 : loss.unheard_states(samples);
 }
 
 /// The peer stands where it braked to after the last decision that anybody may know of, and not in an

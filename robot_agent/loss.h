@@ -55,6 +55,9 @@ class Received {
 
 class LossCount {
  public:
+  /// Fewer samples than that are never enough for one to be heard for sure, however little is lost.
+  static constexpr std::size_t fewest_samples = 3;
+
   void add(const Received::Count& count) {
     for (int k = 0; k < count.sent; ++k) {
       sent_ = sent_ * memory + 1;
@@ -68,6 +71,8 @@ class LossCount {
     const double exponent = std::log(1e-6) / (static_cast<double>(samples) * std::log(share()));
     return static_cast<int>(std::ceil(exponent)) - 1;
   }
+  /// Too few samples were counted to judge by. So it is for an agent that was just started.
+  bool knows_little() const { return sent_ < few; }
   /// How often to send each state to so many listeners, at least one, so that there is no such state. Never
   /// more than Timing::most_copies.
   int copies_for(std::size_t listeners) const {
@@ -78,6 +83,7 @@ class LossCount {
 
  private:
   static constexpr double most_lost = 0.5;
+  static constexpr double few = 20;        // samples
   static constexpr double memory = 0.995;  // counts about the last 200 samples
 
   double share() const { return std::min((lost_ + 1) / (sent_ + 2), most_lost); }

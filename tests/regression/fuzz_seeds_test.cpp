@@ -70,6 +70,10 @@ INSTANTIATE_TEST_SUITE_P(PartitionedBetweenTheMissions, FuzzSeedsWithRestarts, t
 // close to it.
 INSTANTIATE_TEST_SUITE_P(OversizedZones, FuzzSeeds, testing::Values(510042, 510110, 700374, 750035));
 
+// An agent that was just restarted took the loss for the largest possible. The zone of the failed robot
+// covered the agent's goal.
+INSTANTIATE_TEST_SUITE_P(OversizedZoneAfterARestart, FuzzSeedsWithRestarts, testing::Values(13200061));
+
 // An agent was restarted while its robot stood in a pocket as wide as the robot. Rounding had brought the
 // robot closer to a wall than its radius, so the search of all passages found no way out of the pocket.
 INSTANTIATE_TEST_SUITE_P(RestartedInAPocketAsWideAsTheRobot, FuzzSeedsWithRestarts, testing::Values(4620102));

@@ -8,6 +8,7 @@
 #include "messages/validation.h"
 #include "motion/promise.h"
 #include "planning/quantities.h"
+#include "robot_agent/timing.h"
 #include "tests/unit/robot_agent/listener.h"
 
 namespace coppice {
@@ -175,6 +176,26 @@ TEST(FailureDetector, ARobotBesideAFailedOneAddsNoDiscsToItsZone) {
     }
     EXPECT_LE(a.failed_seen_from({20, 20}, 65).size(), all.size() + 2) << along;
   }
+}
+
+// An agent that was started in mid-run had counted nothing, and took the loss for the largest possible. The
+// zone of the failed robot covered the goal.
+TEST(FailureDetector, AnAgentThatHasCountedLittleTakesThePeersWordForTheCopies) {
+  const auto places = [](std::uint8_t copies) {
+    Listener a;
+    RobotState last = state_of("b", 0, {100, 100}, {0, 10});
+    last.copies = copies;
+    a.hear(last);
+    for (double now = 0; now < 5; now += period) {
+      a.hear("c", now, {}, Point2::Zero(), {20, 100});
+      a.judge(now);
+    }
+    EXPECT_TRUE(a.failed("b"));
+    return a.failed_seen_from({20, 20}, 5).size();
+  };
+  EXPECT_GT(places(1), 1u) << "b sends as if it were alone";
+  EXPECT_EQ(places(2), 1u);
+  EXPECT_EQ(places(Timing::most_copies - 1), 1u);
 }
 
 TEST(FailureDetector, TheZoneOfARobotOfImpossibleSpeedIsComputedQuickly) {
