@@ -209,29 +209,32 @@ std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, s
   return echoes;
 }
 
-std::vector<RobotState> Dissemination::last_words(double now) const {
-  std::vector<RobotState> states;
-  if (detector_.all_settled(now)) return states;
+Dissemination::Relay Dissemination::last_words(double now) {
+  Relay relay;
+  if (detector_.all_settled(now)) return relay;
   for (const Peer& p : peers_) {
     const double silent = detector_.unheard(p, now) / own_.second();
     if (!p.state || silent <= Timing::relay_from || silent >= Timing::relay_until) continue;
-    states.push_back(*p.state);
-    states.back().passed_on = true;
+    relay.states.push_back(*p.state);
+    relay.states.back().passed_on = true;
   }
-  return states;
+  if (relay.states.empty()) return relay;
+  for (const Peer& p : peers_) relay.hearers.push_back(p.robot);
+  relayed_.leave_next(relay.states, Timing::relayed_at_once);
+  relayed_to_.leave_next(relay.hearers, Timing::relayed_at_once);
+  return relay;
 }
 
-std::vector<RobotName> Dissemination::next_to_relay_to() {
-  const std::size_t part = (peers_.size() + Timing::relay_parts - 1) / Timing::relay_parts;
-  const std::size_t count = std::min(std::max(part, Timing::least_relayed_to), peers_.size());
-  std::vector<RobotName> names;
-  names.reserve(count);
-  for (std::size_t k = 0; k < count; ++k) names.push_back(peers_[(relayed_to_ + k) % peers_.size()].robot);
-  relayed_to_ += count;
-  return names;
+Dissemination::Relay Dissemination::news_for_those_back(double now) {
+  Relay relay{.states = {}, .hearers = those_back(now)};
+  if (relay.hearers.empty()) return relay;
+  relay.states = states_of_silent_peers(now);
+  relayed_.leave_next(relay.states, Timing::relayed_at_once);
+  relayed_to_.leave_next(relay.hearers, Timing::relayed_at_once);
+  return relay;
 }
 
-std::vector<RobotName> Dissemination::peers_to_inform(double now) const {
+std::vector<RobotName> Dissemination::those_back(double now) const {
   std::vector<RobotName> names;
   const double informs_for = Timing::informs_for * own_.second();
   if (now - std::max(detector_.new_at(), detector_.back_at()) > informs_for) return names;

@@ -7,7 +7,10 @@
 // Times are fleet time by this robot's clock, seconds, unless a type says wall clock; metres.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,11 +24,34 @@
 
 namespace coppice {
 
+/// Goes through lists that may change, a few elements at a time.
+class Turns {
+ public:
+  explicit Turns(std::size_t first) : next_(first) {}
+
+  /// Leaves the next `most` elements in the list, or all if they are fewer.
+  template <class T>
+  void leave_next(std::vector<T>& list, std::size_t most) {
+    if (list.size() <= most) return;
+    const auto first = static_cast<std::ptrdiff_t>(next_ % list.size());
+    std::rotate(list.begin(), list.begin() + first, list.end());
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(most), list.end());
+    next_ += most;
+  }
+
+ private:
+  std::size_t next_;
+};
+
 class Dissemination {
  public:
   /// All of these outlive it.
   Dissemination(const OwnRobot& own, PeerTable& peers, const FailureDetector& detector)
-      : own_(own), peers_(peers), detector_(detector) {}
+      : own_(own),
+        peers_(peers),
+        detector_(detector),
+        relayed_(std::hash<RobotName>{}(own.name)),
+        relayed_to_(std::hash<RobotName>{}(own.name)) {}
 
   /// The peers of another run were dropped.
   void forget_peers();
@@ -62,15 +88,16 @@ class Dissemination {
   /// The recipients that receive further copies of a state.
   std::vector<RobotName> who_hears_copies(std::span<const RobotName> agents) const;
 
-  /// The last states of peers that have just fallen silent.
-  std::vector<RobotState> last_words(double now) const;
-  /// Those to which they are relayed at this heartbeat.
-  std::vector<RobotName> next_to_relay_to();
-  /// Peers that were started anew in mid-run, or were out of touch and are back: they may not know where all
-  /// peers are, or may have been last.
-  std::vector<RobotName> peers_to_inform(double now) const;
-  /// The last states of the peers that are silent or failed.
-  std::vector<RobotState> states_of_silent_peers(double now) const;
+  struct Relay {
+    std::vector<RobotState> states;
+    std::vector<RobotName> hearers;
+  };
+  /// What to relay at this heartbeat of peers that have just fallen silent. No states: nobody has.
+  Relay last_words(double now);
+  /// What to relay to peers that were started anew in mid-run, or were out of touch and are back: they may
+  /// not know where all peers are, or may have been last. The last states of peers that are silent or failed.
+  /// No hearers: nobody is back.
+  Relay news_for_those_back(double now);
 
  private:
   bool is_synchronised(const Peer& peer) const;
@@ -82,6 +109,8 @@ class Dissemination {
   bool hears(const Peer& peer, double now) const;
   bool answers(std::size_t asker, double now);
   std::vector<RobotName> next_missing();
+  std::vector<RobotName> those_back(double now) const;
+  std::vector<RobotState> states_of_silent_peers(double now) const;
   std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t tick);
 
   const OwnRobot& own_;
@@ -95,9 +124,9 @@ class Dissemination {
   std::size_t last_echo_ = 0;  ///< number of the peer whose echo was sent last
   std::size_t next_echo_ = 0;  ///< number of the peer whose echo is news next
   std::vector<std::size_t>
-      missed_by_others_;        ///< numbers of peers that are heard here: echoed in the next state
-  std::size_t relayed_to_ = 0;  ///< peers to which states were relayed so far
-  std::size_t asked_for_ = 0;   ///< missing peers that all states have named so far
+      missed_by_others_;  ///< numbers of peers that are heard here: echoed in the next state
+  Turns relayed_, relayed_to_;
+  std::size_t asked_for_ = 0;  ///< missing peers that all states have named so far
 };
 
 inline void Dissemination::hear(std::size_t number, double now) {

@@ -193,16 +193,9 @@ class Fleet {
   std::vector<RobotName> who_hears_copies(std::span<const RobotName> agents) const {
     return dissemination_.who_hears_copies(agents);
   }
-  /// The last states of peers that have just fallen silent.
-  std::vector<RobotState> last_words(double now) const { return dissemination_.last_words(now); }
-  /// Those to which they are relayed at this heartbeat.
-  std::vector<RobotName> next_to_relay_to() { return dissemination_.next_to_relay_to(); }
-  /// Peers that were started anew in mid-run, or were out of touch and are back. And what to tell them: the
-  /// last states of the peers that are silent or failed.
-  std::vector<RobotName> peers_to_inform(double now) const { return dissemination_.peers_to_inform(now); }
-  std::vector<RobotState> states_of_silent_peers(double now) const {
-    return dissemination_.states_of_silent_peers(now);
-  }
+  /// What to relay at this heartbeat: of peers that have just fallen silent, and to those that are back.
+  Dissemination::Relay last_words(double now) { return dissemination_.last_words(now); }
+  Dissemination::Relay news_for_those_back(double now) { return dissemination_.news_for_those_back(now); }
 
  private:
   Peer& peer(const RobotName& robot);

@@ -19,7 +19,7 @@ constexpr double share_of_overload = 0.25;  // of the last decisions that came l
 /// Tells the peers. A robot that goes on standing as it has said does so at heartbeats only.
 void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
   counter_.note({body_.stands(), phase(), round_.id(), stage(), reserver_.waits_for(), reserver_.number(),
-                 reserver_.heeds(), fleet_.shakes_hands()});
+                 reserver_.heeds(), fleet_.shakes_hands() && !overloaded()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
   auto [agents, echoes, misses] =
@@ -36,17 +36,14 @@ void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
 }
 
 void Run::relay_states(double now, std::vector<Outgoing>& out) {
-  std::vector<RobotState> last_words = fleet_.last_words(now);
-  if (!last_words.empty()) {
-    const std::vector<RobotName> hearers = fleet_.next_to_relay_to();
-    for (RobotState& last : last_words) out.emplace_back(std::move(last), hearers);
-  }
+  auto [last_words, hearers] = fleet_.last_words(now);
+  for (RobotState& last : last_words) out.emplace_back(std::move(last), hearers);
   if (counter_.heartbeats() % heartbeats_between_relays != 0) return;
-  const std::vector<RobotName> to = fleet_.peers_to_inform(now);
-  if (to.empty()) return;
+  const auto [states, those_back] = fleet_.news_for_those_back(now);
+  if (those_back.empty()) return;
   // No peer confirms that it has heard these. So they are sent as often as makes one of them arrive.
-  for (const RobotState& last : fleet_.states_of_silent_peers(now))
-    for (int copy = 0; copy < fleet_.copies(); ++copy) out.emplace_back(Message(last), to);
+  for (const RobotState& last : states)
+    for (int copy = 0; copy < fleet_.copies(); ++copy) out.emplace_back(Message(last), those_back);
 }
 
 RobotState Run::state(double now, std::vector<Echo> echoes) const {

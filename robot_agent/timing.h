@@ -125,11 +125,10 @@ struct Timing {
   static constexpr double relay_from = 0.5;
   /// scaled s of silence until which it is relayed.
   static constexpr double relay_until = 4;
-  /// At each heartbeat the state is relayed to one of so many parts of the peers, in turn. So each relaying
-  /// robot tells each peer four times, and a relay in a large fleet does not fill the network.
-  static constexpr std::size_t relay_parts = 4;
-  /// A smaller part is not worth a turn.
-  static constexpr std::size_t least_relayed_to = 16;
+  /// A robot relays so many states to so many peers at each heartbeat, in turn. Each robot begins elsewhere,
+  /// and those that were told relay, too: so all peers hear of all states within a few heartbeats. Processes,
+  /// network: where all are late, all seem silent, and relays would take what is left.
+  static constexpr std::size_t relayed_at_once = 16;
   /// Heartbeats between two relays of what is known of silent peers to a peer that is new or back.
   static constexpr std::uint32_t heartbeats_between_relays = 2;
   /// scaled s between two counts of the silent peers, at most.

@@ -73,7 +73,7 @@ class Listener {
     }
     return radius;
   }
-  std::vector<RobotName> peers_to_inform(double now) const { return fleet_.peers_to_inform(now); }
+  std::vector<RobotName> peers_to_inform(double now) { return fleet_.news_for_those_back(now).hearers; }
   bool cut_off() const { return fleet_.cut_off(); }
   std::vector<Disc> failed_seen_from(const Point2& position, double now) const {
     return fleet_.zones_of_failed(position, now);
