@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "motion/kinematics.h"
@@ -31,19 +32,34 @@ inline double speed_on_arc(double radius, double stray, const Limits& limits, do
 }
 
 /// Seconds that a robot at full speed loses because it slows down for a corner: before and after the arc, and
-/// on it. At a right angle and beyond it stops.
-inline double time_lost_around(const Point2& in, const Point2& out, double stray, const Limits& limits) {
+/// on it. At a right angle and beyond it stops. `room`: metres before and after the corner that the arc may
+/// take.
+inline double time_lost_around(const Point2& in, const Point2& out, double stray, const Limits& limits,
+                               double room = std::numeric_limits<double>::infinity()) {
   const double full = limits.max_speed;
   const double stop = full / limits.max_acceleration;
   if (in.dot(out) <= 0) return stop;
-  const double radius = arc_radius(in, out, stray);
+  double radius = arc_radius(in, out, stray);
+  double tangent = std::sqrt(stray * (stray + 2 * radius));  // from the corner to the ends of the arc
+  if (tangent > room) {
+    radius *= room / tangent;
+    tangent = room;
+  }
   const double speed = speed_on_arc(radius, stray, limits, 0);
   if (speed == full) return 0;
-  const double tangent = std::sqrt(stray * (stray + 2 * radius));  // from the corner to the ends of the arc
   const double change = full - speed;
   constexpr double share_of_arc = 0.7;  // then the robot speeds up again
   const double on_arc = share_of_arc * 2 * tangent * (1 / speed - 1 / full);
   return std::min(change * change / (limits.max_acceleration * full) + on_arc, stop);
+}
+
+/// The same at a point of a path. Each of an edge's two corners may take half of the edge. 0 at the ends.
+inline double time_lost_at(const Path& path, std::size_t k, double stray, const Limits& limits) {
+  if (k == 0 || k + 1 >= path.size()) return 0;
+  const Point2 in = path[k] - path[k - 1];
+  const Point2 out = path[k + 1] - path[k];
+  const double room = std::min(in.norm(), out.norm()) / 2;
+  return time_lost_around(in.normalized(), out.normalized(), stray, limits, room);
 }
 
 }  // namespace coppice

@@ -107,15 +107,7 @@ SafeIntervalSearch::Known& SafeIntervalSearch::known(Vertex v, SpaceTime& others
   const auto [at_v, is_new] = known_.try_emplace(v);
   Known& known = at_v->second;
   if (!is_new) return known;
-  std::vector<Interval> blocked;
-  others.blocked_at(at(v), blocked);
-  unite(blocked);
-  double begin = -infinity;
-  for (const Interval& b : blocked) {
-    if (b.begin > begin) known.safe.push_back({begin, b.begin});
-    begin = std::max(begin, b.end);
-  }
-  if (begin < infinity) known.safe.push_back({begin, infinity});
+  known.safe = others.safe_at(at(v));
   known.states.assign(known.safe.size(), none);
   return known;
 }
@@ -146,12 +138,8 @@ void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, Spa
     if (departure > s.safe_until) return;
     std::uint32_t& state = there.states[k];
     if (state != none && (states_[state].closed || departure + duration >= states_[state].time)) continue;
-    const auto free_from = [&](double time) {
-      return others.first_departure(at(s.vertex), at(to), duration, time);
-    };
-    departure = free_from(departure);
-    if (s.parent != none && departure > ready)
-      departure = free_from(departure + std::min(speeding_up(limits), departure - ready));
+    departure = s.parent == none ? others.first_departure(at(s.vertex), at(to), duration, departure)
+                                 : others.first_departure(at(s.vertex), at(to), ready, departure, limits);
     if (departure > s.safe_until || departure == infinity) return;
     const double arrival = departure + duration;
     if (arrival >= safe.end) continue;

@@ -267,6 +267,29 @@ void SpaceTime::blocked_at(const Point2& p, std::vector<Interval>& out, Number o
   }
 }
 
+std::vector<Interval> SpaceTime::safe_at(const Point2& p) const {
+  std::vector<Interval> blocked;
+  blocked_at(p, blocked);
+  unite(blocked);
+  std::vector<Interval> safe;
+  double begin = -forever;
+  for (const Interval& b : blocked) {
+    if (b.begin > begin) safe.push_back({begin, b.begin});
+    begin = std::max(begin, b.end);
+  }
+  if (begin < forever) safe.push_back({begin, forever});
+  return safe;
+}
+
+double SpaceTime::first_departure(const Point2& a, const Point2& b, double ready, double from,
+                                  const Limits& limits) {
+  const double duration = (b - a).norm() / limits.max_speed;
+  const double departure = first_departure(a, b, duration, from);
+  const double waited = departure - ready;
+  return waited > 0 ? first_departure(a, b, duration, departure + std::min(speeding_up(limits), waited))
+                    : departure;
+}
+
 double SpaceTime::first_departure(const Point2& a, const Point2& b, double duration, double from,
                                   Number own) {
   const Point2 velocity = (b - a) / duration;

@@ -14,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include "motion/kinematics.h"
 #include "motion/segments.h"
 #include "motion/trajectory.h"
 #include "planning/geometry.h"
@@ -64,9 +65,16 @@ class SpaceTime {
 
   /// Appends times at which the disc may not be at p, not sorted. `own`: the disc is this robot.
   void blocked_at(const Point2& p, std::vector<Interval>& out, Number own = nobody) const;
+  /// The intervals of time in which the disc may be at p, in order. The first may begin at minus infinity,
+  /// the last may have no end.
+  std::vector<Interval> safe_at(const Point2& p) const;
   /// The first time from `from` on at which it may depart from a in order to be at b `duration` seconds
   /// later; infinite: never.
   double first_departure(const Point2& a, const Point2& b, double duration, double from, Number own = nobody);
+
+  /// The same for a robot that is at a at full speed at `ready`. If it has to wait, it needs time to speed
+  /// up.
+  double first_departure(const Point2& a, const Point2& b, double ready, double from, const Limits& limits);
 
   static constexpr double forever = std::numeric_limits<double>::infinity();
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "motion/earliest_along.h"
 #include "motion/segments.h"
+#include "motion/wide_corners.h"
 
 namespace coppice {
 
@@ -33,8 +35,11 @@ std::optional<Trajectory> TrajectoryPlanner::search() {
   for (const Disc& zone : zones_) taken.add_obstacle(zone);
   taken.start_at(path_.front(), begin_);
   auto found = search_.search(taken, begin_, limits_);
-  if (found && path_of(*found).size() < 2) found.reset();
-  return found;
+  if (!found || path_of(*found).size() < 2) return std::nullopt;
+  const double stray = reserved_stray_radii * radius_;
+  const Path wide = with_wide_corners(path_of(*found), field_, radius_, stray, limits_);
+  const auto rounded = earliest_along(wide, taken, begin_, stray, limits_);
+  return rounded && rounded->back().time < found->back().time ? rounded : found;
 }
 
 std::optional<Trajectory> TrajectoryPlanner::around_all() {

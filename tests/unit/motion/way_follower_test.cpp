@@ -12,6 +12,7 @@
 #include "motion/driver.h"
 #include "motion/segments.h"
 #include "motion/space_time.h"
+#include "motion/wide_corners.h"
 #include "tests/unit/motion/plans.h"
 
 namespace coppice {
@@ -97,6 +98,24 @@ TEST(WayFollower, ARobotLosesAtACornerNoMoreThanASearchReckonsWith) {
     EXPECT_LE(lost, 1.3 * reckoned + 0.06) << degrees;
     EXPECT_GE(lost, 0.4 * reckoned - 0.06) << degrees;
   }
+}
+
+TEST(WayFollower, ARobotTakesNoLongerForWideCornersAndMostlyLess) {
+  const Limits limits{20, 40};
+  OccupancyMap map = test::open_map(300, 300);
+  test::block(map, 0, 126, 115, 299);  // inside of the turn
+  const ClearanceField field(map);
+  double all = 0;  // seconds
+  for (const double degrees : {15, 25, 35, 45, 60, 80}) {
+    const double turn = degrees * std::numbers::pi / 180;
+    const Point2 out(std::cos(turn), std::sin(turn));
+    const Path path{{20, 120}, {120, 120}, Point2(120, 120) + 100 * out};
+    const Path wide = with_wide_corners(path, field, 5, reserved_stray_radii * 5, limits);
+    const double gained = driven(path, 5, limits) - driven(wide, 5, limits);
+    EXPECT_GE(gained, -1e-9) << degrees;
+    all += gained;
+  }
+  EXPECT_GT(all, 0.1);
 }
 
 TEST(WayFollower, ARobotRoundsCornersThatFollowCloselyOnEachOther) {
