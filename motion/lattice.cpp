@@ -52,8 +52,11 @@ Lattice::Lattice(const ClearanceField& field, double radius, double spacing, dou
 
 Lattice::Known Lattice::look_at(Vertex v) {
   const double clear = field_.lower_bound(at(v));
-  const bool is_between = (static_cast<int>(v) % columns_ | static_cast<int>(v) / columns_) % 2 != 0;
-  if (is_between && clear >= fine_within_) return left_out;
+  const int place = static_cast<int>(v) % columns_ | static_cast<int>(v) / columns_;
+  double within = fine_within_;
+  for (int step = 2; step <= coarsest && clear >= within; step *= 2, within *= 2) {
+    if (place % step != 0) return left_out;
+  }
   const double longest_edge = (is_of_walls() ? 1.5 : 1) * spacing_ * std::numbers::sqrt2;
   if (clear >= radius_ + longest_edge) return wide;
   if (field_.is_free(at(v), radius_) || (is_of_walls() && shift_off_wall(v))) return free_;

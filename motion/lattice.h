@@ -33,8 +33,9 @@ class Lattice {
   /// (metres) rounded down to a multiple of half a cell, but not below that.
   Lattice(const ClearanceField& field, double radius, double spacing);
   /// The lattice of walls. Vertices further than `fine_within` (metres) from obstacles lie two spacings
-  /// apart. Where half a cell is more than `spacing`, the spacing is a part of half a cell. On a map that is
-  /// too large for that, the spacing is twice as large everywhere, and at least half a cell.
+  /// apart, those that are twice as far four, and so on up to `coarsest`. Where half a cell is more than
+  /// `spacing`, the spacing is a part of half a cell. On a map that is too large for that, the spacing is
+  /// twice as large everywhere, and at least half a cell.
   static Lattice of_walls(const ClearanceField& field, double radius, double spacing, double fine_within);
 
   double spacing() const { return spacing_; }
@@ -58,16 +59,17 @@ class Lattice {
     const int j = static_cast<int>(v) / columns_;
     for (std::size_t d = 0; d < steps.size(); ++d) {
       const auto [di, dj] = steps[d];
-      if (!contains(i + di, j + dj)) continue;
-      const Vertex w = vertex(i + di, j + dj);
-      if (!passable(w)) continue;
-      if (vertex_free(w)) {
-        if (edge_free(v, w, d))
-          fn(w, is_of_walls() ? (at(w) - at(v)).norm() : length(static_cast<Direction>(d)));
-      } else if (known_vertex_[w] == left_out && contains(i + 2 * di, j + 2 * dj)) {
-        // No obstacle is near enough to block an edge through w.
-        const Vertex beyond = vertex(i + 2 * di, j + 2 * dj);
-        if (passable(beyond) && vertex_free(beyond)) fn(beyond, (at(beyond) - at(v)).norm());
+      // Across vertices that are left out, to the next one that is not. No obstacle is near enough to block
+      // an edge through these.
+      for (int step = 1; step <= coarsest && contains(i + step * di, j + step * dj); step *= 2) {
+        const Vertex w = vertex(i + step * di, j + step * dj);
+        if (!passable(w)) break;
+        if (vertex_free(w)) {
+          if (step > 1 || edge_free(v, w, d))
+            fn(w, is_of_walls() ? (at(w) - at(v)).norm() : length(static_cast<Direction>(d)));
+          break;
+        }
+        if (known_vertex_[w] != left_out) break;
       }
     }
   }
@@ -94,6 +96,8 @@ class Lattice {
 
   /// Columns and rows on each side of a point off the lattice: it is linked to the vertices among them.
   static constexpr int usual_reach = 2;
+  /// The most spacings between neighbours of a lattice of walls.
+  static constexpr int coarsest = 4;
 
   /// Calls fn(vertex) for the vertices around p, free or not: `reach` columns and rows on each side.
   template <class Fn>

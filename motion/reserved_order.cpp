@@ -53,6 +53,25 @@ bool come_near(const Part& a, const Part& b, double near) {
   return distance(box(a), box(b)) < near;
 }
 
+/// Another's part, and the metres along an own part between which it may be near.
+struct Close {
+  const Part* other;
+  double begin;
+  double end;
+};
+
+/// The own part crosses a strip along the line of the other part.
+Close close_to(const Part& own, const Part& other, double near) {
+  const auto across = [&](const Point2& d) {
+    return other.direction.x() * d.y() - other.direction.y() * d.x();
+  };
+  const double change = across(own.direction);
+  if (std::abs(change) < 1e-3) return {&other, -forever, forever};
+  const double middle = -across(own.from - other.from) / change;
+  const double half = near / std::abs(change);
+  return {&other, middle - half, middle + half};
+}
+
 /// The own robot is around p from `begin` to `end`. Raises `needed`, the metres along its way that the other
 /// must have come before. Returns false if the two are close at the same time.
 bool look_at(const Point2& p, double begin, double end, const Part& other, double near, double& needed) {
@@ -79,13 +98,13 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
   const double slack = gate_slack_radii * std::max(own_radius, other_radius);
   const double near = (1 + reserved_stray_radii) * (own_radius + other_radius) + piece / 2 + slack;
   const std::vector<Part> others = parts_of(other, offset);
-  std::vector<const Part*> close;
+  std::vector<Close> close;
   Order order;
   double needed = 0;
   for (const Part& part : parts_of(own, 0)) {
     close.clear();
     for (const Part& o : others) {
-      if (come_near(part, o, near)) close.push_back(&o);
+      if (come_near(part, o, near)) close.push_back(close_to(part, o, near));
     }
     if (close.empty()) continue;
     const double pieces = std::max(1.0, std::ceil(part.length / piece));
@@ -94,9 +113,10 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
       const double to = part.length * (k + 1) / pieces;
       const bool moves = part.length > 0;
       const double before = needed;
-      for (const Part* o : close) {
+      for (const Close& o : close) {
+        if (to < o.begin || from > o.end) continue;
         const bool apart = look_at(part.at((from + to) / 2), moves ? part.time(from) : part.begin,
-                                   moves ? part.time(to) : part.end, *o, near, needed);
+                                   moves ? part.time(to) : part.end, *o.other, near, needed);
         if (!apart) order.apart_beyond = part.along + to;
       }
       if (needed > before) order.gates.push_back({part.along + from, needed});

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <queue>
+#include <numbers>
 
 #include "motion/corner_speed.h"
 
@@ -18,7 +18,12 @@ constexpr std::size_t most_expansions = 40'000;
 constexpr std::size_t most_expansions_in_all = 80'000;
 constexpr double detour = 1.5;       // of the shortest way: vertices further away are not looked at
 constexpr double worthwhile = 1.2;   // of the path: if the lattice's way is longer, the path is looked at too
-constexpr double detour_steps = 20;  // spacings beyond that
+constexpr double detour_steps = 40;  // spacings beyond that
+
+/// Metres along lines in the eight directions of a lattice, across a box of this size.
+double octile(const Point2& size) {
+  return size.maxCoeff() + (std::numbers::sqrt2 - 1) * size.minCoeff();
+}
 
 }  // namespace
 
@@ -27,10 +32,10 @@ SafeIntervalSearch::SafeIntervalSearch(const ClearanceField& field, Lattice& lat
     : field_(field), lattice_(lattice), radius_(radius), roomy_((1 + reserved_stray_radii) * radius) {
   start_ = add_point(path.front());
   goal_ = add_point(path.back());
-  measure_distances();
-  if (distance_[start_] <= worthwhile * length_of(path)) return;
+  begin_distances();
+  if (distance(start_) <= worthwhile * length_of(path)) return;
   add_path(path);
-  measure_distances();
+  begin_distances();
 }
 
 /// The way through passages that the lattice misses.
@@ -58,7 +63,7 @@ SafeIntervalSearch::Vertex SafeIntervalSearch::add_point(const Point2& p) {
   const auto v = static_cast<Vertex>(lattice_.size() + points_.size());
   points_.push_back(p);
   links_.emplace_back();
-  lattice_.for_each_around(p, Lattice::usual_reach, [&](Vertex w) {
+  lattice_.for_each_around(p, Lattice::coarsest, [&](Vertex w) {
     if (!lattice_.vertex_free(w) || !field_.segment_free(p, lattice_.at(w), radius_)) return;
     const double length = (p - lattice_.at(w)).norm();
     if (length == 0) return;
@@ -81,126 +86,168 @@ void SafeIntervalSearch::for_each_link(Vertex v, Fn&& fn) {
   }
 }
 
-/// Dijkstra's search from the goal, a little further than to the start.
-void SafeIntervalSearch::measure_distances() {
+/// Begins an A* search from the goal to the start, which goes on as distances are requested (Silver,
+/// "Cooperative Pathfinding", 2005, section "Reverse Resumable A*").
+void SafeIntervalSearch::begin_distances() {
   distance_.assign(lattice_.size() + points_.size(), std::numeric_limits<float>::infinity());
-  std::priority_queue<std::pair<float, Vertex>, std::vector<std::pair<float, Vertex>>, std::greater<>> open;
+  settled_.assign(distance_.size(), false);
   distance_[goal_] = 0;
-  open.emplace(0, goal_);
-  double most = infinity;
-  while (!open.empty()) {
-    const auto [here, v] = open.top();
-    open.pop();
-    if (here > distance_[v]) continue;
-    if (here > most) break;
-    if (v == start_) most = detour * here + detour_steps * lattice_.spacing();
-    for_each_link(v, [&, from = here](Vertex w, double length) {  // clang 14 captures no binding
-      const auto through = static_cast<float>(from + length);
-      if (through >= distance_[w]) return;
-      distance_[w] = through;
-      open.emplace(through, w);
+  unsettled_ = {{0, 0, goal_}};
+  most_ = infinity;
+  most_ = detour * distance(start_) + detour_steps * lattice_.spacing();
+}
+
+/// Metres to the goal; infinite: a way from the start to the goal through v is too long.
+float SafeIntervalSearch::distance(Vertex v) {
+  const Point2& start = points_.front();
+  while (!settled_[v] && !unsettled_.empty() && unsettled_.front().through <= most_) {
+    const Reached here = unsettled_.front();
+    std::ranges::pop_heap(unsettled_, std::greater<>(), &Reached::through);
+    unsettled_.pop_back();
+    if (settled_[here.vertex]) continue;
+    settled_[here.vertex] = true;
+    for_each_link(here.vertex, [&](Vertex w, double length) {
+      const auto distance = static_cast<float>(here.distance + length);
+      if (settled_[w] || distance >= distance_[w]) return;
+      distance_[w] = distance;
+      unsettled_.push_back({distance + static_cast<float>(octile((at(w) - start).cwiseAbs())), distance, w});
+      std::ranges::push_heap(unsettled_, std::greater<>(), &Reached::through);
     });
   }
+  return settled_[v] ? distance_[v] : std::numeric_limits<float>::infinity();
 }
 
 SafeIntervalSearch::Known& SafeIntervalSearch::known(Vertex v, SpaceTime& others) {
-  const auto [at_v, is_new] = known_.try_emplace(v);
-  Known& known = at_v->second;
-  if (!is_new) return known;
-  known.safe = others.safe_at(at(v));
-  known.states.assign(known.safe.size(), none);
-  return known;
+  if (number_[v] != none) return known_[number_[v]];
+  number_[v] = static_cast<std::uint32_t>(known_.size());
+  const auto first = static_cast<std::uint32_t>(states_.size());
+  const Point2 place = at(v);
+  for (const Interval& safe : others.safe_at(place)) states_.push_back({v, place, safe});
+  return known_.emplace_back(first, static_cast<std::uint32_t>(states_.size()));
 }
 
 /// Seconds that a robot loses because it slows down for the turn at a state's vertex.
 double SafeIntervalSearch::time_lost(const State& s, Vertex to, const Limits& limits) const {
   if (s.parent == none) return 0;
-  const Point2 here = at(s.vertex);
-  const Point2 in = (here - at(states_[s.parent].vertex)).normalized();
-  const Point2 out = (at(to) - here).normalized();
-  return time_lost_around(in, out, reserved_stray_radii * radius_, limits);
+  const Point2 out = (at(to) - s.place).normalized();
+  return time_lost_around(s.heading, out, reserved_stray_radii * radius_, limits);
 }
 
-/// The earliest arrivals at a vertex, one in each of its safe intervals, straight from a state.
-void SafeIntervalSearch::reach(std::uint32_t from, Vertex to, double length, SpaceTime& others,
-                               const Limits& limits) {
-  const State s = states_[from];
-  const double duration = length / limits.max_speed;
+void SafeIntervalSearch::push(const Move& move) {
+  open_.push_back(move);
+  std::ranges::push_heap(open_, std::greater<>(), &Move::cost);
+}
+
+std::optional<SafeIntervalSearch::Move> SafeIntervalSearch::next_move() {
+  if (open_.empty()) return std::nullopt;
+  std::ranges::pop_heap(open_, std::greater<>(), &Move::cost);
+  const Move move = open_.back();
+  open_.pop_back();
+  return move;
+}
+
+/// The earliest arrivals at a vertex, one in each of its safe intervals, straight from a state, if nobody
+/// comes across.
+void SafeIntervalSearch::offer_moves(std::uint32_t from, Vertex to, double length, SpaceTime& others,
+                                     const Limits& limits) {
   Known& there = known(to, others);
   if (std::ranges::find(there.from, from) != there.from.end()) return;
   there.from.push_back(from);
+  const State& s = states_[from];
+  const double duration = length / limits.max_speed;
   const double ready = s.time + time_lost(s, to, limits);
-  double departure = ready;
-  for (std::size_t k = 0; k < there.safe.size(); ++k) {
-    const Interval& safe = there.safe[k];
-    if (safe.end <= departure + duration) continue;
-    departure = std::max(departure, safe.begin - duration);
-    if (departure > s.safe_until) return;
-    std::uint32_t& state = there.states[k];
-    if (state != none && (states_[state].closed || departure + duration >= states_[state].time)) continue;
-    departure = s.parent == none ? others.first_departure(at(s.vertex), at(to), duration, departure)
-                                 : others.first_departure(at(s.vertex), at(to), ready, departure, limits);
-    if (departure > s.safe_until || departure == infinity) return;
+  for (std::uint32_t k = there.first; k < there.end; ++k) {
+    const State& t = states_[k];
+    const double departure = std::max(ready, t.safe.begin - duration);
+    if (departure > s.safe.end) return;
     const double arrival = departure + duration;
-    if (arrival >= safe.end) continue;
-    if (state == none) {
-      state = static_cast<std::uint32_t>(states_.size());
-      states_.push_back({to, safe.end, infinity, none});
-    }
-    State& known = states_[state];
-    if (arrival >= known.time) continue;
-    known.time = arrival;
-    known.parent = from;
-    open_.emplace_back(arrival + distance_[to] / limits.max_speed, state);
-    std::ranges::push_heap(open_, std::greater<>());
+    if (t.closed || arrival >= std::min(t.safe.end, t.time)) continue;
+    push({arrival + distance_[to] / limits.max_speed, from, k, departure, false});
+  }
+}
+
+/// Whether the move takes place as offered. If it takes place later, it is offered again.
+bool SafeIntervalSearch::look_at(Move& move, SpaceTime& others, const Limits& limits) {
+  if (std::exchange(move.is_certain, true)) return true;
+  const State& s = states_[move.from];
+  State& t = states_[move.to];
+  const Point2& a = s.place;
+  const Point2& b = t.place;
+  const double duration = (b - a).norm() / limits.max_speed;
+  const double ready = s.time + time_lost(s, t.vertex, limits);
+  const double offered = std::exchange(
+      move.departure, s.parent == none ? others.first_departure(a, b, duration, move.departure)
+                                       : others.first_departure(a, b, ready, move.departure, limits));
+  if (move.departure == offered) return true;
+  const double arrival = move.departure + duration;
+  if (move.departure > s.safe.end || arrival >= std::min(t.safe.end, t.time)) return false;
+  t.time = arrival;
+  move.cost += move.departure - offered;
+  push(move);
+  return false;
+}
+
+/// The robot arrives: no earlier arrival in this state will be found.
+void SafeIntervalSearch::carry_out(const Move& move, const Limits& limits) {
+  State& to = states_[move.to];
+  to.closed = true;
+  if (move.from == none) return;
+  const Point2 way = to.place - states_[move.from].place;
+  const double length = way.norm();
+  to.parent = move.from;
+  to.time = move.departure + length / limits.max_speed;
+  to.heading = way / length;
+}
+
+void SafeIntervalSearch::begin_at(double time, SpaceTime& others, const Limits& limits) {
+  const Known& start = known(start_, others);
+  for (std::uint32_t k = start.first; k < start.end; ++k) {
+    State& s = states_[k];
+    if (time < s.safe.begin || time >= s.safe.end) continue;
+    s.time = time;
+    push({time + distance_[start_] / limits.max_speed, none, k, time, true});
   }
 }
 
 std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double begin, const Limits& limits,
                                                      double before) {
-  const double speed = limits.max_speed;
-  if (distance_[start_] == std::numeric_limits<float>::infinity()) return std::nullopt;
+  if (distance(start_) == std::numeric_limits<float>::infinity()) return std::nullopt;
+  number_.assign(distance_.size(), none);
   known_.clear();
   states_.clear();
   open_.clear();
+  begin_at(begin, others, limits);
   std::size_t expanded = 0;
-  Known& first = known(start_, others);
-  const auto safe =
-      std::ranges::find_if(first.safe, [&](const Interval& i) { return i.begin <= begin && begin < i.end; });
-  if (safe == first.safe.end()) return std::nullopt;
-  first.states[static_cast<std::size_t>(safe - first.safe.begin())] = 0;
-  states_.push_back({start_, safe->end, begin, none});
-  open_.emplace_back(begin + distance_[start_] / speed, 0);
-  while (!open_.empty()) {
-    std::ranges::pop_heap(open_, std::greater<>());
-    if (open_.back().first >= before) return std::nullopt;
-    const std::uint32_t number = open_.back().second;
-    open_.pop_back();
-    if (std::exchange(states_[number].closed, true)) continue;
-    const State here = states_[number];
-    if (here.vertex == goal_ && here.safe_until == infinity) return trajectory_to(number, begin, speed);
+  while (std::optional<Move> move = next_move()) {
+    if (move->cost >= before) return std::nullopt;
+    if (states_[move->to].closed || !look_at(*move, others, limits)) continue;
+    carry_out(*move, limits);
+    const State here = states_[move->to];
+    if (here.vertex == goal_ && here.safe.end == infinity)
+      return trajectory_to(move->to, begin, limits.max_speed);
     if (++expanded > most_expansions || ++expanded_in_all_ > most_expansions_in_all) return std::nullopt;
     for_each_link(here.vertex, [&](Vertex w, double length) {
-      if (distance_[w] == std::numeric_limits<float>::infinity()) return;
+      if (distance(w) == std::numeric_limits<float>::infinity()) return;
       if (here.parent != none) {
-        const Vertex up = states_[here.parent].vertex;
-        if (up != w && field_.segment_free(at(up), at(w), roomy_))
-          reach(here.parent, w, (at(up) - at(w)).norm(), others, limits);
+        const State& up = states_[here.parent];
+        const Point2 place = at(w);
+        if (up.vertex != w && field_.segment_free(up.place, place, roomy_))
+          offer_moves(here.parent, w, (place - up.place).norm(), others, limits);
       }
-      reach(number, w, length, others, limits);
+      offer_moves(move->to, w, length, others, limits);
     });
   }
   return std::nullopt;
 }
 
 Trajectory SafeIntervalSearch::trajectory_to(std::uint32_t state, double begin, double speed) const {
-  Trajectory back{{states_[state].time, at(states_[state].vertex)}};
+  Trajectory back{{states_[state].time, states_[state].place}};
   for (; states_[state].parent != none; state = states_[state].parent) {
-    const State& before = states_[states_[state].parent];
-    const Point2 from = at(before.vertex);
-    const double departure = states_[state].time - (at(states_[state].vertex) - from).norm() / speed;
-    if (departure > before.time + 1e-9) back.push_back({departure, from});
-    back.push_back({before.time, from});
+    const State& here = states_[state];
+    const State& before = states_[here.parent];
+    const double departure = here.time - (here.place - before.place).norm() / speed;
+    if (departure > before.time + 1e-9) back.push_back({departure, before.place});
+    back.push_back({before.time, before.place});
   }
   std::ranges::reverse(back);
   back.front().time = begin;

@@ -42,17 +42,32 @@ class SafeIntervalSearch {
  private:
   using Vertex = std::uint32_t;
   static constexpr std::uint32_t none = ~std::uint32_t{0};
-  struct State {
+  struct State {  ///< a vertex in one of its safe intervals
     Vertex vertex;
-    double safe_until;
-    double time;  ///< of arrival
-    std::uint32_t parent;
+    Point2 place;
+    Interval safe;
+    Point2 heading = Point2::Zero();   ///< in which the robot arrives, of length 1; zero at the start
+    double time = SpaceTime::forever;  ///< of arrival, at the latest
+    std::uint32_t parent = none;
     bool closed = false;
   };
-  struct Known {  ///< of a vertex
-    std::vector<Interval> safe{};
-    std::vector<std::uint32_t> states{};  ///< by safe interval
-    std::vector<std::uint32_t> from{};    ///< states from which it was reached, or not, before
+  struct Known {          ///< of a vertex
+    std::uint32_t first;  ///< of its states, which follow each other
+    std::uint32_t end;
+    std::vector<std::uint32_t> from{};  ///< states from which a move to it was offered
+  };
+  struct Reached {
+    float through;   ///< metres of a way from the start to the goal through the vertex, about
+    float distance;  ///< from there to the goal, metres
+    Vertex vertex;
+  };
+  /// A move straight from one state to another.
+  struct Move {
+    double cost;  ///< the arrival at the goal, if nothing comes between
+    std::uint32_t from;
+    std::uint32_t to;
+    double departure;
+    bool is_certain;  ///< nobody comes across it
   };
   struct Link {
     Vertex to;
@@ -64,10 +79,16 @@ class SafeIntervalSearch {
   template <class Fn>
   void for_each_link(Vertex v, Fn&& fn);
   void add_path(const Path& path);
-  void measure_distances();
+  void begin_distances();
+  float distance(Vertex v);
   Known& known(Vertex v, SpaceTime& others);
   double time_lost(const State& s, Vertex to, const Limits& limits) const;
-  void reach(std::uint32_t from, Vertex to, double length, SpaceTime& others, const Limits& limits);
+  void offer_moves(std::uint32_t from, Vertex to, double length, SpaceTime& others, const Limits& limits);
+  void push(const Move& move);
+  std::optional<Move> next_move();
+  bool look_at(Move& move, SpaceTime& others, const Limits& limits);
+  void carry_out(const Move& move, const Limits& limits);
+  void begin_at(double time, SpaceTime& others, const Limits& limits);
   Trajectory trajectory_to(std::uint32_t state, double begin, double speed) const;
 
   const ClearanceField& field_;
@@ -79,11 +100,15 @@ class SafeIntervalSearch {
   std::unordered_map<Vertex, std::vector<Link>> links_off_;  ///< from lattice vertices to these points
   Vertex start_;
   Vertex goal_;
-  std::vector<float> distance_;  ///< by vertex: metres to the goal; infinite: too far
-  std::unordered_map<Vertex, Known> known_;
+  std::vector<float> distance_;        ///< by vertex: metres to the goal, so far
+  std::vector<char> settled_;          ///< by vertex: the distance is known
+  std::vector<Reached> unsettled_;     ///< a heap, the least `through` first
+  double most_ = 0;                    ///< metres of a way through a vertex that matters
+  std::vector<std::uint32_t> number_;  ///< by vertex: in known_
+  std::vector<Known> known_;
   std::vector<State> states_;
   std::size_t expanded_in_all_ = 0;
-  std::vector<std::pair<double, std::uint32_t>> open_;  ///< a heap, the earliest arrival at the goal first
+  std::vector<Move> open_;  ///< a heap, the earliest arrival at the goal first
 };
 
 }  // namespace coppice

@@ -15,7 +15,7 @@ namespace {
 constexpr double least_turn = 0.05;   // radians: less costs hardly any time
 constexpr double most_turn = 2.5;     // radians
 constexpr double worthwhile = 0.005;  // seconds
-constexpr int radii = 9;              // arcs that are tried, each of half the radius of the one before
+constexpr int radii = 5;              // arcs that are tried, each of half the radius of the one before
 
 /// Seconds for the path at full speed, and what the robot loses at corners.
 double time_along(const Path& path, double stray, const Limits& limits) {

@@ -117,7 +117,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   const std::span<const Neighbour> others =
       body_.bound_to_stand() ? std::span<const Neighbour>() : neighbours(now);
   const bool listens = connectivity_.listens(now);
-  if (listens || fleet_.recoveries() != recoveries_) reserver_.doubt_all();
+  if (reserver_.holds() && (listens || fleet_.recoveries() != recoveries_)) reserver_.held().doubt_all();
   if (!listens && !stopped()) {
     if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, reserver_, map_->roadmaps, now);
     if (auto plan = round_.take_up()) {
@@ -131,8 +131,8 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     // The body brakes: peers that miss the robot do not reckon with where it would evade to.
     progress_.excuse(now);
     if (body_.stands()) stand_for(now, waiting_lease);
-  } else if (!reserver_.may_leave_strip(self(), fleet_, now) || reserver_.is_to_stand() ||
-             (reserver_.holds() && !carries_on(now))) {
+  } else if (!reserver_.may_leave_strip(self(), fleet_, now) ||
+             (reserver_.holds() && (reserver_.held().is_overridden() || !carries_on(now)))) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
     const bool sets_off_soon = !may_set_off();
     if (body_.stands() && !sets_off_soon) stand_for(now, waiting_lease);
@@ -236,11 +236,11 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   }
   if (needs_none) return;
   if (reserver_.holds()) {
-    const bool strayed = reserver_.off_the_way(body_.position()) > body_.radius() / 2;
-    const bool over =
-        reserver_.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
-    const bool overridden = reserver_.is_overridden(fleet_);
-    if (body_.stands() && (strayed || over || overridden)) reserver_.drop(self(), fleet_, now, out);
+    HeldReservation& held = reserver_.held();
+    held.look_at_others(fleet_);
+    const bool strayed = held.off_the_way(body_.position()) > body_.radius() / 2;
+    const bool over = held.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
+    if (body_.stands() && (strayed || over || held.is_overridden())) reserver_.drop(self(), fleet_, now, out);
     return;
   }
   if (!may_reserve(now)) return;
@@ -265,7 +265,7 @@ void Run::follow_reservation(std::vector<Outgoing>& out) {
   progress_.begin_path();
   if (driving == nullptr) return;
   driving->route.improvement.reset();
-  follow(driving->route, reserver_.way(), out);
+  follow(driving->route, reserver_.held().way(), out);
 }
 
 /// The robot has no reservation. It stands, and evades where others want to pass.
@@ -282,25 +282,26 @@ void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbo
 }
 
 void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
+  HeldReservation& held = reserver_.held();
   const bool is_bound = body_.bound_to_stand();
   const Point2 next = body_.position() + control_period * body_.velocity();
   trail_.begin(next);
-  const Point2 wanted = reserver_.preferred_velocity(self(), fleet_, next, body_.limits(), now);
-  const auto allowed = [&](const Point2& v) { return reserver_.allows(body_, v); };
-  reserver_.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
-  if (!reserver_.waits_for().empty()) {
-    if (reserver_.is_worth_waiting(fleet_, now)) progress_.excuse(now);
+  const Point2 wanted = held.preferred_velocity(self(), fleet_, next, body_.limits(), now);
+  const auto allowed = [&](const Point2& v) { return held.allows(body_, v); };
+  held.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
+  if (!held.waits_for().empty()) {
+    if (held.is_worth_waiting(fleet_, now)) progress_.excuse(now);
     if (!neighbours.empty())
-      stand_for(now, std::clamp(reserver_.waits_until() - now, waiting_lease, longest_lease));
+      stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
     last_executed_ = now;
   }
   // Several robots may keep clear of each other's next moves: one of them must go.
   if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
-  if (!is_bound && now - last_executed_ > waiting_lease && reserver_.gives_way(self(), fleet_)) {
+  if (!is_bound && now - last_executed_ > waiting_lease && held.gives_way(self(), fleet_)) {
     body_.follow(Point2::Zero(), neighbours, map_->field, allowed);
     stand_for(now, waiting_lease);
   }
-  progress_.comes_to(reserver_.progress(), least_gain(body_.radius(), body_.limits()), now);
+  progress_.comes_to(held.progress(), least_gain(body_.radius(), body_.limits()), now);
 }
 
 /// From the robot to its goal, as far as it knows.
@@ -348,7 +349,7 @@ void Run::watch_arrival(double now) {
   if (driving() && round_.calls_in_vain() > most_calls_in_vain && !may_improve)
     return give_up(fmt::format("a way past the others was not found within {} joint plans from this place",
                                most_calls_in_vain));
-  const bool comes_on = reserver_.holds() && !reserver_.finished();
+  const bool comes_on = reserver_.holds() && !reserver_.held().finished();
   if (!driving() || round_.stage() != Stage::free || !body_.stands() || comes_on) return;
   if (at_goal) {
     if (tracking_ && (*tracking_->position() - mission_.goal).norm() > arrives_within(mission_))

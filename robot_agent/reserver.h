@@ -1,5 +1,4 @@
-// The reservation of one robot: a trajectory in space and time, planned around those of the others, and the
-// order in which it passes them.
+// How one robot gets its reservation: a trajectory in space and time, planned around those of the others.
 //
 // A robot that has a path announces it. The robots plan in turns (turn.h): each plans for itself as soon as
 // nobody waits who is to plan before it. It publishes its trajectory, and with it the reservations around
@@ -10,12 +9,9 @@
 // many as possible, and the rest plan again (trajectory_planner.h). Urgent robots, and those of a joint plan,
 // do not give way to it.
 //
-// While it drives, order counts and time does not: where its way comes near the way of another, the robot
-// whose trajectory passes first goes first (motion/reserved_order.h).
-//
-// Two robots that know each other's reservations need not reckon with whatever the other one may do: each
-// stays in the strip along its way and heeds its gates (docs/safety.md). A robot leaves its strip only when
-// no other robot can still count on it to stay there.
+// Two robots that know each other's reservations count on each other to stay in their strips and to keep the
+// order (held_reservation.h). A robot leaves its strip only when no other robot can still count on it to stay
+// there.
 //
 // A joint plan has a trajectory for each of its members, which becomes the member's reservation. So the
 // robots of a plan keep its order like any other.
@@ -35,11 +31,9 @@
 
 #include "messages/bus.h"
 #include "messages/messages.h"
-#include "motion/driver.h"
 #include "motion/packed_roadmap.h"
-#include "motion/reserved_order.h"
-#include "motion/way_follower.h"
 #include "robot_agent/fleet.h"
+#include "robot_agent/held_reservation.h"
 #include "robot_agent/reservations.h"
 #include "robot_agent/trajectory_planner.h"
 
@@ -51,30 +45,24 @@ class Reserver {
   Reserver(RobotName robot, const RunId& run, const Reservations& others)
       : robot_(std::move(robot)), run_(run), others_(&others), state_(nothing) {}
 
-  /// The robot keeps to its reservation, and it was overridden.
-  bool is_to_stand() const { return holds() && std::get<Held>(state_).is_overridden; }
   /// The robot drives by its reservation, or has driven to its end.
-  bool holds() const { return std::holds_alternative<Held>(state_); }
+  bool holds() const { return std::holds_alternative<HeldReservation>(state_); }
+  /// The reservation that it holds.
+  HeldReservation& held() { return std::get<HeldReservation>(state_); }
+  const HeldReservation& held() const { return std::get<HeldReservation>(state_); }
   bool wants() const { return std::holds_alternative<Wanted>(state_); }
   /// The robot waits for its turn, and has not planned in vain on its way to its goal.
   bool waits_for_its_turn() const { return wants() && !is_urgent_; }
-  std::uint32_t number() const { return holds() ? std::get<Held>(state_).own->number : 0; }
+  std::uint32_t number() const { return holds() ? held().message().number : 0; }
   /// Grows with each reservation of another robot that this robot heeds.
   std::uint32_t heeds() const { return holds() ? others_->news() : 0; }
-  bool finished() const { return std::get<Held>(state_).follower.finished(); }
-  double progress() const { return holds() ? std::get<Held>(state_).follower.progress() : 0; }
+  double progress() const { return holds() ? held().progress() : 0; }
+  /// The robot for which this one waits at a gate; empty: none.
+  RobotName waits_for() const { return holds() ? held().waits_for() : RobotName(); }
   /// The robot carries out its part of a joint plan.
   bool executes_plan() const {
-    return holds() && !std::get<Held>(state_).own->plan.leader.empty() && !finished();
+    return holds() && !held().message().plan.leader.empty() && !held().finished();
   }
-  /// The way of the reservation; the robot holds one.
-  Path way() const { return path_of(std::get<Held>(state_).own->trajectory); }
-  /// The robot that passes first, at the gate where this one stands; empty: none.
-  const RobotName& waits_for() const { return waits_for_; }
-  /// Fleet time before which that robot cannot have come far enough.
-  double waits_until() const { return waits_until_; }
-  /// Metres between the robot and the way of its reservation.
-  double off_the_way(const Point2& p) const { return std::get<Held>(state_).follower.off_the_way(p); }
 
   /// The robot stands, and is to drive along a path. Announces it.
   void want(const Path& path, const FleetMember& self, const ClearanceField& field, double now,
@@ -93,9 +81,6 @@ class Reserver {
   std::optional<KnownReservation> reservation_of(const FleetMember& m) const;
   /// The robot may try anew: something has changed since the last attempt, or that was a while ago.
   bool may_try(double now) const;
-  /// Another robot has reserved at the same time, too close, and goes first. The robot is to stand, and to
-  /// plan anew.
-  bool is_overridden(const Fleet& fleet);
 
   /// A state of another robot came.
   void hear(const RobotState& state);
@@ -112,43 +97,8 @@ class Reserver {
   /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.
   /// `age`: of the other's state, at most, seconds.
   bool passes(const RobotState& other, double age);
-  /// Others may have taken this robot for failed, and passed gates that were closed.
-  void doubt_all();
-
-  /// To be called in each control period: the preferred velocity. `position`: where it takes effect.
-  Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
-                            const Limits& limits, double now);
-  /// Whether the robot stays in its strip and heeds its gates if it takes a velocity from the turn on, for
-  /// one period, and then brakes. Valid after preferred_velocity() of the same period.
-  bool allows(const Driver& body, const Point2& velocity) const;
-  void led_past(bool everything) { std::get<Held>(state_).follower.led_past(everything); }
-  /// A robot close by is further behind its trajectory. A robot that is held up lets it go first.
-  bool gives_way(const FleetMember& self, const Fleet& fleet) const;
-  /// The robots that wait for each other, one for the next: whether the last one of them comes on.
-  bool is_worth_waiting(const Fleet& fleet, double now);
 
  private:
-  struct Pair {                ///< this robot and another one
-    std::uint32_t number = 0;  ///< of the other's reservation
-    bool is_awaited = false;   ///< the other robot is to take up its part of the same joint plan
-    Gates gates{};
-    std::vector<Gate> theirs{};  ///< before this robot
-    bool is_related = false;     ///< one was planned around the other
-    double apart_beyond = -1;    ///< metres along this robot's way, or
-    double they_beyond = -1;     ///< along the other's, beyond which the two keep apart
-    bool is_confirmed = false;   ///< both heed the order
-  };
-  /// A robot that goes first at the next gates: how far it has come, at least.
-  struct First {
-    const Pair* pair;
-    Promise promise;
-    Limits limits;
-    double clock_error;
-    double progress;
-    double slip;  ///< metres by which its progress may be less than what it drives
-
-    double progress_at(double time) const;
-  };
   struct None {
     double tried_at;     ///< the last attempt that failed
     std::uint32_t news;  ///< of the others, up to then
@@ -160,17 +110,6 @@ class Reserver {
     std::optional<RobotName> next{};    ///< whose turn it is; an empty name: robots that were not heard
     std::set<RobotName> passed_over{};  ///< they took too long
   };
-  struct Held {
-    std::shared_ptr<const ReservationMessage> own;
-    WayFollower follower;
-    RoundId round{};  ///< of the joint plan that it is a part of
-    std::map<RobotName, Pair> pairs{};
-    std::vector<First> first{};  ///< in this period
-    bool is_overridden = false;
-    std::uint32_t news = ~std::uint32_t{0};  ///< up to which the gates are taken up
-    std::uint32_t compared = 0;              ///< up to which others were compared with this one
-  };
-
   /// Another robot may rely on this one to stay in its strip.
   struct Relies {
     RobotName robot;
@@ -184,13 +123,9 @@ class Reserver {
   void say(ReservationMessage message, const FleetMember& self, double now, std::vector<Outgoing>& out);
   RobotName next_to_plan(const Wanted& wanted, const Fleet& fleet) const;
   bool is_turn(Wanted& wanted, const Fleet& fleet, double now) const;
-  Held& hold(ReservationMessage message, double now, std::vector<Outgoing>& out);
-  static bool has_left(const Held& held, const Pair& pair, const FleetMember& m);
-  void look_at_others(Held& held, const Fleet& fleet) const;
+  HeldReservation& hold(ReservationMessage message, double now, std::vector<Outgoing>& out);
   std::vector<OtherRobot> others_to_reckon_with(const Fleet& fleet, double now) const;
-  bool comes_too_close(const Fleet& fleet);
   void leave_strip(const Fleet& fleet, double now);
-  void confirm(const RobotState& other);
 
   RobotName robot_;
   RunId run_;
@@ -198,9 +133,7 @@ class Reserver {
   std::uint32_t number_ = 0;  ///< of the last message
   bool is_urgent_ = false;    ///< it has planned in vain on its way to its goal
   bool is_news_ = false;      ///< others have not been told that there is no reservation
-  std::variant<None, Wanted, Held> state_;
-  RobotName waits_for_;
-  double waits_until_ = 0;
+  std::variant<None, Wanted, HeldReservation> state_;
   std::map<RobotName, std::uint32_t> knows_this_;  ///< the number of this robot that another one has heard of
   struct Told {
     std::uint32_t number = 0;
@@ -209,11 +142,6 @@ class Reserver {
   std::map<RobotName, Told> told_;
   std::size_t next_told_ = 0;
   std::vector<Relies> rely_on_strip_;  ///< on that of the last reservation
-  double own_speed_ = 0;
-  Limits own_limits_{};
-  RobotName awaited_;
-  double awaited_progress_ = 0;
-  double awaited_since_ = 0;
 };
 
 }  // namespace coppice

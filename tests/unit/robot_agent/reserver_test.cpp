@@ -44,7 +44,11 @@ struct Robot {
     reserver.adopt(std::make_shared<const JointPlanMessage>(plan), self, fleet, now, said);
   }
   void drop(double now) { reserver.drop(self, fleet, now, said); }
-  void look() { reserver.preferred_velocity(self, fleet, path.front(), limits, 0); }
+  bool is_overridden() {
+    reserver.held().look_at_others(fleet);
+    return reserver.held().is_overridden();
+  }
+  void look() { reserver.held().preferred_velocity(self, fleet, path.front(), limits, 0); }
   RobotState state(double now) {
     RobotState state = state_of(self.robot, now, self.position);
     state.phase = Phase::driving;
@@ -92,7 +96,7 @@ class ReserverTest : public testing::Test {
   double speed_of_a_at(double x) {
     Point2 v = Point2::Zero();
     for (double at = 20; at <= x; at += 1)
-      v = a.reserver.preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6);
+      v = a.reserver.held().preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6);
     return v.norm();
   }
 
@@ -149,9 +153,9 @@ TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheLongerWayPlansAnew) 
   ASSERT_TRUE(a.reserver.holds() && b.reserver.holds());
   tell(a, b);
   tell(b, a);
-  EXPECT_FALSE(a.reserver.is_overridden(a.fleet));
-  EXPECT_TRUE(b.reserver.is_overridden(b.fleet));
-  EXPECT_TRUE(b.reserver.is_to_stand());
+  EXPECT_FALSE(a.is_overridden());
+  EXPECT_TRUE(b.is_overridden());
+  EXPECT_TRUE(b.reserver.held().is_overridden());
 }
 
 // b is to end in the corridor, and to close it.
@@ -172,8 +176,8 @@ TEST_F(ReserverTest, ARobotThatFindsNoTrajectoryIsUrgentAndOthersGiveWayToIt) {
   EXPECT_TRUE(second.last().basis.empty());
   tell(first, second);
   tell_state(first, second, 5.25);
-  EXPECT_TRUE(first.reserver.is_overridden(first.fleet));
-  EXPECT_FALSE(second.reserver.is_overridden(second.fleet));
+  EXPECT_TRUE(first.is_overridden());
+  EXPECT_FALSE(second.is_overridden());
 }
 
 TEST_F(ReserverTest, ARobotPlansAroundALateOneAsLateAsThatIs) {
@@ -230,7 +234,7 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
   ASSERT_EQ(state.knows.size(), 1u);
   EXPECT_TRUE(a.reserver.passes(state, 0.05));
   EXPECT_FALSE(a.reserver.passes(state, 2.5)) << "the state is old";
-  a.reserver.doubt_all();
+  a.reserver.held().doubt_all();
   RobotState ahead = state;
   ahead.reservation_progress = 100;  // past the gate where it lets a pass first
   EXPECT_FALSE(a.reserver.passes(ahead, 0.05));
@@ -333,8 +337,8 @@ TEST_F(ReserverTest, TheJointPlanHoldsAgainstAReservationThatWasMadeMeanwhile) {
   a.adopt(plan, 5.1);
   tell(a, b);
   tell(b, a);
-  EXPECT_FALSE(a.reserver.is_overridden(a.fleet));
-  EXPECT_TRUE(b.reserver.is_overridden(b.fleet));
+  EXPECT_FALSE(a.is_overridden());
+  EXPECT_TRUE(b.is_overridden());
 }
 
 TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) {

@@ -1,0 +1,234 @@
+#include "robot_agent/held_reservation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "messages/validation.h"
+#include "motion/space_time.h"
+#include "robot_agent/limits.h"
+#include "robot_agent/reservation_pair.h"
+#include "robot_agent/timing.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double same_time = 1e-6;  // seconds: rounding
+constexpr double close_radii = 3;   // between robots that may fear each other's next move
+
+/// A robot that comes so far for sure has passed a gate that is closed to it. `others_progress`: of the robot
+/// for which it is to wait.
+bool passed_closed(std::span<const Gate> gates, double committed, double others_progress, double slack) {
+  const auto closed =
+      std::ranges::find_if(gates, [&](const Gate& gate) { return gate.needed - slack > others_progress; });
+  return closed != gates.end() && closed->at < committed - 1e-6;
+}
+
+/// Metres along its way to which a robot comes, whatever it decides.
+double committed(double progress, double speed, const Limits& limits) {
+  return progress + control_period * speed + braking_distance(speed, limits, control_period);
+}
+
+}  // namespace
+
+HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, const Reservations& others)
+    : own_(std::move(own)),
+      others_(&others),
+      follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius) {}
+
+void HeldReservation::expect_members_of(const JointPlanMessage& plan) {
+  round_ = plan.round;
+  const auto part = std::ranges::find(plan.members, own_->robot, &JointPlanMessage::Member::robot);
+  for (const JointPlanMessage::Member& m : plan.members) {
+    if (m.robot == own_->robot || m.trajectory.empty()) continue;
+    const ReservationMessage* const last = others_->find(m.robot, own_->run);
+    if (last != nullptr && are_of_one_plan(*last, *own_)) continue;  // the member took up its part first
+    Pair& pair = pairs_[m.robot];
+    pair = {.number = last != nullptr ? last->number : 0, .is_awaited = true};
+    pair.gates = Gates(order_of(part->trajectory, own_->radius, m.trajectory, m.radius, 0).gates);
+  }
+}
+
+void HeldReservation::look_at_others(const Fleet& fleet) {
+  if (std::exchange(news_, others_->news()) == others_->news()) return;
+  for (const auto& [robot, other] : *others_) {
+    if (other->run != own_->run) continue;
+    Pair& pair = pairs_[robot];
+    if (pair.number != other->number && !(pair.is_awaited && other->trajectory.empty()))
+      pair = pair_with(*other, fleet);
+    if (!pair.overrides) continue;
+    const auto m = fleet.find(robot);
+    is_overridden_ = is_overridden_ || (m && !m->failed);
+  }
+}
+
+/// Where two robots planned without each other, one of them plans again.
+HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other, const Fleet& fleet) const {
+  const ReservationMessage& own = *own_;
+  Pair pair{.number = other.number};
+  if (other.trajectory.empty()) return pair;
+  pair.is_related = true;
+  if (!come_near(own, other)) return pair;
+  const auto m = fleet.find(other.robot);
+  const double estimate = m ? m->clock_offset : 0;
+  const double offset = offset_between(own, other, estimate);
+  Order order = order_of(own.trajectory, own.radius, other.trajectory, other.radius, offset);
+  Order theirs = order_of(other.trajectory, other.radius, own.trajectory, own.radius, -offset);
+  pair.gates = Gates(std::move(order.gates));
+  pair.theirs = std::move(theirs.gates);
+  pair.apart_beyond = order.apart_beyond;
+  pair.they_beyond = theirs.apart_beyond;
+  pair.is_related = are_related(own, other);
+  pair.overrides = !pair.is_related && overrides(other, own) &&
+                   come_too_close(own.trajectory, shifted(other.trajectory, estimate),
+                                  kept_apart(own.radius, other.radius), own.trajectory.front().time);
+  return pair;
+}
+
+/// Metres along its way that the robot has come at a time, at least. It may have begun to brake after its
+/// promise.
+double HeldReservation::First::progress_at(double time) const {
+  const Promise& p = promise;
+  const double t = time - clock_error;
+  if (t < p.turn) return progress - (p.turn - t) * p.velocity.norm();
+  double driven = (std::min(t, p.expiry) - p.turn) * p.next_velocity.norm();
+  double speed = p.next_velocity.norm();
+  for (double begin = p.expiry; begin < t && speed > 0; begin += control_period) {
+    speed = std::max(0.0, speed - limits.max_acceleration * control_period);
+    driven += speed * std::min(control_period, t - begin);
+  }
+  return progress + std::max(0.0, driven - slip);
+}
+
+/// Whether another robot does not go on by its reservation, and stands. A state may be older than a
+/// reservation that came before it: numbers tell when a reservation was made (Reserver::next_number).
+bool HeldReservation::has_left(const Pair& pair, const FleetMember& m) const {
+  if (!m.stands) return false;
+  const bool is_newer = m.promise.stamp - m.clock_offset >= control_period * pair.number;
+  if (!pair.is_awaited) return m.reservation > pair.number || (is_newer && m.stage == Stage::waiting);
+  if (m.round != round_) return m.round.overrides(round_);
+  return m.stage != Stage::waiting && m.reservation == 0;
+}
+
+Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet& fleet,
+                                           const Point2& position, const Limits& limits, double now) {
+  look_at_others(fleet);
+  const double slack = gate_slack_radii * self.radius;
+  first_.clear();
+  double open = infinity;
+  const RobotName* next = nullptr;
+  for (auto& [robot, pair] : pairs_) {
+    if (pair.gates.all_open()) continue;
+    const auto m = fleet.find(robot, now);
+    if (!m || m->failed || has_left(pair, *m)) continue;
+    const bool drives = !pair.is_awaited && m->reservation == pair.number;
+    const First first{&pair,
+                      m->promise,
+                      m->limits,
+                      m->clock_error,
+                      drives ? m->reservation_progress : 0,
+                      2 * reserved_stray_radii * m->radius};
+    if (pair.gates.open(progress(), slack, first.progress) == infinity) continue;
+    first_.push_back(first);
+    const double certain = drives ? first.progress_at(infinity) : 0;
+    const double until = pair.gates.open_if(progress(), slack, certain);
+    if (until >= open) continue;
+    open = until;
+    next = &robot;
+    waits_until_ = std::max(now, m->rests_until) + pair.gates.metres_until(until, certain) / m->max_speed;
+  }
+  const Point2 wanted = follower_.preferred_velocity(position, limits, control_period, open);
+  own_speed_ = std::min(limits.max_speed, self.velocity.norm() + limits.max_acceleration * control_period);
+  own_limits_ = limits;
+  waits_for_ = next != nullptr && open - progress() < slack ? *next : RobotName();
+  return wanted;
+}
+
+bool HeldReservation::allows(const Driver& body, const Point2& velocity) const {
+  const double slack = gate_slack_radii * body.radius();
+  const double begin = progress();
+  Point2 here = body.turn_position();
+  Point2 v = velocity;
+  double along = begin;
+  for (double t = body.time() + control_period; !v.isZero(0); t += control_period) {
+    const Point2 next = here + control_period * v;
+    const auto comes_to = follower_.along_strip(here, next, along);
+    if (!comes_to) return false;
+    for (const First& first : first_) {
+      if (!first.pair->is_related) continue;
+      const double certain = first.progress_at(t);
+      for (const Gate& gate : first.pair->gates.left()) {
+        if (gate.at >= *comes_to - 1e-9) break;
+        // Near the end of a leg the robot counts as being there, so as a little further than it is.
+        if (gate.at >= begin - 2 * slack && certain < gate.needed - slack) return false;
+      }
+    }
+    here = next;
+    along = *comes_to;
+    v = braked(v, body.limits(), control_period);
+  }
+  return true;
+}
+
+/// Until both are sure to know each other's reservation, one may have passed a gate that is closed to it.
+/// From then on neither does.
+bool HeldReservation::may_be_confirmed(const Pair& pair, const RobotState& other) const {
+  if (!pair.is_related || other.passed_on) return false;
+  if (progress() <= pair.apart_beyond && other.reservation_progress <= pair.they_beyond) return false;
+  const double slack = gate_slack_radii * std::min(own_->radius, other.radius);
+  const double theirs =
+      committed(other.reservation_progress, other.promise.next_velocity.norm(), limits_of(other));
+  const double own = committed(progress(), own_speed_, own_limits_);
+  return !passed_closed(pair.theirs, theirs, progress(), slack) &&
+         !passed_closed(pair.gates.all(), own, other.reservation_progress, slack);
+}
+
+bool HeldReservation::passes(const RobotState& other, std::uint32_t heard) {
+  if (other.reservation == 0 || other.stage == Stage::waiting) return false;
+  const auto known = pairs_.find(other.robot);
+  const ReservationMessage* const latest = others_->find(other.robot, own_->run);
+  const bool is_latest = latest != nullptr && latest->number == other.reservation;
+  if (!is_latest || known == pairs_.end() || known->second.number != other.reservation) return false;
+  Pair& pair = known->second;
+  pair.is_confirmed = pair.is_confirmed || (heard == own_->number && may_be_confirmed(pair, other));
+  return pair.is_confirmed;
+}
+
+void HeldReservation::doubt_all() {
+  for (auto& [robot, pair] : pairs_) pair.is_confirmed = false;
+}
+
+bool HeldReservation::is_worth_waiting(const Fleet& fleet, double now) {
+  RobotName last = waits_for_;
+  auto m = fleet.find(last);
+  for (std::size_t hops = 0; m && !m->waits_for.empty() && hops < 1000; ++hops) {
+    if (m->waits_for == own_->robot) return false;
+    last = m->waits_for;
+    m = fleet.find(last);
+  }
+  if (!m || m->failed) return false;
+  if (last != awaited_.robot || m->reservation_progress != awaited_.progress || m->stage == Stage::waiting)
+    awaited_ = {last, m->reservation_progress, now};
+  return now - awaited_.since < Timing::longest_wait_at_gate;
+}
+
+bool HeldReservation::gives_way(const FleetMember& self, const Fleet& fleet) const {
+  const double own = rest_of(own_->trajectory, progress()).front().time;
+  for (const FleetMember& m : fleet.beside(self.position, self.radius, close_radii)) {
+    const ReservationMessage* const known = others_->find(m.robot, own_->run);
+    if (m.failed || known == nullptr || known->trajectory.empty() || m.reservation != known->number) continue;
+    const auto pair = pairs_.find(m.robot);
+    const bool is_confirmed = pair != pairs_.end() && pair->second.is_confirmed;
+    if (is_confirmed || m.wants_to_stay || !m.waits_for.empty()) continue;
+    const double later = rest_of(known->trajectory, m.reservation_progress).front().time +
+                         offset_between(*own_, *known, m.clock_offset) - own;
+    if (later < -same_time || (later < same_time && m.robot < own_->robot)) return true;
+  }
+  return false;
+}
+
+}  // namespace coppice

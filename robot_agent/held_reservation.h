@@ -1,0 +1,123 @@
+// A reservation that a robot drives by, and the order in which it passes the robots that have one, too.
+//
+// While the robot drives, order counts and time does not: where its way comes near the way of another, the
+// robot whose trajectory passes first goes first (motion/reserved_order.h).
+//
+// Two robots that know each other's reservations need not reckon with whatever the other one may do: each
+// stays in the strip along its way and heeds its gates (docs/safety.md). Their order is confirmed once both
+// are sure to know it, and neither has passed a gate that is closed to it.
+//
+// Times are fleet time, seconds; metres.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "messages/messages.h"
+#include "motion/driver.h"
+#include "motion/reserved_order.h"
+#include "motion/way_follower.h"
+#include "robot_agent/fleet.h"
+#include "robot_agent/reservations.h"
+
+namespace coppice {
+
+class HeldReservation {
+ public:
+  /// `others` outlives it.
+  HeldReservation(std::shared_ptr<const ReservationMessage> own, const Reservations& others);
+
+  /// The reservation is the robot's part of a joint plan. Until another member has taken up its own part, it
+  /// counts as standing at the beginning of its way.
+  void expect_members_of(const JointPlanMessage& plan);
+
+  const ReservationMessage& message() const { return *own_; }
+  Path way() const { return path_of(own_->trajectory); }
+  /// Metres along the way.
+  double progress() const { return follower_.progress(); }
+  bool finished() const { return follower_.finished(); }
+  /// Metres between the robot and the way.
+  double off_the_way(const Point2& p) const { return follower_.off_the_way(p); }
+
+  /// Takes up the order with robots whose reservations are new.
+  void look_at_others(const Fleet& fleet);
+  /// Another robot has reserved at the same time, too close, and goes first. The robot is to stand, and to
+  /// plan anew.
+  bool is_overridden() const { return is_overridden_; }
+
+  /// Whether the order keeps this robot and another one apart, whatever that does next. `heard`: the number
+  /// of this robot of which the other one has heard.
+  bool passes(const RobotState& other, std::uint32_t heard);
+  /// Others may have taken this robot for failed, and passed gates that were closed.
+  void doubt_all();
+
+  /// To be called in each control period: the preferred velocity. `position`: where it takes effect.
+  Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
+                            const Limits& limits, double now);
+  /// Whether the robot stays in its strip and heeds its gates if it takes a velocity from the turn on, for
+  /// one period, and then brakes. Valid after preferred_velocity() of the same period.
+  bool allows(const Driver& body, const Point2& velocity) const;
+  void led_past(bool everything) { follower_.led_past(everything); }
+
+  /// The robot that passes first, at the gate where this one stands; empty: none.
+  const RobotName& waits_for() const { return waits_for_; }
+  /// Fleet time before which that robot cannot have come far enough.
+  double waits_until() const { return waits_until_; }
+  /// The robots that wait for each other, one for the next: whether the last one of them comes on.
+  bool is_worth_waiting(const Fleet& fleet, double now);
+  /// A robot close by is further behind its trajectory. A robot that is held up lets it go first.
+  bool gives_way(const FleetMember& self, const Fleet& fleet) const;
+
+ private:
+  struct Pair {                ///< this robot and another one
+    std::uint32_t number = 0;  ///< of the other's reservation
+    bool is_awaited = false;   ///< the other robot is to take up its part of the same joint plan
+    Gates gates{};
+    std::vector<Gate> theirs{};  ///< before this robot
+    bool is_related = false;     ///< one was planned around the other
+    bool overrides = false;      ///< the other one: the two come too close, and this one plans anew
+    double apart_beyond = -1;    ///< metres along this robot's way, or
+    double they_beyond = -1;     ///< along the other's, beyond which the two keep apart
+    bool is_confirmed = false;   ///< both heed the order
+  };
+  /// A robot that goes first at the next gates: how far it has come, at least.
+  struct First {
+    const Pair* pair;
+    Promise promise;
+    Limits limits;
+    double clock_error;
+    double progress;
+    double slip;  ///< metres by which its progress may be less than what it drives
+
+    double progress_at(double time) const;
+  };
+  /// The robot at the end of a chain of waits.
+  struct Awaited {
+    RobotName robot{};
+    double progress = 0;
+    double since = 0;
+  };
+
+  Pair pair_with(const ReservationMessage& other, const Fleet& fleet) const;
+  bool has_left(const Pair& pair, const FleetMember& m) const;
+  bool may_be_confirmed(const Pair& pair, const RobotState& other) const;
+
+  std::shared_ptr<const ReservationMessage> own_;
+  const Reservations* others_;
+  WayFollower follower_;
+  RoundId round_{};  ///< of the joint plan that it is a part of
+  std::map<RobotName, Pair> pairs_;
+  std::vector<First> first_;  ///< in this period
+  bool is_overridden_ = false;
+  std::uint32_t news_ = ~std::uint32_t{0};  ///< up to which the pairs are taken up
+  RobotName waits_for_;
+  double waits_until_ = 0;
+  Awaited awaited_;
+  double own_speed_ = 0;
+  Limits own_limits_{};
+};
+
+}  // namespace coppice
