@@ -210,27 +210,37 @@ std::vector<Echo> Dissemination::next_echoes(std::span<Peer* const> addressed, s
 }
 
 Dissemination::Relay Dissemination::last_words(double now) {
-  Relay relay;
-  if (detector_.all_settled(now)) return relay;
+  if (detector_.all_settled(now)) return {};
+  std::vector<const Peer*> silent;
+  std::vector<const Peer*> hearers;
   for (const Peer& p : peers_) {
-    const double silent = detector_.unheard(p, now) / own_.second();
-    if (!p.state || silent <= Timing::relay_from || silent >= Timing::relay_until) continue;
-    relay.states.push_back(*p.state);
-    relay.states.back().passed_on = true;
+    const double unheard = detector_.unheard(p, now) / own_.second();
+    if (p.state && unheard > Timing::relay_from && unheard < Timing::relay_until) silent.push_back(&p);
+    hearers.push_back(&p);
   }
-  if (relay.states.empty()) return relay;
-  for (const Peer& p : peers_) relay.hearers.push_back(p.robot);
-  relayed_.leave_next(relay.states, Timing::relayed_at_once);
-  relayed_to_.leave_next(relay.hearers, Timing::relayed_at_once);
+  if (silent.empty()) return {};
+  relayed_.leave_next(silent, Timing::relayed_at_once);
+  relayed_to_.leave_next(hearers, Timing::relayed_at_once);
+  Relay relay;
+  for (const Peer* p : silent) relay.states.push_back(last_state(*p));
+  for (const Peer* p : hearers) relay.hearers.push_back(p->robot);
   return relay;
 }
 
 Dissemination::Relay Dissemination::news_for_those_back(double now) {
   Relay relay{.states = {}, .hearers = those_back(now)};
   if (relay.hearers.empty()) return relay;
-  relay.states = states_of_silent_peers(now);
-  relayed_.leave_next(relay.states, Timing::relayed_at_once);
+  std::vector<const Peer*> gone;
+  for (const Peer& p : peers_) {
+    const bool is_silent = p.state && detector_.unheard(p, now) > Timing::relay_from * own_.second();
+    if (p.failed() || is_silent) gone.push_back(&p);
+  }
+  relayed_.leave_next(gone, Timing::relayed_at_once);
   relayed_to_.leave_next(relay.hearers, Timing::relayed_at_once);
+  for (const Peer* p : gone) {
+    relay.states.push_back(last_state(*p));
+    relay.states.back().counts_as_failed = std::holds_alternative<liveness::Failed>(p->liveness);
+  }
   return relay;
 }
 
@@ -247,27 +257,17 @@ std::vector<RobotName> Dissemination::those_back(double now) const {
   return names;
 }
 
-/// A peer that never came stands where its mission begins.
-std::vector<RobotState> Dissemination::states_of_silent_peers(double now) const {
-  std::vector<RobotState> states;
-  for (const Peer& p : peers_) {
-    const bool is_silent = p.state && detector_.unheard(p, now) > Timing::relay_from * own_.second();
-    if (!p.failed() && !is_silent) continue;
-    if (p.state) {
-      states.push_back(*p.state);
-    } else {
-      const Mission& m = *p.mission;
-      states.push_back({.robot = p.robot,
-                        .promise = {.position = p.place},
-                        .radius = m.radius,
-                        .max_speed = m.max_speed,
-                        .max_acceleration = m.max_acceleration,
-                        .run = own_.clock().run()});
-    }
-    states.back().passed_on = true;
-    states.back().counts_as_failed = std::holds_alternative<liveness::Failed>(p.liveness);
-  }
-  return states;
+/// To be relayed. A peer that never came stands where its mission begins.
+RobotState Dissemination::last_state(const Peer& p) const {
+  RobotState last = p.state ? *p.state
+                            : RobotState{.robot = p.robot,
+                                         .promise = {.position = p.place},
+                                         .radius = p.radius,
+                                         .max_speed = p.max_speed,
+                                         .max_acceleration = p.mission->max_acceleration,
+                                         .run = own_.clock().run()};
+  last.passed_on = true;
+  return last;
 }
 
 }  // namespace coppice

@@ -110,7 +110,7 @@ class Dissemination {
   bool answers(std::size_t asker, double now);
   std::vector<RobotName> next_missing();
   std::vector<RobotName> those_back(double now) const;
-  std::vector<RobotState> states_of_silent_peers(double now) const;
+  RobotState last_state(const Peer& p) const;
   std::vector<Echo> next_echoes(std::span<Peer* const> addressed, std::uint32_t tick);
 
   const OwnRobot& own_;

@@ -113,9 +113,16 @@ TEST(LatticeOfWalls, IsCoarseFarFromObstacles) {
       middle, [](Lattice::Vertex) { return true; },
       [&](Lattice::Vertex, double length) {
         ++neighbours;
-        EXPECT_GE(length, 2 * spacing);
+        EXPECT_GE(length, Lattice::coarsest * spacing);
       });
   EXPECT_EQ(neighbours, 8);
+}
+
+TEST(LatticeOfWalls, IsConnectedWhereTheSpacingChanges) {
+  const ClearanceField field(test::open_map(100, 100));
+  Lattice lattice = Lattice::of_walls(field, radius, spacing, fine_within);
+  const auto free = free_vertices(lattice);
+  EXPECT_EQ(reached_from(free.front(), lattice).size(), free.size());
 }
 
 TEST(LatticeOfWalls, IsNotFinerThanALargeMapAllows) {
