@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "motion/segments.h"
 
@@ -60,16 +61,26 @@ struct Close {
   double end;
 };
 
-/// The own part crosses a strip along the line of the other part.
-Close close_to(const Part& own, const Part& other, double near) {
-  const auto across = [&](const Point2& d) {
-    return other.direction.x() * d.y() - other.direction.y() * d.x();
-  };
-  const double change = across(own.direction);
-  if (std::abs(change) < 1e-3) return {&other, -forever, forever};
-  const double middle = -across(own.from - other.from) / change;
-  const double half = near / std::abs(change);
-  return {&other, middle - half, middle + half};
+double cross(const Point2& a, const Point2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// None: the parts do not come near each other.
+std::optional<Close> close_to(const Part& own, const Part& other, double near) {
+  if (!come_near(own, other, near)) return std::nullopt;
+  const Point2 gap = own.from - other.from;
+  double begin = 0;
+  double end = own.length;
+  if (own.length > 0 && other.length == 0) {
+    if (std::abs(cross(own.direction, gap)) >= near) return std::nullopt;
+    begin = std::max(begin, -gap.dot(own.direction) - near);
+    end = std::min(end, -gap.dot(own.direction) + near);
+  } else if (const double change = cross(other.direction, own.direction); std::abs(change) > 1e-3) {
+    const double middle = -cross(other.direction, gap) / change;
+    begin = std::max(begin, middle - near / std::abs(change));
+    end = std::min(end, middle + near / std::abs(change));
+  }
+  return begin <= end ? std::optional(Close{&other, begin, end}) : std::nullopt;
 }
 
 /// The own robot is around p from `begin` to `end`. Raises `needed`, the metres along its way that the other
@@ -104,13 +115,17 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
   for (const Part& part : parts_of(own, 0)) {
     close.clear();
     for (const Part& o : others) {
-      if (come_near(part, o, near)) close.push_back(close_to(part, o, near));
+      if (const auto c = close_to(part, o, near)) close.push_back(*c);
     }
     if (close.empty()) continue;
     const double pieces = std::max(1.0, std::ceil(part.length / piece));
-    for (double k = 0; k < pieces; ++k) {
-      const double from = part.length * k / pieces;
-      const double to = part.length * (k + 1) / pieces;
+    const double step = part.length / pieces;
+    const double begin = std::ranges::min(close, {}, &Close::begin).begin;
+    const double end = std::ranges::max(close, {}, &Close::end).end;
+    const double first = step > 0 ? std::min(std::floor(begin / step), pieces - 1) : 0;
+    for (double k = first; k < pieces && (k == first || k * step <= end); ++k) {
+      const double from = step * k;
+      const double to = step * (k + 1);
       const bool moves = part.length > 0;
       const double before = needed;
       for (const Close& o : close) {

@@ -268,17 +268,16 @@ void SpaceTime::blocked_at(const Point2& p, std::vector<Interval>& out, Number o
 }
 
 std::vector<Interval> SpaceTime::safe_at(const Point2& p) const {
-  std::vector<Interval> blocked;
-  blocked_at(p, blocked);
-  unite(blocked);
-  std::vector<Interval> safe;
+  std::vector<Interval> times;
+  times.reserve(8);
+  blocked_at(p, times);
+  unite(times);
+  // Each blocked time becomes the safe time before it.
   double begin = -forever;
-  for (const Interval& b : blocked) {
-    if (b.begin > begin) safe.push_back({begin, b.begin});
-    begin = std::max(begin, b.end);
-  }
-  if (begin < forever) safe.push_back({begin, forever});
-  return safe;
+  for (Interval& i : times) i = {std::exchange(begin, i.end), i.begin};
+  times.push_back({begin, forever});
+  std::erase_if(times, [](const Interval& i) { return i.begin >= i.end; });
+  return times;
 }
 
 double SpaceTime::first_departure(const Point2& a, const Point2& b, double ready, double from,

@@ -158,6 +158,8 @@ class Fleet {
   std::vector<RobotName> robots_of_the_run() const;
   /// How many robots there are to be; 0 before the first mission.
   std::size_t size_of_the_run() const { return size_of_the_run_; }
+  /// Robots of which something was heard, and this one.
+  std::size_t known() const { return peers_.size() + 1; }
   /// The longest time that a robot of the run takes to brake, seconds.
   double longest_braking() const { return longest_braking_; }
   /// A robot that must be heard before this one may set off; empty: none.
@@ -173,7 +175,7 @@ class Fleet {
     return states_each_way * control_period * static_cast<double>(peers_.size()) / Timing::answers_a_tick;
   }
   /// As many robots are known as the run has.
-  bool has_missions() const { return peers_.size() + 1 >= size_of_the_run_; }
+  bool has_missions() const { return known() >= size_of_the_run_; }
 
   /// Some peers may not know this robot's clock.
   bool shakes_hands() const { return dissemination_.shakes_hands(); }

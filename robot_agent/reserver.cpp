@@ -135,15 +135,23 @@ bool Reserver::may_try(double now) const {
 
 /// The robot whose turn it is, as far as this robot knows. Empty: a robot of which nothing was heard.
 RobotName Reserver::next_to_plan(const Wanted& wanted, const Fleet& fleet) const {
+  const auto counts = [&](const RobotName& robot) {
+    const auto m = fleet.find(robot);
+    return m && may_plan(*m) && !wanted.passed_over.contains(robot);
+  };
   const ReservationMessage own{.robot = robot_, .way = wanted.way, .turn = wanted.turn, .run = {}};
   const ReservationMessage* next = &own;
-  for (const FleetMember& m : fleet.others()) {
-    if (!may_plan(m) || wanted.passed_over.contains(m.robot)) continue;
-    const ReservationMessage* const r = others_->find(m.robot, run_);
-    if (r == nullptr && !wanted.passed_over.contains({})) return {};
-    if (r != nullptr && is_wish(*r) && plans_first(*r, *next)) next = r;
+  std::size_t heard = 1;  // robots, with this one
+  for (const auto& [robot, r] : *others_) {
+    if (r->run != run_) continue;
+    ++heard;
+    if (is_wish(*r) && plans_first(*r, *next) && counts(robot)) next = r.get();
   }
-  return next->robot;
+  if (heard >= fleet.known() || wanted.passed_over.contains({})) return next->robot;
+  const auto is_unheard = [&](const FleetMember& m) {
+    return others_->find(m.robot, run_) == nullptr && counts(m.robot);
+  };
+  return std::ranges::any_of(fleet.others(), is_unheard) ? RobotName() : next->robot;
 }
 
 bool Reserver::is_turn(Wanted& wanted, const Fleet& fleet, double now) const {
