@@ -39,7 +39,8 @@ SafeIntervalSearch::SafeIntervalSearch(const ClearanceField& field, Lattice& lat
 }
 
 /// The way through passages that the lattice misses.
-void SafeIntervalSearch::add_path(const Path& path) {
+void SafeIntervalSearch::add_path(Path path) {
+  path.erase(std::unique(path.begin(), path.end()), path.end());
   Vertex before = start_;
   for (std::size_t k = 1; k < path.size(); ++k) {
     if (!field_.segment_free(path[k - 1], path[k], radius_)) {
@@ -87,7 +88,7 @@ void SafeIntervalSearch::for_each_link(Vertex v, Fn&& fn) {
 }
 
 /// Begins an A* search from the goal to the start, which goes on as distances are requested (Silver,
-/// "Cooperative Pathfinding", 2005, section "Reverse Resumable A*").
+/// "Cooperative Pathfinding", 2005: reverse resumable A*).
 void SafeIntervalSearch::begin_distances() {
   distance_.assign(lattice_.size() + points_.size(), std::numeric_limits<float>::infinity());
   settled_.assign(distance_.size(), false);

@@ -6,6 +6,10 @@
 // Based on SIPP Algorithm", 2017): a state may also be reached straight from the parent of the state that it
 // is reached from.
 //
+// The search is lazy (Cohen, Phillips, Likhachev, "Planning Single-Arm Manipulations with N-Arm Robots",
+// 2014): a move is offered as if nobody came across it. When it is the best offer of all, the search looks
+// when the robot may depart.
+//
 // The vertices are those of a lattice (lattice.h) and the points of a path that exists anyway. So passages
 // that the lattice misses are found.
 //
@@ -67,7 +71,7 @@ class SafeIntervalSearch {
     std::uint32_t from;
     std::uint32_t to;
     double departure;
-    bool is_certain;  ///< nobody comes across it
+    bool is_certain;  ///< nobody comes across: the search has looked
   };
   struct Link {
     Vertex to;
@@ -78,7 +82,7 @@ class SafeIntervalSearch {
   Vertex add_point(const Point2& p);
   template <class Fn>
   void for_each_link(Vertex v, Fn&& fn);
-  void add_path(const Path& path);
+  void add_path(Path path);
   void begin_distances();
   float distance(Vertex v);
   Known& known(Vertex v, SpaceTime& others);

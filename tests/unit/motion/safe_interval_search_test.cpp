@@ -89,5 +89,15 @@ TEST(SafeIntervalSearch, APassageAsWideAsTheRobotIsFoundByItsPath) {
     EXPECT_TRUE(world.field.segment_free((*found)[k - 1].position, (*found)[k].position, radius));
 }
 
+TEST(SafeIntervalSearch, APathMayNameAPointTwice) {
+  OccupancyMap map = test::open_map(200, 100);
+  test::block(map, 40, 0, 160, 43);
+  test::block(map, 40, 53, 160, 100);  // a corridor of 10 cells, off the lattice
+  World world(map);
+  const auto found = world.search({{20, 48}, {20, 48}, {100, 48}, {100, 48}, {180, 48}, {180, 48}});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->back().time, 160 / speed, 0.1);
+}
+
 }  // namespace
 }  // namespace coppice
