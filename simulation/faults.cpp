@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planning/random.h"
+
 namespace coppice {
 
 namespace {
@@ -15,19 +17,7 @@ double gap(double rate, Random& random) {
   return rate > 0 ? -std::log(1 - random.uniform()) * hour / rate : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
-double AgentFaults::awake_from(double time) const {
-  const auto next = std::ranges::upper_bound(pauses, time);
-  return next == pauses.begin() ? time : std::max(time, *(next - 1) + pause);
-}
-
-double AgentFaults::killed_after(double time) const {
-  const auto next = std::ranges::lower_bound(kills, time);
-  return next == kills.end() ? std::numeric_limits<double>::infinity() : *next;
-}
-
-AgentFaults draw_faults(const Faults& faults, const std::string& robot, double horizon, Random& random) {
+AgentFaults draw_faults_of(const std::string& robot, const Faults& faults, double horizon, Random& random) {
   AgentFaults drawn{.side = static_cast<int>(random.index(2)),
                     .clock_offset = random.uniform(-faults.clock_skew, faults.clock_skew),
                     .restart_after = faults.restart_after,
@@ -47,6 +37,26 @@ AgentFaults draw_faults(const Faults& faults, const std::string& robot, double h
     drawn.kills.push_back(kill.time);
   }
   std::ranges::sort(drawn.kills);
+  return drawn;
+}
+
+}  // namespace
+
+double AgentFaults::awake_from(double time) const {
+  const auto next = std::ranges::upper_bound(pauses, time);
+  return next == pauses.begin() ? time : std::max(time, *(next - 1) + pause);
+}
+
+double AgentFaults::killed_after(double time) const {
+  const auto next = std::ranges::lower_bound(kills, time);
+  return next == kills.end() ? std::numeric_limits<double>::infinity() : *next;
+}
+
+std::vector<AgentFaults> draw_faults(const Faults& faults, const Scenario& scenario, double horizon) {
+  Random random(scenario.seed + 1);
+  std::vector<AgentFaults> drawn;
+  for (const RobotTask& task : scenario.robots)
+    drawn.push_back(draw_faults_of(task.name, faults, horizon, random));
   return drawn;
 }
 

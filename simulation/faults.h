@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planning/random.h"
+#include "files/scenario.h"
 #include "simulation/simulated_bus.h"
 
 namespace coppice {
@@ -52,7 +52,7 @@ struct SufferedFaults {
   std::size_t rejected = 0;  ///< messages that no reader accepts, which is always an error of the sender
 };
 
-/// Draws the faults of an agent for a run of at most `horizon` seconds.
-AgentFaults draw_faults(const Faults& faults, const std::string& robot, double horizon, Random& random);
+/// Draws the faults of each robot's agent, from the scenario's seed, for a run of at most `horizon` seconds.
+std::vector<AgentFaults> draw_faults(const Faults& faults, const Scenario& scenario, double horizon);
 
 }  // namespace coppice

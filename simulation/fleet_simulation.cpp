@@ -36,9 +36,9 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
   bus_.keep_for(Role::agent);
-  Random random(scenario.seed + 1);
+  std::vector<AgentFaults> drawn = draw_faults(settings.faults, scenario, settings.timeout);
   for (const RobotTask& task : scenario.robots) {
-    AgentFaults faults = draw_faults(settings.faults, task.name, settings.timeout, random);
+    AgentFaults& faults = drawn[agents_.size()];
     const double next_kill = faults.killed_after(0);
     agents_.push_back({.name = task.name,
                        .index = agents_.size(),

@@ -72,13 +72,22 @@ Faults draw_kinds_of_faults(const Scenario& scenario, Random& random) {
   if (random.uniform() < 0.3) {
     const double from = random.uniform(0, 20);
     faults.bus.partitions.push_back({from, from + random.uniform(0.5, longest_cut)});
-    // A robot that is alone on its side and fails there may be anywhere (docs/safety.md).
-    const bool may_be_alone = scenario.robots.size() < 10;
-    for (Faults::Kill& kill : faults.kills) {
-      if (may_be_alone && kill.time > from) kill.time += faults.bus.partitions.back().until;
-    }
   }
   return faults;
+}
+
+/// A robot that is alone on its side of a partition and fails there may be anywhere (docs/safety.md, A6). So
+/// it fails later; in a small fleet, where those on its side may be down, in any case.
+void postpone_lonely_kills(const Scenario& scenario, Faults& faults) {
+  if (faults.bus.partitions.empty()) return;
+  const Partition& cut = faults.bus.partitions.back();
+  const std::vector<AgentFaults> drawn = draw_faults(faults, scenario, longest_run);
+  for (Faults::Kill& kill : faults.kills) {
+    const auto victim = std::ranges::find(scenario.robots, kill.robot, &RobotTask::name);
+    const int side = drawn[static_cast<std::size_t>(victim - scenario.robots.begin())].side;
+    const bool is_alone = std::ranges::count(drawn, side, &AgentFaults::side) == 1;
+    if (kill.time > cut.from && (is_alone || drawn.size() < 10)) kill.time += cut.until;
+  }
 }
 
 /// Draws cut links between robots; no robot has two of them.
@@ -169,6 +178,7 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
     faults.restart_after = of_restarts.uniform(0.1, 8);
     for (Faults::Kill& kill : faults.kills) kill.for_good = true;
   }
+  postpone_lonely_kills(scenario, faults);
   Random of_links(seed + 2);
   faults.bus.cut_links = draw_cut_links(scenario, faults, of_links);
   const double lifelong = random.uniform() < 0.2 ? 300 : 0;

@@ -1,5 +1,9 @@
 #include "simulation/fuzz.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace coppice {
@@ -29,6 +33,23 @@ TEST(Fuzz, TheSameSeedGivesTheSameCase) {
     EXPECT_EQ(a.scenario.map, b.scenario.map);
     EXPECT_NE(a.what, draw_fuzz_case(seed + 1).what);
   }
+}
+
+TEST(Fuzz, NoRobotFailsWhileItIsAloneOnItsSideOfAPartition) {
+  int cuts_with_kills = 0;
+  for (std::uint32_t seed = 16300001; seed <= 16300100; ++seed) {
+    const auto [number, what, scenario, settings] = draw_fuzz_case(seed);
+    if (settings.faults.bus.partitions.empty()) continue;
+    const Partition& cut = settings.faults.bus.partitions.front();
+    const std::vector<AgentFaults> drawn = draw_faults(settings.faults, scenario, settings.timeout);
+    for (std::size_t k = 0; k < drawn.size(); ++k) {
+      const auto killed_within = [&](double time) { return time > cut.from && time < cut.until; };
+      if (std::ranges::none_of(drawn[k].kills, killed_within)) continue;
+      ++cuts_with_kills;
+      EXPECT_GT(std::ranges::count(drawn, drawn[k].side, &AgentFaults::side), 1) << what;
+    }
+  }
+  EXPECT_GT(cuts_with_kills, 0);
 }
 
 TEST(Fuzz, ARobotThatCouldArriveAndDoesNotIsAFailure) {
