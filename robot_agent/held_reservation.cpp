@@ -6,7 +6,6 @@
 #include <span>
 #include <utility>
 
-#include "messages/validation.h"
 #include "motion/space_time.h"
 #include "robot_agent/limits.h"
 #include "robot_agent/reservation_pair.h"

@@ -5,7 +5,6 @@
 
 #include "messages/validation.h"
 #include "motion/space_time.h"
-#include "robot_agent/limits.h"
 #include "robot_agent/reservation_pair.h"
 #include "robot_agent/timing.h"
 #include "robot_agent/turn.h"
