@@ -124,7 +124,8 @@ SafeIntervalSearch::Known& SafeIntervalSearch::known(Vertex v, SpaceTime& others
   const auto first = static_cast<std::uint32_t>(states_.size());
   const Point2 place = at(v);
   for (const Interval& safe : others.safe_at(place)) states_.push_back({v, place, safe});
-  return known_.emplace_back(first, static_cast<std::uint32_t>(states_.size()));
+  known_.push_back({first, static_cast<std::uint32_t>(states_.size())});  // clang 14 emplaces no aggregate
+  return known_.back();
 }
 
 /// Seconds that a robot loses because it slows down for the turn at a state's vertex.
