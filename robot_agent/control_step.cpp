@@ -120,8 +120,8 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   if (reserver_.holds() && (listens || fleet_.recoveries() != recoveries_)) reserver_.held().doubt_all();
   if (!listens && !stopped()) {
     if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, reserver_, map_->roadmaps, now);
-    if (auto plan = round_.take_up()) {
-      reserver_.adopt(std::move(plan), self(), fleet_, now, out);
+    if (const auto plan = round_.take_up()) {
+      reserver_.adopt(*plan, self(), fleet_, now, out);
       follow_reservation(out);
     }
   }

@@ -140,7 +140,7 @@ Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet&
     next = &robot;
     waits_until_ = std::max(now, m->rests_until) + pair.gates.metres_until(until, certain) / m->max_speed;
   }
-  const Point2 wanted = follower_.preferred_velocity(position, limits, control_period, open);
+  Point2 wanted = follower_.preferred_velocity(position, limits, control_period, open);
   own_speed_ = std::min(limits.max_speed, self.velocity.norm() + limits.max_acceleration * control_period);
   own_limits_ = limits;
   waits_for_ = next != nullptr && open - progress() < slack ? *next : RobotName();

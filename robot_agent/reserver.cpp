@@ -1,6 +1,7 @@
 #include "robot_agent/reserver.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "messages/validation.h"
@@ -246,24 +247,24 @@ HeldReservation& Reserver::hold(ReservationMessage message, double now, std::vec
   return state_.emplace<HeldReservation>(std::move(own), *others_);
 }
 
-void Reserver::adopt(std::shared_ptr<const JointPlanMessage> plan, const FleetMember& self,
-                     const Fleet& fleet, double now, std::vector<Outgoing>& out) {
-  const auto part = std::ranges::find(plan->members, robot_, &JointPlanMessage::Member::robot);
-  const bool has_part = part != plan->members.end() && path_of(part->trajectory).size() > 1 &&
+void Reserver::adopt(const JointPlanMessage& plan, const FleetMember& self, const Fleet& fleet, double now,
+                     std::vector<Outgoing>& out) {
+  const auto part = std::ranges::find(plan.members, robot_, &JointPlanMessage::Member::robot);
+  const bool has_part = part != plan.members.end() && path_of(part->trajectory).size() > 1 &&
                         (part->trajectory.front().position - self.position).norm() < same_place;
   is_news_ = true;
   if (!has_part) return drop(self, fleet, now, out);
-  const auto leader = fleet.find(plan->round.leader);
+  const auto leader = fleet.find(plan.round.leader);
   const double shift = leader ? leader->clock_offset : 0;
   ReservationMessage message{.robot = robot_,
                              .radius = self.radius,
                              .way = length_of(path_of(part->trajectory)),
                              .trajectory = shifted(part->trajectory, shift),
-                             .basis = plan->basis,
-                             .plan = {plan->round.leader, plan->round.epoch, shift},
+                             .basis = plan.basis,
+                             .plan = {plan.round.leader, plan.round.epoch, shift},
                              .run = run_};
   for (ReservationBasis& b : message.basis) b.offset += shift;
-  hold(std::move(message), now, out).expect_members_of(*plan);
+  hold(std::move(message), now, out).expect_members_of(plan);
 }
 
 bool Reserver::passes(const RobotState& other, double age) {

@@ -21,7 +21,6 @@
 
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -75,8 +74,8 @@ class Reserver {
   void plan(const Path& path, double ready, const FleetMember& self, const Limits& limits, const Fleet& fleet,
             MapRoadmaps& places, double now, std::vector<Outgoing>& out);
   /// Takes up the part of this robot in a joint plan, if it has one that begins where the robot stands.
-  void adopt(std::shared_ptr<const JointPlanMessage> plan, const FleetMember& self, const Fleet& fleet,
-             double now, std::vector<Outgoing>& out);
+  void adopt(const JointPlanMessage& plan, const FleetMember& self, const Fleet& fleet, double now,
+             std::vector<Outgoing>& out);
   /// What another robot has reserved, if it keeps to that.
   std::optional<KnownReservation> reservation_of(const FleetMember& m) const;
   /// The robot may try anew: something has changed since the last attempt, or that was a while ago.

@@ -41,7 +41,7 @@ struct Robot {
   void plan(double now) { reserver.plan(path, now, self, limits, fleet, places, now, said); }
   void adopt(const JointPlanMessage& plan, double now) {
     self.round = plan.round;
-    reserver.adopt(std::make_shared<const JointPlanMessage>(plan), self, fleet, now, said);
+    reserver.adopt(plan, self, fleet, now, said);
   }
   void drop(double now) { reserver.drop(self, fleet, now, said); }
   bool is_overridden() {
