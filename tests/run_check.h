@@ -120,6 +120,7 @@ inline std::vector<Expected> robots_of_scen(const std::filesystem::path& path) {
 struct Sample {
   double time = 0;
   Vertex place;
+  bool stands = false;
 };
 
 /// By robot, in the order of the file.
@@ -134,7 +135,10 @@ inline std::map<std::string, std::vector<Sample>> read_trajectory_rows(const std
     std::istringstream fields(line);
     Sample sample;
     std::string robot;
-    if (!(fields >> sample.time >> robot >> sample.place.x >> sample.place.y)) throw std::runtime_error(line);
+    Vertex velocity{};
+    if (!(fields >> sample.time >> robot >> sample.place.x >> sample.place.y >> velocity.x >> velocity.y))
+      throw std::runtime_error(line);
+    sample.stands = velocity.x == 0 && velocity.y == 0;
     tracks[robot].push_back(sample);
   }
   return tracks;
@@ -159,14 +163,19 @@ class Follower {
   std::size_t next_ = 0;
 };
 
-/// Least distance of two robots while both tracks last; motion is straight between samples.
+/// Until when a track says where its robot is: for ever if the robot stands at the end.
+inline double known_until(const std::vector<Sample>& track) {
+  return track.back().stands ? std::numeric_limits<double>::infinity() : track.back().time;
+}
+
+/// Least distance of two robots while both tracks say where they are; motion is straight between samples.
 inline double least_distance(const std::vector<Sample>& a, const std::vector<Sample>& b) {
   std::vector<double> times;
   for (const auto* track : {&a, &b}) {
     for (const Sample& sample : *track) times.push_back(sample.time);
   }
   std::sort(times.begin(), times.end());
-  const double end = std::min(a.back().time, b.back().time);
+  const double end = std::min(known_until(a), known_until(b));
   Follower in_a(a);
   Follower in_b(b);
   Vertex a0 = in_a.at(times.front());
