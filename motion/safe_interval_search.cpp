@@ -41,6 +41,7 @@ SafeIntervalSearch::SafeIntervalSearch(const ClearanceField& field, Lattice& lat
 /// The way through passages that the lattice misses.
 void SafeIntervalSearch::add_path(Path path) {
   path.erase(std::unique(path.begin(), path.end()), path.end());
+  if (path.size() == 1) path.push_back(path.front());  // the robot is at its goal
   Vertex before = start_;
   for (std::size_t k = 1; k < path.size(); ++k) {
     if (!field_.segment_free(path[k - 1], path[k], radius_)) {
@@ -195,10 +196,9 @@ void SafeIntervalSearch::carry_out(const Move& move, const Limits& limits) {
   to.closed = true;
   if (move.from == none) return;
   const Point2 way = to.place - states_[move.from].place;
-  const double length = way.norm();
   to.parent = move.from;
-  to.time = move.departure + length / limits.max_speed;
-  to.heading = way / length;
+  to.time = move.departure + way.norm() / limits.max_speed;
+  to.heading = way.normalized();
 }
 
 void SafeIntervalSearch::begin_at(double time, SpaceTime& others, const Limits& limits) {

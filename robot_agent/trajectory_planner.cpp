@@ -39,7 +39,8 @@ std::optional<Trajectory> TrajectoryPlanner::search() {
   const double stray = reserved_stray_radii * radius_;
   const Path wide = with_wide_corners(path_of(*found), field_, radius_, stray, limits_);
   const auto rounded = earliest_along(wide, taken, begin_, stray, limits_);
-  return rounded && rounded->back().time < found->back().time ? rounded : found;
+  const bool is_better = rounded && path_of(*rounded).size() > 1 && rounded->back().time < found->back().time;
+  return is_better ? rounded : found;
 }
 
 std::optional<Trajectory> TrajectoryPlanner::around_all() {

@@ -99,5 +99,12 @@ TEST(SafeIntervalSearch, APathMayNameAPointTwice) {
   EXPECT_NEAR(found->back().time, 160 / speed, 0.1);
 }
 
+TEST(SafeIntervalSearch, ARobotAtItsGoalStaysThere) {
+  World world(test::open_map(200, 100));
+  const auto found = world.search({{50, 48}, {50, 48}}, 3);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->back(), (TimedPoint{3, {50, 48}}));
+}
+
 }  // namespace
 }  // namespace coppice
