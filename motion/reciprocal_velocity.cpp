@@ -12,9 +12,6 @@ namespace {
 
 constexpr double precision = 1e-9;  // m/s, and m in comparisons of obstacles
 
-double cross(const Point2& a, const Point2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 Point2 left_of(const Point2& v) {
   return {-v.y(), v.x()};
 }

@@ -12,7 +12,8 @@ namespace coppice {
 
 namespace {
 
-constexpr double piece_radii = 0.15;  // radii, length of the pieces into which the own way is cut
+constexpr double piece_radii = 0.15;     // radii, length of the pieces into which the own way is cut
+constexpr double least_crossing = 1e-3;  // sine of the angle of two ways: with less they count as parallel
 
 constexpr double forever = std::numeric_limits<double>::infinity();
 
@@ -61,11 +62,8 @@ struct Close {
   double end;
 };
 
-double cross(const Point2& a, const Point2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-/// None: the parts do not come near each other.
+/// None: the parts do not come near each other. The own part lies near the other's line, or near its point,
+/// between two places.
 std::optional<Close> close_to(const Part& own, const Part& other, double near) {
   if (!come_near(own, other, near)) return std::nullopt;
   const Point2 gap = own.from - other.from;
@@ -75,7 +73,7 @@ std::optional<Close> close_to(const Part& own, const Part& other, double near) {
     if (std::abs(cross(own.direction, gap)) >= near) return std::nullopt;
     begin = std::max(begin, -gap.dot(own.direction) - near);
     end = std::min(end, -gap.dot(own.direction) + near);
-  } else if (const double change = cross(other.direction, own.direction); std::abs(change) > 1e-3) {
+  } else if (const double change = cross(other.direction, own.direction); std::abs(change) > least_crossing) {
     const double middle = -cross(other.direction, gap) / change;
     begin = std::max(begin, middle - near / std::abs(change));
     end = std::min(end, middle + near / std::abs(change));

@@ -11,10 +11,6 @@ namespace {
 constexpr double cell_radii = 4;  // radii to a side of a cell
 constexpr double rounding = 1e-9;
 
-double cross(const Point2& a, const Point2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 /// The x for which |a + x b| < near, within `bounds`.
 std::optional<Interval> within(const Point2& a, const Point2& b, double near, const Interval& bounds) {
   if (bounds.end < bounds.begin) return std::nullopt;

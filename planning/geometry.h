@@ -39,6 +39,11 @@ double distance(const Box<D>& a, const Box<D>& b) {
   return (a.lower - b.upper).cwiseMax(b.lower - a.upper).cwiseMax(0.0).norm();
 }
 
+/// The z component of the cross product: positive if b lies to the left of a.
+inline double cross(const Point2& a, const Point2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 /// The sum of the lengths of the segments, metres; 0 for fewer than two points.
 template <int D>
 double length_of(const std::vector<Point<D>>& path) {

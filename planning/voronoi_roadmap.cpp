@@ -96,10 +96,6 @@ Point2 point(const Vertex& vertex) {
   return {vertex.x(), vertex.y()};
 }
 
-double cross(const Point2& a, const Point2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 /// The point where the line from a to b crosses the ray from the origin in direction u; the nearer end if it
 /// does not.
 Point2 crossing(const Point2& a, const Point2& b, const Point2& u) {

@@ -57,7 +57,7 @@ class Reserver {
   std::uint32_t heeds() const { return holds() ? others_->news() : 0; }
   double progress() const { return holds() ? held().progress() : 0; }
   /// The robot for which this one waits at a gate; empty: none.
-  RobotName waits_for() const { return holds() ? held().waits_for() : RobotName(); }
+  const RobotName& waits_for() const { return holds() ? held().waits_for() : nobody_; }
   /// The robot carries out its part of a joint plan.
   bool executes_plan() const {
     return holds() && !held().message().plan.leader.empty() && !held().finished();
@@ -127,6 +127,7 @@ class Reserver {
   void leave_strip(const Fleet& fleet, double now);
 
   RobotName robot_;
+  RobotName nobody_;  ///< empty
   RunId run_;
   const Reservations* others_;
   std::uint32_t number_ = 0;  ///< of the last message

@@ -155,7 +155,6 @@ TEST_F(ReserverTest, OfTwoThatPlanAtTheSameTimeTheOneWithTheLongerWayPlansAnew) 
   tell(b, a);
   EXPECT_FALSE(a.is_overridden());
   EXPECT_TRUE(b.is_overridden());
-  EXPECT_TRUE(b.reserver.held().is_overridden());
 }
 
 // b is to end in the corridor, and to close it.
