@@ -100,10 +100,13 @@ TEST(SafeIntervalSearch, APathMayNameAPointTwice) {
 }
 
 TEST(SafeIntervalSearch, ARobotAtItsGoalStaysThere) {
-  World world(test::open_map(200, 100));
-  const auto found = world.search({{50, 48}, {50, 48}}, 3);
+  OccupancyMap map = test::open_map(200, 100);
+  test::block(map, 0, 0, 200, 43);
+  World world(map);
+  const Point2 beside_the_wall{50, 48.1};  // closer than the lattice goes
+  const auto found = world.search({beside_the_wall, beside_the_wall}, 3);
   ASSERT_TRUE(found);
-  EXPECT_EQ(found->back(), (TimedPoint{3, {50, 48}}));
+  EXPECT_EQ(found->back(), (TimedPoint{3, beside_the_wall}));
 }
 
 }  // namespace
