@@ -8,9 +8,9 @@
 #include "bench/output.h"
 #include "bench/statistics.h"
 #include "bench/trial.h"
+#include "coppice/motion/reciprocal_velocity.h"
+#include "coppice/motion/separation.h"
 #include "motion/path_follower.h"
-#include "motion/reciprocal_velocity.h"
-#include "motion/separation.h"
 #include "robot_agent/fleet.h"
 #include "simulation/fleet_simulation.h"
 

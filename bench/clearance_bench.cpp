@@ -5,8 +5,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "planning/clearance_field.h"
-#include "planning/random.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 namespace {

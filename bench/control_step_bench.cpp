@@ -6,9 +6,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 #include "motion/driver.h"
-#include "planning/clearance_field.h"
-#include "planning/random.h"
 
 namespace coppice {
 namespace {

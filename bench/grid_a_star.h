@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 namespace coppice {
 

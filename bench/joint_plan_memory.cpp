@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "files/scenario_file.h"
+#include "coppice/files/scenario_file.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 #include "motion/joint_planner.h"
-#include "planning/clearance_field.h"
-#include "planning/random.h"
 
 namespace coppice {
 namespace {

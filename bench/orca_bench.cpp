@@ -7,9 +7,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include "motion/reciprocal_velocity.h"
-#include "planning/clearance_field.h"
-#include "planning/random.h"
+#include "coppice/motion/reciprocal_velocity.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 namespace {

@@ -7,7 +7,7 @@
 #include "bench/output.h"
 #include "bench/statistics.h"
 #include "bench/trial.h"
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "files/text_file.h"
 
 namespace coppice {

@@ -11,8 +11,8 @@
 #include "bench/output.h"
 #include "bench/reference_figures.h"
 #include "bench/statistics.h"
-#include "files/scenario_file.h"
-#include "motion/kinematics.h"
+#include "coppice/files/scenario_file.h"
+#include "coppice/motion/kinematics.h"
 #include "simulation/fleet_simulation.h"
 
 namespace coppice {

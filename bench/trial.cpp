@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "bench/grid_a_star.h"
-#include "files/map_file.h"
+#include "coppice/files/map_file.h"
 #include "planning/path_shortening.h"
 #include "planning/rrt_star.h"
 #include "planning/suggestions.h"

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/map_generator.h"
 #include "planning/fleet_plan.h"
-#include "planning/map_generator.h"
 
 namespace coppice {
 

@@ -2,11 +2,11 @@
 
 #include "bench/experiments.h"
 #include "coppice/commands.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
+#include "coppice/planning/map_generator.h"
 #include "coppice/scale_bench.h"
 #include "coppice/sharing_bench.h"
-#include "files/input_error.h"
-#include "files/map_file.h"
-#include "planning/map_generator.h"
 #include "runtime/process.h"
 
 namespace coppice {

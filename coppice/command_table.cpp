@@ -10,11 +10,11 @@
 #include <fmt/ranges.h>
 
 #include "coppice/fault_options.h"
-#include "files/map_file.h"
+#include "coppice/files/map_file.h"
+#include "coppice/files/scenario_generator.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/report_terms.h"
-#include "files/scenario_generator.h"
 #include "planner_service/options.h"
 #include "planning/nearest_name.h"
 #include "planning/quantities.h"

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "coppice/diagnosis.h"
+#include "coppice/simulation/faults.h"
 #include "dds/dds_bus.h"
 #include "files/run_options.h"
 #include "monitor/web_server.h"
 #include "runtime/process_options.h"
-#include "simulation/faults.h"
 
 namespace coppice {
 

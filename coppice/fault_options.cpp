@@ -8,15 +8,11 @@
 #include <fmt/format.h>
 
 #include "files/number_check.h"
+#include "simulation/fault_limits.h"
 
 namespace coppice {
 
 namespace {
-
-// A higher rate is not realistic, and its schedule takes very long to draw.
-constexpr double most_an_hour = 3600;
-constexpr double shortest = 1e-3;  // seconds
-constexpr double longest = 1e5;    // seconds
 
 /// Splits the text at the last `separator`. Throws a usage error with the option and the expected form.
 std::pair<std::string, std::string> split(const std::string& text, char separator, const std::string& option,
@@ -29,9 +25,9 @@ std::pair<std::string, std::string> split(const std::string& text, char separato
 double seconds(const std::string& text, const std::string& option) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= longest))
-    throw CLI::ValidationError(option,
-                               fmt::format("'{}' is not a number of seconds from 0 to {}", text, longest));
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= 0 && value <= longest_fault))
+    throw CLI::ValidationError(
+        option, fmt::format("'{}' is not a number of seconds from 0 to {}", text, longest_fault));
   return value;
 }
 
@@ -57,10 +53,11 @@ void add_fault_options(CLI::App& command, Faults& faults) {
         ->allow_extra_args(false);
   };
   number("--loss", faults.bus.loss, "share of lost samples; reliable ones are sent again")
-      ->check(number_between(0, 0.95));
-  number("--delay", faults.bus.delay, "delay of every sample, seconds")->check(number_between(0, 60));
+      ->check(number_between(0, largest_loss));
+  number("--delay", faults.bus.delay, "delay of every sample, seconds")
+      ->check(number_between(0, longest_delay));
   number("--jitter", faults.bus.jitter, "greatest deviation of a delay, seconds")
-      ->check(number_between(0, 60));
+      ->check(number_between(0, longest_delay));
   number("--duplicate", faults.bus.duplicate, "share of the samples that arrive twice")
       ->check(number_between(0, 1));
   command.add_flag("--reorder", faults.bus.reorder, "lets samples of one sender overtake each other")
@@ -72,13 +69,14 @@ void add_fault_options(CLI::App& command, Faults& faults) {
           faults.kills.push_back({robot, seconds(time, "--kill")});
         });
   number("--restart-after", faults.restart_after, "seconds after which a killed agent is restarted")
-      ->check(number_between(shortest, longest))
+      ->check(number_between(shortest_fault, longest_fault))
       ->default_str("never");
   number("--pause-rate", faults.pause_rate, "pauses of agents, per robot and hour")
       ->check(number_between(0, most_an_hour));
-  number("--pause", faults.pause, "duration of a pause, seconds")->check(number_between(shortest, longest));
+  number("--pause", faults.pause, "duration of a pause, seconds")
+      ->check(number_between(shortest_fault, longest_fault));
   number("--clock-skew", faults.clock_skew, "greatest error of an agent's clock, seconds")
-      ->check(number_between(0, longest));
+      ->check(number_between(0, longest_fault));
   pairs("--partition", ':', "FROM:UNTIL", "a time in which the network is split in two, seconds",
         [&faults](const std::string& from, const std::string& until) {
           const double begin = seconds(from, "--partition");

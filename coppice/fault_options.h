@@ -1,7 +1,7 @@
 // The options for simulated faults.
 #pragma once
 
-#include "simulation/faults.h"
+#include "coppice/simulation/faults.h"
 
 namespace CLI {
 class App;

@@ -14,8 +14,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "coppice/files/input_error.h"
 #include "dds/discovery.h"
-#include "files/input_error.h"
 #include "files/text_file.h"
 
 namespace coppice {

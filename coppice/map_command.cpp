@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 
 #include "coppice/commands.h"
-#include "files/input_error.h"
-#include "files/map_file.h"
-#include "files/scenario_file.h"
-#include "files/scenario_generator.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
+#include "coppice/files/scenario_file.h"
+#include "coppice/files/scenario_generator.h"
+#include "coppice/planning/map_generator.h"
 #include "files/text_file.h"
-#include "planning/map_generator.h"
 
 namespace coppice {
 

@@ -12,8 +12,8 @@
 #include <unistd.h>
 
 #include "coppice/commands.h"
+#include "coppice/files/input_error.h"
 #include "coppice/process_fleet.h"
-#include "files/input_error.h"
 #include "files/temporary_folder.h"
 #include "files/text_file.h"
 #include "monitor/picture_book.h"

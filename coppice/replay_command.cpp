@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "coppice/commands.h"
+#include "coppice/files/input_error.h"
 #include "dds/dds_bus.h"
-#include "files/input_error.h"
 #include "messages/topics.h"
 #include "messages/validation.h"
 #include "monitor/recording.h"

@@ -20,12 +20,12 @@
 #include "bench/trial.h"
 #include "coppice/commands.h"
 #include "coppice/examination.h"
+#include "coppice/files/input_error.h"
+#include "coppice/planning/map_generator.h"
 #include "coppice/process_fleet.h"
 #include "coppice/time_scale.h"
-#include "files/input_error.h"
 #include "files/report_file.h"
 #include "files/temporary_folder.h"
-#include "planning/map_generator.h"
 #include "runtime/process.h"
 
 namespace coppice {

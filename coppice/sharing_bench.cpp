@@ -15,10 +15,10 @@
 #include "bench/statistics.h"
 #include "bench/trial.h"
 #include "coppice/commands.h"
+#include "coppice/planning/map_generator.h"
+#include "coppice/planning/planner_kind.h"
 #include "files/report_file.h"
 #include "files/temporary_folder.h"
-#include "planning/map_generator.h"
-#include "planning/planner_kind.h"
 
 namespace coppice {
 

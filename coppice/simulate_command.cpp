@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include "coppice/commands.h"
+#include "coppice/files/input_error.h"
 #include "coppice/simulation_recording.h"
-#include "files/input_error.h"
 #include "files/report_file.h"
 #include "planner_service/progress.h"
 #include "runtime/process.h"

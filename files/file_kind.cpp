@@ -12,7 +12,7 @@
 
 #include <fmt/format.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

@@ -16,7 +16,7 @@
 #include <rapidjson/memorystream.h>
 #include <rapidjson/reader.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "files/text_file.h"
 #include "planning/nearest_name.h"
 

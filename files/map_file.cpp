@@ -1,17 +1,19 @@
-#include "files/map_file.h"
+#include "coppice/files/map_file.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "coppice/files/input_error.h"
+#include "coppice/planning/map_generator.h"
 #include "files/file_kind.h"
-#include "files/input_error.h"
 #include "files/ros_map_file.h"
 #include "files/text_file.h"
-#include "planning/map_generator.h"
+#include "planning/quantities.h"
 
 namespace coppice {
 
@@ -87,6 +89,23 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
 }
 
 }  // namespace
+
+void check_map(const OccupancyMap& map) {
+  for (const auto& [member, side] : {std::pair("width", map.width), std::pair("height", map.height)}) {
+    if (side < 1 || side > largest_map_file_side)
+      throw InputError(fmt::format("{}: {}, expected 1 to {}", member, side, largest_map_file_side));
+  }
+  if (map.blocked.size() != map.frame().cells()) {
+    throw InputError(
+        fmt::format("blocked: {} entries, expected {} x {}", map.blocked.size(), map.width, map.height));
+  }
+  if (!is_sane_size(map.resolution)) {
+    throw InputError(fmt::format("resolution: {}, expected a number above 0, from {} to {}", map.resolution,
+                                 least_quantity, largest_quantity));
+  }
+  if (!is_sane(map.origin.x()) || !is_sane(map.origin.y()))
+    throw InputError(fmt::format("origin: expected finite numbers, at most {}", largest_quantity));
+}
 
 OccupancyMap read_map(const std::filesystem::path& path, MapWarnings warnings) {
   refuse_other_kinds(path, {FileKind::map, FileKind::ros_map, FileKind::empty}, "a map (.map or .yaml)");

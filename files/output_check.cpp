@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "files/text_file.h"
 
 namespace coppice {

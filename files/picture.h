@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "planning/geometry.h"
-#include "planning/occupancy_map.h"
+#include "coppice/planning/geometry.h"
+#include "coppice/planning/occupancy_map.h"
 
 namespace coppice {
 

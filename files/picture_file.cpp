@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include "files/input_error.h"
-#include "files/map_file.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
 #include "files/text_file.h"
 
 namespace coppice {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "files/text_file.h"
 
 namespace coppice {
@@ -53,7 +53,7 @@ std::string worst_of(const proto::Report& report) {
 
 /// Prints one robot at a time: Protobuf first builds a tree of all that it prints, which took 8 MB for 200
 /// robots at once.
-void write_report(const std::filesystem::path& path, const proto::Report& report) {
+std::string report_json(const proto::Report& report) {
   proto::Report of_all = report;
   of_all.clear_robots();
   const std::string frame = json_of(of_all);
@@ -65,7 +65,11 @@ void write_report(const std::filesystem::path& path, const proto::Report& report
     if (json.size() > gap) json += ',';
     json += '\n' + indented(json_of(robot));
   }
-  write_file(path, json + frame.substr(gap) + '\n');
+  return json + frame.substr(gap) + '\n';
+}
+
+void write_report(const std::filesystem::path& path, const proto::Report& report) {
+  write_file(path, report_json(report));
 }
 
 proto::Report read_report(const std::filesystem::path& path) {

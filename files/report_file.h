@@ -8,6 +8,8 @@
 
 namespace coppice {
 
+std::string report_json(const proto::Report& report);
+
 /// Throws InputError if the file cannot be written; then no partial file is left.
 void write_report(const std::filesystem::path& path, const proto::Report& report);
 

@@ -9,7 +9,7 @@
 #include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "files/picture_file.h"
 #include "files/text_file.h"
 #include "planning/quantities.h"

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "files/map_file.h"
-#include "planning/occupancy_map.h"
+#include "coppice/files/map_file.h"
+#include "coppice/planning/occupancy_map.h"
 
 namespace coppice {
 

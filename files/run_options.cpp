@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/report_file.h"

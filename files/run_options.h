@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "coppice/files/scenario_file.h"
+#include "coppice/planning/planner_kind.h"
 #include "files/picture.h"
-#include "files/scenario_file.h"
 #include "files/trajectory_file.h"
-#include "planning/planner_kind.h"
 #include "report.pb.h"
 
 namespace CLI {

@@ -1,4 +1,4 @@
-#include "files/scenario_file.h"
+#include "coppice/files/scenario_file.h"
 
 #include <algorithm>
 #include <set>
@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
 
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
+#include "coppice/planning/clearance_field.h"
 #include "files/file_kind.h"
-#include "files/input_error.h"
 #include "files/json_file.h"
-#include "files/map_file.h"
 #include "files/text_file.h"
-#include "planning/clearance_field.h"
 #include "planning/quantities.h"
 #include "planning/robot_name.h"
 #include "scenario.pb.h"
@@ -23,23 +23,9 @@ namespace coppice {
 
 namespace {
 
-// Default acceleration in units of the maximum speed: full speed within 0.5 s.
-constexpr double speeds_a_second = 2;
-
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& field,
                        const std::string& problem) {
   throw InputError(fmt::format("{}: {}: {}", path.string(), field, problem));
-}
-
-double checked_size(std::optional<double> value, double otherwise, const std::filesystem::path& path,
-                    const std::string& field) {
-  const double chosen = value.value_or(otherwise);
-  if (!is_sane_size(chosen)) {
-    fail(path, field,
-         fmt::format("{} is not allowed, expected a number above 0, from {} to {}", chosen, least_quantity,
-                     largest_quantity));
-  }
-  return chosen;
 }
 
 template <class Message>
@@ -92,44 +78,12 @@ proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& h
   return scenario;
 }
 
-void check_name(const std::string& name, std::set<std::string>& names, const std::filesystem::path& path,
-                const std::string& field) {
-  if (!is_robot_name(name)) fail(path, field, fmt::format("expected {}", robot_name_rule));
-  if (!names.insert(name).second)
-    fail(path, field, fmt::format("\"{}\" is also the name of another robot", name));
-}
-
-Point2 checked_place(bool there, const proto::Position& place, const ClearanceField& field, double radius,
-                     const OccupancyMap& map, const std::filesystem::path& path, const std::string& name) {
-  if (!there) fail(path, name, "is missing, expected {\"x\": ..., \"y\": ...}");
+Point2 read_place(bool is_there, const proto::Position& place, const std::filesystem::path& path,
+                  const std::string& name) {
+  if (!is_there) fail(path, name, "is missing, expected {\"x\": ..., \"y\": ...}");
   if (!place.has_x() || !place.has_y())
     fail(path, name + (place.has_x() ? ".y" : ".x"), "is missing, expected a number");
-  const Point2 p(place.x(), place.y());
-  const Box<2> box = map.bounds();
-  if ((p.array() < box.lower.array()).any() || (p.array() > box.upper.array()).any()) {
-    fail(path, name,
-         fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
-                     box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
-  }
-  if (!field.is_free(p, radius)) {
-    fail(path, name,
-         fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
-                     p.x(), p.y(), field.clearance(p), radius));
-  }
-  return p;
-}
-
-void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place, const char* what,
-                 const std::filesystem::path& path) {
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const double distance = (robots[i].*place - robots[j].*place).norm();
-      if (distance >= robots[i].radius + robots[j].radius) continue;
-      fail(path, fmt::format("robots[{}].{}", i, what),
-           fmt::format("{} and {} would overlap there: distance {:.3f}, radii {} and {}", robots[i].name,
-                       robots[j].name, distance, robots[i].radius, robots[j].radius));
-    }
-  }
+  return {place.x(), place.y()};
 }
 
 /// The map's file: the command line's, or else `named`, which the scenario gives relative to itself.
@@ -182,56 +136,36 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
          fmt::format("is {} x {} cells, but this file says {} x {}", map.width, map.height, said_width,
                      said_height));
   }
-  if (file.robots_size() == 0) fail(path, "robots", "is empty, expected at least one robot");
   const int count = options.robots.value_or(file.robots_size());
   if (count < 1 || count > file.robots_size()) {
+    if (file.robots_size() == 0) fail(path, "robots", "is empty, expected at least one robot");
     fail(path, "robots", fmt::format("{} were asked for, expected 1 to {}", count, file.robots_size()));
   }
-  // An agent has a table of at most `most_robots` robots and would ignore any further ones.
-  if (std::cmp_greater(count, most_robots)) {
-    fail(path, "robots", fmt::format("{}, expected at most {}", count, most_robots));
-  }
-
-  const ClearanceField field(map);
-  const double cell = map.resolution;
-  const double radius =
-      checked_size(options.radius ? options.radius : optional_field(file.has_radius(), file.radius()),
-                   default_radius_cells * cell, path, "radius");
-  const double speed = checked_size(
-      options.max_speed ? options.max_speed : optional_field(file.has_max_speed(), file.max_speed()),
-      default_speed_cells * cell, path, "max_speed");
-  const double tolerance = checked_size(optional_field(file.has_goal_tolerance(), file.goal_tolerance()),
-                                        default_tolerance_cells * cell, path, "goal_tolerance");
-  std::set<std::string> names;
+  // Options of the command line apply to all robots.
+  const auto radius = options.radius ? options.radius : optional_field(file.has_radius(), file.radius());
+  const auto speed =
+      options.max_speed ? options.max_speed : optional_field(file.has_max_speed(), file.max_speed());
   for (int i = 0; i < count; ++i) {
     const proto::Scenario::Robot& robot = file.robots(i);
     const std::string at = fmt::format("robots[{}]", i);
-    check_name(robot.name(), names, path, at + ".name");
-    RobotTask task;
+    RobotTask task = robot_on(map);
     task.name = robot.name();
-    // Options of the command line apply to all robots.
-    task.radius =
-        checked_size(options.radius ? options.radius : optional_field(robot.has_radius(), robot.radius()),
-                     radius, path, at + ".radius");
-    task.max_speed = checked_size(
-        options.max_speed ? options.max_speed : optional_field(robot.has_max_speed(), robot.max_speed()),
-        speed, path, at + ".max_speed");
-    task.max_acceleration = checked_size(optional_field(file.has_max_acceleration(), file.max_acceleration()),
-                                         speeds_a_second * task.max_speed, path, "max_acceleration");
-    if (!can_brake(task.max_speed, task.max_acceleration)) {
-      fail(path, "max_acceleration",
-           fmt::format("{} takes {} longer than {} s to brake from {}, expected at least {}",
-                       task.max_acceleration, task.name, longest_braking, task.max_speed,
-                       task.max_speed / longest_braking));
-    }
-    task.goal_tolerance = tolerance;
-    task.start =
-        checked_place(robot.has_start(), robot.start(), field, task.radius, map, path, at + ".start");
-    task.goal = checked_place(robot.has_goal(), robot.goal(), field, task.radius, map, path, at + ".goal");
+    task.start = read_place(robot.has_start(), robot.start(), path, at + ".start");
+    task.goal = read_place(robot.has_goal(), robot.goal(), path, at + ".goal");
+    task.radius = radius.value_or(task.radius);
+    if (robot.has_radius() && !options.radius) task.radius = robot.radius();
+    task.max_speed = speed.value_or(task.max_speed);
+    if (robot.has_max_speed() && !options.max_speed) task.max_speed = robot.max_speed();
+    task.max_acceleration =
+        file.has_max_acceleration() ? file.max_acceleration() : usual_acceleration(task.max_speed);
+    if (file.has_goal_tolerance()) task.goal_tolerance = file.goal_tolerance();
     scenario.robots.push_back(std::move(task));
   }
-  check_apart(scenario.robots, &RobotTask::start, "start", path);
-  check_apart(scenario.robots, &RobotTask::goal, "goal", path);
+  try {
+    check_scenario(scenario);
+  } catch (const InputError& problem) {
+    throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
+  }
   return scenario;
 }
 

@@ -1,4 +1,4 @@
-#include "files/scenario_generator.h"
+#include "coppice/files/scenario_generator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "files/input_error.h"
-#include "planning/clearance_field.h"
-#include "planning/map_generator.h"
+#include "coppice/files/input_error.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/map_generator.h"
+#include "coppice/planning/random.h"
 #include "planning/quantities.h"
-#include "planning/random.h"
 #include "planning/shuffle.h"
 
 namespace coppice {

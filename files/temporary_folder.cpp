@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

@@ -12,7 +12,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

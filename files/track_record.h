@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "motion/separation.h"
+#include "coppice/motion/separation.h"
 
 namespace coppice {
 

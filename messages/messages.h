@@ -12,12 +12,12 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/motion/trajectory.h"
+#include "coppice/planning/geometry.h"
+#include "coppice/planning/occupancy_map.h"
+#include "coppice/planning/planner_kind.h"
 #include "messages/fleet_clock.h"
 #include "motion/promise.h"
-#include "motion/trajectory.h"
-#include "planning/geometry.h"
-#include "planning/occupancy_map.h"
-#include "planning/planner_kind.h"
 #include "planning/root.h"
 
 namespace coppice {

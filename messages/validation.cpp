@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/motion/trajectory.h"
 #include "messages/topics.h"
-#include "motion/trajectory.h"
 
 namespace coppice {
 

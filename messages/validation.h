@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
 #include "planning/quantities.h"
 
 namespace coppice {

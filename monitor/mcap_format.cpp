@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice::mcap {
 

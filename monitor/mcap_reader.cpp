@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

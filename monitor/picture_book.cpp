@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <variant>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

@@ -11,7 +11,7 @@
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 
 namespace coppice {
 

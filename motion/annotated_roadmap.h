@@ -12,7 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

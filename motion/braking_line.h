@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <span>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "motion/promise.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <limits>
 
-#include "motion/kinematics.h"
-#include "planning/geometry.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "motion/reciprocal_velocity.h"
+#include "coppice/motion/reciprocal_velocity.h"
 
 namespace coppice {
 

@@ -12,11 +12,11 @@
 #include <span>
 #include <vector>
 
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "motion/braking_line.h"
-#include "motion/kinematics.h"
 #include "motion/promise.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

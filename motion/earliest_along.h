@@ -7,9 +7,9 @@
 
 #include <optional>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/motion/trajectory.h"
 #include "motion/space_time.h"
-#include "motion/trajectory.h"
 
 namespace coppice {
 

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "motion/joint_plan.h"
 #include "motion/parking.h"
-#include "planning/random.h"
 
 namespace coppice {
 

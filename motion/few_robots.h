@@ -13,10 +13,10 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "motion/joint_a_star.h"
 #include "motion/joint_plan.h"
 #include "motion/packed_roadmap.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

@@ -26,14 +26,14 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 #include "motion/evacuate_and_reassemble.h"
 #include "motion/few_robots.h"
 #include "motion/joint_plan.h"
 #include "motion/lacam.h"
 #include "motion/packed_roadmap.h"
 #include "motion/push_and_rotate.h"
-#include "planning/clearance_field.h"
-#include "planning/random.h"
 
 namespace coppice {
 

@@ -19,11 +19,11 @@
 #include <map>
 #include <vector>
 
+#include "coppice/motion/kinematics.h"
+#include "coppice/motion/trajectory.h"
 #include "motion/joint_plan.h"
-#include "motion/kinematics.h"
 #include "motion/packed_roadmap.h"
 #include "motion/space_time.h"
-#include "motion/trajectory.h"
 
 namespace coppice {
 

@@ -21,10 +21,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "motion/annotated_roadmap.h"
 #include "motion/cost_to_go.h"
 #include "motion/vertex_task.h"
-#include "planning/random.h"
 
 namespace coppice {
 

@@ -8,8 +8,8 @@
 #include <unordered_set>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "motion/lattice.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

@@ -22,12 +22,12 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "motion/annotated_roadmap.h"
 #include "motion/lattice.h"
 #include "motion/segments.h"
 #include "motion/space_time.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
 #include "planning/neighbour_grid.h"
 
 namespace coppice {

@@ -15,9 +15,9 @@
 #include <optional>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "motion/route_finders.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

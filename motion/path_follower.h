@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "motion/polyline.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

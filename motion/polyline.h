@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

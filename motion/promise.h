@@ -16,8 +16,8 @@
 
 #include <vector>
 
-#include "motion/kinematics.h"
-#include "planning/geometry.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

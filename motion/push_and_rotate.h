@@ -12,9 +12,9 @@
 #include <optional>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "motion/joint_plan.h"
 #include "motion/route_finders.h"
-#include "planning/random.h"
 
 namespace coppice {
 

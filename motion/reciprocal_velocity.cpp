@@ -1,4 +1,4 @@
-#include "motion/reciprocal_velocity.h"
+#include "coppice/motion/reciprocal_velocity.h"
 
 #include <algorithm>
 #include <cassert>

@@ -10,9 +10,9 @@
 
 #include <vector>
 
+#include "coppice/motion/trajectory.h"
 #include "motion/precedence.h"
 #include "motion/space_time.h"
-#include "motion/trajectory.h"
 
 namespace coppice {
 

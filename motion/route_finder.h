@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "motion/lattice.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

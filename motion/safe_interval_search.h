@@ -23,11 +23,11 @@
 #include <utility>
 #include <vector>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/motion/trajectory.h"
+#include "coppice/planning/clearance_field.h"
 #include "motion/lattice.h"
 #include "motion/space_time.h"
-#include "motion/trajectory.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

@@ -1,4 +1,4 @@
-#include "motion/separation.h"
+#include "coppice/motion/separation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -14,10 +14,10 @@
 #include <optional>
 #include <vector>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/motion/trajectory.h"
+#include "coppice/planning/geometry.h"
 #include "motion/segments.h"
-#include "motion/trajectory.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

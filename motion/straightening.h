@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "motion/joint_plan.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

@@ -4,9 +4,9 @@
 // Metres in the map frame.
 #pragma once
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 #include "planning/free_way.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

@@ -1,4 +1,4 @@
-#include "motion/trajectory.h"
+#include "coppice/motion/trajectory.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
 #include "motion/polyline.h"
 
 namespace coppice {

@@ -7,9 +7,9 @@
 // Metres in the map frame, radians, seconds.
 #pragma once
 
-#include "motion/kinematics.h"
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

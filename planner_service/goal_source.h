@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "files/scenario.h"
+#include "coppice/files/scenario.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
-#include "planning/random.h"
 #include "planning/random_places.h"
 #include "planning/reachability.h"
 

@@ -15,10 +15,10 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "coppice/files/scenario_file.h"
 #include "dds/dds_bus.h"
 #include "files/report_file.h"
 #include "files/run_options.h"
-#include "files/scenario_file.h"
 #include "files/temporary_folder.h"
 #include "planner_service/options.h"
 #include "planner_service/planner_service.h"

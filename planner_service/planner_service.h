@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "coppice/files/scenario.h"
 #include "files/picture.h"
-#include "files/scenario.h"
 #include "files/track_record.h"
 #include "messages/bus.h"
 #include "messages/messages.h"

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "files/scenario.h"
+#include "coppice/files/scenario.h"
 #include "messages/messages.h"
 #include "planning/ma_rrdt_star.h"
 

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
+#include "coppice/planning/clearance_field.h"
 #include "motion/segments.h"
 #include "planner_service/planner_service.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

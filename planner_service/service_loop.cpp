@@ -9,8 +9,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "coppice/files/input_error.h"
 #include "dds/discovery.h"
-#include "files/input_error.h"
 #include "messages/validation.h"
 #include "planner_service/timing.h"
 

@@ -1,4 +1,4 @@
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 #include <algorithm>
 #include <cassert>

@@ -13,8 +13,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "planning/geometry.h"
-#include "planning/random.h"
+#include "coppice/planning/geometry.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 

@@ -8,8 +8,8 @@
 
 #include <cmath>
 
-#include "planning/geometry.h"
-#include "planning/random.h"
+#include "coppice/planning/geometry.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 

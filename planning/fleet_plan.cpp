@@ -105,8 +105,8 @@ std::uint32_t FleetPlanner::grafted_trees(std::size_t robot) const {
   return group ? planner_->grafted_trees(*group) : 0;
 }
 
-std::vector<FleetPlanner::Edge> FleetPlanner::edges() const {
-  std::vector<Edge> edges;
+std::vector<TreeEdge> FleetPlanner::edges() const {
+  std::vector<TreeEdge> edges;
   if (!planner_) return edges;
   std::vector<int> robot_of;  // by group
   for (std::size_t i = 0; i < robots_.size(); ++i) {

@@ -11,18 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/plan_paths.h"
+#include "coppice/planning/random.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/path_improvement.h"
-#include "planning/random.h"
 
 namespace coppice {
-
-struct PlanningProblem {
-  Point2 start;
-  Point2 goal;
-  double radius = 0;  ///< metres; a disc of this radius must be free at start and goal
-};
 
 class FleetPlanner {
  public:
@@ -52,14 +47,8 @@ class FleetPlanner {
   SampleCounts disjointed_counts() const { return planner_ ? planner_->disjointed_counts() : SampleCounts{}; }
   std::uint32_t frozen_trees() const { return planner_ ? planner_->frozen_trees() : 0; }
 
-  /// Edges of all trees, for a picture. `robot`: index of the problem whose root tree has the edge; -1: a
-  /// disjointed tree.
-  struct Edge {
-    Point2 from;
-    Point2 to;
-    int robot = -1;
-  };
-  std::vector<Edge> edges() const;
+  /// Edges of all trees, for a picture.
+  std::vector<TreeEdge> edges() const;
 
  private:
   /// The problem of a robot and its progress.

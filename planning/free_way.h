@@ -1,8 +1,8 @@
 // Whether a disc may move straight on from its position.
 #pragma once
 
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

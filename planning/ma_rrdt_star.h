@@ -31,12 +31,13 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/plan_paths.h"
+#include "coppice/planning/random.h"
 #include "planning/directed_sampler.h"
 #include "planning/even_points.h"
 #include "planning/forest.h"
 #include "planning/frozen_tree.h"
 #include "planning/path_search.h"
-#include "planning/random.h"
 #include "planning/rewiring.h"
 #include "planning/space.h"
 #include "planning/trees.h"
@@ -47,11 +48,6 @@ struct MaRrdtStarSettings {
   double epsilon = 0;  ///< metres, above 0: longest step, and largest distance over which trees meet
   /// Number of disjointed trees that grow here at a time; 0: they grow elsewhere.
   std::size_t disjointed_trees = 16;
-};
-
-struct SampleCounts {
-  std::uint32_t valid = 0;    ///< nodes that joined a tree
-  std::uint32_t invalid = 0;  ///< samples that hit an obstacle
 };
 
 template <Space S>

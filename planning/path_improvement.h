@@ -14,10 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "planning/directed_sampler.h"
 #include "planning/even_points.h"
 #include "planning/path_shortening.h"
-#include "planning/random.h"
 #include "planning/roadmap.h"
 #include "planning/space.h"
 #include "planning/trees.h"

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 #include "planning/line_of_sight.h"
 #include "planning/space.h"
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "planning/neighbour_grid.h"
-#include "planning/random.h"
 #include "planning/reachability.h"
 
 namespace coppice {

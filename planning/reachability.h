@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 namespace coppice {
 

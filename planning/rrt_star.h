@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "planning/directed_sampler.h"
-#include "planning/random.h"
 #include "planning/rewiring.h"
 #include "planning/space.h"
 #include "planning/trees.h"

@@ -7,7 +7,7 @@
 #include <ranges>
 #include <utility>
 
-#include "planning/random.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 

@@ -3,7 +3,7 @@
 
 #include <concepts>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 namespace coppice {
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 #include "planning/neighbour_grid.h"
 #include "planning/root.h"
 

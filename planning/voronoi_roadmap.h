@@ -13,7 +13,7 @@
 #include <memory>
 #include <optional>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 namespace coppice {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
 #include "motion/segments.h"
 #include "robot_agent/limits.h"
 

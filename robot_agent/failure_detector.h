@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
 #include "robot_agent/loss.h"
 #include "robot_agent/own_robot.h"
 #include "robot_agent/peer_table.h"

@@ -14,10 +14,10 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
 #include "motion/braking_line.h"
 #include "motion/segments.h"
-#include "planning/clearance_field.h"
 #include "robot_agent/age_count.h"
 #include "robot_agent/dissemination.h"
 #include "robot_agent/failure_detector.h"

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "motion/joint_plan.h"
-#include "planning/clearance_field.h"
 #include "robot_agent/fleet.h"
 
 namespace coppice {

@@ -1,8 +1,8 @@
 // Converts what messages say into the types of motion/.
 #pragma once
 
+#include "coppice/motion/kinematics.h"
 #include "messages/messages.h"
-#include "motion/kinematics.h"
 
 namespace coppice {
 

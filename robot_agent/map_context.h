@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
 #include "motion/packed_roadmap.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 #include "planning/path_improvement.h"
 #include "planning/rrt_star.h"

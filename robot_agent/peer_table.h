@@ -14,10 +14,10 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/planning/geometry.h"
 #include "messages/clock_offset.h"
 #include "messages/messages.h"
 #include "messages/name_index.h"
-#include "planning/geometry.h"
 #include "robot_agent/loss.h"
 #include "robot_agent/zones.h"
 

@@ -18,11 +18,11 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/planning/random.h"
 #include "messages/messages.h"
 #include "motion/joint_planner.h"
 #include "motion/joint_schedule.h"
 #include "motion/packed_roadmap.h"
-#include "planning/random.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/reservations.h"
 

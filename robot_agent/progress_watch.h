@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
 
 namespace coppice {
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "coppice/planning/geometry.h"
 #include "messages/fleet_clock.h"
-#include "planning/geometry.h"
 
 namespace coppice {
 

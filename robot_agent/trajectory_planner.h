@@ -13,12 +13,12 @@
 #include <span>
 #include <vector>
 
+#include "coppice/motion/kinematics.h"
+#include "coppice/motion/trajectory.h"
 #include "messages/messages.h"
-#include "motion/kinematics.h"
 #include "motion/packed_roadmap.h"
 #include "motion/safe_interval_search.h"
 #include "motion/space_time.h"
-#include "motion/trajectory.h"
 #include "robot_agent/reservations.h"
 
 namespace coppice {

@@ -8,8 +8,8 @@
 // Metres in the map frame.
 #pragma once
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

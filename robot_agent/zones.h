@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
 
 namespace coppice {
 

@@ -12,10 +12,10 @@
 #include <string>
 #include <variant>
 
+#include "coppice/planning/geometry.h"
+#include "coppice/planning/occupancy_map.h"
 #include "messages/fleet_clock.h"
 #include "messages/messages.h"
-#include "planning/geometry.h"
-#include "planning/occupancy_map.h"
 
 namespace coppice {
 

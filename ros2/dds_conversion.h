@@ -3,8 +3,8 @@
 
 #include <fastdds/rtps/common/SerializedPayload.h>
 
+#include "coppice/planning/occupancy_map.h"
 #include "dds/checked_type.h"
-#include "planning/occupancy_map.h"
 #include "ros2.h"
 #include "ros2/conversion.h"
 

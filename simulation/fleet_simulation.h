@@ -16,23 +16,16 @@
 #include <utility>
 #include <vector>
 
-#include "files/scenario.h"
+#include "coppice/files/scenario.h"
+#include "coppice/simulation/simulate.h"
 #include "messages/keep.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
-#include "simulation/faults.h"
+#include "simulation/fault_schedule.h"
 #include "simulation/simulated_bus.h"
 #include "tree_broker/tree_broker.h"
 
 namespace coppice {
-
-struct SimulationSettings {
-  double timeout = 3600;  ///< virtual seconds
-  PlannerKind planner = PlannerKind::ma_rrdt_star;
-  double plan_budget = 1;  ///< virtual seconds
-  double lifelong = 0;     ///< virtual seconds in which robots that arrive get new goals
-  Faults faults{};
-};
 
 class FleetSimulation {
  public:

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "files/scenario_generator.h"
+#include "coppice/files/scenario_generator.h"
+#include "coppice/planning/map_generator.h"
 #include "motion/joint_planner.h"
 #include "motion/route_finder.h"
-#include "planning/map_generator.h"
 #include "simulation/invariants.h"
 
 namespace coppice {

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "files/scenario.h"
-#include "simulation/faults.h"
+#include "coppice/files/scenario.h"
+#include "simulation/fault_schedule.h"
 #include "simulation/fleet_simulation.h"
 
 namespace coppice {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "files/scenario.h"
+#include "coppice/files/scenario.h"
 #include "files/trajectory_file.h"
 
 namespace coppice {

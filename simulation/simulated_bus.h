@@ -16,37 +16,14 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/random.h"
+#include "coppice/simulation/faults.h"
 #include "messages/bus.h"
 #include "messages/messages.h"
 #include "messages/name_index.h"
 #include "messages/topics.h"
-#include "planning/random.h"
 
 namespace coppice {
-
-/// An interval in which the participants of two sides do not reach each other, seconds.
-struct Partition {
-  double from = 0;
-  double until = 0;
-};
-
-/// An interval in which two agents do not reach each other, although all others reach both, seconds.
-struct CutLink {
-  RobotName a;
-  RobotName b;
-  double from = 0;
-  double until = 0;
-};
-
-struct BusFaults {
-  double loss = 0;    ///< share of the samples that are lost, below 1; reliable ones are sent again
-  double delay = 0;   ///< seconds that each sample takes in addition; not for samples kept for late joiners
-  double jitter = 0;  ///< seconds by which the additional delay may be longer or shorter
-  double duplicate = 0;  ///< share of the best-effort samples that arrive twice
-  bool reorder = false;  ///< best-effort samples of one sender may overtake each other
-  std::vector<Partition> partitions{};
-  std::vector<CutLink> cut_links{};
-};
 
 class SimulatedBus {
  public:

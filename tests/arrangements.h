@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "planning/occupancy_map.h"
-#include "planning/random.h"
+#include "coppice/planning/occupancy_map.h"
+#include "coppice/planning/random.h"
 
 namespace coppice::test {
 

@@ -20,9 +20,9 @@
 #include <utility>
 #include <vector>
 
+#include "coppice/planning/clearance_field.h"
 #include "messages/bus.h"
 #include "messages/messages.h"
-#include "planning/clearance_field.h"
 #include "planning/ma_rrdt_star.h"
 
 namespace coppice {

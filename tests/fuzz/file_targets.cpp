@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "files/input_error.h"
-#include "files/map_file.h"
-#include "files/scenario_file.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
+#include "coppice/files/scenario_file.h"
 #include "monitor/mcap_writer.h"
 #include "monitor/recording.h"
 #include "runtime/journal.h"

@@ -14,8 +14,8 @@
 #include <fastrtps/utils/IPLocator.h>
 #include <gtest/gtest.h>
 
+#include "coppice/planning/random.h"
 #include "dds/transport.h"
-#include "planning/random.h"
 
 namespace coppice {
 namespace {

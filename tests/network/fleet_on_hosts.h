@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/files/scenario_file.h"
 #include "files/report_file.h"
-#include "files/scenario_file.h"
 #include "tests/network/hosts.h"
 #include "tests/run_expectations.h"
 #include "tests/support.h"

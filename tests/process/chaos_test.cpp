@@ -16,9 +16,9 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/random.h"
 #include "dds/dds_bus.h"
 #include "files/report_file.h"
-#include "planning/random.h"
 #include "tests/processes.h"
 #include "tests/run_check.h"
 #include "tests/support.h"

@@ -94,7 +94,9 @@ TEST(CommandLine, BadInputIsReportedInOneLineThatNamesThePlace) {
       {"forgotten coordinate", scenario("good.map", R"({"x": 5})"), "robots[0].start.y: is missing"},
       {"no comma", scenario("good.map", "\n{\"x\": 5\n\"y\": 5}"),
        "bad.json:3: robots[0].start.x: Missing a comma or '}'"},
-      {"comma in a name", R"({"map": "good.map", "robots": [{"name": "a,b"}]})", "robots[0].name"},
+      {"comma in a name",
+       R"({"map": "good.map", "robots": [{"name": "a,b", "start": {"x": 9, "y": 5}, "goal": {"x": 9, "y": 5}}]})",
+       "robots[0].name"},
       {"no JSON", "{\"map\": ", "bad.json"},
       {"empty", "", "bad.json"},
   };

@@ -7,11 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "bench/trial.h"
+#include "coppice/files/scenario_file.h"
+#include "coppice/files/scenario_generator.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/map_generator.h"
 #include "files/report_file.h"
-#include "files/scenario_file.h"
-#include "files/scenario_generator.h"
-#include "planning/clearance_field.h"
-#include "planning/map_generator.h"
 #include "tests/support.h"
 
 namespace coppice {

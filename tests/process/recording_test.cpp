@@ -18,8 +18,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/files/input_error.h"
 #include "dds/dds_bus.h"
-#include "files/input_error.h"
 #include "messages/topics.h"
 #include "monitor/fleet_view.h"
 #include "runtime/process.h"

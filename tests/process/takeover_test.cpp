@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "dds/dds_bus.h"
-#include "planning/map_generator.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 

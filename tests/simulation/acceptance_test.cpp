@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "files/map_file.h"
-#include "files/scenario_generator.h"
+#include "coppice/files/map_file.h"
+#include "coppice/files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
 #include "tests/run_check.h"
 #include "tests/support.h"

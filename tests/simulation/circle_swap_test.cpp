@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "motion/reciprocal_velocity.h"
+#include "coppice/motion/reciprocal_velocity.h"
 
 namespace coppice {
 namespace {

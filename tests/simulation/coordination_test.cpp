@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
-#include "files/scenario_generator.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 #include "tests/unit/motion/plans.h"

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "files/scenario_file.h"
-#include "files/scenario_generator.h"
+#include "coppice/files/scenario_file.h"
+#include "coppice/files/scenario_generator.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 #include "tests/support.h"

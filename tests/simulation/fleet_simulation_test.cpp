@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "files/scenario_file.h"
-#include "files/scenario_generator.h"
-#include "planning/clearance_field.h"
+#include "coppice/files/scenario_file.h"
+#include "coppice/files/scenario_generator.h"
+#include "coppice/planning/clearance_field.h"
 #include "tests/support.h"
 #include "tests/tracks.h"
 
@@ -17,7 +17,7 @@ struct Result {
   proto::Report figures;
 };
 
-Result simulate(const Scenario& scenario, const SimulationSettings& settings = {}) {
+Result result_of(const Scenario& scenario, const SimulationSettings& settings = {}) {
   FleetSimulation simulation(scenario, settings);
   simulation.run([](const PlannerService&, double) { return true; });
   return {simulation.service().report().SerializeAsString(), test::all_points(simulation.service().tracks()),
@@ -26,7 +26,7 @@ Result simulate(const Scenario& scenario, const SimulationSettings& settings = {
 
 TEST(FleetSimulation, AllRobotsArriveAndNoneTouchesAnything) {
   const Scenario scenario = read_scenario(test::scenarios() / "rooms-8.json", {});
-  const Result result = simulate(scenario);
+  const Result result = result_of(scenario);
   EXPECT_EQ(result.figures.outcome(), "arrived");
   EXPECT_EQ(result.figures.collisions(), 0u);
   EXPECT_GE(result.figures.least_separation(), 0);
@@ -37,8 +37,8 @@ TEST(FleetSimulation, AllRobotsArriveAndNoneTouchesAnything) {
 
 TEST(FleetSimulation, TheSameSeedGivesTheSameBytesAndAnotherDoesNot) {
   Scenario scenario = read_scenario(test::scenarios() / "rooms-8.json", {.robots = 4});
-  const Result first = simulate(scenario, {.timeout = 30});
-  const Result second = simulate(scenario, {.timeout = 30});
+  const Result first = result_of(scenario, {.timeout = 30});
+  const Result second = result_of(scenario, {.timeout = 30});
   EXPECT_EQ(first.report, second.report);
   ASSERT_EQ(first.tracks.size(), second.tracks.size());
   for (std::size_t i = 0; i < first.tracks.size(); ++i) {
@@ -48,13 +48,13 @@ TEST(FleetSimulation, TheSameSeedGivesTheSameBytesAndAnotherDoesNot) {
     for (std::size_t k = 0; k < a.size(); ++k) ASSERT_EQ(a[k].position, b[k].position);
   }
   scenario.seed += 1;
-  EXPECT_NE(simulate(scenario, {.timeout = 30}).report, first.report);
+  EXPECT_NE(result_of(scenario, {.timeout = 30}).report, first.report);
 }
 
 // The limits hold at every recorded step, and the track has no gaps.
 TEST(FleetSimulation, SpeedAndAccelerationStayWithinTheLimits) {
   const Scenario scenario = read_scenario(test::scenarios() / "dense-8.json", {});
-  const Result result = simulate(scenario, {.timeout = 60});
+  const Result result = result_of(scenario, {.timeout = 60});
   for (std::size_t i = 0; i < result.tracks.size(); ++i) {
     const RobotTask& task = scenario.robots[i];
     const auto& points = result.tracks[i];
@@ -80,7 +80,7 @@ TEST(FleetSimulation, AnUnreachableGoalIsReportedAndTheOthersArrive) {
     return RobotTask{name, start, goal, 5, 20, 40, 1};
   };
   scenario.robots = {task("walled-off", {20, 20}, {100, 20}), task("free", {10, 45}, {45, 45})};
-  const Result result = simulate(scenario);
+  const Result result = result_of(scenario);
   EXPECT_EQ(result.figures.outcome(), "incomplete");
   EXPECT_FALSE(result.figures.robots(0).planned());
   EXPECT_NE(result.figures.robots(0).reason().find("no path"), std::string::npos);

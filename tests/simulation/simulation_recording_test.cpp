@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
-#include "files/scenario_file.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/scenario_file.h"
 #include "monitor/recording.h"
 #include "tests/support.h"
 

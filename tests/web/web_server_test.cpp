@@ -12,7 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "tests/processes.h"
 
 namespace coppice {

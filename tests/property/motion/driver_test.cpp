@@ -10,8 +10,8 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
+#include "coppice/planning/random.h"
 #include "motion/segments.h"
-#include "planning/random.h"
 
 namespace coppice {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "motion/corner_speed.h"
 #include "motion/joint_planner.h"
 #include "motion/reserved_order.h"
 #include "motion/way_follower.h"
-#include "planning/map_generator.h"
 #include "tests/unit/motion/plans.h"
 #include "tests/unit/motion/trajectories.h"
 

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "motion/polyline.h"
 #include "motion/safe_interval_search.h"
-#include "planning/map_generator.h"
 #include "planning/voronoi_roadmap.h"
 #include "tests/unit/motion/plans.h"
 

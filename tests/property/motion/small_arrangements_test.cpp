@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/random.h"
 #include "motion/joint_planner.h"
-#include "planning/random.h"
 #include "tests/arrangements.h"
 #include "tests/support.h"
 #include "tests/unit/motion/plans.h"

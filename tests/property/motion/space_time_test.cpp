@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/random.h"
+#include "coppice/planning/random.h"
 #include "tests/unit/motion/trajectories.h"
 
 namespace coppice {

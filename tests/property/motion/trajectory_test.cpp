@@ -1,5 +1,5 @@
 // Tests of what is left of a trajectory, and of when two of them come too close.
-#include "motion/trajectory.h"
+#include "coppice/motion/trajectory.h"
 
 #include <algorithm>
 

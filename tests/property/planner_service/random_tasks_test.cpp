@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "planner_service/planner_service.h"
-#include "planning/map_generator.h"
 
 namespace coppice {
 namespace {

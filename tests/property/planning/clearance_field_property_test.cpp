@@ -7,8 +7,8 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
-#include "planning/clearance_field.h"
-#include "planning/random.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 namespace {

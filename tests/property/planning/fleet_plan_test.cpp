@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/map_generator.h"
+#include "coppice/planning/map_generator.h"
 #include "planning/suggestions.h"
 
 namespace coppice {

@@ -4,8 +4,8 @@
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "planning/ma_rrdt_star.h"
-#include "planning/map_generator.h"
 #include "planning/path_improvement.h"
 #include "planning/rrt_star.h"
 #include "planning/suggestions.h"

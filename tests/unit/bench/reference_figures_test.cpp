@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "tests/support.h"
 
 namespace coppice {

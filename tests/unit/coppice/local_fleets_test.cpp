@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "coppice/files/input_error.h"
 #include "dds/discovery.h"
-#include "files/input_error.h"
 
 namespace coppice {
 namespace {

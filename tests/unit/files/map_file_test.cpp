@@ -1,4 +1,4 @@
-#include "files/map_file.h"
+#include "coppice/files/map_file.h"
 
 #include <memory>
 #include <sstream>
@@ -9,7 +9,7 @@
 #include <spdlog/spdlog.h>
 #include <zlib.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "tests/support.h"
 
 namespace coppice {

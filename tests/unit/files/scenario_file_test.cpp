@@ -1,9 +1,9 @@
-#include "files/scenario_file.h"
+#include "coppice/files/scenario_file.h"
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
-#include "files/map_file.h"
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
 #include "planning/quantities.h"
 #include "tests/support.h"
 
@@ -195,12 +195,13 @@ TEST(ScenarioFile, MoreRobotsThanTheFileHoldsAreAnError) {
 TEST(ScenarioFile, MoreRobotsThanAFleetMayHaveAreAnError) {
   std::string robots = R"("robots": [)";
   for (std::size_t k = 0; k <= most_robots; ++k)
-    robots += (k == 0 ? "" : ",") + std::string(R"({"name": "a", "start": {"x": 1, "y": 1}})");
+    robots += (k == 0 ? "" : ",") +
+              std::string(R"({"name": "", "start": {"x": 1, "y": 1}, "goal": {"x": 1, "y": 1}})");
   const std::string many = scenario(robots + "]");
   EXPECT_NE(error_of(many).find("fleet.json: robots: 4097, expected at most 4096"), std::string::npos)
       << error_of(many);
   const std::string of_some = error_of(many, small_map, {.robots = 4096});
-  EXPECT_NE(of_some.find("robots[0].goal: is missing"), std::string::npos) << of_some;
+  EXPECT_NE(of_some.find("robots[0].name: expected"), std::string::npos) << of_some;
 }
 
 TEST(ScenarioFile, AMistakeInAScenFileNamesFileAndLine) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/random.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 namespace {

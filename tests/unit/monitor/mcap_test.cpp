@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "monitor/mcap_reader.h"
 #include "monitor/mcap_writer.h"
 #include "tests/support.h"

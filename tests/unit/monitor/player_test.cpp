@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "monitor/picture_book.h"
 #include "monitor/recorder.h"
 #include "tests/support.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "files/input_error.h"
+#include "coppice/files/input_error.h"
 #include "monitor/recorder.h"
 #include "monitor/replay_clock.h"
 #include "tests/support.h"

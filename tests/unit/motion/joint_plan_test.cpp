@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "messages/validation.h"
 #include "motion/joint_planner.h"
 #include "motion/precedence.h"
-#include "planning/map_generator.h"
 #include "tests/unit/motion/plans.h"
 
 namespace coppice {

@@ -1,4 +1,4 @@
-#include "motion/kinematics.h"
+#include "coppice/motion/kinematics.h"
 
 #include <gtest/gtest.h>
 

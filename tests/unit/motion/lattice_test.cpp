@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "motion/space_time.h"
-#include "planning/map_generator.h"
 #include "tests/unit/motion/plans.h"
 
 namespace coppice {

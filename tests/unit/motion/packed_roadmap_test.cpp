@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/map_generator.h"
 #include "motion/cost_to_go.h"
-#include "planning/map_generator.h"
 
 namespace coppice {
 namespace {

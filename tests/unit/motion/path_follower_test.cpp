@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 namespace coppice {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/clearance_field.h"
 #include "motion/joint_plan.h"
 #include "motion/segments.h"
-#include "planning/clearance_field.h"
 
 namespace coppice::test {
 

@@ -1,6 +1,6 @@
 // Tests of half planes against the geometry that defines them, and of the linear programme against sampled
 // velocities.
-#include "motion/reciprocal_velocity.h"
+#include "coppice/motion/reciprocal_velocity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/random.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 namespace {

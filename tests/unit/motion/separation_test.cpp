@@ -1,10 +1,10 @@
-#include "motion/separation.h"
+#include "coppice/motion/separation.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "planning/random.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "motion/trajectory.h"
+#include "coppice/motion/trajectory.h"
 
 namespace coppice::test {
 

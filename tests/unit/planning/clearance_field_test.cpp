@@ -1,5 +1,5 @@
 // Tests of the clearance field on maps that are small enough to check by hand.
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 
 #include <cmath>
 #include <limits>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 #include "planning/line_of_sight.h"
 
 namespace coppice {

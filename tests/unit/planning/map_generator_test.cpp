@@ -1,4 +1,4 @@
-#include "planning/map_generator.h"
+#include "coppice/planning/map_generator.h"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "planning/clearance_field.h"
+#include "coppice/planning/clearance_field.h"
 #include "robot_agent/fleet.h"
 #include "tests/unit/robot_agent/states.h"
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/clearance_field.h"
 #include "dds/discovery.h"
-#include "planning/clearance_field.h"
 #include "ros2/conversion.h"
 #include "ros2/names.h"
 #include "runtime/process_options.h"

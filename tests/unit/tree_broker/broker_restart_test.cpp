@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "planning/map_generator.h"
+#include "coppice/planning/map_generator.h"
 #include "tests/unit/messages/kept.h"
 #include "tests/unit/planner_service/roles.h"
 #include "tree_broker/forest_record.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "files/map_file.h"
-#include "files/scenario.h"
+#include "coppice/files/map_file.h"
+#include "coppice/files/scenario.h"
 
 namespace coppice {
 

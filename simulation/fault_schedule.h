@@ -1,32 +1,15 @@
-// The faults of a simulated run and their times: a schedule that follows from the seed.
+// The times of the faults of a simulated run: a schedule that follows from the seed.
 //
 // Seconds of virtual time, which is fleet time.
 #pragma once
 
 #include <limits>
-#include <string>
 #include <vector>
 
-#include "files/scenario.h"
-#include "simulation/simulated_bus.h"
+#include "coppice/files/scenario.h"
+#include "coppice/simulation/faults.h"
 
 namespace coppice {
-
-struct Faults {
-  BusFaults bus;  ///< each agent is on a random side of the partitions; service and broker are on side 0
-  double kill_rate = 0;   ///< agents killed per robot and hour
-  double pause_rate = 0;  ///< pauses per robot and hour
-  double pause = 1;       ///< duration of a pause, seconds
-  double clock_skew = 0;  ///< seconds by which an agent's clock may be wrong, in either direction
-  struct Kill {
-    std::string robot;
-    double time = 0;
-    bool for_good = false;  ///< the agent is not restarted
-  };
-  std::vector<Kill> kills{};  ///< in addition to the random ones
-  /// Seconds after which the process of a killed agent is restarted; infinity: never.
-  double restart_after = std::numeric_limits<double>::infinity();
-};
 
 /// The faults of one agent.
 struct AgentFaults {

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "planning/clearance_field.h"
-#include "planning/occupancy_map.h"
-#include "planning/random.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/occupancy_map.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

@@ -16,8 +16,8 @@
 #include <span>
 #include <vector>
 
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

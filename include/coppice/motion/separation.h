@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "planning/clearance_field.h"
-#include "planning/geometry.h"
+#include "coppice/planning/clearance_field.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "planning/occupancy_map.h"
-#include "planning/random.h"
+#include "coppice/planning/occupancy_map.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 
@@ -32,5 +32,9 @@ void write_map(const std::filesystem::path& path, const OccupancyMap& map);
 
 /// Largest map that is read, cells per side. The bus carries no larger map.
 inline constexpr int largest_map_file_side = 16384;
+
+/// Throws InputError, which names the member and what was expected, if the map is not as occupancy_map.h
+/// says.
+void check_map(const OccupancyMap& map);
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-// A scenario after defaults are filled in and all checks have passed. It is the input of a run.
+// The input of a run: a map, and a task for each robot. All defaults are filled in.
 //
 // Metres in the map frame, seconds, metres per second.
 #pragma once
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "planning/geometry.h"
-#include "planning/occupancy_map.h"
+#include "coppice/planning/geometry.h"
+#include "coppice/planning/occupancy_map.h"
 
 namespace coppice {
 
@@ -16,6 +16,10 @@ namespace coppice {
 inline constexpr double default_radius_cells = 5;
 inline constexpr double default_speed_cells = 20;  // cells per second
 inline constexpr double default_tolerance_cells = 1;
+/// Default acceleration, m/s²: full speed within 0.5 s.
+inline double usual_acceleration(double max_speed) {
+  return 2 * max_speed;
+}
 
 struct RobotTask {
   std::string name;
@@ -27,6 +31,14 @@ struct RobotTask {
   double goal_tolerance = 0;    ///< above 0
 };
 
+/// A robot with the defaults on this map.
+inline RobotTask robot_on(const OccupancyMap& map) {
+  return {.radius = default_radius_cells * map.resolution,
+          .max_speed = default_speed_cells * map.resolution,
+          .max_acceleration = usual_acceleration(default_speed_cells * map.resolution),
+          .goal_tolerance = default_tolerance_cells * map.resolution};
+}
+
 struct Scenario {
   std::string map_name;    ///< as the scenario or the command line names it
   std::string map_file{};  ///< relative to the working folder; empty: the map has no file
@@ -35,6 +47,9 @@ struct Scenario {
   /// At least one; names are unique; starts and goals are free and do not overlap.
   std::vector<RobotTask> robots;
 };
+
+/// Throws InputError, which names the field and what was expected, if the scenario is not as described here.
+void check_scenario(const Scenario& scenario);
 
 inline std::vector<std::string> names_of(const Scenario& scenario) {
   std::vector<std::string> names;

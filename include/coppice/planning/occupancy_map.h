@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

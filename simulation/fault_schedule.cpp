@@ -1,9 +1,9 @@
-#include "simulation/faults.h"
+#include "simulation/fault_schedule.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "planning/random.h"
+#include "coppice/planning/random.h"
 
 namespace coppice {
 

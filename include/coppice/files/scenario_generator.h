@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "files/scenario.h"
+#include "coppice/files/scenario.h"
 
 namespace coppice {
 

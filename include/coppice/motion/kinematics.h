@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planning/geometry.h"
+#include "coppice/planning/geometry.h"
 
 namespace coppice {
 

@@ -1,0 +1,97 @@
+#include "coppice/files/scenario.h"
+
+#include <set>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "coppice/files/input_error.h"
+#include "coppice/files/map_file.h"
+#include "coppice/planning/clearance_field.h"
+#include "planning/quantities.h"
+#include "planning/robot_name.h"
+
+namespace coppice {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& field, const std::string& problem) {
+  throw InputError(fmt::format("{}: {}", field, problem));
+}
+
+void check_name(const std::string& name, std::set<std::string>& names, const std::string& field) {
+  if (!is_robot_name(name)) fail(field, fmt::format("expected {}", robot_name_rule));
+  if (!names.insert(name).second) fail(field, fmt::format("\"{}\" is also the name of another robot", name));
+}
+
+void check_size(double value, const std::string& field) {
+  if (is_sane_size(value)) return;
+  fail(field, fmt::format("{} is not allowed, expected a number above 0, from {} to {}", value,
+                          least_quantity, largest_quantity));
+}
+
+void check_place(const Point2& p, const ClearanceField& field, double radius, const std::string& name) {
+  const Box<2> box = field.bounds();
+  if (!(p.array() >= box.lower.array()).all() || !(p.array() <= box.upper.array()).all()) {
+    fail(name, fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
+                           box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
+  }
+  if (!field.is_free(p, radius)) {
+    fail(name,
+         fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
+                     p.x(), p.y(), field.clearance(p), radius));
+  }
+}
+
+void check_robot(const RobotTask& robot, const ClearanceField& field, const std::string& at) {
+  check_size(robot.radius, at + ".radius");
+  check_size(robot.max_speed, at + ".max_speed");
+  check_size(robot.max_acceleration, at + ".max_acceleration");
+  check_size(robot.goal_tolerance, at + ".goal_tolerance");
+  if (!can_brake(robot.max_speed, robot.max_acceleration)) {
+    fail(at + ".max_acceleration",
+         fmt::format("{} takes longer than {} s to brake from {}, expected at least {}",
+                     robot.max_acceleration, longest_braking, robot.max_speed,
+                     robot.max_speed / longest_braking));
+  }
+  check_place(robot.start, field, robot.radius, at + ".start");
+  check_place(robot.goal, field, robot.radius, at + ".goal");
+}
+
+void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place, const char* what) {
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double distance = (robots[i].*place - robots[j].*place).norm();
+      if (distance >= robots[i].radius + robots[j].radius) continue;
+      fail(fmt::format("robots[{}].{}", i, what),
+           fmt::format("{} and {} would overlap there: distance {:.3f}, radii {} and {}", robots[i].name,
+                       robots[j].name, distance, robots[i].radius, robots[j].radius));
+    }
+  }
+}
+
+}  // namespace
+
+void check_scenario(const Scenario& scenario) {
+  try {
+    check_map(scenario.map);
+  } catch (const InputError& problem) {
+    fail("map", problem.what());
+  }
+  if (scenario.robots.empty()) fail("robots", "is empty, expected at least one robot");
+  // An agent has a table of at most `most_robots` robots and would ignore any further ones.
+  if (std::cmp_greater(scenario.robots.size(), most_robots))
+    fail("robots", fmt::format("{}, expected at most {}", scenario.robots.size(), most_robots));
+  const ClearanceField field(scenario.map);
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const std::string at = fmt::format("robots[{}]", i);
+    check_name(scenario.robots[i].name, names, at + ".name");
+    check_robot(scenario.robots[i], field, at);
+  }
+  check_apart(scenario.robots, &RobotTask::start, "start");
+  check_apart(scenario.robots, &RobotTask::goal, "goal");
+}
+
+}  // namespace coppice
