@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/centralised.h"
 #include "bench/experiments.h"
 #include "bench/output.h"
 #include "bench/reference_figures.h"
@@ -18,6 +19,8 @@
 namespace coppice {
 
 namespace {
+
+constexpr std::size_t most_nodes_of_cbs = 20'000;  // about ten seconds
 
 struct Flow {
   std::size_t arrived = 0;
@@ -210,6 +213,22 @@ class Row {
   std::vector<Flow> flows_;
 };
 
+/// Adds what centralised planners reach on this scenario.
+void add_centralised(std::vector<ReferenceFigures>& references, const std::string& name,
+                     const Scenario& scenario, const ExperimentOptions& options) {
+  const auto add = [&](std::optional<ReferenceFigures> figures, const char* otherwise) {
+    if (!figures) {
+      options.tell(fmt::format("{}: no figures of {}", name, otherwise));
+      return;
+    }
+    figures->scenario = name;
+    references.push_back(*figures);
+  };
+  add(prioritised_planning(scenario), "prioritised planning: in each order a robot finds no trajectory");
+  if (is_for_conflict_based_search(scenario))
+    add(conflict_based_search(scenario, most_nodes_of_cbs), "conflict-based search: it needs too many nodes");
+}
+
 }  // namespace
 
 bool bench_throughput(const ExperimentOptions& options, const ThroughputSettings& settings) {
@@ -238,6 +257,7 @@ bool bench_throughput(const ExperimentOptions& options, const ThroughputSettings
       trials.rows.push_back(row.trial(seed));
     }
     if (row.empty()) break;
+    if (!is_lifelong) add_centralised(references, name, scenario, options);
     summary.rows.push_back(row.summary(references, is_lifelong));
     plots.push_back(row.plot());
     write_experiment(options, "throughput", trials, summary, plots, 3);
