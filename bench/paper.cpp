@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t most_samples = 2'000'000;  // a robot's RRT* gives up after this many
 constexpr double speed = 20;                       // metres per second
-constexpr double longest_run = 1200;               // fleet seconds
+constexpr double longest_drive = 1200;             // fleet seconds
 
 /// The paper's measures of one run.
 struct Measures {
@@ -36,7 +36,7 @@ std::optional<double> run_time(const TrialCase& trial, PlannerKind planner, std:
     scenario.robots.push_back({fmt::format("r{}", i + 1), p.start, p.goal, p.radius, speed, 2 * speed, 1});
   }
   const double budget = planner == PlannerKind::rrt_star ? 0 : 1;
-  FleetSimulation simulation(scenario, {.timeout = longest_run, .planner = planner, .plan_budget = budget});
+  FleetSimulation simulation(scenario, {.timeout = longest_drive, .planner = planner, .plan_budget = budget});
   simulation.run([](const PlannerService&, double) { return true; });
   const proto::Report report = simulation.service().report();
   return report.outcome() == "arrived" ? std::optional(report.run_time()) : std::nullopt;

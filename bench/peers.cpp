@@ -44,13 +44,15 @@ double seconds_to_close(const TrialResult& result, double shortest) {
 
 /// The order of the planners changes with the seed, because the first one finds cold caches.
 std::vector<TrialResult> run_all(const TrialCase& trial, std::uint64_t seed, double cap) {
-  const std::size_t count = 2 + ompl_planners.size();
+  const std::size_t count = 4 + ompl_planners.size();
   std::vector<TrialResult> results(count);
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t turn = (k + seed) % count;
     results[turn] = turn == 0   ? run_ma_rrdt_star(trial, seed)
                     : turn == 1 ? run_grid_a_star(trial)
-                                : run_ompl(ompl_planners[turn - 2], trial, seed, cap);
+                    : turn == 2 ? run_jump_point_search(trial)
+                    : turn == 3 ? run_visibility_graph(trial)
+                                : run_ompl(ompl_planners[turn - 4], trial, seed, cap);
   }
   return results;
 }

@@ -14,7 +14,7 @@ namespace coppice {
 namespace {
 
 constexpr const char* header = "scenario,planner,sum,last,goals_per_second";
-constexpr std::size_t columns = 5;
+constexpr std::size_t columns_of_a_line = 5;
 
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> cells(1);
@@ -59,8 +59,8 @@ std::vector<ReferenceFigures> read_reference_figures(const std::filesystem::path
       continue;
     }
     const std::vector<std::string> cells = split(line);
-    if (cells.size() != columns)
-      place.fail(fmt::format("has {} columns, expected {}", cells.size(), columns));
+    if (cells.size() != columns_of_a_line)
+      place.fail(fmt::format("has {} columns, expected {}", cells.size(), columns_of_a_line));
     if (cells[0].empty() || cells[1].empty()) place.fail("names no scenario or no planner");
     all.push_back(
         {cells[0], cells[1], place.figure(cells[2]), place.figure(cells[3]), place.figure(cells[4])});

@@ -4,6 +4,8 @@
 #include <filesystem>
 
 #include "bench/grid_a_star.h"
+#include "bench/jump_point_search.h"
+#include "bench/visibility_graph.h"
 #include "coppice/files/map_file.h"
 #include "planning/path_shortening.h"
 #include "planning/rrt_star.h"
@@ -102,9 +104,12 @@ TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uin
   return result;
 }
 
-TrialResult run_grid_a_star(const TrialCase& trial) {
-  TrialResult result{.planner = "grid A*"};
-  GridAStar planner(trial.field);
+namespace {
+
+template <class Planner>
+TrialResult run_on_grid(const std::string& name, const TrialCase& trial) {
+  TrialResult result{.planner = name};
+  Planner planner(trial.field);
   for (const PlanningProblem& p : trial.problems) {
     const Stopwatch watch;
     Path path = planner.path(p.start, p.goal, p.radius);
@@ -116,6 +121,31 @@ TrialResult run_grid_a_star(const TrialCase& trial) {
   }
   result.valid_nodes = planner.expanded();
   return result;
+}
+
+}  // namespace
+
+TrialResult run_grid_a_star(const TrialCase& trial) {
+  return run_on_grid<GridAStar>("grid A*", trial);
+}
+
+TrialResult run_visibility_graph(const TrialCase& trial) {
+  TrialResult result{.planner = "visibility graph"};
+  VisibilityGraph planner(trial.occupancy, trial.field);
+  for (const PlanningProblem& p : trial.problems) {
+    const Stopwatch watch;
+    const double length = length_of(planner.path(p.start, p.goal, p.radius));
+    result.first_seconds += watch.seconds();
+    result.first_lengths.push_back(length);
+    result.lengths.push_back(length);
+  }
+  result.simplified_seconds = result.first_seconds;
+  result.valid_nodes = planner.expanded();
+  return result;
+}
+
+TrialResult run_jump_point_search(const TrialCase& trial) {
+  return run_on_grid<JumpPointSearch>("jump points", trial);
 }
 
 double shortest_known(const std::vector<TrialResult>& results) {

@@ -64,6 +64,10 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed);
 /// MA-RRT*: a separate RRT* for each robot, which gives up after `most_samples` samples.
 TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples);
 TrialResult run_grid_a_star(const TrialCase& trial);
+/// Jump point search on the same grid.
+TrialResult run_jump_point_search(const TrialCase& trial);
+/// Shortest paths at any angle. The first search prepares the map.
+TrialResult run_visibility_graph(const TrialCase& trial);
 
 /// OMPL's planners by name: RRTConnect, BiEST, RRTstar, BITstar. Each robot gets `cap` seconds.
 bool built_with_ompl();
