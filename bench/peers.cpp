@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@ namespace coppice {
 namespace {
 
 constexpr double close_to_shortest = 1.03;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 const std::vector<std::string> ompl_planners{"RRTConnect", "BiEST", "RRTstar", "BITstar"};
 
 /// The results of one planner on one map with one number of robots.
@@ -141,7 +143,7 @@ void bench_peers(const ExperimentOptions& options) {
         if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
       if (rows.empty()) continue;
-      double best_peer = std::numeric_limits<double>::infinity();
+      double best_peer = infinity;  // of those that solved every robot
       for (const auto& [name, row] : rows) {
         if (name != "MA-RRdT*" && row.solved == row.robots)
           best_peer = std::min(best_peer, median(row.first_ms));
@@ -153,7 +155,7 @@ void bench_peers(const ExperimentOptions& options) {
         medians.rows.push_back(
             {map, std::to_string(robots), names[p], spread(row.first_ms), spread(row.simplified_ms),
              always_close ? spread(row.close_ms) : fmt::format("{} of {}", row.close_ms.size(), row.trials),
-             fmt::format("{:.3f}", median(row.first_ms) / best_peer),
+             best_peer < infinity ? fmt::format("{:.3f}", median(row.first_ms) / best_peer) : "-",
              always_close ? fmt::format("{:.3f}", median(row.close_ms) / a_star) : "-",
              fmt::format("{:.3f}", median(row.first_ratio)), fmt::format("{:.3f}", median(row.ratio)),
              number(median(row.nodes)), fmt::format("{} of {}", row.solved, row.robots)});
