@@ -1,4 +1,4 @@
-// Plans a path for each robot of a fleet, on an empty map: robots do not avoid each other yet.
+// Plans a path for each robot of a fleet, past the obstacles of the map. The paths of two robots may cross.
 //
 // MA-RRdT* and RRdT*: Zhang, Wang, Meng, "Multi-robot Path Planning with Rapidly-exploring Random
 // Disjointed-Trees", 2023, Algorithms 2 and 1. RRT*: Karaman, Frazzoli, "Sampling-based Algorithms for

@@ -5,7 +5,7 @@ import {type Layers, allLayers} from './layers.ts';
 import {type Palette, readPalette} from './palette.ts';
 import type {Playhead, Shown} from './playhead.ts';
 import {RobotsLayer} from './robots_layer.ts';
-import {type View, filled, fitted, panned, within, zoomed} from './view.ts';
+import {type View, filled, fitted, panned, toPageX, toPageY, within, zoomed} from './view.ts';
 
 export class MapView {
   layers: Layers = {...allLayers};
@@ -44,6 +44,10 @@ export class MapView {
   }
   get scale(): number | undefined {
     return this.view?.scale;
+  }
+  /// Pixels of the canvas.
+  get origin(): {x: number; y: number} | undefined {
+    return this.view && {x: toPageX(this.view, 0), y: toPageY(this.view, 0)};
   }
   fps(now: number): number {
     return this.recent.filter((at) => now - at < 1000).length;

@@ -14,6 +14,7 @@ export interface TestWindow {
   readonly playing: boolean;
   readonly scale: number | null;  // pixels per metre
   positionOf(name: string): {x: number; y: number} | null;  // pixels of the page
+  readonly origin: {x: number; y: number} | null;  // pixels of the page, where the map's lower corner lies
   placeOf(name: string): {x: number; y: number} | null;  // metres in the map frame, in the newest frame
 }
 
@@ -29,6 +30,10 @@ export function exposeToTests(fleet: Fleet, map: MapView, time: TimeControl): vo
     get selected() { return selected(); },
     get playing() { return time.playing; },
     get scale() { return map.scale ?? null; },
+    get origin() {
+      const [at, {left, top}] = [map.origin, map.canvas.getBoundingClientRect()];
+      return at ? {x: left + at.x, y: top + at.y} : null;
+    },
     positionOf(name) {
       const robot = fleet.indexOf(name);
       if (robot === undefined || !Number.isFinite(map.robots.x[robot])) return null;
