@@ -1,6 +1,5 @@
 """Tests of the Python package: python3 -m unittest discover tests/python, with the package on PYTHONPATH."""
 
-import contextlib
 import dataclasses
 import doctest
 import inspect
@@ -310,8 +309,7 @@ class Examples(unittest.TestCase):
             trajectory = pathlib.Path(folder) / "t.csv"
             command = [os.environ["COPPICE"], "simulate", scenario, "--robots", "2", "--quiet"]
             subprocess.run([*command, "--trajectory", trajectory], check=True, stdout=subprocess.DEVNULL)
-            with contextlib.suppress(KeyError):
-                self.run_example("replay_trajectory.py", scenario, trajectory)
+            self.assertEqual(self.run_example("replay_trajectory.py", scenario, trajectory)[1], ["replay.gif"])
 
 
 if __name__ == "__main__":

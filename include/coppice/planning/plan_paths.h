@@ -74,7 +74,7 @@ struct PlanWatch {
   std::function<bool()> stop{};     ///< asked again and again; true ends the plan early
 };
 
-/// What is wrong with a problem.
+/// A member of a problem that makes no sense, and the reason.
 struct ProblemFault {
   std::size_t problem;
   std::string_view member;  ///< start, goal or radius
