@@ -9,6 +9,7 @@
 #include "coppice/files/input_error.h"
 #include "coppice/files/map_file.h"
 #include "coppice/planning/clearance_field.h"
+#include "files/size_check.h"
 #include "planning/quantities.h"
 #include "planning/robot_name.h"
 
@@ -23,12 +24,6 @@ namespace {
 void check_name(const std::string& name, std::set<std::string>& names, const std::string& field) {
   if (!is_robot_name(name)) fail(field, fmt::format("expected {}", robot_name_rule));
   if (!names.insert(name).second) fail(field, fmt::format("\"{}\" is also the name of another robot", name));
-}
-
-void check_size(double value, const std::string& field) {
-  if (is_sane_size(value)) return;
-  fail(field, fmt::format("{} is not allowed, expected a number above 0, from {} to {}", value,
-                          least_quantity, largest_quantity));
 }
 
 void check_place(const Point2& p, const ClearanceField& field, double radius, const std::string& name) {
@@ -72,6 +67,12 @@ void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place,
 }
 
 }  // namespace
+
+void check_size(double value, const std::string& field) {
+  if (is_sane_size(value)) return;
+  fail(field, fmt::format("{} is not allowed, expected a number above 0, from {} to {}", value,
+                          least_quantity, largest_quantity));
+}
 
 void check_scenario(const Scenario& scenario) {
   try {

@@ -1,7 +1,6 @@
 #include "coppice/files/scenario_file.h"
 
 #include <algorithm>
-#include <set>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -11,12 +10,11 @@
 
 #include "coppice/files/input_error.h"
 #include "coppice/files/map_file.h"
-#include "coppice/planning/clearance_field.h"
 #include "files/file_kind.h"
 #include "files/json_file.h"
+#include "files/size_check.h"
 #include "files/text_file.h"
 #include "planning/quantities.h"
-#include "planning/robot_name.h"
 #include "scenario.pb.h"
 
 namespace coppice {
@@ -76,6 +74,14 @@ proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& h
     robot->mutable_goal()->set_y(gy + 0.5);
   }
   return scenario;
+}
+
+/// The fields that hold for all robots. Each is checked, also if every robot has its own.
+void check_fields_of_all(const proto::Scenario& file) {
+  if (file.has_radius()) check_size(file.radius(), "radius");
+  if (file.has_max_speed()) check_size(file.max_speed(), "max_speed");
+  if (file.has_max_acceleration()) check_size(file.max_acceleration(), "max_acceleration");
+  if (file.has_goal_tolerance()) check_size(file.goal_tolerance(), "goal_tolerance");
 }
 
 Point2 read_place(bool is_there, const proto::Position& place, const std::filesystem::path& path,
@@ -141,6 +147,11 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     if (file.robots_size() == 0) fail(path, "robots", "is empty, expected at least one robot");
     fail(path, "robots", fmt::format("{} were asked for, expected 1 to {}", count, file.robots_size()));
   }
+  try {
+    check_fields_of_all(file);
+  } catch (const InputError& problem) {
+    throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
+  }
   // Options of the command line apply to all robots.
   const auto radius = options.radius ? options.radius : optional_field(file.has_radius(), file.radius());
   const auto speed =
@@ -158,6 +169,12 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     if (robot.has_max_speed() && !options.max_speed) task.max_speed = robot.max_speed();
     task.max_acceleration =
         file.has_max_acceleration() ? file.max_acceleration() : usual_acceleration(task.max_speed);
+    if (file.has_max_acceleration() && !can_brake(task.max_speed, task.max_acceleration)) {
+      fail(path, "max_acceleration",
+           fmt::format("{} takes {} longer than {} s to brake from {}, expected at least {}",
+                       task.max_acceleration, task.name, longest_braking, task.max_speed,
+                       task.max_speed / longest_braking));
+    }
     if (file.has_goal_tolerance()) task.goal_tolerance = file.goal_tolerance();
     scenario.robots.push_back(std::move(task));
   }

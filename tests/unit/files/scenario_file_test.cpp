@@ -204,6 +204,19 @@ TEST(ScenarioFile, MoreRobotsThanAFleetMayHaveAreAnError) {
   EXPECT_NE(of_some.find("robots[0].name: expected"), std::string::npos) << of_some;
 }
 
+TEST(ScenarioFile, AFieldOfAllRobotsIsNamedAsInTheFileAlsoIfEachRobotHasItsOwn) {
+  const std::string robots =
+      R"("map": "small.map", )" +
+      std::string(
+          R"("robots": [{"name": "a", "radius": 0.4, "max_speed": 1, "start": {"x": 1, "y": 1}, "goal": {"x": 1, "y": 1}}]})");
+  for (const char* field : {"radius", "max_speed", "max_acceleration", "goal_tolerance"}) {
+    const std::string error = error_of("{\"" + std::string(field) + "\": -1, " + robots);
+    EXPECT_NE(error.find("fleet.json: " + std::string(field) + ": -1"), std::string::npos) << error;
+  }
+  const std::string slow = error_of(R"({"max_acceleration": 0.001, )" + robots);
+  EXPECT_NE(slow.find("fleet.json: max_acceleration: 0.001 takes a longer"), std::string::npos) << slow;
+}
+
 TEST(ScenarioFile, AMistakeInAScenFileNamesFileAndLine) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
