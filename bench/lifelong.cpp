@@ -28,10 +28,8 @@ void bench_lifelong(const ExperimentOptions& options) {
       const auto measure = [&](std::uint64_t seed) {
         const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
         Random random(seed + 7);
-        const double epsilon = suggested_epsilon(trial.field, options.radius);
-        MaRrdtStar<ClearanceField> planner(
-            trial.field, {.epsilon = epsilon, .disjointed_trees = suggested_trees(trial.field, epsilon)},
-            Random(seed));
+        MaRrdtStar<ClearanceField> planner(trial.field, completed({}, trial.field, options.radius),
+                                           Random(seed));
         std::uint32_t known = 0;
         std::uint32_t known_invalid = 0;
         for (int mission = 0; mission < missions; ++mission) {

@@ -1,3 +1,4 @@
+#include <array>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,6 +17,23 @@ constexpr std::uint64_t most_samples = 2'000'000;  // a robot's RRT* gives up af
 constexpr double speed = 20;                       // metres per second
 constexpr double longest_drive = 1200;             // fleet seconds
 
+/// A planner of the experiment.
+struct Contender {
+  const char* name;
+  PlannerKind kind;
+  /// With the paper's plain parameters, with trees that grow while the robots plan, and with first paths that
+  /// are only straightened.
+  bool is_plain;
+
+  TreeParameters trees(std::size_t robots) const {
+    return is_plain ? plain_parameters(static_cast<std::uint32_t>(robots)) : TreeParameters{};
+  }
+  bool improves() const { return kind == PlannerKind::ma_rrdt_star && !is_plain; }
+};
+const std::array<Contender, 3> contenders{{{"MA-RRdT*", PlannerKind::ma_rrdt_star, false},
+                                           {"MA-RRdT*, plain", PlannerKind::ma_rrdt_star, true},
+                                           {"MA-RRT*", PlannerKind::rrt_star, false}}};
+
 /// The paper's measures of one run.
 struct Measures {
   double plan_seconds = 0;
@@ -26,20 +44,29 @@ struct Measures {
   int solved = 0;
 };
 
-/// Drives the fleet in the simulation, with paths of `planner`. RRT* drives its first path, straightened, as
-/// in the paper. MA-RRdT* continues to improve its paths.
-std::optional<double> run_time(const TrialCase& trial, PlannerKind planner, std::uint64_t seed) {
+/// Drives the fleet in the simulation, with paths of the contender.
+std::optional<double> run_time(const TrialCase& trial, const Contender& contender, std::uint64_t seed) {
   Scenario scenario{
       .map_name = trial.map, .map = trial.occupancy, .seed = static_cast<std::uint32_t>(seed), .robots = {}};
   for (std::size_t i = 0; i < trial.problems.size(); ++i) {
     const PlanningProblem& p = trial.problems[i];
     scenario.robots.push_back({fmt::format("r{}", i + 1), p.start, p.goal, p.radius, speed, 2 * speed, 1});
   }
-  const double budget = planner == PlannerKind::rrt_star ? 0 : 1;
-  FleetSimulation simulation(scenario, {.timeout = longest_drive, .planner = planner, .plan_budget = budget});
+  FleetSimulation simulation(scenario,
+                             {.timeout = longest_drive,
+                              .planner = contender.kind,
+                              .plan_budget = contender.improves() ? 1.0 : 0.0,
+                              .trees = contender.trees(trial.problems.size()),
+                              .forest = contender.is_plain ? ForestStart::together : ForestStart::ahead});
   simulation.run([](const PlannerService&, double) { return true; });
   const proto::Report report = simulation.service().report();
   return report.outcome() == "arrived" ? std::optional(report.run_time()) : std::nullopt;
+}
+
+TrialResult planned(const TrialCase& trial, const Contender& contender, std::uint64_t seed) {
+  if (contender.kind == PlannerKind::rrt_star) return run_ma_rrt_star(trial, seed, most_samples);
+  return run_ma_rrdt_star(trial, seed, contender.trees(trial.problems.size()),
+                          contender.improves() ? Improvement::to_the_end : Improvement::until_taut);
 }
 
 Measures measures(const TrialResult& result) {
@@ -96,23 +123,23 @@ void bench_paper(const ExperimentOptions& options) {
   std::vector<Plot> plots;
   for (const std::string& source : options.maps) {
     const std::string map = map_title(source);
-    std::vector<std::vector<Series>> series(columns.size(),
-                                            {{"MA-RRdT*", {}, {}, {}}, {"MA-RRT*", {}, {}, {}}});
+    std::vector<Series> of_all;
+    for (const Contender& contender : contenders) of_all.push_back({contender.name, {}, {}, {}});
+    std::vector<std::vector<Series>> series(columns.size(), of_all);
     for (const int robots : options.robots) {
-      std::vector<std::vector<Measures>> runs(2);
+      std::array<std::vector<Measures>, contenders.size()> runs;
       const auto measure = [&](std::uint64_t seed) {
         const TrialCase trial = make_case(source, options.side, robots, options.radius, seed);
-        for (const bool sharing : {true, false}) {
-          const TrialResult result =
-              sharing ? run_ma_rrdt_star(trial, seed) : run_ma_rrt_star(trial, seed, most_samples);
+        for (std::size_t c = 0; c < contenders.size(); ++c) {
+          const TrialResult result = planned(trial, contenders[c], seed);
           Measures m = measures(result);
-          m.run_seconds = run_time(trial, sharing ? PlannerKind::ma_rrdt_star : PlannerKind::rrt_star, seed);
-          trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), result.planner,
+          m.run_seconds = run_time(trial, contenders[c], seed);
+          trials.rows.push_back({map, std::to_string(robots), std::to_string(seed), contenders[c].name,
                                  fmt::format("{:.6f}", m.plan_seconds),
                                  m.run_seconds ? fmt::format("{:.2f}", *m.run_seconds) : "",
                                  fmt::format("{:.1f}", m.path_length), std::to_string(result.valid_nodes),
                                  std::to_string(result.invalid_nodes), std::to_string(m.solved)});
-          runs[sharing ? 0 : 1].push_back(m);
+          runs[c].push_back(m);
         }
         options.tell(fmt::format("{} {} robots, seed {}", map, robots, seed));
       };
@@ -120,7 +147,7 @@ void bench_paper(const ExperimentOptions& options) {
         const std::uint64_t seed = options.first_seed + static_cast<std::uint64_t>(k);
         if (!succeeds(options, source, robots, [&] { measure(seed); })) break;
       }
-      if (runs[1].empty()) continue;
+      if (runs.back().empty()) continue;
       for (std::size_t p = 0; p < runs.size(); ++p) {
         std::vector<std::string> row{map, std::to_string(robots), series[0][p].name};
         for (std::size_t c = 0; c < columns.size(); ++c) {

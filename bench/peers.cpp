@@ -22,6 +22,7 @@ const std::vector<std::string> ompl_planners{"RRTConnect", "BiEST", "RRTstar", "
 struct Row {
   std::vector<double> first_ms;
   std::vector<double> simplified_ms;
+  std::vector<double> second_ms;
   std::vector<double> close_ms;  ///< until within 1.03 of the shortest known length, for trials that reach it
   std::vector<double> first_ratio;
   std::vector<double> ratio;
@@ -76,6 +77,7 @@ void add(Row& row, const TrialResult& result, const std::vector<TrialResult>& al
   }
   row.first_ms.push_back(1e3 * result.first_seconds);
   row.simplified_ms.push_back(1e3 * result.simplified_seconds);
+  if (result.second_seconds >= 0) row.second_ms.push_back(1e3 * result.second_seconds);
   if (shortest > 0) {
     row.first_ratio.push_back(first / shortest);
     row.ratio.push_back(last / shortest);
@@ -105,10 +107,10 @@ void bench_peers(const ExperimentOptions& options) {
   if (!built_with_ompl())
     throw InputError(
         "bench peers: built without OMPL; install libompl-dev (deploy/install --bench) and build again");
-  Table trials{{"map", "robots", "seed", "planner", "first_s", "simplified_s", "close_s", "first_length",
-                "length", "shortest_known", "nodes", "solved"},
+  Table trials{{"map", "robots", "seed", "planner", "first_s", "simplified_s", "second_s", "close_s",
+                "first_length", "length", "shortest_known", "nodes", "solved"},
                {}};
-  Table medians{{"map", "robots", "planner", "first ms", "simplified ms", "within 1.03 ms",
+  Table medians{{"map", "robots", "planner", "first ms", "simplified ms", "within 1.03 ms", "second tasks ms",
                  "first / best peer", "within 1.03 / A*", "length first", "length", "nodes", "solved"},
                 {}};
   std::vector<Plot> plots;
@@ -131,7 +133,8 @@ void bench_peers(const ExperimentOptions& options) {
           for (const double l : result.lengths) last += l;
           trials.rows.push_back(
               {map, std::to_string(robots), std::to_string(seed), result.planner,
-               fmt::format("{:.6f}", result.first_seconds), fmt::format("{:.6f}", result.simplified_seconds),
+               fmt::format("{:.9f}", result.first_seconds), fmt::format("{:.9f}", result.simplified_seconds),
+               result.second_seconds >= 0 ? fmt::format("{:.9f}", result.second_seconds) : "",
                fmt::format("{:.6f}", seconds_to_close(result, shortest)), fmt::format("{:.1f}", first),
                fmt::format("{:.1f}", last), fmt::format("{:.1f}", shortest),
                std::to_string(result.valid_nodes), std::to_string(result.solved())});
@@ -155,6 +158,7 @@ void bench_peers(const ExperimentOptions& options) {
         medians.rows.push_back(
             {map, std::to_string(robots), names[p], spread(row.first_ms), spread(row.simplified_ms),
              always_close ? spread(row.close_ms) : fmt::format("{} of {}", row.close_ms.size(), row.trials),
+             spread(row.second_ms),
              best_peer < infinity ? fmt::format("{:.3f}", median(row.first_ms) / best_peer) : "-",
              always_close ? fmt::format("{:.3f}", median(row.close_ms) / a_star) : "-",
              fmt::format("{:.3f}", median(row.first_ratio)), fmt::format("{:.3f}", median(row.ratio)),

@@ -41,20 +41,25 @@ TrialCase make_case(const std::string& map, int side, int robots, double radius,
   ClearanceField field(occupancy);
   std::vector<PlanningProblem> problems;
   const double way = map == "blank" || robots <= 20 ? least_way : 0.2;
-  for (const auto& [start, goal] : random_tasks(field, robots, radius, way, random))
-    problems.push_back({start, goal, radius});
-  return {map_title(map), seed, std::move(occupancy), std::move(field), std::move(problems)};
+  std::vector<PlanningProblem> second;
+  for (std::vector<PlanningProblem>* const tasks : {&problems, &second}) {
+    for (const auto& [start, goal] : random_tasks(field, robots, radius, way, random))
+      tasks->push_back({start, goal, radius});
+  }
+  return {map_title(map),   seed, std::move(occupancy), std::move(field), std::move(problems),
+          std::move(second)};
 }
 
 int TrialResult::solved() const {
   return static_cast<int>(std::ranges::count_if(first_lengths, [](double length) { return length > 0; }));
 }
 
-TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed) {
+TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, const TreeParameters& trees,
+                             Improvement improvement) {
   TrialResult result{.planner = "MA-RRdT*"};
   const std::size_t robots = trial.problems.size();
   const Stopwatch watch;
-  FleetPlanner planner(trial.field, trial.problems, Random(seed));
+  FleetPlanner planner(trial.field, trial.problems, trees, Random(seed));
   while (planner.search()) {
   }
   planner.take_first_paths();
@@ -63,7 +68,7 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed) {
   double own = 0;  // time for measuring, which is not the planner's
   bool improving = true;
   while (improving) {
-    improving = planner.improve();
+    improving = planner.improve() && !(improvement == Improvement::until_taut && planner.all_taut());
     const double now = watch.seconds();
     if (planner.all_taut() && result.simplified_seconds == 0) {
       result.simplified_seconds = now - own;
@@ -79,6 +84,12 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed) {
   }
   result.valid_nodes += planner.disjointed_counts().valid;
   result.invalid_nodes += planner.disjointed_counts().invalid;
+  const Stopwatch second;
+  planner.begin_mission(trial.second);
+  while (planner.search()) {
+  }
+  planner.take_first_paths();
+  result.second_seconds = second.seconds();
   return result;
 }
 
@@ -141,6 +152,11 @@ TrialResult run_visibility_graph(const TrialCase& trial) {
   }
   result.simplified_seconds = result.first_seconds;
   result.valid_nodes = planner.expanded();
+  for (int time = 0; time < 2; ++time) {
+    const Stopwatch watch;
+    for (const PlanningProblem& p : trial.second) planner.path(p.start, p.goal, p.radius);
+    result.second_seconds = watch.seconds();  // of the second time
+  }
   return result;
 }
 

@@ -32,6 +32,7 @@ struct TrialCase {
   OccupancyMap occupancy;
   ClearanceField field;
   std::vector<PlanningProblem> problems;
+  std::vector<PlanningProblem> second;  ///< other tasks on the same map, for a fleet that has done the first
 };
 
 /// The name of a map in tables: its kind, or its file's name.
@@ -43,8 +44,10 @@ TrialCase make_case(const std::string& map, int side, int robots, double radius,
 
 struct TrialResult {
   std::string planner;
-  double first_seconds = 0;           ///< until the last first path
-  double simplified_seconds = 0;      ///< with the planner's own simplification
+  double first_seconds = 0;       ///< until the last first path
+  double simplified_seconds = 0;  ///< with the planner's own simplification
+  /// Until the last first path of the second tasks, with all that the planner keeps; below 0: not measured.
+  double second_seconds = -1;
   std::vector<double> first_lengths;  ///< of each robot; 0: no path
   std::vector<double> lengths;        ///< after simplification
   std::uint64_t valid_nodes = 0;
@@ -59,14 +62,19 @@ struct TrialResult {
   int solved() const;
 };
 
-/// Improves the first paths until no shorter ones are found.
-TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed);
+enum class Improvement : unsigned char { until_taut, to_the_end };
+
+/// Improves the first paths until they are taut, or until no shorter ones are found. Then the trees serve the
+/// second tasks.
+TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, const TreeParameters& trees = {},
+                             Improvement improvement = Improvement::to_the_end);
 /// MA-RRT*: a separate RRT* for each robot, which gives up after `most_samples` samples.
 TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples);
 TrialResult run_grid_a_star(const TrialCase& trial);
 /// Jump point search on the same grid.
 TrialResult run_jump_point_search(const TrialCase& trial);
-/// Shortest paths at any angle. The first search prepares the map.
+/// Shortest paths at any angle. The first search prepares the map. The second tasks find all edges known that
+/// their searches look at.
 TrialResult run_visibility_graph(const TrialCase& trial);
 
 /// OMPL's planners by name: RRTConnect, BiEST, RRTstar, BITstar. Each robot gets `cap` seconds.

@@ -77,7 +77,8 @@ int plan_command(const RunOptions& options) {
                  {.planner = chosen_planner(options),
                   .seed = scenario.seed,
                   .timeout = options.timeout,
-                  .improve = options.plan_budget.value_or(std::numeric_limits<double>::infinity())},
+                  .improve = options.plan_budget.value_or(std::numeric_limits<double>::infinity()),
+                  .trees = chosen_trees(options)},
                  {.clock = steady_seconds, .stop = stop_requested});
   const proto::Report report = report_of(scenario, plan);
   const auto nobody_drives = [](const auto&) {};

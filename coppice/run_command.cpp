@@ -60,6 +60,22 @@ Command joined(Command command, const Command& more) {
   return command;
 }
 
+/// The parameters of the trees that differ from the usual ones.
+void add_trees(const RunOptions& options,
+               const std::function<void(const std::string&, const std::string&)>& add) {
+  const TreeParameters usual;
+  const auto number = [&](const char* name, double value, double usual_value) {
+    if (value != usual_value) add(name, fmt::format("{}", value));
+  };
+  number("--epsilon", options.trees.epsilon, usual.epsilon);
+  number("--disjointed-trees", options.trees.disjointed_trees, usual.disjointed_trees);
+  number("--kappa", options.trees.kappa, usual.kappa);
+  number("--failure-factor", options.trees.failure_factor, usual.failure_factor);
+  number("--restart-weight", options.trees.restart_weight, usual.restart_weight);
+  number("--spacing", options.trees.spacing, usual.spacing);
+  add("--restarts", options.restarts);
+}
+
 Command service_command(const RunOptions& options, const std::string& program, bool serves) {
   Command command{program, options.scenario};
   const auto add = [&](const std::string& name, const std::string& value) {
@@ -73,10 +89,13 @@ Command service_command(const RunOptions& options, const std::string& program, b
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
   add("--time-scale", fmt::format("{}", options.time_scale.value()));
   if (!serves) add("--timeout", fmt::format("{}", options.timeout));
+  if (!options.plan.empty()) add("--plan", options.plan);
   if (!options.report.empty()) add("--report", options.report);
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);
   if (!options.picture.empty()) add("--picture", options.picture);
   add("--planner", options.planner);
+  add("--forest", options.forest);
+  add_trees(options, add);
   if (options.lifelong > 0) add("--lifelong", fmt::format("{}", options.lifelong));
   if (options.plan_budget) add("--plan-budget", fmt::format("{}", *options.plan_budget));
   if (options.quiet) command.emplace_back("--quiet");
@@ -104,15 +123,15 @@ std::filesystem::path made_folder(const std::string& name) {
   return name;
 }
 
-/// The service reads the scenario again. So what comes through a pipe is kept for it in `folder`.
-std::string lasting_file(const std::string& scenario, const std::filesystem::path& folder) {
+/// The service reads the file again. So what comes through a pipe is kept for it in `folder`.
+std::string lasting_file(const std::string& file, const std::filesystem::path& folder) {
   std::error_code ignored;
-  const bool is_pipe = std::filesystem::exists(scenario, ignored) &&
-                       !std::filesystem::is_regular_file(scenario, ignored) &&
-                       !std::filesystem::is_directory(scenario, ignored);
-  if (!is_pipe) return scenario;
-  const std::filesystem::path kept = folder / std::filesystem::path(scenario).filename();
-  write_file(kept, read_file(scenario));
+  const bool is_pipe = std::filesystem::exists(file, ignored) &&
+                       !std::filesystem::is_regular_file(file, ignored) &&
+                       !std::filesystem::is_directory(file, ignored);
+  if (!is_pipe) return file;
+  const std::filesystem::path kept = folder / std::filesystem::path(file).filename();
+  write_file(kept, read_file(file));
   return kept.string();
 }
 
@@ -319,7 +338,7 @@ void check_that_nobody_serves(const DdsSettings& network) {
 }
 
 /// Processes that ended early, and must be started again.
-class Restarts {
+class ProcessRestarts {
  public:
   /// True if it will be started again.
   bool note(const ProcessFleet::Ended& ended) {
@@ -354,7 +373,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
           const std::function<std::chrono::duration<double>(std::chrono::duration<double>)>& patience) {
   const Clock::time_point begin = Clock::now();
   Clock::time_point next_look = begin;
-  Restarts to_start;
+  ProcessRestarts to_start;
   StopRequest stop;
   bool recorded = true;
   while (true) {
@@ -396,9 +415,11 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   // Check the input before anything starts.
   const TemporaryFolder run_folder;
   options.scenario = lasting_file(options.scenario, run_folder.path());
+  options.plan = lasting_file(options.plan, run_folder.path());
   ScenarioOptions overrides = options.overrides;
   overrides.warnings = MapWarnings::left_out;  // the service logs them
   const Scenario scenario = read_scenario(options.scenario, overrides);
+  chosen_plan(options, scenario);
   check_results(options, scenario, fleet_options.record.file);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(names_of(scenario));

@@ -1,5 +1,5 @@
-// Measures the gain from sharing over DDS: fleets of processes with the broker's trees, and with each robot
-// alone.
+// Measures the gain from sharing over DDS: fleets of processes with trees that the broker grows ahead, with
+// trees that grow together with the root trees, and with each robot alone.
 #pragma once
 
 #include <string>

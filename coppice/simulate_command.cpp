@@ -26,7 +26,10 @@ int simulate_command(const RunOptions& options, const Faults& faults, const NewR
                                         .planner = chosen_planner(options),
                                         .plan_budget = options.plan_budget.value_or(default_plan_budget),
                                         .lifelong = options.lifelong,
-                                        .faults = faults});
+                                        .faults = faults,
+                                        .trees = chosen_trees(options),
+                                        .forest = chosen_forest(options),
+                                        .plan = chosen_plan(options, scenario)});
   SimulationRecording recording(simulation, record);
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;

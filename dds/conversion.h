@@ -17,7 +17,7 @@ struct DdsType;
   EACH(MapMessage, OccupancyMap)           \
   EACH(Mission, Mission)                   \
   EACH(RootNodes, RootNodes)               \
-  EACH(InactiveTreeMessage, InactiveTree)  \
+  EACH(InactiveTreesMessage, InactiveTree)  \
   EACH(RobotState, RobotState)             \
   EACH(JointPlanMessage, JointPlan)        \
   EACH(ReservationMessage, Reservation)    \

@@ -109,7 +109,7 @@ struct Ends {
 /// readers are no longer of use. They are then dropped, because processes may live for months.
 template <class M>
 bool outdates(const M& message, Ends<M>& ends) {
-  if constexpr (std::is_same_v<M, InactiveTreeMessage>)
+  if constexpr (std::is_same_v<M, InactiveTreesMessage>)
     return std::exchange(ends.map_id, message.map_id) != message.map_id;
   else if constexpr (Topic<M>::info.depth == 0 && requires { message.run; })
     return std::exchange(ends.run, message.run) != message.run;
@@ -133,7 +133,7 @@ struct DdsBus::Implementation {
   dds::DomainParticipant* participant = nullptr;
   dds::Publisher* publisher = nullptr;
   dds::Subscriber* subscriber = nullptr;
-  std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreeMessage>, Ends<RobotState>,
+  std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreesMessage>, Ends<RobotState>,
              Ends<JointPlanMessage>, Ends<ReservationMessage>, Ends<PathMessage>, Ends<TrackMessage>,
              Ends<AgentStatus>, Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>, Ends<ActiveTreesMessage>,
              Ends<ServiceStatus>>
@@ -392,7 +392,7 @@ template std::size_t DdsBus::matched_readers<MapMessage>() const;
 template std::size_t DdsBus::matched_readers<Mission>() const;
 template std::size_t DdsBus::matched_readers<RobotState>() const;
 template std::size_t DdsBus::matched_readers<Claim>() const;
-template std::size_t DdsBus::matched_readers<InactiveTreeMessage>() const;
+template std::size_t DdsBus::matched_readers<InactiveTreesMessage>() const;
 
 bool DdsBus::hears_replay() const {
   return implementation_->senders.somebody_replays();

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "coppice/files/input_error.h"
+#include "coppice/files/plan_file.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/report_file.h"
@@ -15,6 +16,48 @@
 #include "planning/quantities.h"
 
 namespace coppice {
+
+namespace {
+
+void add_forest_option(CLI::App& command, RunOptions& options) {
+  command
+      .add_option(
+          "--forest", options.forest,
+          "ahead: the shared trees cover the map before the missions go out; together: they grow while "
+          "the robots plan, as in the paper")
+      ->check(CLI::IsMember(std::vector<std::string>(forest_names.begin(), forest_names.end())));
+}
+
+/// docs/planning.md explains them.
+void add_tree_options(CLI::App& command, RunOptions& options) {
+  command.option_defaults()->group("Trees");
+  TreeParameters& trees = options.trees;
+  const char* const from_the_map = "follows from the map";
+  command.add_option("--epsilon", trees.epsilon, "longest step of a tree, metres")
+      ->check(number_between(least_quantity, largest_quantity))
+      ->default_str(from_the_map);
+  command.add_option("--disjointed-trees", trees.disjointed_trees, "disjointed trees that grow at a time")
+      ->check(whole_number_between<std::uint32_t>(1, most_disjointed_trees))
+      ->default_str(from_the_map);
+  command
+      .add_option("--kappa", trees.kappa, "concentration of directions around the last success; 0: uniform")
+      ->check(number_between(0, largest_kappa));
+  command.add_option("--failure-factor", trees.failure_factor, "of a tree's weight, for each failed sample")
+      ->check(number_between(least_failure_factor, largest_failure_factor));
+  command
+      .add_option("--restart-weight", trees.restart_weight, "weight below which a tree restarts; 10 at first")
+      ->check(number_between(least_restart_weight, full_weight));
+  command
+      .add_option("--spacing", trees.spacing,
+                  "distance, in units of epsilon, within which nodes bring little; 0: each counts")
+      ->check(number_between(0, largest_spacing));
+  command
+      .add_option("--restarts", options.restarts,
+                  "even: disjointed trees restart at evenly spread points; random: at random points")
+      ->check(CLI::IsMember(std::vector<std::string>(restarts_names.begin(), restarts_names.end())));
+}
+
+}  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options, Progression progression) {
   const bool is_of_plan = progression == Progression::paths_only;
@@ -66,6 +109,15 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
           "fleet seconds in which every robot that arrives gets a new goal that it can reach; 0: none; "
           "plan gives none")
       ->check(number_not_negative());
+  if (!is_of_plan) {
+    add_forest_option(command, options);
+    command
+        .add_option("--plan", options.plan,
+                    "joint plan of a grid planner that the robots are to carry out (docs/planning.md)")
+        ->type_name("FILE")
+        ->default_str("none");
+  }
+  add_tree_options(command, options);
   command.option_defaults()->group("Results");
   const auto file = [&](const char* name, std::string& chosen, const char* what,
                         const CLI::Validator& check) {
@@ -79,8 +131,22 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
   command.footer(terms_of_table());
 }
 
+std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario) {
+  return options.plan.empty() ? std::vector<Trajectory>() : read_plan(options.plan, scenario);
+}
+
 PlannerKind chosen_planner(const RunOptions& options) {
   return planner_kind(options.planner).value();  // the option's validator has checked the name
+}
+
+ForestStart chosen_forest(const RunOptions& options) {
+  return options.forest == forest_names[0] ? ForestStart::ahead : ForestStart::together;
+}
+
+TreeParameters chosen_trees(const RunOptions& options) {
+  TreeParameters trees = options.trees;
+  trees.restarts = options.restarts == restarts_names[0] ? Restarts::even : Restarts::random;
+  return trees;
 }
 
 namespace {
@@ -101,6 +167,7 @@ void check_results(const RunOptions& options, const Scenario& scenario, const st
     names = {{unique_name(options.scenario), options.scenario},
              {unique_name(scenario.map_file), scenario.map_file}};
   }
+  if (!options.plan.empty()) names.emplace(unique_name(options.plan), options.plan);
   for (const std::string& file : {recording, options.report, options.trajectory, options.picture}) {
     const bool is_device = fs::exists(file) && !fs::is_regular_file(file);
     if (file.empty() || is_device) continue;

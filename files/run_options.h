@@ -5,9 +5,12 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "coppice/files/scenario_file.h"
+#include "coppice/motion/trajectory.h"
 #include "coppice/planning/planner_kind.h"
+#include "coppice/planning/tree_parameters.h"
 #include "files/picture.h"
 #include "files/trajectory_file.h"
 #include "report.pb.h"
@@ -25,8 +28,12 @@ struct RunOptions {
   double timeout = 3600;
   double lifelong = 0;  ///< fleet seconds in which robots that arrive get new goals
   std::string planner{planner_names[0]};
+  std::string forest{forest_names[0]};
+  std::string restarts{restarts_names[0]};
+  TreeParameters trees{};  ///< chosen_trees() adds the restarts
   /// Wall seconds for shorter paths after the first ones; none: the command's default.
   std::optional<double> plan_budget;
+  std::string plan;    ///< file of a joint plan that was made elsewhere; empty: none
   std::string report;  ///< name of the file; empty: not written
   std::string trajectory;
   std::string picture;
@@ -44,7 +51,11 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
 /// path.
 inline constexpr double default_plan_budget = 1;
 
+/// The joint plan; empty: none was named. Throws InputError if it is not one of this scenario.
+std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario);
 PlannerKind chosen_planner(const RunOptions& options);
+ForestStart chosen_forest(const RunOptions& options);
+TreeParameters chosen_trees(const RunOptions& options);
 
 /// Throws InputError if two output files are the same file, or if one is the scenario, its map or the
 /// recording.

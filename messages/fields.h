@@ -54,6 +54,11 @@ struct Enumerators;
         [](auto& m) -> auto& { return m.MEMBER; },        \
         [](auto& dds) -> decltype(auto) { return dds.IN_DDS; }}
 #define COPPICE_FIELD(NUMBER, NAME) COPPICE_FIELD_AT(NUMBER, NAME, NAME, NAME())
+/// A field that older recordings lack.
+#define COPPICE_NEW_FIELD(NUMBER, NAME)                   \
+  Field{NUMBER, #NAME,                                    \
+        [](auto& m) -> auto& { return m.NAME; },          \
+        [](auto& dds) -> decltype(auto) { return dds.NAME(); }, true}
 /// A part whose fields are fields of the message itself in DDS.
 #define COPPICE_PART(NUMBER, NAME)                        \
   Field{NUMBER, #NAME,                                    \
@@ -75,12 +80,22 @@ RoundOfState(State&) -> RoundOfState<State>;
 
 // clang-format off
 COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_STAR");
+COPPICE_ENUMERATORS(Restarts, "Restarts", "EVEN", "RANDOM");
 COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
 COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP");
 COPPICE_ENUMERATORS(Stage, "Stage", "FREE", "WAITING_FOR_PLAN", "EXECUTING");
 COPPICE_ENUMERATORS(Turn, "Turn", "URGENT", "WINDING", "USUAL", "LAST");
 
 COPPICE_FIELDS(Point2, "Point", COPPICE_FIELD_AT(1, x, x(), x()), COPPICE_FIELD_AT(2, y, y(), y()));
+
+COPPICE_FIELDS(TreeParameters, "TreeParameters",
+  COPPICE_FIELD(1, epsilon),
+  COPPICE_FIELD(2, disjointed_trees),
+  COPPICE_FIELD(3, kappa),
+  COPPICE_FIELD(4, failure_factor),
+  COPPICE_FIELD(5, restart_weight),
+  COPPICE_FIELD(6, spacing),
+  COPPICE_FIELD(7, restarts));
 
 COPPICE_FIELDS(PackedMap, "Map",
   COPPICE_FIELD(1, map_id),
@@ -90,7 +105,8 @@ COPPICE_FIELDS(PackedMap, "Map",
   COPPICE_FIELD(5, origin),
   COPPICE_FIELD_AT(6, y_up, y_axis, y_axis()),
   COPPICE_FIELD_AT(7, occupancy, occupancy, packed_occupancy()),
-  COPPICE_FIELD(8, radii));
+  COPPICE_FIELD(8, radii),
+  COPPICE_NEW_FIELD(9, trees));
 
 COPPICE_FIELDS(Mission, "Mission",
   COPPICE_FIELD(1, robot),
@@ -108,7 +124,8 @@ COPPICE_FIELDS(Mission, "Mission",
   COPPICE_FIELD(13, plan_budget),
   COPPICE_FIELD(14, cancelled),
   COPPICE_FIELD_AT(15, clock_epoch, clock.epoch, clock_epoch()),
-  COPPICE_FIELD_AT(16, clock_scale, clock.scale, clock_scale()));
+  COPPICE_FIELD_AT(16, clock_scale, clock.scale, clock_scale()),
+  COPPICE_NEW_FIELD(17, trees));
 
 COPPICE_FIELDS(RootNodes::Node, "RootNode",
   COPPICE_FIELD(1, side),
@@ -121,13 +138,13 @@ COPPICE_FIELDS(RootNodes, "RootNodes",
   COPPICE_FIELD(4, nodes),
   COPPICE_FIELD_AT(5, run, run.epoch, run()));
 
-COPPICE_FIELDS(InactiveTreeMessage::Node, "TreeNode",
+COPPICE_FIELDS(InactiveTreesMessage::Node, "TreeNode",
   COPPICE_FIELD(1, position),
   COPPICE_FIELD(2, parent),
   COPPICE_FIELD(3, edge_clearance));
-COPPICE_FIELDS(InactiveTreeMessage, "InactiveTree",
-  COPPICE_FIELD_AT(1, broker, tree.broker, broker()),
-  COPPICE_FIELD_AT(2, number, tree.number, number()),
+COPPICE_FIELDS(InactiveTreesMessage, "InactiveTree",
+  COPPICE_FIELD_AT(1, broker, id.broker, broker()),
+  COPPICE_FIELD_AT(2, number, id.number, number()),
   COPPICE_FIELD(3, map_id),
   COPPICE_FIELD(4, radius),
   COPPICE_FIELD(5, nodes));

@@ -8,8 +8,8 @@ namespace {
 
 struct KeyOf {
   std::string operator()(const MapMessage& m) const { return m.map_id; }
-  std::string operator()(const InactiveTreeMessage& m) const {
-    return std::to_string(m.tree.broker) + "/" + std::to_string(m.tree.number);
+  std::string operator()(const InactiveTreesMessage& m) const {
+    return std::to_string(m.id.broker) + "/" + std::to_string(m.id.number);
   }
   std::string operator()(const ActiveTreesMessage& m) const { return std::to_string(m.broker); }
   std::string operator()(const BrokerStatus& m) const { return std::to_string(m.broker); }

@@ -16,6 +16,7 @@
 #include "coppice/planning/geometry.h"
 #include "coppice/planning/occupancy_map.h"
 #include "coppice/planning/planner_kind.h"
+#include "coppice/planning/tree_parameters.h"
 #include "messages/fleet_clock.h"
 #include "motion/promise.h"
 #include "planning/root.h"
@@ -24,18 +25,21 @@ namespace coppice {
 
 using RobotName = std::string;
 
-/// The name of a disjointed tree: the broker that froze it, and its number there.
-struct TreeId {
+/// The name of disjointed trees that were published together: the broker that froze them, and their number
+/// there.
+struct TreesId {
   std::uint64_t broker = 0;
   std::uint32_t number = 0;
-  auto operator<=>(const TreeId&) const = default;
+  auto operator<=>(const TreesId&) const = default;
 };
 
 /// map: service -> all.
 struct MapMessage {
   std::string map_id;
   OccupancyMap map;
-  std::vector<double> radii{};  ///< of the robots that are to drive on it, each once: brokers may grow ahead
+  /// Of the robots that are to drive on it, each once, if brokers are to grow trees before missions come.
+  std::vector<double> radii{};
+  TreeParameters trees{};
   bool operator==(const MapMessage&) const = default;
 };
 
@@ -53,6 +57,7 @@ struct Mission {
   double goal_tolerance = 0;
   std::uint64_t seed = 0;
   PlannerKind planner = PlannerKind::ma_rrdt_star;
+  TreeParameters trees{};
   double plan_budget = 1;  ///< wall seconds to look for a shorter path after the first one
   bool cancelled = false;  ///< the run has ended: stop planning, brake and stand
   FleetClock clock;        ///< its epoch names the run: agents outlive it, and so does what they said in it
@@ -76,19 +81,22 @@ struct RootNodes {
   bool operator==(const RootNodes&) const = default;
 };
 
-/// inactive_tree: broker -> agents, brokers. Never changes once published.
-struct InactiveTreeMessage {
-  TreeId tree;
+/// inactive_trees: broker -> agents, brokers. Trees that became inactive at about the same time. They never
+/// change.
+struct InactiveTreesMessage {
+  TreesId id;
   std::string map_id;
   double radius = 0;  ///< every node and edge keeps at least this clearance
   struct Node {
     Point2 position = Point2::Zero();
-    std::int32_t parent = -1;   ///< index in nodes, always below the node's own; -1: the root (node 0)
-    double edge_clearance = 0;  ///< of the edge to the parent; of the node itself for the root
+    /// Index in nodes, below the node's own and at or above that of its tree's root; -1: the root of a tree.
+    /// The nodes of a tree follow each other.
+    std::int32_t parent = -1;
+    double edge_clearance = 0;  ///< of the edge to the parent; of the node itself for a root
     bool operator==(const Node&) const = default;
   };
   std::vector<Node> nodes;
-  bool operator==(const InactiveTreeMessage&) const = default;
+  bool operator==(const InactiveTreesMessage&) const = default;
 };
 
 /// active_trees: broker -> monitor, recorder. The trees that the leading broker grows now, several times a
@@ -206,7 +214,11 @@ struct ReservationBasis {
   bool operator==(const ReservationBasis&) const = default;
 };
 
-/// joint_plan: agent -> agents, monitor. The joint plan that the leader of a round made
+/// The leader of the round of a joint plan that was made elsewhere: the planner service hands it out with the
+/// missions. No robot can have this name (planning/robot_name.h).
+inline constexpr const char* service_as_leader = "planner service";
+
+/// joint_plan: agent, service -> agents, monitor. The joint plan that the leader of a round made
 /// (motion/joint_schedule.h).
 struct JointPlanMessage {
   RoundId round;
@@ -402,7 +414,7 @@ struct Assignment {
 /// itself.
 inline constexpr WallTime claim_lease = 10;
 
-using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreeMessage, RobotState,
+using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreesMessage, RobotState,
                              JointPlanMessage, ReservationMessage, PathMessage, TrackMessage, AgentStatus,
                              BrokerStatus, Claim, Assignment, ActiveTreesMessage, ServiceStatus>;
 

@@ -49,9 +49,9 @@ inline constexpr unsigned replayer = 1u << static_cast<unsigned>(Role::replayer)
 COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::onlooker | topic_roles::replayer);
 COPPICE_TOPIC(Mission,             "mission",       reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::onlooker);
 COPPICE_TOPIC(RootNodes,           "root_nodes",    reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::onlooker);
-COPPICE_TOPIC(InactiveTreeMessage, "inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::broker | topic_roles::service | topic_roles::onlooker);
+COPPICE_TOPIC(InactiveTreesMessage,"inactive_tree", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::agent | topic_roles::broker | topic_roles::service | topic_roles::onlooker);
 COPPICE_TOPIC(RobotState,          "robot_state",   best_effort, volatile_,       32,    topic_roles::agent,   topic_roles::agent | topic_roles::onlooker);
-COPPICE_TOPIC(JointPlanMessage,    "joint_plan",    reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::onlooker);
+COPPICE_TOPIC(JointPlanMessage,    "joint_plan",    reliable,    transient_local, 1,     topic_roles::agent | topic_roles::service, topic_roles::agent | topic_roles::onlooker);
 COPPICE_TOPIC(ReservationMessage,  "reservation",   reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::onlooker);
 COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::service | topic_roles::onlooker);
 COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);

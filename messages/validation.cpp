@@ -71,8 +71,14 @@ Problem first_of(std::initializer_list<std::pair<bool, const char*>> checks) {
   return std::nullopt;
 }
 
+Problem check(const TreeParameters& trees) {
+  const auto fault = fault_of(trees);
+  return fault ? Problem("trees: " + std::string(*fault)) : std::nullopt;
+}
+
 Problem check(const MapMessage& m) {
   const auto in_range = [](int cells) { return cells >= 1 && cells <= largest_map_side; };
+  if (auto problem = check(m.trees)) return problem;
   return first_of({{named(m.map_id), "map id is empty, too long or not printable"},
                    {in_range(m.map.width) && in_range(m.map.height), "map size is out of range"},
                    {is_sane_size(m.map.resolution), "resolution is out of range"},
@@ -85,6 +91,7 @@ Problem check(const MapMessage& m) {
 }
 
 Problem check(const Mission& m) {
+  if (auto problem = check(m.trees)) return problem;
   return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
                    {named(m.map_id), "map id is empty, too long or not printable"},
                    {m.fleet_size >= 1, "fleet size is 0"},
@@ -114,18 +121,18 @@ Problem check(const RootNodes& m) {
   return std::nullopt;
 }
 
-Problem check(const InactiveTreeMessage& m) {
+Problem check(const InactiveTreesMessage& m) {
   if (!named(m.map_id)) return "map id is empty, too long or not printable";
   if (!is_sane_size(m.radius)) return "radius is out of range";
   if (m.nodes.empty()) return "tree has no node";
+  std::int64_t root = -1;  // index
   for (std::size_t i = 0; i < m.nodes.size(); ++i) {
-    const InactiveTreeMessage::Node& node = m.nodes[i];
+    const InactiveTreesMessage::Node& node = m.nodes[i];
     if (!sane(node.position)) return "node position is not finite";
     if (!not_negative(node.edge_clearance)) return "edge clearance is negative or not finite";
-    const bool root = i == 0;
-    if (root ? node.parent != -1 : node.parent < 0 || node.parent >= static_cast<std::int64_t>(i)) {
-      return "node's parent does not come before it";
-    }
+    if (node.parent == -1) root = static_cast<std::int64_t>(i);
+    if (node.parent != -1 && (root < 0 || node.parent < root || node.parent >= static_cast<std::int64_t>(i)))
+      return "node's parent is not a node of its tree before it";
   }
   return std::nullopt;
 }
@@ -299,19 +306,21 @@ std::optional<std::string> problem_with(const Message& message) {
   return std::visit([](const auto& m) { return check(m); }, message);
 }
 
-bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field) {
+bool are_free(const InactiveTreesMessage& trees, const ClearanceField& field) {
   // The broker has checked the edge from its other end.
   constexpr double rounding = 1e-6;  // metres
-  return std::ranges::all_of(tree.nodes, [&](const InactiveTreeMessage::Node& node) {
-    const auto parent = static_cast<std::size_t>(std::max(node.parent, 0));
-    return field.segment_free(tree.nodes[parent].position, node.position, tree.radius - rounding);
+  return std::ranges::all_of(trees.nodes, [&](const InactiveTreesMessage::Node& node) {
+    const auto& from = node.parent < 0 ? node : trees.nodes[static_cast<std::size_t>(node.parent)];
+    return field.segment_free(from.position, node.position, trees.radius - rounding);
   });
 }
 
 const RobotName* sender_of(const Message& message) {
+  static const RobotName no_robot;
   return std::visit(
       []<class M>(const M& m) -> const RobotName* {
-        if constexpr (std::same_as<M, JointPlanMessage>) return &m.round.leader;
+        if constexpr (std::same_as<M, JointPlanMessage>)
+          return m.round.leader == service_as_leader ? &no_robot : &m.round.leader;
         if constexpr (std::same_as<M, RobotState>) return m.passed_on ? nullptr : &m.robot;
         if constexpr (Topic<M>::written_by(Role::agent) && requires { m.robot; }) return &m.robot;
         return nullptr;

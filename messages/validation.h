@@ -30,10 +30,11 @@ inline constexpr double most_trajectory_radii = 1e6;
 /// Describes what is wrong with the message; none if it is valid.
 std::optional<std::string> problem_with(const Message& message);
 
-/// Whether the tree keeps the clearance that it claims on this map. A path may lead along it only then.
-bool is_free(const InactiveTreeMessage& tree, const ClearanceField& field);
+/// Whether the trees keep the clearance that they claim on this map. A path may lead along them only then.
+bool are_free(const InactiveTreesMessage& trees, const ClearanceField& field);
 
-/// The robot whose agent alone may send this message; null if other processes may send or relay it.
+/// The robot whose agent alone may send this message. Empty: only processes that are no agents may send it.
+/// Null: others may send or relay it.
 const RobotName* sender_of(const Message& message);
 
 }  // namespace coppice

@@ -17,7 +17,8 @@ PackedMap wire_form(const MapMessage& m) {
           .origin = m.map.origin,
           .y_axis = m.map.y_axis,
           .occupancy = packed_cells<std::vector<std::uint8_t>>(m.map.blocked),
-          .radii = m.radii};
+          .radii = m.radii,
+          .trees = m.trees};
 }
 
 MapMessage from_wire_form(PackedMap&& map) {
@@ -31,7 +32,8 @@ MapMessage from_wire_form(PackedMap&& map) {
                   .origin = map.origin,
                   .y_axis = map.y_axis,
                   .blocked = unpacked_cells(map.occupancy, fits ? cells : 0)},
-          .radii = std::move(map.radii)};
+          .radii = std::move(map.radii),
+          .trees = map.trees};
 }
 
 SentPlan wire_form(const JointPlanMessage& m) {

@@ -21,6 +21,7 @@ struct PackedMap {
   YAxis y_axis = YAxis::down;
   std::vector<std::uint8_t> occupancy{};  ///< packed_cells.h; 1: blocked
   std::vector<double> radii{};
+  TreeParameters trees{};
 };
 
 struct SentPlan {

@@ -103,9 +103,9 @@ std::optional<Wait> wait_of(const SeenRobot& robot, double time) {
 }
 
 void FleetView::on(const std::shared_ptr<const Message>& message, WallTime at) {
-  if (const auto* tree = std::get_if<InactiveTreeMessage>(message.get())) {
+  if (const auto* tree = std::get_if<InactiveTreesMessage>(message.get())) {
     const bool of_this_map = !map_ || map_->map_id == tree->map_id;
-    if (of_this_map && tree_ids_.insert(tree->tree).second) trees_.push_back(message);
+    if (of_this_map && tree_ids_.insert(tree->id).second) trees_.push_back(message);
     return;
   }
   if (const auto* trees = std::get_if<ActiveTreesMessage>(message.get())) {
@@ -132,10 +132,10 @@ void FleetView::receive(const MapMessage& map, WallTime) {
   const bool another = map_.has_value();
   map_ = map;
   const std::size_t stay = std::erase_if(
-      trees_, [&](const auto& tree) { return std::get<InactiveTreeMessage>(*tree).map_id != map.map_id; });
+      trees_, [&](const auto& tree) { return std::get<InactiveTreesMessage>(*tree).map_id != map.map_id; });
   if (!another && stay == 0) return;
   tree_ids_.clear();
-  for (const auto& tree : trees_) tree_ids_.insert(std::get<InactiveTreeMessage>(*tree).tree);
+  for (const auto& tree : trees_) tree_ids_.insert(std::get<InactiveTreesMessage>(*tree).id);
   begin_anew();
 }
 

@@ -117,7 +117,7 @@ class FleetView {
   /// In the order in which they were first heard.
   const std::vector<SeenRobot>& robots() const { return robots_; }
   std::optional<std::size_t> find(const RobotName& name) const { return index_.find(name); }
-  /// In the order of arrival. Each holds an InactiveTreeMessage.
+  /// In the order of arrival. Each holds an InactiveTreesMessage.
   const std::vector<std::shared_ptr<const Message>>& inactive_trees() const { return trees_; }
   const std::map<std::uint64_t, SeenBroker>& brokers() const { return brokers_; }
   /// The trees that a broker is growing; null: none.
@@ -153,7 +153,7 @@ class FleetView {
   NameIndex index_;
   std::vector<SeenRobot> robots_;
   std::vector<std::shared_ptr<const Message>> trees_;
-  std::set<TreeId> tree_ids_;
+  std::set<TreesId> tree_ids_;
   std::shared_ptr<const Message> active_trees_;
   std::map<std::uint64_t, SeenBroker> brokers_;
 };

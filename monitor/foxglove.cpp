@@ -137,7 +137,7 @@ std::vector<std::string> new_figures(std::size_t& had, const LiveStream& live, b
 void add_trees(::foxglove::SceneUpdate& update, std::size_t& done, const FleetView& view, WallTime now) {
   const auto& trees = view.inactive_trees();
   for (std::size_t nodes = 0; done < trees.size() && nodes < most_nodes_at_once; ++done) {
-    const auto& tree = std::get<InactiveTreeMessage>(*trees[done]);
+    const auto& tree = std::get<InactiveTreesMessage>(*trees[done]);
     nodes += tree.nodes.size();
     scene::add_inactive_tree(update, tree, scene::projection_of(view), now);
   }

@@ -293,12 +293,12 @@ void add_path(fox::SceneUpdate& scene, const SeenRobot& robot, Projection projec
   for (const Point2& point : robot.path) add_point(line, point, paths_height, projection);
 }
 
-void add_inactive_tree(fox::SceneUpdate& scene, const InactiveTreeMessage& tree, Projection projection,
+void add_inactive_tree(fox::SceneUpdate& scene, const InactiveTreesMessage& tree, Projection projection,
                        WallTime now) {
   fox::LinePrimitive& lines =
-      add_lines(add_entity(scene, fmt::format("{:x}/{}", tree.tree.broker, tree.tree.number), now),
+      add_lines(add_entity(scene, fmt::format("{:x}/{}", tree.id.broker, tree.id.number), now),
                 fox::LinePrimitive::LINE_LIST, tree_colour, 0.5, 1, projection);
-  for (const InactiveTreeMessage::Node& node : tree.nodes) {
+  for (const InactiveTreesMessage::Node& node : tree.nodes) {
     if (node.parent < 0) continue;
     const Point2& parent = tree.nodes[static_cast<std::size_t>(node.parent)].position;
     add_point(lines, parent, trees_height, projection);

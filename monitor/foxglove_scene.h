@@ -43,8 +43,8 @@ inline constexpr std::size_t most_cells = std::size_t{1} << 22;
 
 /// Adds a robot's path to its goal. Adds the path's deletion if there is none.
 void add_path(::foxglove::SceneUpdate& scene, const SeenRobot& robot, Projection projection, WallTime now);
-void add_inactive_tree(::foxglove::SceneUpdate& scene, const InactiveTreeMessage& tree, Projection projection,
-                       WallTime now);
+void add_inactive_tree(::foxglove::SceneUpdate& scene, const InactiveTreesMessage& tree,
+                       Projection projection, WallTime now);
 /// Adds the edges of both root trees of a robot to the nodes from `first` on. Each such part is an entity.
 void add_root_trees(::foxglove::SceneUpdate& scene, const SeenRobot& robot, std::size_t first,
                     std::uint32_t part, Projection projection, WallTime now);

@@ -81,8 +81,8 @@ void PageFeed::add_inactive_trees(const FleetView& view, Batch& batch) {
   const auto& trees = view.inactive_trees();
   live::Edges edges;
   while (trees_ < trees.size() && !batch.full()) {
-    const auto& tree = std::get<InactiveTreeMessage>(*trees[trees_++]);
-    for (const InactiveTreeMessage::Node& node : tree.nodes) {
+    const auto& tree = std::get<InactiveTreesMessage>(*trees[trees_++]);
+    for (const InactiveTreesMessage::Node& node : tree.nodes) {
       if (node.parent < 0) continue;
       add_edge(edges, tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position, origin_);
       if (size_of(edges) >= most_edges_at_once) batch.add(std::exchange(edges, {}));

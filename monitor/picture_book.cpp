@@ -11,8 +11,8 @@ namespace {
 
 constexpr double fine = 0.1;  // radii: the resolution of driven tracks
 
-void add_tree(const InactiveTreeMessage& tree, PictureContent& content) {
-  for (const InactiveTreeMessage::Node& node : tree.nodes) {
+void add_tree(const InactiveTreesMessage& tree, PictureContent& content) {
+  for (const InactiveTreesMessage::Node& node : tree.nodes) {
     if (node.parent >= 0)
       content.edges.push_back({tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position});
   }
@@ -27,7 +27,7 @@ void add_root_trees(const SeenRobot& robot, int number, PictureContent& content)
 }
 
 void add_trees(const FleetView& view, PictureContent& content) {
-  for (const auto& tree : view.inactive_trees()) add_tree(std::get<InactiveTreeMessage>(*tree), content);
+  for (const auto& tree : view.inactive_trees()) add_tree(std::get<InactiveTreesMessage>(*tree), content);
   if (view.active_trees()) {
     for (const auto& edge : std::get<ActiveTreesMessage>(*view.active_trees()).edges)
       content.edges.push_back({edge.from, edge.to});

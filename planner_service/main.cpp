@@ -48,13 +48,16 @@ std::unique_ptr<DdsRosFleet> ros_of(const RosOptions& options, DdsBus& bus, cons
   return ros;
 }
 
-ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros) {
+ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros, const Scenario& scenario) {
   return {.time_scale = options.time_scale.value_or(1),
           .timeout = options.timeout,
           .planner = chosen_planner(options),
+          .trees = chosen_trees(options),
+          .forest = chosen_forest(options),
           .plan_budget = options.plan_budget.value_or(default_plan_budget),
           .lifelong = options.lifelong,
           .waits_for_goals = in_ros.waits_for_goals,
+          .plan = chosen_plan(options, scenario),
           .margin = in_ros.drives ? in_ros.tolerance : 0};
 }
 
@@ -71,7 +74,8 @@ void complete_tracks(PlannerService& service, std::span<const RobotName> robots,
 }
 
 /// Runs the fleet and writes the results. True if the run succeeded.
-bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* journal) {
+bool run_succeeds(const ServiceOptions& options, const Scenario& scenario, Journal* journal) {
+  const ServiceSettings settings = settings_of(options.run, options.ros, scenario);
   const std::string& state = options.process.state;
   auto tracks =
       TrackRecord::on_disk(state.empty() ? place_for_temporary_files() : std::filesystem::path(state));
@@ -83,8 +87,7 @@ bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* jou
   const bool resumes = journal != nullptr && !journal->empty();
   StartupBarrier heard;
   if (!resumes) heard = loop.wait_for_agents();
-  PlannerService service(std::move(scenario), settings_of(options.run, options.ros), wall_now(),
-                         std::move(tracks));
+  PlannerService service(scenario, settings, wall_now(), std::move(tracks));
   Keeper keeper(resumes ? loop.resume(service, *journal) : RunKeeper(), journal);
   if (resumes) heard = loop.wait_for_other_services();
   heard.for_each([&](const Arrival& arrival) {
@@ -105,12 +108,12 @@ bool run_succeeds(const ServiceOptions& options, Scenario scenario, Journal* jou
 /// The exit code: 0 if the run succeeded.
 int run(const ServiceOptions& options) {
   check_ros(options.ros, options.process.network.discovery, options.process.network.security);
-  Scenario scenario = read_scenario(options.run.scenario, options.run.overrides);
+  const Scenario scenario = read_scenario(options.run.scenario, options.run.overrides);
   check_results(options.run, scenario);
   if (options.ros.on) check_ros_names(names_of(scenario));
   if (!options.black_boxes.empty()) make_folder(options.black_boxes);
   auto journal = open_journal(options.process.state);
-  const bool succeeded = run_succeeds(options, std::move(scenario), journal ? &*journal : nullptr);
+  const bool succeeded = run_succeeds(options, scenario, journal ? &*journal : nullptr);
   // Last of all: a process that is killed before this and restarted ends the same run again, and begins no
   // new one.
   if (journal) std::filesystem::remove(journal->file());

@@ -12,6 +12,7 @@ namespace coppice {
 
 namespace {
 
+constexpr double whole_map = 1e6;                      // metres
 constexpr double slowest = 1e-6;                       // metres a second: a slower robot stands
 constexpr double largest_clock_error = 3600;           // fleet seconds
 constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
@@ -135,18 +136,22 @@ void PlannerService::receive(const RootNodes& batch, WallTime) {
   if (RobotRecord* const robot = find_in_mission(batch)) robot->add(batch);
 }
 
-void PlannerService::receive(const InactiveTreeMessage& tree, WallTime) {
-  if (tree.map_id == map_id_) forest_.add(tree);
+void PlannerService::receive(const InactiveTreesMessage& trees, WallTime) {
+  if (trees.map_id == map_id_) forest_.add(trees);
 }
 
 MapMessage PlannerService::map() const {
-  MapMessage message{map_id_, scenario_.map, {}};
-  if (settings_.planner != PlannerKind::ma_rrdt_star) return message;
+  MapMessage message{.map_id = map_id_, .map = scenario_.map, .trees = settings_.trees};
+  if (!grows_ahead()) return message;
   for (const RobotTask& task : scenario_.robots) {
     const double radius = task.radius + settings_.margin;
     if (std::ranges::count(message.radii, radius) == 0) message.radii.push_back(radius);
   }
   return message;
+}
+
+bool PlannerService::grows_ahead() const {
+  return settings_.planner == PlannerKind::ma_rrdt_star && settings_.forest == ForestStart::ahead;
 }
 
 Mission PlannerService::mission_of(const RobotRecord& robot) const {
@@ -162,6 +167,7 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .goal_tolerance = robot.task.goal_tolerance,
           .seed = scenario_.seed * 1'000'003ull + robot.index + 7919ull * (robot.mission - 1),
           .planner = settings_.planner,
+          .trees = settings_.trees,
           .plan_budget = settings_.plan_budget,
           .cancelled = has_ended(phase_) || robot.track_lost(),
           .clock = *clock_of(phase_)};
@@ -169,6 +175,24 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
   for (const RobotRecord& robot : robots_) out.emplace_back(mission_of(robot));
+  if (!settings_.plan.empty() && !has_ended(phase_)) out.emplace_back(given_plan());
+}
+
+/// The plan as that of a first round of the whole fleet.
+JointPlanMessage PlannerService::given_plan() const {
+  JointPlanMessage message{.round = {.epoch = 1,
+                                     .leader = service_as_leader,
+                                     .centre = scenario_.robots[0].start,
+                                     .reach = whole_map},
+                           .members = {},
+                           .run = clock_of(phase_)->run()};
+  for (std::size_t k = 0; k < settings_.plan.size(); ++k) {
+    const RobotTask& robot = scenario_.robots[k];
+    message.members.push_back({.robot = robot.name,
+                               .radius = robot.radius,
+                               .trajectory = shifted(settings_.plan[k], service_timing.plans_begin)});
+  }
+  return message;
 }
 
 std::vector<Message> PlannerService::step(WallTime now) {
@@ -194,8 +218,7 @@ std::vector<Message> PlannerService::step(WallTime now) {
 void PlannerService::begin_when_ready(const WaitingForTrees& waiting, WallTime now) {
   if (waiting.interrupted) {
     phase_ = NeverBegan{waiting.since};
-  } else if (settings_.planner != PlannerKind::ma_rrdt_star ||
-             (waiting.trees && every_agent_has(*waiting.trees)) ||
+  } else if (!grows_ahead() || (waiting.trees && every_agent_has(*waiting.trees)) ||
              now - waiting.since >= service_timing.longest_wait_for_trees) {
     phase_ = Running{.run = {.clock = {now, settings_.time_scale}}};
   }
@@ -336,7 +359,8 @@ bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
   const bool same_task = mission.number == robot->mission && mission.start == task.start &&
                          mission.goal == task.goal && mission.radius == task.radius &&
                          mission.max_speed == task.max_speed;
-  if (!same_task || mission.clock.scale != settings_.time_scale || mission.planner != settings_.planner)
+  if (!same_task || mission.clock.scale != settings_.time_scale || mission.planner != settings_.planner ||
+      mission.trees != settings_.trees)
     return false;
   if (std::holds_alternative<WaitingForTrees>(phase_)) phase_ = Running{};
   BegunRun& run = *run_of(phase_);

@@ -30,10 +30,14 @@ struct ServiceSettings {
   double time_scale = 1;  ///< fleet seconds in a wall second
   double timeout = 3600;  ///< fleet seconds after which the run ends, even if robots still drive
   PlannerKind planner = PlannerKind::ma_rrdt_star;
+  TreeParameters trees{};
+  ForestStart forest = ForestStart::ahead;
   double plan_budget = 1;        ///< wall seconds for a shorter path after the first one
   double lifelong = 0;           ///< fleet seconds in which each robot that arrives gets a new goal
   bool waits_for_goals = false;  ///< the run goes on when all have arrived, until it is interrupted
-  double margin = 0;             ///< metres that each robot takes beyond its radius (robot_agent/tracking.h)
+  /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none.
+  std::vector<Trajectory> plan{};
+  double margin = 0;  ///< metres that each robot takes beyond its radius (robot_agent/tracking.h)
 };
 
 struct Progress {
@@ -48,8 +52,8 @@ struct Progress {
 
 class PlannerService {
  public:
-  /// The first step publishes the map. The missions follow when every agent has the trees that cover the map.
-  /// Fleet time is 0 then.
+  /// The first step publishes the map. The missions follow when every agent has the trees that cover the map,
+  /// or at once if the trees grow together with the missions. Fleet time is 0 then.
   PlannerService(Scenario scenario, const ServiceSettings& settings, WallTime now, TrackRecord tracks = {});
   PlannerService(const PlannerService&) = delete;  // its parts refer to its scenario
   PlannerService& operator=(const PlannerService&) = delete;
@@ -101,16 +105,19 @@ class PlannerService {
   void receive(const PathMessage& path, WallTime now);
   void receive(const TrackMessage& batch, WallTime now);
   void receive(const RootNodes& batch, WallTime now);
-  void receive(const InactiveTreeMessage& tree, WallTime now);
+  void receive(const InactiveTreesMessage& trees, WallTime now);
   template <class M>
   RobotRecord* find_in_run(const M& message);
   template <class M>
   RobotRecord* find_in_mission(const M& message);
 
   // The service publishes messages.
+  /// Whether the broker is to cover the map before the missions go out.
+  bool grows_ahead() const;
   MapMessage map() const;
   Mission mission_of(const RobotRecord& robot) const;
   void publish_missions(std::vector<Message>& out) const;
+  JointPlanMessage given_plan() const;
 
   // The phases.
   void begin_when_ready(const WaitingForTrees& waiting, WallTime now);

@@ -1,11 +1,13 @@
 #include "planner_service/seen_forest.h"
 
+#include "messages/tree_message.h"
+
 namespace coppice {
 
 namespace {
 
 constexpr std::size_t most_brokers = 1000;  // each start of a broker is another one
-constexpr std::size_t most_trees = 1'000'000;
+constexpr std::size_t most_messages = 1'000'000;
 // A picture with more edges shows nothing but ink.
 constexpr std::size_t most_picture_edges = 100'000;
 
@@ -17,11 +19,12 @@ bool SeenForest::add(const BrokerStatus& status) {
   return true;
 }
 
-void SeenForest::add(const InactiveTreeMessage& tree) {
-  if (trees_.size() >= most_trees || !trees_.insert(tree.tree).second) return;
-  for (const InactiveTreeMessage::Node& node : tree.nodes) {
+void SeenForest::add(const InactiveTreesMessage& trees) {
+  if (ids_.size() >= most_messages || !ids_.insert(trees.id).second) return;
+  trees_ += number_of_trees(trees);
+  for (const InactiveTreesMessage::Node& node : trees.nodes) {
     if (node.parent < 0 || edges_.size() >= most_picture_edges) continue;
-    edges_.push_back({tree.nodes[static_cast<std::size_t>(node.parent)].position, node.position, -1});
+    edges_.push_back({trees.nodes[static_cast<std::size_t>(node.parent)].position, node.position, -1});
   }
 }
 

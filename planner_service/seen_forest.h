@@ -17,8 +17,8 @@ class SeenForest {
  public:
   /// False: too many brokers have been heard in this run, and this one is ignored.
   bool add(const BrokerStatus& status);
-  /// The tree is of the map of the run. Each tree counts once.
-  void add(const InactiveTreeMessage& tree);
+  /// The trees are of the map of the run. Each counts once.
+  void add(const InactiveTreesMessage& trees);
 
   /// The sums over all brokers.
   struct Nodes {
@@ -26,13 +26,14 @@ class SeenForest {
     std::uint64_t invalid = 0;
   };
   Nodes nodes() const;
-  std::size_t trees() const { return trees_.size(); }
+  std::size_t trees() const { return trees_; }
   /// For the picture.
   const std::vector<PictureContent::Edge>& edges() const { return edges_; }
 
  private:
   std::map<std::uint64_t, BrokerStatus> brokers_;
-  std::set<TreeId> trees_;
+  std::set<TreesId> ids_;
+  std::size_t trees_ = 0;
   std::vector<PictureContent::Edge> edges_;
 };
 

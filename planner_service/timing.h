@@ -28,6 +28,10 @@ struct ServiceTiming {
   /// Agents that have the trees plan in a fraction of the time, but they plan without a broker too.
   WallTime longest_wait_for_trees = 3;
 
+  /// A joint plan that was made elsewhere begins at this fleet time. Most robots have heard of each other by
+  /// then. Later ones are late, and the others keep the plan's order all the same.
+  double plans_begin = 0.3;
+
   // Silent agents.
   /// An agent without a status for so long counts as lost.
   WallTime agent_lease = 5;

@@ -40,13 +40,13 @@ Point<D> random_point(const Box<D>& box, Random& random) {
 template <int D>
 class DirectedSampler {
  public:
-  static constexpr double kappa = 2.0;  // concentration of the von Mises-Fisher density
   static constexpr double kernel_width = 0.31415926535897931;  // pi / 10, of the suppression
 
-  Point<D> draw(Random& random) const {
+  /// `kappa`: concentration of the von Mises-Fisher density; 0: uniform.
+  Point<D> draw(Random& random, double kappa) const {
     // If every direction is suppressed, the last draw is used: it fails, and the weight of the tree falls.
     Point<D> d = random_direction<D>(random);
-    for (int tries = 0; tries < max_tries && !accepted(d, random.uniform()); ++tries) {
+    for (int tries = 0; tries < max_tries && !accepted(d, random.uniform(), kappa); ++tries) {
       d = random_direction<D>(random);
     }
     return d;
@@ -76,7 +76,7 @@ class DirectedSampler {
 
   /// Whether a uniform number u in [0, 1) lies below the density at d. The loop ends at the first factor that
   /// brings the product below u. A kernel within 0.3 % of 1 counts as 1.
-  bool accepted(const Point<D>& d, double u) const {
+  bool accepted(const Point<D>& d, double u, double kappa) const {
     constexpr double far = 6;
     double a = chained_ ? std::exp(kappa * (d.dot(mean_) - 1)) : 1.0;
     const std::size_t n = failures_ < max_failures ? failures_ : max_failures;

@@ -18,21 +18,27 @@ constexpr std::uint64_t cells_an_iteration = 8;
 }  // namespace
 
 FleetPlanner::FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems,
-                           Random random)
-    : field_(field), random_(random) {
+                           const TreeParameters& trees, Random random)
+    : field_(field), trees_(trees), random_(random) {
+  begin_mission(problems);
+}
+
+void FleetPlanner::begin_mission(std::span<const PlanningProblem> problems) {
+  robots_.clear();
   robots_.reserve(problems.size());
+  if (planner_) first_group_ = static_cast<GroupIndex>(planner_->group_count());
+  fruitless_ = 0;
   for (const PlanningProblem& p : problems) {
     Robot& robot = robots_.emplace_back();
     robot.problem = p;
     if (!planner_) {
       // No planner is built as long as straight lines are free.
-      if (field.segment_free(p.start, p.goal, p.radius)) {
+      if (field_.segment_free(p.start, p.goal, p.radius)) {
         robot.straight = {p.start, p.goal};
         continue;
       }
-      epsilon_ = suggested_epsilon(field, std::ranges::min(problems, {}, &PlanningProblem::radius).radius);
-      const std::size_t trees = suggested_trees(field, epsilon_);
-      planner_.emplace(field, MaRrdtStarSettings{.epsilon = epsilon_, .disjointed_trees = trees}, random);
+      smallest_radius_ = std::ranges::min(problems, {}, &PlanningProblem::radius).radius;
+      planner_.emplace(field_, completed(trees_, field_, smallest_radius_), random_);
     }
     robot.group = planner_->add_group(p.start, p.goal, p.radius);
   }
@@ -73,14 +79,18 @@ void FleetPlanner::settle_by_roadmap() {
 
 void FleetPlanner::take_first_paths() {
   if (!planner_) return;
-  improver_.emplace(field_, epsilon_, random_);
-  std::vector<Path> paths = planner_->paths();
+  if (improver_) {
+    improver_->forget_robots();
+  } else {
+    improver_.emplace(field_, suggested_epsilon(field_, smallest_radius_), random_);
+  }
+  std::vector<Path> paths = planner_->paths(first_group_);
   for (Robot& robot : robots_) {
     if (!robot.group) continue;
-    Path& found = robot.through.empty() ? paths[*robot.group] : robot.through;
+    Path& found = robot.through.empty() ? paths[*robot.group - first_group_] : robot.through;
     if (!found.empty()) robot.improved = improver_->add_robot(std::move(found), robot.problem.radius);
   }
-  improver_->add_places(planner_->trees());
+  if (improver_->places() == 0) improver_->add_places(planner_->trees());
 }
 
 const Path& FleetPlanner::path(std::size_t robot) const {

@@ -22,7 +22,11 @@ namespace coppice {
 class FleetPlanner {
  public:
   /// `field` must outlive it.
-  FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems, Random random);
+  FleetPlanner(const ClearanceField& field, std::span<const PlanningProblem> problems,
+               const TreeParameters& trees, Random random);
+
+  /// Other tasks, for robots with radii that the first ones had. The trees of earlier tasks serve them, too.
+  void begin_mission(std::span<const PlanningProblem> problems);
 
   /// Runs some hundred iterations. Returns false once each robot is solved or is proved to have no path.
   bool search();
@@ -65,9 +69,11 @@ class FleetPlanner {
   void settle_by_roadmap();
 
   const ClearanceField& field_;
-  double epsilon_ = 0;
+  TreeParameters trees_;
+  double smallest_radius_ = 0;
   Random random_;
   std::vector<Robot> robots_;
+  GroupIndex first_group_ = 0;                         ///< of this mission
   std::optional<MaRrdtStar<ClearanceField>> planner_;  ///< for the robots whose straight line is not free
   std::uint64_t fruitless_ = 0;                        ///< iterations since a robot was solved
   std::optional<PathImprover<ClearanceField>> improver_;

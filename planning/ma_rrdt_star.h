@@ -33,6 +33,7 @@
 
 #include "coppice/planning/plan_paths.h"
 #include "coppice/planning/random.h"
+#include "coppice/planning/tree_parameters.h"
 #include "planning/directed_sampler.h"
 #include "planning/even_points.h"
 #include "planning/forest.h"
@@ -44,24 +45,19 @@
 
 namespace coppice {
 
-struct MaRrdtStarSettings {
-  double epsilon = 0;  ///< metres, above 0: longest step, and largest distance over which trees meet
-  /// Number of disjointed trees that grow here at a time; 0: they grow elsewhere.
-  std::size_t disjointed_trees = 16;
-};
-
 template <Space S>
 class MaRrdtStar {
  public:
   static constexpr int D = S::dimension;
   using P = Point<D>;
 
-  MaRrdtStar(const S& space, const MaRrdtStarSettings& settings, Random random)
+  /// `parameters`: an epsilon above 0; 0 disjointed trees means that they grow elsewhere.
+  MaRrdtStar(const S& space, const TreeParameters& parameters, Random random)
       : space_(space),
-        settings_(settings),
+        parameters_(parameters),
         random_(random),
         even_points_(space.bounds(), random_),
-        trees_(space.bounds(), settings.epsilon) {}
+        trees_(space.bounds(), parameters.epsilon) {}
 
   /// Adds a group whose root trees grow here. Start and goal must be free for `radius`.
   GroupIndex add_group(const P& start, const P& goal, double radius) {
@@ -183,11 +179,6 @@ class MaRrdtStar {
   };
 
   static constexpr GroupIndex no_group = std::numeric_limits<GroupIndex>::max();
-  static constexpr double full_weight = 10;
-  static constexpr double failure_factor = 0.7;
-  static constexpr double restart_weight = 0.1;
-  /// In units of epsilon. A sample nearer than this to a visible node of its own tree brings nothing new.
-  static constexpr double least_spacing = 0.25;
   // A tree of at most so many nodes is searched faster without the grid.
   static constexpr std::uint32_t few_nodes = 64;
   // If the map has less free space than that, the restart happens later.
@@ -254,7 +245,7 @@ class MaRrdtStar {
   void look_around(const P& p);
 
   const S& space_;
-  MaRrdtStarSettings settings_;
+  TreeParameters parameters_;
   Random random_;
   EvenPoints<D> even_points_;
   Trees<D> trees_;

@@ -30,9 +30,9 @@ bool MaRrdtStar<S>::grow_ahead(double radius) {
 
 template <Space S>
 bool MaRrdtStar<S>::iterate() {
-  if (disjointed_arms_ < settings_.disjointed_trees) {
-    arms_.resize(arms_.size() + settings_.disjointed_trees - disjointed_arms_);
-    disjointed_arms_ = settings_.disjointed_trees;
+  if (disjointed_arms_ < parameters_.disjointed_trees) {
+    arms_.resize(arms_.size() + parameters_.disjointed_trees - disjointed_arms_);
+    disjointed_arms_ = parameters_.disjointed_trees;
   }
   Arm* const arm = pick_tree();
   if (arm == nullptr) return false;
@@ -64,7 +64,7 @@ auto MaRrdtStar<S>::pick_tree() -> Arm* {
 
 template <Space S>
 bool MaRrdtStar<S>::failing(const Arm& arm) const {
-  if (arm.node == no_node || arm.weight < restart_weight) return true;
+  if (arm.node == no_node || arm.weight < parameters_.restart_weight) return true;
   return arm.group == no_group && trees_.tree(trees_.tree_of(arm.node)).kind != TreeKind::active;
 }
 
@@ -74,7 +74,7 @@ double MaRrdtStar<S>::radius_of_new_tree() {
   return open_.empty() ? ahead_radius_ : groups_[open_[random_.index(open_.size())]].radius;
 }
 
-/// Starts a new disjointed tree at the next free one of evenly spread points. If the point sees an active
+/// Starts a new disjointed tree at the next free point. If the point sees an active
 /// tree, it becomes a node of that tree. If it sees a root tree or an inactive tree, it becomes an inactive
 /// tree of one node.
 template <Space S>
@@ -114,7 +114,7 @@ bool MaRrdtStar<S>::teaches(const P& p, double radius) const {
 /// completeness.
 template <Space S>
 bool MaRrdtStar<S>::worth_a_node(const P& p, double radius) {
-  const double reach = least_spacing * settings_.epsilon;
+  const double reach = parameters_.spacing * parameters_.epsilon;
   // Drawn first, so that counting may stop as soon as the result is certain.
   const double u = random_.uniform();
   int seen = 0;
@@ -157,8 +157,8 @@ template <Space S>
 void MaRrdtStar<S>::grow(Arm& arm) {
   const TreeIndex t = trees_.tree_of(arm.node);
   const double radius = trees_.tree(t).radius;
-  const P direction = arm.sampler.draw(random_);
-  const P proposal = trees_.position(arm.node) + settings_.epsilon * direction;
+  const P direction = arm.sampler.draw(random_, parameters_.kappa);
+  const P proposal = trees_.position(arm.node) + parameters_.epsilon * direction;
   SampleCounts& counts = arm.group == no_group ? disjointed_counts_ : groups_[arm.group].counts;
 
   // Most failing samples fail here, before any look-up.
@@ -173,7 +173,7 @@ void MaRrdtStar<S>::grow(Arm& arm) {
   }
   if (!joins) {
     if (!known) ++counts.invalid;
-    arm.weight *= failure_factor;
+    arm.weight *= parameters_.failure_factor;
     arm.sampler.failed(direction);
     return;
   }
@@ -204,7 +204,7 @@ NodeId MaRrdtStar<S>::nearest_in_tree(const P& p, TreeIndex t, NodeId otherwise)
 
 template <Space S>
 bool MaRrdtStar<S>::is_known_ground(NodeId nearest, const P& p, double radius) const {
-  return (trees_.position(nearest) - p).norm() < least_spacing * settings_.epsilon &&
+  return (trees_.position(nearest) - p).norm() < parameters_.spacing * parameters_.epsilon &&
          space_.segment_free(trees_.position(nearest), p, radius);
 }
 
@@ -220,7 +220,8 @@ bool MaRrdtStar<S>::extends_from(NodeId& from, const Arm& arm, const P& proposal
 template <Space S>
 auto MaRrdtStar<S>::next_free_point(double radius) -> std::optional<P> {
   for (int i = 0; i < free_point_tries; ++i) {
-    const P p = even_points_.next();
+    const P p =
+        parameters_.restarts == Restarts::even ? even_points_.next() : random_point(space_.bounds(), random_);
     if (space_.is_free(p, radius)) return p;
     ++disjointed_counts_.invalid;
   }
@@ -230,7 +231,7 @@ auto MaRrdtStar<S>::next_free_point(double radius) -> std::optional<P> {
 /// Collects in near_ the nodes within epsilon of p. A new node at p is compared with them.
 template <Space S>
 void MaRrdtStar<S>::look_around(const P& p) {
-  trees_.grid().collect_near(p, settings_.epsilon, near_);
+  trees_.grid().collect_near(p, parameters_.epsilon, near_);
 }
 
 /// MergeTrees for a node q of a disjointed tree. The tree takes in the active trees that q sees. It becomes

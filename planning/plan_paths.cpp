@@ -39,12 +39,12 @@ class Deadline {
 };
 
 /// Runs Algorithm 2 for all problems at once. With a single problem it is Algorithm 1.
-PathPlan plan_together(const ClearanceField& field, std::span<const PlanningProblem> problems, Random random,
-                       double budget, const Deadline& deadline) {
+PathPlan plan_together(const ClearanceField& field, std::span<const PlanningProblem> problems,
+                       const PlanSettings& settings, Random random, const Deadline& deadline) {
   const double begin = deadline.seconds();
   const auto seconds = [&] { return deadline.seconds() - begin; };
   PathPlan plan{.robots = std::vector<PlannedPath>(problems.size())};
-  FleetPlanner planner(field, problems, random);
+  FleetPlanner planner(field, problems, settings.trees, random);
   for (bool going = true; going && !deadline.is_over();) {
     going = planner.search();
     for (std::size_t i = 0; i < problems.size(); ++i) {
@@ -54,7 +54,7 @@ PathPlan plan_together(const ClearanceField& field, std::span<const PlanningProb
   }
   planner.take_first_paths();
   plan.plan_time = seconds();
-  const auto time_left = [&] { return seconds() < plan.plan_time + budget && !deadline.is_over(); };
+  const auto time_left = [&] { return seconds() < plan.plan_time + settings.improve && !deadline.is_over(); };
   while ((!planner.all_taut() || time_left()) && planner.improve()) {
   }
   plan.improve_time = seconds() - plan.plan_time;
@@ -72,10 +72,10 @@ PathPlan plan_together(const ClearanceField& field, std::span<const PlanningProb
 }
 
 /// Runs RRT* for one robot, and straightens its path by line of sight.
-PathPlan plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, Random random,
-                          const Deadline& deadline) {
+PathPlan plan_by_rrt_star(const ClearanceField& field, const PlanningProblem& p, const TreeParameters& trees,
+                          Random random, const Deadline& deadline) {
   const double begin = deadline.seconds();
-  RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, suggested_epsilon(field, p.radius),
+  RrtStar<ClearanceField> planner(field, p.start, p.goal, p.radius, completed(trees, field, p.radius).epsilon,
                                   random);
   const std::uint64_t most_samples =
       std::max<std::uint64_t>(least_iterations, field.frame().cells() / cells_a_sample);
@@ -106,8 +106,8 @@ PathPlan plan_apart(const ClearanceField& field, std::span<const PlanningProblem
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const Random random(settings.seed * 1'000'003 + i);
     PathPlan one = settings.planner == PlannerKind::rrt_star
-                       ? plan_by_rrt_star(field, problems[i], random, deadline)
-                       : plan_together(field, problems.subspan(i, 1), random, settings.improve, deadline);
+                       ? plan_by_rrt_star(field, problems[i], settings.trees, random, deadline)
+                       : plan_together(field, problems.subspan(i, 1), settings, random, deadline);
     one.robots[0].solved_after += all.plan_time + all.improve_time;
     all.robots.push_back(std::move(one.robots[0]));
     all.disjointed.valid += one.disjointed.valid;
@@ -163,9 +163,11 @@ PathPlan plan_paths(const ClearanceField& field, std::span<const PlanningProblem
     throw std::invalid_argument("problems[" + std::to_string(fault->problem) + "]." +
                                 std::string(fault->member) + ": " + fault->what);
   }
+  if (const auto fault = fault_of(settings.trees))
+    throw std::invalid_argument("settings.trees." + std::string(*fault));
   const Deadline deadline(watch, settings.timeout);
   return settings.planner == PlannerKind::ma_rrdt_star
-             ? plan_together(field, problems, Random(settings.seed), settings.improve, deadline)
+             ? plan_together(field, problems, settings, Random(settings.seed), deadline)
              : plan_apart(field, problems, settings, deadline);
 }
 

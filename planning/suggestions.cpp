@@ -12,8 +12,8 @@ namespace {
 constexpr double mean_clearances = 4.4;
 constexpr double trees_a_square = 4;
 // On large maps with few robots, more trees would grow where no robot drives.
-constexpr std::size_t least_trees = 16;
-constexpr std::size_t most_trees = 800;
+constexpr double least_trees = 16;
+constexpr double most_trees = 800;
 constexpr int samples_a_side = 20;  // of the map; enough for the mean to within some per cent
 
 }  // namespace
@@ -38,10 +38,15 @@ double suggested_epsilon(const ClearanceField& field, double radius) {
   return std::clamp(mean_clearances * mean, field.frame().resolution, extent.norm());
 }
 
-std::size_t suggested_trees(const ClearanceField& field, double epsilon) {
-  const Box<2> box = field.bounds();
-  const double squares = (box.upper - box.lower).prod() / (epsilon * epsilon);
-  return static_cast<std::size_t>(std::clamp<double>(trees_a_square * squares, least_trees, most_trees));
+TreeParameters completed(TreeParameters parameters, const ClearanceField& field, double radius) {
+  if (parameters.epsilon == 0) parameters.epsilon = suggested_epsilon(field, radius);
+  if (parameters.disjointed_trees == 0) {
+    const Box<2> box = field.bounds();
+    const double squares = (box.upper - box.lower).prod() / (parameters.epsilon * parameters.epsilon);
+    parameters.disjointed_trees =
+        static_cast<std::uint32_t>(std::clamp(trees_a_square * squares, least_trees, most_trees));
+  }
+  return parameters;
 }
 
 }  // namespace coppice

@@ -2,9 +2,8 @@
 // width of the free space.
 #pragma once
 
-#include <cstddef>
-
 #include "coppice/planning/clearance_field.h"
+#include "coppice/planning/tree_parameters.h"
 
 namespace coppice {
 
@@ -12,8 +11,8 @@ namespace coppice {
 /// such a robot fits (measured: docs/planning.md).
 double suggested_epsilon(const ClearanceField& field, double radius);
 
-/// Number of disjointed trees that grow at a time: proportional to the map's area in squares of epsilon,
-/// within bounds.
-std::size_t suggested_trees(const ClearanceField& field, double epsilon);
+/// The parameters with what follows from the map. The number of disjointed trees that grow at a time is
+/// proportional to the map's area in squares of epsilon, within bounds.
+TreeParameters completed(TreeParameters parameters, const ClearanceField& field, double radius);
 
 }  // namespace coppice

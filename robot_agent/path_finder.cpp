@@ -21,6 +21,13 @@ constexpr std::uint64_t cells_an_iteration = 8;
 // If that search finds a way, the trees may still find one, too. The passage is about as wide as the robot.
 constexpr std::uint64_t searches_until_roadmap_serves = 5;
 
+/// Of the trees that grow in the agent: with a broker, the disjointed trees grow there.
+TreeParameters own_trees(const Mission& mission, const ClearanceField& field) {
+  TreeParameters trees = completed(mission.trees, field, mission.radius);
+  if (mission.planner != PlannerKind::rrdt_star) trees.disjointed_trees = 0;
+  return trees;
+}
+
 }  // namespace
 
 PathFinder::PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver,
@@ -30,23 +37,19 @@ PathFinder::PathFinder(const ClearanceField& field, PathImprover<ClearanceField>
       mission_(mission),
       start_(start),
       known_(std::move(known)),
-      epsilon_(suggested_epsilon(field, mission.radius)),
-      planner_(field,
-               {.epsilon = epsilon_,
-                .disjointed_trees =
-                    mission.planner == PlannerKind::rrdt_star ? suggested_trees(field, epsilon_) : 0},
-               Random(mission.seed)) {
+      planner_(field, own_trees(mission, field), Random(mission.seed)) {
   if (mission.planner == PlannerKind::rrt_star) {
-    rrt_star_.emplace(field, start, mission.goal, mission.radius, epsilon_, Random(mission.seed));
+    rrt_star_.emplace(field, start, mission.goal, mission.radius, own_trees(mission, field).epsilon,
+                      Random(mission.seed));
   } else {
     group_ = planner_.add_group(start, mission.goal, mission.radius);
   }
 }
 
-void PathFinder::take(const InactiveTreeMessage& message) {
+void PathFinder::take(const InactiveTreesMessage& message) {
   if (mission_.planner != PlannerKind::ma_rrdt_star) return;
   steps_without_news_ = 0;
-  planner_.add_inactive_tree(frozen_tree_of(message));
+  for (const FrozenTree<2>& tree : frozen_trees_of(message)) planner_.add_inactive_tree(tree);
 }
 
 std::optional<PathFinder::Result> PathFinder::step() {

@@ -32,7 +32,7 @@ class PathFinder {
   PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver, const Mission& mission,
              const Point2& start, Path known = {});
 
-  void take(const InactiveTreeMessage& tree);
+  void take(const InactiveTreesMessage& trees);
 
   /// Grows the trees by a bounded amount. After a long search, searches all passages of the map. Returns the
   /// result, once there is one.
@@ -69,7 +69,6 @@ class PathFinder {
   Mission mission_;
   Point2 start_;
   Path known_;
-  double epsilon_;
   std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< if the mission asks for this planner
   MaRrdtStar<ClearanceField> planner_;
   GroupIndex group_ = 0;

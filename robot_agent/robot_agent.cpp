@@ -34,7 +34,13 @@ void RobotAgent::on(Arrival arrival) {
     return;
   }
   if (const auto* plan = std::get_if<JointPlanMessage>(arrival.message.get())) {
-    if (run_) run_->hear({std::move(arrival.message), plan});
+    const bool is_early = !run_ || plan->run != run_->mission().clock.run();
+    std::shared_ptr<const JointPlanMessage> heard(std::move(arrival.message), plan);
+    if (is_early) {
+      early_plan_ = std::move(heard);
+    } else {
+      run_->hear(std::move(heard));
+    }
   } else if (const auto* reserved = std::get_if<ReservationMessage>(arrival.message.get())) {
     if (run_) run_->hear(*reserved);
     reservations_.hear({std::move(arrival.message), reserved});
@@ -95,8 +101,8 @@ void RobotAgent::begin_run() {
   next_status_ = next_wake_ = 0;
 }
 
-void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
-  switch (process_->trees.take(tree, process_->newest_map.get())) {
+void RobotAgent::receive(const InactiveTreesMessage& trees, WallTime) {
+  switch (process_->trees.take(trees, process_->newest_map.get())) {
     case TreeStore::Verdict::of_another_map:
     case TreeStore::Verdict::known:
       return;
@@ -107,7 +113,7 @@ void RobotAgent::receive(const InactiveTreeMessage& tree, WallTime) {
       break;
   }
   if (run_) {
-    run_->hear(tree);
+    run_->hear(trees);
   } else {
     status_is_due_ = true;  // the service waits until all agents have the trees
   }
@@ -135,6 +141,7 @@ void RobotAgent::begin_mission(WallTime now) {
     run_->take_up(mission, now);
   } else {
     run_ = std::make_unique<Run>(*process_, *fleet_, reservations_, mission, now);
+    if (early_plan_) run_->hear(std::exchange(early_plan_, nullptr));
   }
 }
 

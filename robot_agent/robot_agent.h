@@ -66,7 +66,7 @@ class RobotAgent {
  private:
   void receive(const MapMessage& message, WallTime arrived);
   void receive(const Mission& mission, WallTime arrived);
-  void receive(const InactiveTreeMessage& tree, WallTime arrived);
+  void receive(const InactiveTreesMessage& trees, WallTime arrived);
 
   Mission as_reference(Mission mission) const;
   void begin_run();
@@ -80,7 +80,9 @@ class RobotAgent {
   std::unique_ptr<Fleet> fleet_;          ///< of the run that the agent serves
   Reservations reservations_;             ///< of the other robots
   std::optional<WallTime> run_heard_at_;  ///< the first mission of that run, whichever robot's
-  std::unique_ptr<Run> run_;              ///< null before the robot's own mission
+  /// A joint plan that came before the mission of its run; null: none.
+  std::shared_ptr<const JointPlanMessage> early_plan_;
+  std::unique_ptr<Run> run_;  ///< null before the robot's own mission
   bool status_is_due_ = true;
   WallTime next_status_ = 0;
   WallTime next_wake_ = 0;

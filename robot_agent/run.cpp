@@ -158,9 +158,9 @@ void Run::hear(std::shared_ptr<const JointPlanMessage> plan) {
   if (takes_part()) round_.hear(std::move(plan));
 }
 
-void Run::hear(const InactiveTreeMessage& tree) {
+void Run::hear(const InactiveTreesMessage& trees) {
   auto* const planning = std::get_if<Planning>(&task_);
-  if (planning != nullptr && map_->map_id == tree.map_id) planning->finder->take(tree);
+  if (planning != nullptr && map_->map_id == trees.map_id) planning->finder->take(trees);
 }
 
 /// The track of a robot that follows the body is where it was seen, once a control period.
@@ -229,8 +229,8 @@ void Run::look_for_a_path(Path known) {
   task_ = Impossible{};  // the finder before this one looks at an improver that may be replaced
   auto finder =
       std::make_unique<PathFinder>(map_->field, improver(), mission_, body_.position(), std::move(known));
-  for (const InactiveTreeMessage& tree : process_.trees.trees()) {
-    if (tree.map_id == map_->map_id) finder->take(tree);
+  for (const InactiveTreesMessage& trees : process_.trees.messages()) {
+    if (trees.map_id == map_->map_id) finder->take(trees);
   }
   enter(Planning{std::move(finder)});
 }
@@ -262,6 +262,11 @@ void Run::take_result(PathFinder::Result result, std::unique_ptr<PathFinder> fin
   enter(Driving{std::move(route)});
 }
 
+/// At the beginning of a run all robots look for their first paths at once, on few processors perhaps.
+bool Run::others_still_search(const Route& route, WallTime now) const {
+  return mission_.number == 1 && now - route.found_at < Timing::others_search && now >= route.found_at;
+}
+
 void Run::follow(Route& route, const Path& path, std::vector<Outgoing>& out) {
   out.emplace_back(PathMessage{process_.name, mission_.number, path, status_.run});
   route.follower = PathFollower(path, mission_.radius);
@@ -273,7 +278,10 @@ void Run::follow(Route& route, const Path& path, std::vector<Outgoing>& out) {
 /// way onto, and that leaves less to drive.
 void Run::improve(Route& route, WallTime now, std::vector<Outgoing>& out) {
   PathFinder& finder = *route.improvement;
-  if (!finder.is_taut()) return follow(route, finder.pull_taut(), out);
+  if (!finder.is_taut()) {
+    if (!others_still_search(route, now)) follow(route, finder.pull_taut(), out);
+    return;
+  }
   const bool over =
       now > route.found_at + mission_.plan_budget || !driving() || round_.stage() != Stage::free;
   bool going = !over;

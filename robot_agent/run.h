@@ -55,7 +55,7 @@ class Run {
   void hear(const ReservationMessage& reservation) {
     if (reserver_.has_told(reservation.robot)) fleet_.answer(reservation.robot);
   }
-  void hear(const InactiveTreeMessage& tree);
+  void hear(const InactiveTreesMessage& trees);
   /// The robot that follows the body was seen.
   void see(const OdometrySample& robot);
 
@@ -110,6 +110,7 @@ class Run {
   void plan(WallTime now, std::vector<Outgoing>& out);
   void take_result(PathFinder::Result result, std::unique_ptr<PathFinder> finder, WallTime now,
                    std::vector<Outgoing>& out);
+  bool others_still_search(const Route& route, WallTime now) const;
   void follow(Route& route, const Path& path, std::vector<Outgoing>& out);
   void improve(Route& route, WallTime now, std::vector<Outgoing>& out);
 

@@ -1,5 +1,6 @@
 #include "robot_agent/tree_store.h"
 
+#include "messages/tree_message.h"
 #include "messages/validation.h"
 
 namespace coppice {
@@ -10,32 +11,35 @@ constexpr std::size_t most_nodes = 4'000'000;  // a broker grows as many
 
 }  // namespace
 
-TreeStore::Verdict TreeStore::take(const InactiveTreeMessage& tree, const MapContext* map) {
-  if (map != nullptr && tree.map_id != map->map_id) return Verdict::of_another_map;
-  if (ids_.contains(tree.tree)) return Verdict::known;
-  if (nodes_ + tree.nodes.size() > most_nodes || (map != nullptr && !is_free(tree, map->field)))
+TreeStore::Verdict TreeStore::take(const InactiveTreesMessage& trees, const MapContext* map) {
+  if (map != nullptr && trees.map_id != map->map_id) return Verdict::of_another_map;
+  if (ids_.contains(trees.id)) return Verdict::known;
+  if (nodes_ + trees.nodes.size() > most_nodes || (map != nullptr && !are_free(trees, map->field)))
     return Verdict::impossible;
-  ids_.insert(tree.tree);
-  nodes_ += tree.nodes.size();
-  trees_.push_back(tree);
+  messages_.push_back(trees);
+  count(trees);
   return Verdict::kept;
 }
 
-std::uint32_t TreeStore::restrict_to(const MapContext& map) {
-  drop([&](const InactiveTreeMessage& tree) { return tree.map_id != map.map_id; });
-  const std::uint32_t before = size();
-  drop([&](const InactiveTreeMessage& tree) { return !is_free(tree, map.field); });
-  return before - size();
+void TreeStore::count(const InactiveTreesMessage& trees) {
+  ids_.insert(trees.id);
+  nodes_ += trees.nodes.size();
+  trees_ += number_of_trees(trees);
 }
 
-void TreeStore::drop(const std::function<bool(const InactiveTreeMessage&)>& which) {
-  std::erase_if(trees_, which);
+std::uint32_t TreeStore::restrict_to(const MapContext& map) {
+  drop([&](const InactiveTreesMessage& trees) { return trees.map_id != map.map_id; });
+  const auto before = messages_.size();
+  drop([&](const InactiveTreesMessage& trees) { return !are_free(trees, map.field); });
+  return static_cast<std::uint32_t>(before - messages_.size());
+}
+
+void TreeStore::drop(const std::function<bool(const InactiveTreesMessage&)>& which) {
+  std::erase_if(messages_, which);
   nodes_ = 0;
+  trees_ = 0;
   ids_.clear();
-  for (const InactiveTreeMessage& tree : trees_) {
-    nodes_ += tree.nodes.size();
-    ids_.insert(tree.tree);
-  }
+  for (const InactiveTreesMessage& trees : messages_) count(trees);
 }
 
 }  // namespace coppice

@@ -23,20 +23,23 @@ class TreeStore {
   };
 
   /// `map`: null if no map has come yet.
-  Verdict take(const InactiveTreeMessage& tree, const MapContext* map);
-  /// Drops the trees of other maps, and the trees that this map contradicts. Returns the number of the
+  Verdict take(const InactiveTreesMessage& trees, const MapContext* map);
+  /// Drops the trees of other maps, and the messages that this map contradicts. Returns the number of the
   /// latter.
   std::uint32_t restrict_to(const MapContext& map);
 
-  std::span<const InactiveTreeMessage> trees() const { return trees_; }
-  std::uint32_t size() const { return static_cast<std::uint32_t>(trees_.size()); }
+  std::span<const InactiveTreesMessage> messages() const { return messages_; }
+  /// The number of trees.
+  std::uint32_t size() const { return trees_; }
 
  private:
-  void drop(const std::function<bool(const InactiveTreeMessage&)>& which);
+  void count(const InactiveTreesMessage& trees);
+  void drop(const std::function<bool(const InactiveTreesMessage&)>& which);
 
-  std::vector<InactiveTreeMessage> trees_;
-  std::set<TreeId> ids_;   ///< of `trees_`
-  std::size_t nodes_ = 0;  ///< of all trees together
+  std::vector<InactiveTreesMessage> messages_;
+  std::set<TreesId> ids_;    ///< of `messages_`
+  std::uint32_t trees_ = 0;  ///< in all messages together, as `nodes_`
+  std::size_t nodes_ = 0;
 };
 
 }  // namespace coppice

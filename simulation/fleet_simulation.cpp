@@ -30,8 +30,11 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
       service_{PlannerService(scenario,
                               {.timeout = settings.timeout,
                                .planner = settings.planner,
+                               .trees = settings.trees,
+                               .forest = settings.forest,
                                .plan_budget = settings.plan_budget,
-                               .lifelong = settings.lifelong},
+                               .lifelong = settings.lifelong,
+                               .plan = settings.plan},
                               0),
                bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {

@@ -56,6 +56,10 @@ SimulatedRun simulate(const Scenario& scenario, const SimulationSettings& settin
   check_between("timeout", settings.timeout, shortest_fault, largest_quantity);
   check_between("plan_budget", settings.plan_budget, 0, largest_quantity);
   check_between("lifelong", settings.lifelong, 0, largest_quantity);
+  if (const auto fault = fault_of(settings.trees)) throw InputError("trees." + std::string(*fault));
+  if (!settings.plan.empty() && settings.plan.size() != scenario.robots.size())
+    throw InputError(fmt::format("plan: has {} trajectories, expected {} or none", settings.plan.size(),
+                                 scenario.robots.size()));
   FleetSimulation simulation(scenario, settings);
   simulation.run([&](const PlannerService&, double now) { return !stop || !stop(now); });
   const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));

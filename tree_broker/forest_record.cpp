@@ -20,8 +20,8 @@ Keep ForestRecord::heard(const Message& message) {
     covered_ = covered_ || covers;
     return covers ? Keep::append : Keep::nothing;
   }
-  const auto* tree = std::get_if<InactiveTreeMessage>(&message);
-  const bool is_new = tree != nullptr && tree->map_id == map_id_ && trees_.insert(tree->tree).second;
+  const auto* trees = std::get_if<InactiveTreesMessage>(&message);
+  const bool is_new = trees != nullptr && trees->map_id == map_id_ && trees_.insert(trees->id).second;
   return is_new ? Keep::append : Keep::nothing;
 }
 

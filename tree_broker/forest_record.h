@@ -20,7 +20,7 @@ class ForestRecord {
 
  private:
   std::string map_id_;
-  std::set<TreeId> trees_;
+  std::set<TreesId> trees_;
   bool covered_ = false;
 };
 

@@ -25,10 +25,9 @@ constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees; a fleet
 
 }  // namespace
 
-TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, Random random)
-    : field(map),
-      epsilon(suggested_epsilon(field, radius)),
-      planner(field, {.epsilon = epsilon, .disjointed_trees = suggested_trees(field, epsilon)}, random) {}
+TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, const TreeParameters& parameters,
+                           Random random)
+    : field(map), planner(field, completed(parameters, field, radius), random) {}
 
 void TreeBroker::recall(std::span<const Message> known, WallTime now) {
   for (const Message& message : known) on(arrival_of(message, now));
@@ -57,41 +56,44 @@ void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
     // robot fits.
     std::vector<double> radii = message.radii;
     std::ranges::sort(radii);
-    forest_ = std::make_unique<Forest>(map_->map, radii.back(), Random(seed_));
+    forest_ = std::make_unique<Forest>(map_->map, radii.back(), map_->trees, Random(seed_));
     forest_->uncovered = std::move(radii);
   }
   take_up_waiting_trees(arrived);
   for (const auto& [robot, mission] : std::exchange(waiting_missions_, {})) receive(mission, arrived);
 }
 
-/// A tree that another broker grew, or this one before its restart.
-void TreeBroker::receive(const InactiveTreeMessage& tree, WallTime) {
-  if (!forest_ || map_->map_id != tree.map_id) {
-    if (waiting_trees_.size() >= most_waiting_trees || waiting_nodes_ + tree.nodes.size() > most_nodes) {
+/// Trees that another broker grew, or this one before its restart.
+void TreeBroker::receive(const InactiveTreesMessage& trees, WallTime) {
+  if (!forest_ || map_->map_id != trees.map_id) {
+    if (waiting_trees_.size() >= most_waiting_trees || waiting_nodes_ + trees.nodes.size() > most_nodes) {
       ++impossible_;
       return;
     }
-    waiting_nodes_ += tree.nodes.size();
-    waiting_trees_.push_back(tree);
+    waiting_nodes_ += trees.nodes.size();
+    waiting_trees_.push_back(trees);
     return;
   }
-  forest_->recalled.erase(tree.tree);
-  if (forest_->inactive.contains(tree.tree)) return;
-  if (forest_->planner.trees().node_count() + tree.nodes.size() > most_nodes ||
-      !is_free(tree, forest_->field)) {
+  forest_->recalled.erase(trees.id);
+  if (forest_->inactive.contains(trees.id)) return;
+  if (forest_->planner.trees().node_count() + trees.nodes.size() > most_nodes ||
+      !are_free(trees, forest_->field)) {
     ++impossible_;
     return;
   }
-  forest_->inactive.emplace(tree.tree, forest_->planner.add_inactive_tree(frozen_tree_of(tree)));
-  forest_->unsaid.push_back(tree.tree);
+  std::vector<TreeIndex>& known = forest_->inactive[trees.id];
+  for (const FrozenTree<2>& tree : frozen_trees_of(trees))
+    known.push_back(forest_->planner.add_inactive_tree(tree));
+  forest_->trees += static_cast<std::uint32_t>(known.size());
+  forest_->unsaid.push_back(trees.id);
 }
 
 /// Processes the trees that arrived before the map. Trees of other maps belong to runs that are over.
 void TreeBroker::take_up_waiting_trees(WallTime now) {
   if (!forest_) return;
   waiting_nodes_ = 0;
-  for (const InactiveTreeMessage& tree : std::exchange(waiting_trees_, {})) {
-    if (tree.map_id == map_->map_id) receive(tree, now);
+  for (const InactiveTreesMessage& trees : std::exchange(waiting_trees_, {})) {
+    if (trees.map_id == map_->map_id) receive(trees, now);
   }
 }
 
@@ -104,7 +106,7 @@ void TreeBroker::receive(const BrokerStatus& status, WallTime arrived) {
     others_[status.broker] = {status.leads ? std::optional(status.leading_since) : std::nullopt, arrived};
   // A broker that has all trees of one that covered the map has covered it, too.
   const bool covers = forest_ && status.covered_map == map_->map_id;
-  if (covers && forest_->inactive.size() >= status.trees_published) forest_->uncovered.clear();
+  if (covers && forest_->trees >= status.trees_published) forest_->uncovered.clear();
 }
 
 /// Several brokers may lead because they did not hear of each other. The one that has led for longest
@@ -143,7 +145,7 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   end_group(mission.robot);
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
-    forest_ = std::make_unique<Forest>(map_->map, mission.radius, Random(seed_));
+    forest_ = std::make_unique<Forest>(map_->map, mission.radius, mission.trees, Random(seed_));
     take_up_waiting_trees(arrived);
   }
   const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
@@ -226,21 +228,30 @@ std::vector<Message> TreeBroker::step(WallTime now) {
   return out;
 }
 
+/// Trees that became inactive here get their names, those of one radius together.
+void TreeBroker::take_frozen() {
+  std::map<double, std::vector<TreeIndex>> frozen;  // by radius
+  for (const TreeIndex tree : forest_->planner.take_frozen())
+    frozen[forest_->planner.trees().tree(tree).radius].push_back(tree);
+  for (auto& [radius, trees] : frozen) {
+    forest_->unsaid.push_back({id_, frozen_++});
+    forest_->trees += static_cast<std::uint32_t>(trees.size());
+    forest_->inactive.emplace(forest_->unsaid.back(), std::move(trees));
+  }
+}
+
 /// Publishes all trees that this broker has not published itself: those that it grew and those that it took
 /// over.
 void TreeBroker::publish_trees(std::vector<Message>& out) {
-  for (const TreeIndex tree : forest_->planner.take_frozen()) {
-    forest_->unsaid.push_back({id_, frozen_++});
-    forest_->inactive.emplace(forest_->unsaid.back(), tree);
-  }
-  for (const TreeId& id : std::exchange(forest_->unsaid, {})) out.emplace_back(describe(id));
+  take_frozen();
+  for (const TreesId& id : std::exchange(forest_->unsaid, {})) out.emplace_back(describe(id));
   forest_->recalled.clear();
 }
 
 /// Publishes trees that the leader does not publish: its predecessor was killed before another broker
 /// received them.
 void TreeBroker::publish_recalled(std::vector<Message>& out) {
-  for (const TreeId& id : std::exchange(forest_->recalled, {})) out.emplace_back(describe(id));
+  for (const TreesId& id : std::exchange(forest_->recalled, {})) out.emplace_back(describe(id));
 }
 
 /// Grows for the groups that wait for trees; if there are none, grows ahead. Returns false if there is
@@ -254,16 +265,21 @@ bool TreeBroker::grow() {
   return true;
 }
 
-InactiveTreeMessage TreeBroker::describe(const TreeId& id) const {
-  const FrozenTree<2> frozen = forest_->planner.frozen_tree(forest_->inactive.at(id));
-  InactiveTreeMessage message{.tree = id, .map_id = map_->map_id, .radius = frozen.radius, .nodes = {}};
-  for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
-    const std::int32_t parent = frozen.parents[i];
-    const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];
-    // The clearance of the segment may be slightly below the radius by rounding. The check when the edge was
-    // added was exact.
-    const double clearance = std::max(frozen.radius, forest_->field.segment_clearance(from, frozen.nodes[i]));
-    message.nodes.push_back({frozen.nodes[i], parent, clearance});
+InactiveTreesMessage TreeBroker::describe(const TreesId& id) const {
+  InactiveTreesMessage message{.id = id, .map_id = map_->map_id, .nodes = {}};
+  for (const TreeIndex t : forest_->inactive.at(id)) {
+    const FrozenTree<2> frozen = forest_->planner.frozen_tree(t);
+    const auto first = static_cast<std::int32_t>(message.nodes.size());
+    message.radius = frozen.radius;
+    for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
+      const std::int32_t parent = frozen.parents[i];
+      const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];
+      // The clearance of the segment may be slightly below the radius by rounding. The check when the edge
+      // was added was exact.
+      const double clearance =
+          std::max(frozen.radius, forest_->field.segment_clearance(from, frozen.nodes[i]));
+      message.nodes.push_back({frozen.nodes[i], parent < 0 ? -1 : first + parent, clearance});
+    }
   }
   return message;
 }
@@ -284,7 +300,7 @@ BrokerStatus TreeBroker::status() const {
                       .rejected = static_cast<std::uint32_t>(counts_.rejected) + impossible_,
                       .processor_seconds = counts_.processor_seconds};
   if (forest_) {
-    status.trees_published = static_cast<std::uint32_t>(forest_->inactive.size());
+    status.trees_published = forest_->trees;
     status.nodes_valid = forest_->planner.disjointed_counts().valid;
     status.nodes_invalid = forest_->planner.disjointed_counts().invalid;
     if (forest_->uncovered.empty() && leads()) status.covered_map = map_->map_id;

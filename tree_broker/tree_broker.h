@@ -53,14 +53,14 @@ class TreeBroker {
   /// The trees of one map. A new map begins with none.
   struct Forest {
     /// A forest whose steps suit robots of `radius`.
-    Forest(const OccupancyMap& map, double radius, Random random);
+    Forest(const OccupancyMap& map, double radius, const TreeParameters& parameters, Random random);
     ClearanceField field;
-    double epsilon;
     Planner planner;
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
-    std::map<TreeId, TreeIndex> inactive{};
-    std::vector<TreeId> unsaid{};  ///< inactive trees that this broker has not published yet
-    std::set<TreeId> recalled{};   ///< trees of `unsaid` that no broker has published since the restart
+    std::map<TreesId, std::vector<TreeIndex>> inactive{};
+    std::uint32_t trees = 0;        ///< number of all of `inactive`
+    std::vector<TreesId> unsaid{};  ///< inactive trees that this broker has not published yet
+    std::set<TreesId> recalled{};   ///< trees of `unsaid` that no broker has published since the restart
   };
   using Leader = std::pair<WallTime, std::uint64_t>;  ///< since when it leads, and its id
   /// Another broker whose status is recent.
@@ -78,7 +78,7 @@ class TreeBroker {
   void receive(const MapMessage& message, WallTime arrived);
   void receive(const Mission& mission, WallTime arrived);
   void receive(const RootNodes& batch, WallTime arrived);
-  void receive(const InactiveTreeMessage& tree, WallTime arrived);
+  void receive(const InactiveTreesMessage& trees, WallTime arrived);
   void receive(const AgentStatus& status, WallTime arrived);
   void receive(const BrokerStatus& status, WallTime arrived);
   Group* group_of(const RobotName& robot, const RunId& run, std::uint32_t mission);
@@ -88,22 +88,23 @@ class TreeBroker {
   void follow(const Leader& leader, WallTime now);
   bool grow();
   void take_up_waiting_trees(WallTime now);
+  void take_frozen();
   void publish_trees(std::vector<Message>& out);
   void publish_recalled(std::vector<Message>& out);
-  InactiveTreeMessage describe(const TreeId& id) const;
+  InactiveTreesMessage describe(const TreesId& id) const;
   ActiveTreesMessage active_trees() const;
   BrokerStatus status() const;
 
   std::uint64_t id_;
   std::uint64_t seed_;
   std::optional<MapMessage> map_;
-  std::map<RobotName, Mission> waiting_missions_;   ///< missions for a map that has not arrived yet
-  std::vector<InactiveTreeMessage> waiting_trees_;  ///< trees for a map that has not arrived yet
-  std::size_t waiting_nodes_ = 0;                   ///< number of nodes of `waiting_trees_`
+  std::map<RobotName, Mission> waiting_missions_;    ///< missions for a map that has not arrived yet
+  std::vector<InactiveTreesMessage> waiting_trees_;  ///< trees for a map that has not arrived yet
+  std::size_t waiting_nodes_ = 0;                    ///< number of nodes of `waiting_trees_`
   std::unique_ptr<Forest> forest_;
   std::map<RobotName, Group> groups_;
   std::map<std::uint64_t, Other> others_;
-  std::uint32_t frozen_ = 0;    ///< number of trees that this broker has frozen
+  std::uint32_t frozen_ = 0;    ///< number of sets of trees that this broker has frozen
   std::uint64_t followed_ = 0;  ///< id of the broker that leads while this one stands by; 0: none
   std::optional<WallTime> leads_since_;
   WallTime listens_until_ = 0;

@@ -189,11 +189,11 @@ std::vector<Input> topic_seeds<RootNodes>() {
       "a", 1, 0, {{Root::start, {4, 8}, -1}, {Root::start, {6, 8}, 0}, {Root::goal, {20, 8}, -1}}})};
 }
 template <>
-std::vector<Input> topic_seeds<InactiveTreeMessage>() {
-  return {encoded(InactiveTreeMessage{.tree = {1, 9},
-                                      .map_id = map_id(),
-                                      .radius = 1,
-                                      .nodes = {{{6, 8}, -1, 2}, {{10, 8}, 0, 1}, {{15, 8}, 1, 1}}})};
+std::vector<Input> topic_seeds<InactiveTreesMessage>() {
+  return {encoded(InactiveTreesMessage{.id = {1, 9},
+                                       .map_id = map_id(),
+                                       .radius = 1,
+                                       .nodes = {{{6, 8}, -1, 2}, {{10, 8}, 0, 1}, {{15, 8}, 1, 1}}})};
 }
 template <>
 std::vector<Input> topic_seeds<RobotState>() {
@@ -358,7 +358,7 @@ constexpr Target of_topic() {
 constexpr std::array all{of_topic<MapMessage>(),
                          of_topic<Mission>(),
                          of_topic<RootNodes>(),
-                         of_topic<InactiveTreeMessage>(),
+                         of_topic<InactiveTreesMessage>(),
                          of_topic<RobotState>(),
                          of_topic<JointPlanMessage>(),
                          of_topic<ReservationMessage>(),

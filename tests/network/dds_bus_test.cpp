@@ -160,7 +160,7 @@ TEST(DdsBus, AMapOf4096CellsIsCarried) {
 TEST(DdsBus, InvalidSamplesAreDroppedAndCounted) {
   DdsBus broker({.domain = domain + 3}, Role::broker, "broker");
   DdsBus agent({.domain = domain + 3}, Role::agent, "agent");
-  InactiveTreeMessage forged = some_tree(1, 5);
+  InactiveTreesMessage forged = some_tree(1, 5);
   forged.nodes[3].parent = 900;
   broker.publish(forged);
   const Message good = some_tree(2, 5);

@@ -30,7 +30,7 @@ bool is_matched(const DdsBus& bus, Role role, std::size_t agents) {
     case Role::agent:
       return bus.matched_readers<RobotState>() >= agents;
     case Role::broker:
-      return bus.matched_readers<InactiveTreeMessage>() >= agents + 2;
+      return bus.matched_readers<InactiveTreesMessage>() >= agents + 2;
     case Role::service:
       return bus.matched_readers<MapMessage>() >= agents + 1 && bus.matched_readers<Mission>() >= agents + 1;
     case Role::observer:
@@ -54,7 +54,7 @@ void publish_map(DdsBus& bus, int side) {
 /// Some trees have one node and some have many, as a broker's trees.
 void publish_trees(DdsBus& bus, std::uint32_t count) {
   for (std::uint32_t k = 0; k < count; ++k) {
-    InactiveTreeMessage tree{.tree = {1, k}, .map_id = "map", .radius = 5, .nodes = {}};
+    InactiveTreesMessage tree{.id = {1, k}, .map_id = "map", .radius = 5, .nodes = {}};
     for (int i = 0; i < (k % 3 == 0 ? 100 : 4); ++i) tree.nodes.push_back({{1.0 * i, 1.0}, i - 1, 6});
     bus.publish(Message(std::move(tree)));
   }
@@ -71,7 +71,7 @@ int run(const DdsSettings& settings, Role role, const std::string& name, const F
   if (role == Role::broker) publish_trees(bus, fleet.trees);
   bool matched = false;
   bool has_map = false;
-  std::set<TreeId> trees;
+  std::set<TreesId> trees;
   while (true) {
     bus.wait(0.02);
     for (const Arrival& arrival : bus.take()) {
@@ -80,8 +80,8 @@ int run(const DdsSettings& settings, Role role, const std::string& name, const F
         has_map = true;
         tell("map");
       }
-      const auto* const tree = std::get_if<InactiveTreeMessage>(arrival.message.get());
-      if (tree != nullptr && trees.insert(tree->tree).second && trees.size() == fleet.trees) tell("trees");
+      const auto* const tree = std::get_if<InactiveTreesMessage>(arrival.message.get());
+      if (tree != nullptr && trees.insert(tree->id).second && trees.size() == fleet.trees) tell("trees");
     }
     if (!matched && is_matched(bus, role, fleet.agents)) {
       matched = true;

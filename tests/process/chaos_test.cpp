@@ -96,13 +96,13 @@ int count_of(const std::string& what, const std::string& text) {
 }
 
 /// The ids of all trees that an observer has after `time`.
-std::set<TreeId> trees_within(DdsBus& observer, std::chrono::milliseconds time, std::set<TreeId> known = {}) {
+std::set<TreesId> trees_within(DdsBus& observer, std::chrono::milliseconds time,
+                               std::set<TreesId> known = {}) {
   const auto end = Clock::now() + time;
   while (Clock::now() < end) {
     observer.wait(0.05);
     for (const Arrival& arrival : observer.take()) {
-      if (const auto* tree = std::get_if<InactiveTreeMessage>(arrival.message.get()))
-        known.insert(tree->tree);
+      if (const auto* tree = std::get_if<InactiveTreesMessage>(arrival.message.get())) known.insert(tree->id);
     }
   }
   return known;
@@ -136,7 +136,7 @@ TEST(Chaos, EveryKilledProcessIsRestartedAndNothingIsLost) {
   DdsBus observer({.domain = domain}, Role::observer, "chaos observer");
   ASSERT_TRUE(test::within(20s, [&] { return run.log().find("paths found 8/8") != std::string::npos; }))
       << run.log();
-  std::set<TreeId> trees = trees_within(observer, 1s);
+  std::set<TreesId> trees = trees_within(observer, 1s);
 
   Random random(7);
   std::map<std::string, int> kills;
@@ -168,7 +168,7 @@ TEST(Chaos, EveryKilledProcessIsRestartedAndNothingIsLost) {
 
   // A new participant finds every tree that was ever published.
   DdsBus latecomer({.domain = domain}, Role::observer, "late chaos observer");
-  std::set<TreeId> found;
+  std::set<TreesId> found;
   EXPECT_TRUE(test::within(10s,
                            [&] {
                              found = trees_within(latecomer, 200ms, std::move(found));

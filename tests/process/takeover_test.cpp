@@ -29,8 +29,7 @@ struct Watch {
     for (const Arrival& arrival : bus.take()) {
       if (const auto* status = std::get_if<BrokerStatus>(arrival.message.get()))
         statuses[status->broker] = *status;
-      if (const auto* tree = std::get_if<InactiveTreeMessage>(arrival.message.get()))
-        trees.insert(tree->tree);
+      if (const auto* tree = std::get_if<InactiveTreesMessage>(arrival.message.get())) trees.insert(tree->id);
     }
   }
   /// Brokers whose last status says that they lead.
@@ -50,7 +49,7 @@ struct Watch {
   }
   DdsBus bus{{.domain = domain}, Role::observer, "watch"};
   std::map<std::uint64_t, BrokerStatus> statuses{};
-  std::set<TreeId> trees{};
+  std::set<TreesId> trees{};
   std::uint64_t gone = 0;  ///< the broker that was killed
 };
 
@@ -80,7 +79,7 @@ TEST_F(BrokerTakeover, TheStandbyBrokerTakesOverWithinTwoSecondsWithAllTrees) {
                                                          watch.statuses.rbegin()->second.trees_published;
     return equal && watch.leaders() == std::set{leader};
   }));
-  const std::set<TreeId> trees = watch.trees;
+  const std::set<TreesId> trees = watch.trees;
   ASSERT_FALSE(trees.empty());
 
   first->send(SIGKILL);

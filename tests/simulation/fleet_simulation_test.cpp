@@ -1,5 +1,7 @@
 #include "simulation/fleet_simulation.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "coppice/files/scenario_file.h"
@@ -33,6 +35,27 @@ TEST(FleetSimulation, AllRobotsArriveAndNoneTouchesAnything) {
   EXPECT_GE(result.figures.least_clearance(), -overlap_tolerance);
   EXPECT_GT(result.figures.trees_published(), 0u);
   EXPECT_GT(result.figures.trees_grafted(), 0u);
+}
+
+// As in the paper: while root trees grow in the agents, the broker freezes and publishes trees that they
+// meet.
+TEST(FleetSimulation, TreesThatGrowTogetherWithTheRootTreesArePublishedOneAfterTheOther) {
+  const Scenario scenario = read_scenario(test::scenarios() / "maze-10.json", {});
+  FleetSimulation simulation(scenario, {.timeout = 5, .forest = ForestStart::together});
+  std::set<double> published_at;
+  double missions_at = -1;
+  simulation.set_listener([&](const Message& message, double now) {
+    if (std::holds_alternative<InactiveTreesMessage>(message)) published_at.insert(now);
+    if (std::holds_alternative<Mission>(message) && missions_at < 0) missions_at = now;
+  });
+  simulation.run([](const PlannerService&, double) { return true; });
+  const proto::Report report = simulation.service().report();
+  for (const auto& robot : report.robots()) EXPECT_TRUE(robot.planned()) << robot.name();
+  std::uint32_t nodes_of_agents = 0;
+  for (const auto& robot : report.robots()) nodes_of_agents += robot.nodes_valid();
+  EXPECT_GT(nodes_of_agents, 0u);
+  EXPECT_GT(published_at.size(), 1u);
+  EXPECT_GE(*published_at.begin(), missions_at);
 }
 
 TEST(FleetSimulation, TheSameSeedGivesTheSameBytesAndAnotherDoesNot) {

@@ -82,7 +82,7 @@ std::vector<Arrival> beginning(WallTime now) {
     all.push_back(arrival_of(nodes, now));
   }
   for (std::uint32_t number = 0; number < 50; ++number) {
-    InactiveTreeMessage tree{.tree = {1, number}, .map_id = "m", .radius = 2};
+    InactiveTreesMessage tree{.id = {1, number}, .map_id = "m", .radius = 2};
     for (int k = 0; k < 2000; ++k) tree.nodes.push_back({Point2(number, 0.2 * k), k - 1, 5});
     all.push_back(arrival_of(tree, now));
   }

@@ -20,6 +20,7 @@
 #include "coppice/planning/clearance_field.h"
 #include "coppice/planning/geometry.h"
 #include "coppice/planning/planner_kind.h"
+#include "coppice/planning/tree_parameters.h"
 
 namespace coppice {
 
@@ -37,6 +38,7 @@ struct PlanSettings {
   double timeout = std::numeric_limits<double>::infinity();
   /// Seconds for shorter paths after all first paths. RRT* has no such phase.
   double improve = std::numeric_limits<double>::infinity();
+  TreeParameters trees{};  ///< RRT* uses epsilon alone
 };
 
 struct SampleCounts {
@@ -84,7 +86,7 @@ std::optional<ProblemFault> first_fault(const ClearanceField& field,
                                         std::span<const PlanningProblem> problems);
 
 /// The same seed gives the same paths if neither clock nor `stop` ends the plan. Throws std::invalid_argument
-/// if there is a fault (first_fault).
+/// if there is a fault (first_fault, or fault_of the tree parameters).
 PathPlan plan_paths(const ClearanceField& field, std::span<const PlanningProblem> problems,
                     const PlanSettings& settings = {}, const PlanWatch& watch = {});
 

@@ -1,4 +1,4 @@
-// The planners that a user can choose.
+// The planners that a user can choose, and when their shared trees grow.
 #pragma once
 
 #include <array>
@@ -22,5 +22,13 @@ inline std::optional<PlannerKind> planner_kind(std::string_view name) {
   }
   return std::nullopt;
 }
+
+/// When the disjointed trees that all robots share begin to grow.
+enum class ForestStart : std::uint8_t {
+  ahead,     ///< they cover the map before missions go out
+  together,  ///< with the root trees, as in the paper: the missions go out at once
+};
+
+inline constexpr std::array<std::string_view, 2> forest_names{"ahead", "together"};
 
 }  // namespace coppice

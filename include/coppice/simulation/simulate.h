@@ -12,7 +12,9 @@
 
 #include "coppice/files/scenario.h"
 #include "coppice/motion/separation.h"
+#include "coppice/motion/trajectory.h"
 #include "coppice/planning/planner_kind.h"
+#include "coppice/planning/tree_parameters.h"
 #include "coppice/simulation/faults.h"
 
 namespace coppice {
@@ -23,6 +25,11 @@ struct SimulationSettings {
   double plan_budget = 1;  ///< virtual seconds for shorter paths
   double lifelong = 0;     ///< virtual seconds in which robots that arrive get new goals
   Faults faults{};
+  TreeParameters trees{};
+  ForestStart forest = ForestStart::ahead;
+  /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none. Robots that are
+  /// held up keep its order; robots that cannot go on plan for themselves.
+  std::vector<Trajectory> plan{};
 };
 
 struct SimulatedRun {

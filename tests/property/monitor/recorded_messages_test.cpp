@@ -74,13 +74,16 @@ struct Any {
     return some([&] { return ReservationBasis{name(), u32(), number()}; });
   }
   RoundId round() const { return {u32(), name(), point(), number()}; }
+  TreeParameters trees() const {
+    return {number(), u32(), number(), number(), number(), number(), one<Restarts>()};
+  }
 };
 
 template <class M>
 M any(const Any& a);
 template <>
 MapMessage any(const Any& a) {
-  MapMessage m{a.name(), {}, a.some([&] { return a.number(); })};
+  MapMessage m{a.name(), {}, a.some([&] { return a.number(); }), a.trees()};
   m.map.width = *rc::gen::inRange(0, 12);
   m.map.height = *rc::gen::inRange(0, 12);
   m.map.resolution = a.number();
@@ -91,11 +94,10 @@ MapMessage any(const Any& a) {
 }
 template <>
 Mission any(const Any& a) {
-  return {a.name(),   a.u32(),    a.u32(),
-          a.name(),   a.point(),  a.point(),
-          a.number(), a.number(), a.number(),
-          a.number(), a.u64(),    a.one<PlannerKind>(),
-          a.number(), a.flag(),   {a.number(), a.number()}};
+  return {a.name(),   a.u32(),    a.u32(),    a.name(),
+          a.point(),  a.point(),  a.number(), a.number(),
+          a.number(), a.number(), a.u64(),    a.one<PlannerKind>(),
+          a.trees(),  a.number(), a.flag(),   {a.number(), a.number()}};
 }
 template <>
 RootNodes any(const Any& a) {
@@ -104,9 +106,9 @@ RootNodes any(const Any& a) {
           })};
 }
 template <>
-InactiveTreeMessage any(const Any& a) {
+InactiveTreesMessage any(const Any& a) {
   return {{a.u64(), a.u32()}, a.name(), a.number(), a.some([&] {
-            return InactiveTreeMessage::Node{a.point(), a.i32(), a.number()};
+            return InactiveTreesMessage::Node{a.point(), a.i32(), a.number()};
           })};
 }
 template <>

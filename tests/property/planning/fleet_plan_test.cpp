@@ -22,7 +22,7 @@ TEST_P(FleetPlanOnMaps, TenRobotsHaveAPathIn20Seeds) {
     std::vector<PlanningProblem> problems;
     for (const auto& [start, goal] : random_tasks(field, 10, radius, 0.4, random))
       problems.push_back({start, goal, radius});
-    FleetPlanner planner(field, problems, Random(seed));
+    FleetPlanner planner(field, problems, {}, Random(seed));
     while (planner.search()) {
     }
     planner.take_first_paths();
@@ -41,6 +41,58 @@ TEST_P(FleetPlanOnMaps, TenRobotsHaveAPathIn20Seeds) {
         EXPECT_TRUE(field.segment_free(path[k - 1], path[k], radius));
     }
     EXPECT_LE(sum, first * (1 + 1e-12));
+  }
+}
+
+// A goal may lie in a pocket that no earlier robot needed.
+TEST_P(FleetPlanOnMaps, TheTreesOfTheFirstTasksServeTheSecond) {
+  int with_few_new_nodes = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    const ClearanceField field(generate_map(GetParam(), 512, 512, random));
+    const auto drawn = [&] {
+      std::vector<PlanningProblem> problems;
+      for (const auto& [start, goal] : random_tasks(field, 10, radius, 0.2, random))
+        problems.push_back({start, goal, radius});
+      return problems;
+    };
+    const auto plan = [](FleetPlanner& planner) {
+      while (planner.search()) {
+      }
+      planner.take_first_paths();
+    };
+    FleetPlanner planner(field, drawn(), {}, Random(seed));
+    plan(planner);
+    const auto nodes = planner.disjointed_counts().valid;
+    const std::vector<PlanningProblem> second = drawn();
+    planner.begin_mission(second);
+    plan(planner);
+    with_few_new_nodes += planner.disjointed_counts().valid - nodes <= nodes / 2;
+    for (std::size_t i = 0; i < second.size(); ++i) {
+      const Path& path = planner.path(i);
+      ASSERT_GE(path.size(), 2u) << "seed " << seed << " robot " << i << ": " << planner.reason(i);
+      EXPECT_EQ(path.front(), second[i].start);
+      EXPECT_EQ(path.back(), second[i].goal);
+      for (std::size_t k = 1; k < path.size(); ++k)
+        EXPECT_TRUE(field.segment_free(path[k - 1], path[k], radius));
+    }
+  }
+  EXPECT_GE(with_few_new_nodes, 6) << "of 10 seeds";
+}
+
+TEST_P(FleetPlanOnMaps, EveryRobotHasAPathWithThePlainParametersOfThePaper) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Random random(seed);
+    const ClearanceField field(generate_map(GetParam(), 256, 256, random));
+    std::vector<PlanningProblem> problems;
+    for (const auto& [start, goal] : random_tasks(field, 5, radius, 0.4, random))
+      problems.push_back({start, goal, radius});
+    FleetPlanner planner(field, problems, plain_parameters(5), Random(seed));
+    while (planner.search()) {
+    }
+    planner.take_first_paths();
+    for (std::size_t i = 0; i < problems.size(); ++i)
+      EXPECT_GE(planner.path(i).size(), 2u) << "seed " << seed << " robot " << i << ": " << planner.reason(i);
   }
 }
 
@@ -81,7 +133,7 @@ TEST(FleetPlan, AnUnreachableGoalEndsWithAReason) {
   for (int j = 0; j < 40; ++j) map.blocked[static_cast<std::size_t>(j * 100 + 50)] = 1;
   const ClearanceField field(map);
   const std::vector<PlanningProblem> problems{{{20, 20}, {80, 20}, 5}, {{10, 10}, {10, 30}, 5}};
-  FleetPlanner planner(field, problems, Random(1));
+  FleetPlanner planner(field, problems, {}, Random(1));
   while (planner.search()) {
   }
   planner.take_first_paths();

@@ -23,7 +23,7 @@ struct Setting {
                            128 + static_cast<int>(random.index(128)), random)),
         planner(field,
                 {.epsilon = suggested_epsilon(field, 3) * random.uniform(0.3, 1.5),
-                 .disjointed_trees = 4 + random.index(20)},
+                 .disjointed_trees = 4 + static_cast<std::uint32_t>(random.index(20))},
                 Random(seed)) {
     const double largest = random.uniform(2, 6);
     for (const StartAndGoal& task :

@@ -184,7 +184,7 @@ TEST(FleetPlan, EverySearchOnASmallMapEndsAndAgreesWithTheRoadmap) {
     const Point2 start = lattice.place(lattice.free_places()[random.index(lattice.free_places().size())]);
     const Point2 goal = lattice.place(lattice.free_places()[random.index(lattice.free_places().size())]);
     const std::array problems{PlanningProblem{start, goal, radius}};
-    FleetPlanner planner(field, problems, Random(7));
+    FleetPlanner planner(field, problems, {}, Random(7));
     int searches = 0;
     while (planner.search()) ASSERT_LT(++searches, 2000) << "trial " << trial;
     planner.take_first_paths();

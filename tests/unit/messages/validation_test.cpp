@@ -37,8 +37,8 @@ RobotState state() {
           .phase = Phase::driving,
           .round = {}};
 }
-InactiveTreeMessage tree() {
-  return {.tree = {1, 2}, .map_id = "m", .radius = 1, .nodes = {{{0, 0}, -1, 2}, {{1, 0}, 0, 1}}};
+InactiveTreesMessage tree() {
+  return {.id = {1, 2}, .map_id = "m", .radius = 1, .nodes = {{{0, 0}, -1, 2}, {{1, 0}, 0, 1}}};
 }
 JointPlanMessage plan() {
   return {.round = {1, "r1"}, .members = {{"r1", 1, false, {{0, {0, 0}}, {1, {1, 1}}}}}};
@@ -105,12 +105,16 @@ TEST(Validation, InvalidStatesAreRefused) {
 }
 
 TEST(Validation, InvalidTreesAreRefused) {
-  using M = InactiveTreeMessage;
+  using M = InactiveTreesMessage;
   const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.nodes.clear(); },
                                                       [](M& m) { m.nodes[0].parent = 0; },
                                                       [](M& m) { m.nodes[1].parent = 1; },
-                                                      [](M& m) { m.nodes[1].parent = -1; },
+                                                      [](M& m) { m.nodes[1].parent = -2; },
                                                       [](M& m) { m.nodes[1].parent = 7; },
+                                                      [](M& m) {  // the parent is of the tree before
+                                                        m.nodes.push_back({{5, 5}, -1, 1});
+                                                        m.nodes.push_back({{6, 5}, 1, 1});
+                                                      },
                                                       [](M& m) { m.nodes[1].position.x() = nan; },
                                                       [](M& m) { m.nodes[1].edge_clearance = -1; },
                                                       [](M& m) { m.radius = 0; }};
@@ -181,7 +185,7 @@ TEST(Validation, EmptyMessagesAreRefused) {
   EXPECT_TRUE(problem_with(MapMessage{}));
   EXPECT_TRUE(problem_with(Mission{}));
   EXPECT_TRUE(problem_with(RootNodes{}));
-  EXPECT_TRUE(problem_with(InactiveTreeMessage{}));
+  EXPECT_TRUE(problem_with(InactiveTreesMessage{}));
   EXPECT_TRUE(problem_with(RobotState{}));
   EXPECT_TRUE(problem_with(JointPlanMessage{}));
   EXPECT_TRUE(problem_with(PathMessage{}));

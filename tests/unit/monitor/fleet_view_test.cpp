@@ -124,9 +124,9 @@ TEST_F(FleetViewTest, ANewMissionClearsPathAndRootTrees) {
 
 TEST_F(FleetViewTest, AnotherRunOrMapClearsTheView) {
   hear(map_named("m"));
-  hear(InactiveTreeMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
-  hear(InactiveTreeMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
-  hear(InactiveTreeMessage{{1, 2}, "other", 1, {{{0, 0}, -1, 1}}});
+  hear(InactiveTreesMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
+  hear(InactiveTreesMessage{{1, 1}, "m", 1, {{{0, 0}, -1, 1}}});
+  hear(InactiveTreesMessage{{1, 2}, "other", 1, {{{0, 0}, -1, 1}}});
   EXPECT_EQ(view.inactive_trees().size(), 1u);
   hear(mission_of("a", 1));
   const auto run = view.run();

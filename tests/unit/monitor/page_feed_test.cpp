@@ -340,8 +340,8 @@ TEST_F(PageFeedTest, PositionsAreExactToAMillimetreForAnyOrigin) {
   fleet.mission("a");
   fleet.state("a", exact(1.234, 2.345));
   fleet.path("a", {exact(1.234, 2.345), exact(3.456, 0.567)});
-  fleet.hear(InactiveTreeMessage{
-      .tree = {7, 1}, .map_id = "m", .nodes = {{exact(0.111, 1.222), -1, 1}, {exact(2.333, 1.444), 0, 1}}});
+  fleet.hear(InactiveTreesMessage{
+      .id = {7, 1}, .map_id = "m", .nodes = {{exact(0.111, 1.222), -1, 1}, {exact(2.333, 1.444), 0, 1}}});
   fleet.hear(
       RootNodes{.robot = "a",
                 .mission = 1,

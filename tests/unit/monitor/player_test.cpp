@@ -34,7 +34,7 @@ std::vector<Arrival> drive() {
                         .goal_tolerance = 1,
                         .clock = {epoch, 1}};
   all.push_back(arrival_of(mission, epoch - 0.1));
-  all.push_back(arrival_of(InactiveTreeMessage{{1, 1}, "m", 1, {{{5, 5}, -1, 3}, {{9, 5}, 0, 3}}}, epoch));
+  all.push_back(arrival_of(InactiveTreesMessage{{1, 1}, "m", 1, {{{5, 5}, -1, 3}, {{9, 5}, 0, 3}}}, epoch));
   all.push_back(
       arrival_of(RootNodes{"a", 1, 0, {{Root::start, {20, 10}, -1}, {Root::start, {22, 10}, 0}}}, epoch));
   all.push_back(arrival_of(PathMessage{"a", 1, {{20, 10}, {30, 10}}}, epoch));

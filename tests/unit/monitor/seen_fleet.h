@@ -58,7 +58,7 @@ class SeenFleet {
   void path(const RobotName& robot, Path waypoints) { hear(PathMessage{robot, 1, std::move(waypoints)}); }
   /// A chain of `nodes` nodes to the right.
   void tree(std::uint32_t number, int nodes = 3) {
-    InactiveTreeMessage tree{.tree = {7, number}, .map_id = "m", .radius = 0.25};
+    InactiveTreesMessage tree{.id = {7, number}, .map_id = "m", .radius = 0.25};
     for (int k = 0; k < nodes; ++k) tree.nodes.push_back({Point2(0.001 * k, 1), k - 1, 1});
     hear(tree);
   }

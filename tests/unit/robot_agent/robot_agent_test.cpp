@@ -284,13 +284,13 @@ TEST(RobotAgent, ATreeThroughAWallIsDroppedAndCounted) {
   PlannerService service(two_robots(), {}, 0);
   const auto tasks = map_and_missions(service);
   const std::string map = of<MapMessage>(tasks)[0].map_id;
-  const InactiveTreeMessage sound{
-      .tree = {1, 0}, .map_id = map, .radius = 5, .nodes = {{{30, 30}, -1, 5}, {{40, 30}, 0, 5}}};
-  InactiveTreeMessage forged = sound;
-  forged.tree.number = 1;
+  const InactiveTreesMessage sound{
+      .id = {1, 0}, .map_id = map, .radius = 5, .nodes = {{{30, 30}, -1, 5}, {{40, 30}, 0, 5}}};
+  InactiveTreesMessage forged = sound;
+  forged.id.number = 1;
   forged.nodes[1].position = {90, 60};
-  InactiveTreeMessage outside = sound;
-  outside.tree.number = 2;
+  InactiveTreesMessage outside = sound;
+  outside.id.number = 2;
   outside.nodes[1].position = {1e6, 60};
   RobotAgent agent("a");
   for (const Message& m : {Message(sound), Message(forged)}) agent.on(arrival_of(m, 0));  // before the map

@@ -16,7 +16,7 @@ namespace coppice {
 namespace {
 
 const Message status = AgentStatus{.robot = "r1", .mission = 3, .reason = "because", .driven_length = 7.5};
-const Message tree = InactiveTreeMessage{{7, 2}, "map", 5, {{{1, 2}, -1, 6}, {{3, 4}, 0, 5.5}}};
+const Message tree = InactiveTreesMessage{{7, 2}, "map", 5, {{{1, 2}, -1, 6}, {{3, 4}, 0, 5.5}}};
 const Message track = TrackMessage{"r1", 1, 4, {{0.5, {1, 2}, {3, 4}}, {0.55, {1.15, 2.2}, {0, 0}}}};
 
 std::vector<Message> held_by(const std::filesystem::path& file) {

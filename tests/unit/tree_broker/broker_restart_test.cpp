@@ -36,9 +36,9 @@ struct Brokers {
       if (i != from && brokers[i]) brokers[i]->on(arrival_of(message, now));
     }
   }
-  std::set<TreeId> trees_of(std::size_t i) const {
-    std::set<TreeId> ids;
-    for (const auto& tree : of<InactiveTreeMessage>(said[i])) ids.insert(tree.tree);
+  std::set<TreesId> trees_of(std::size_t i) const {
+    std::set<TreesId> ids;
+    for (const auto& tree : of<InactiveTreesMessage>(said[i])) ids.insert(tree.id);
     return ids;
   }
   double now = 100;
@@ -57,7 +57,7 @@ TEST(BrokerRestart, TheStandbyBrokerTakesOverWithinTwoSecondsWithAllTrees) {
   fleet.run(1);
   EXPECT_TRUE(fleet.brokers[0]->leads());
   EXPECT_FALSE(fleet.brokers[1]->leads());
-  const std::set<TreeId> trees = fleet.trees_of(0);
+  const std::set<TreesId> trees = fleet.trees_of(0);
   ASSERT_FALSE(trees.empty());
   EXPECT_TRUE(fleet.trees_of(1).empty());
 
@@ -95,7 +95,7 @@ TEST(BrokerRestart, ARestartedBrokerPublishesTheTreesInItsJournal) {
   fleet.run(1);
   for (const Message& message : fleet.said[0]) kept.keeper.said(message);
   for (const Message& message : fleet.said[0]) kept.keeper.heard(message);  // again, from another broker
-  EXPECT_EQ(of<InactiveTreeMessage>(kept.store.messages).size(), fleet.trees_of(0).size());
+  EXPECT_EQ(of<InactiveTreesMessage>(kept.store.messages).size(), fleet.trees_of(0).size());
 
   fleet.brokers[0].reset();
   fleet.brokers.emplace_back(TreeBroker(10, 3));
@@ -121,7 +121,7 @@ TEST(BrokerRestart, TreesThatOnlyTheStandbyBrokerKnowsArePublished) {
     fleet.run(0.1);
   }
   fleet.run(2);
-  const std::set<TreeId> trees = fleet.trees_of(0);
+  const std::set<TreesId> trees = fleet.trees_of(0);
   ASSERT_FALSE(trees.empty());
   ASSERT_TRUE(fleet.trees_of(1).empty());
 
@@ -139,16 +139,16 @@ TEST(BrokerRestart, ATreeThatOnlyAReturningBrokerKnowsIsPublished) {
   fleet.brokers.emplace_back(TreeBroker(9, 1));
   fleet.brokers[0]->on(arrival_of(rooms(), fleet.now));
   fleet.run(2);
-  const std::set<TreeId> trees = fleet.trees_of(0);
-  InactiveTreeMessage unheard = of<InactiveTreeMessage>(fleet.said[0]).front();
-  unheard.tree = {77, 0};
+  const std::set<TreesId> trees = fleet.trees_of(0);
+  InactiveTreesMessage unheard = of<InactiveTreesMessage>(fleet.said[0]).front();
+  unheard.id = {77, 0};
   fleet.brokers.emplace_back(TreeBroker(10, 3));
   fleet.brokers[1]->recall(std::vector<Message>{rooms(), unheard}, fleet.now);
   for (const Message& message : fleet.said[0]) fleet.brokers[1]->on(arrival_of(message, fleet.now));
   fleet.run(4);
   EXPECT_TRUE(fleet.brokers[0]->leads());
-  EXPECT_EQ(fleet.trees_of(1), std::set{unheard.tree});
-  EXPECT_TRUE(fleet.trees_of(0).contains(unheard.tree));
+  EXPECT_EQ(fleet.trees_of(1), std::set{unheard.id});
+  EXPECT_TRUE(fleet.trees_of(0).contains(unheard.id));
   EXPECT_EQ(fleet.trees_of(0).size(), trees.size() + 1);
 }
 

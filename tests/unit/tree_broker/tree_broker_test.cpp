@@ -24,9 +24,9 @@ TEST(TreeBroker, EachTreeThatARootTreeComesNearIsPublished) {
   for (int k = 0; k < 16; ++k)  // on the start's side of the wall
     roots.nodes.push_back({Root::start, {6.0 + 2.7 * k, k % 2 == 0 ? 20.0 : 10.0}, k - 1});
   broker.on(arrival_of(roots, 0));
-  std::map<TreeId, int> seen;
+  std::map<TreesId, int> seen;
   for (double now = 0; now < 0.2; now += 0.001) {
-    for (const auto& tree : of<InactiveTreeMessage>(broker.step(now))) ++seen[tree.tree];
+    for (const auto& tree : of<InactiveTreesMessage>(broker.step(now))) ++seen[tree.id];
   }
   EXPECT_GT(seen.size(), 0u);
   for (const auto& [tree, times] : seen) {
@@ -41,17 +41,17 @@ TEST(TreeBroker, TreesGrowAheadUntilTheyCoverTheMap) {
   PlannerService service(scenario, {}, 0);
   TreeBroker broker(7, 1);
   for (const Message& message : service.step(0)) broker.on(arrival_of(message, 0));
-  std::vector<InactiveTreeMessage> trees;
+  std::vector<InactiveTreesMessage> trees;
   std::string covered;
   double now = 0;
   for (; covered.empty() && now < 10; now += 0.001) {
     const auto said = broker.step(now);
-    for (const auto& tree : of<InactiveTreeMessage>(said)) trees.push_back(tree);
+    for (const auto& tree : of<InactiveTreesMessage>(said)) trees.push_back(tree);
     for (const auto& status : of<BrokerStatus>(said)) covered = status.covered_map;
     service.on(arrival_of(BrokerStatus{.broker = 7, .covered_map = covered}, now));
     for (const char* robot : {"a", "b"}) service.on(arrival_of(AgentStatus{.robot = robot}, now));
   }
-  EXPECT_TRUE(of<InactiveTreeMessage>(broker.step(now)).empty());
+  EXPECT_TRUE(of<InactiveTreesMessage>(broker.step(now)).empty());
   EXPECT_GT(broker.next_wake(), now);  // it rests until a mission comes
   ASSERT_FALSE(trees.empty());
 
@@ -59,7 +59,7 @@ TEST(TreeBroker, TreesGrowAheadUntilTheyCoverTheMap) {
   // the path in the next step, when it knows how long the search took.
   RobotAgent agent("a");
   agent.on(arrival_of(MapMessage{covered, scenario.map, {}}, now));
-  for (const InactiveTreeMessage& tree : trees) agent.on(arrival_of(tree, now));
+  for (const InactiveTreesMessage& tree : trees) agent.on(arrival_of(tree, now));
   for (const Message& message : service.step(now)) agent.on(arrival_of(message, now));
   agent.step(now);
   EXPECT_EQ(agent.next_wake(), now);
