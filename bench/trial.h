@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -46,7 +47,8 @@ struct TrialResult {
   std::string planner;
   double first_seconds = 0;       ///< until the last first path
   double simplified_seconds = 0;  ///< with the planner's own simplification
-  /// Until the last first path of the second tasks, with all that the planner keeps; below 0: not measured.
+  /// Until the last first path of the second tasks, with all that the planner keeps, when it does them for
+  /// the second time; below 0: not measured.
   double second_seconds = -1;
   std::vector<double> first_lengths;  ///< of each robot; 0: no path
   std::vector<double> lengths;        ///< after simplification
@@ -65,16 +67,17 @@ struct TrialResult {
 enum class Improvement : unsigned char { until_taut, to_the_end };
 
 /// Improves the first paths until they are taut, or until no shorter ones are found. Then the trees serve the
-/// second tasks.
+/// second tasks. Paths that are only to be taut have no second tasks. Robots without a path after
+/// `longest_search` seconds get none.
 TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, const TreeParameters& trees = {},
-                             Improvement improvement = Improvement::to_the_end);
+                             Improvement improvement = Improvement::to_the_end,
+                             double longest_search = std::numeric_limits<double>::infinity());
 /// MA-RRT*: a separate RRT* for each robot, which gives up after `most_samples` samples.
 TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples);
 TrialResult run_grid_a_star(const TrialCase& trial);
 /// Jump point search on the same grid.
 TrialResult run_jump_point_search(const TrialCase& trial);
-/// Shortest paths at any angle. The first search prepares the map. The second tasks find all edges known that
-/// their searches look at.
+/// Shortest paths at any angle. The first search prepares the map.
 TrialResult run_visibility_graph(const TrialCase& trial);
 
 /// OMPL's planners by name: RRTConnect, BiEST, RRTstar, BITstar. Each robot gets `cap` seconds.
