@@ -134,10 +134,20 @@ void add_fuzz(CLI::App& app, FuzzOptions& options, ChosenCommand& chosen) {
   command->callback([&] { chosen = [&] { return fuzz_command(options); }; });
 }
 
-void add_plan(CLI::App& app, RunOptions& options, ChosenCommand& chosen) {
+void add_plan(CLI::App& app, RunOptions& options, GridPlanOptions& grid_plan, ChosenCommand& chosen) {
   auto* command = app.add_subcommand("plan", "plans paths only: MA-RRdT* in one process");
   add_run_options(*command, options, Progression::paths_only);
-  command->callback([&] { chosen = [&] { return plan_command(options); }; });
+  command
+      ->add_option(
+          "--grid-plan", grid_plan.file,
+          "writes a joint plan on the cells of the map, too, for run --plan and for MAPF tools (LaCAM)")
+      ->check(output_file())
+      ->default_str("not written");
+  command
+      ->add_option("--grid-plan-form", grid_plan.form,
+                   "steps: a line for each time step, as LaCAM; agents: a line for each robot, as CBS")
+      ->check(CLI::IsMember(std::vector<std::string>(grid_plan_forms.begin(), grid_plan_forms.end())));
+  command->callback([&] { chosen = [&] { return plan_command(options, grid_plan); }; });
 }
 
 std::string kinds_in_words() {
@@ -281,7 +291,7 @@ void add_commands(CLI::App& app, CommandOptions& options, ChosenCommand& chosen)
   add_doctor(app, options.fleet_plan, chosen);
   add_simulate(app, options.run, options.faults, options.record, chosen);
   add_fuzz(app, options.fuzz, chosen);
-  add_plan(app, options.run, chosen);
+  add_plan(app, options.run, options.grid_plan, chosen);
   add_map(app, options.map, chosen);
   add_bench(app, options.bench, chosen);
   add_help(app, options.help_topic, chosen);

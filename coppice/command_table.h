@@ -22,6 +22,7 @@ struct CommandOptions {
   Faults faults;
   NewRecording record;  ///< for simulate
   FuzzOptions fuzz;
+  GridPlanOptions grid_plan{};
   MapOptions map;
   BenchOptions bench;
   std::string help_topic;  ///< empty: all commands

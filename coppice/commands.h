@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "coppice/diagnosis.h"
+#include "coppice/files/plan_file.h"
 #include "coppice/simulation/faults.h"
 #include "dds/dds_bus.h"
 #include "files/run_options.h"
@@ -124,8 +125,14 @@ int doctor_command(const FleetPlan& plan);
 /// Runs all roles in this process, on a virtual clock, with faults. Returns 1 also after a collision.
 int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record);
 
+/// The joint plan on the cells of the map that `coppice plan` writes beside the paths.
+struct GridPlanOptions {
+  std::string file;  ///< empty: none
+  std::string form{grid_plan_forms[0]};
+};
+
 /// Runs Algorithm 2 in this process: paths only, no bus and no motion.
-int plan_command(const RunOptions& options);
+int plan_command(const RunOptions& options, const GridPlanOptions& grid_plan);
 
 struct MapOptions {
   std::string kind;           ///< kind of map or scenario, or a map file

@@ -1,6 +1,11 @@
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <limits>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "coppice/commands.h"
 #include "coppice/planning/plan_paths.h"
@@ -63,11 +68,33 @@ PictureContent picture_of(const Scenario& scenario, const PathPlan& plan) {
   return content;
 }
 
+/// Returns whether there is a plan.
+bool write_grid_plan_of(const Scenario& scenario, std::span<const GridTask> tasks,
+                        const GridPlanOptions& options, bool quiet) {
+  const auto plan = plan_on_grid(scenario.map, tasks, scenario.seed);
+  if (!plan) {
+    std::cerr << "there is no joint plan on the cells of the map, or none was found\n";
+    return false;
+  }
+  write_grid_plan(options.file, *plan,
+                  options.form == grid_plan_forms[0] ? GridPlanForm::steps : GridPlanForm::agents);
+  std::size_t sum = 0;
+  std::size_t last = 0;
+  for (const auto& cells : *plan) {
+    sum += cells.size() - 1;
+    last = std::max(last, cells.size() - 1);
+  }
+  if (!quiet) std::cout << fmt::format("joint plan on the cells: {} steps, sum of arrivals {}\n", last, sum);
+  return true;
+}
+
 }  // namespace
 
-int plan_command(const RunOptions& options) {
+int plan_command(const RunOptions& options, const GridPlanOptions& grid_plan) {
   const Scenario scenario = read_scenario(options.scenario, options.overrides);
-  check_results(options, scenario);
+  check_results(options, scenario, grid_plan.file);
+  std::vector<GridTask> grid_tasks;
+  if (!grid_plan.file.empty()) grid_tasks = grid_tasks_of(scenario);
   install_stop_signals();
   const ClearanceField field(scenario.map);
   std::vector<PlanningProblem> problems;
@@ -84,7 +111,9 @@ int plan_command(const RunOptions& options) {
   const auto nobody_drives = [](const auto&) {};
   write_results(options, report, nobody_drives, [&] { return picture_of(scenario, plan); });
   if (!options.quiet) std::cout << report_table(report);
-  return report.outcome() == "planned" ? 0 : 1;
+  const bool has_grid_plan =
+      grid_plan.file.empty() || write_grid_plan_of(scenario, grid_tasks, grid_plan, options.quiet);
+  return report.outcome() == "planned" && has_grid_plan ? 0 : 1;
 }
 
 }  // namespace coppice

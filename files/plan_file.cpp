@@ -26,6 +26,7 @@ namespace coppice {
 namespace {
 
 constexpr std::size_t most_cells = 100'000'000;  // of all robots and steps
+constexpr double off_centre = 1e-6;              // of a cell: rounding
 constexpr std::string_view agent = "Agent ";
 constexpr std::string_view solution = "solution=";
 
@@ -120,7 +121,7 @@ std::string as_text(const GridCell& cell) {
 std::optional<std::string> problem_with(const std::vector<GridCell>& cells, const RobotTask& robot,
                                         const OccupancyMap& map) {
   const auto is_at = [&](const GridCell& cell, const Point2& p) {
-    return (centre(map, cell) - p).norm() <= 1e-6 * map.resolution;
+    return (centre(map, cell) - p).norm() <= off_centre * map.resolution;
   };
   if (cells.empty()) return "has no cell";
   for (std::size_t t = 0; t < cells.size(); ++t) {
@@ -256,6 +257,26 @@ void write_grid_plan(const std::filesystem::path& path, const GridPlan& plan, Gr
       out << '\n';
     }
   });
+}
+
+std::vector<GridTask> grid_tasks_of(const Scenario& scenario) {
+  const OccupancyMap& map = scenario.map;
+  const auto cell_of = [&](const Point2& p, const std::string& robot, const char* end) {
+    const Point2 q = (p - map.origin) / map.resolution;
+    const GridCell cell{static_cast<int>(std::floor(q.x())), static_cast<int>(std::floor(q.y()))};
+    if ((centre(map, cell) - p).norm() > off_centre * map.resolution)
+      throw InputError(
+          fmt::format("the {} ({}, {}) of {} is not in the middle of a cell", end, p.x(), p.y(), robot));
+    return cell;
+  };
+  std::vector<GridTask> tasks;
+  for (const RobotTask& robot : scenario.robots) {
+    if (2 * robot.radius > map.resolution)
+      throw InputError(fmt::format("{} is wider than a cell: radius {}, cells of {} m", robot.name,
+                                   robot.radius, map.resolution));
+    tasks.push_back({cell_of(robot.start, robot.name, "start"), cell_of(robot.goal, robot.name, "goal")});
+  }
+  return tasks;
 }
 
 std::vector<Trajectory> trajectories_of(const GridPlan& plan, const Scenario& scenario) {

@@ -11,24 +11,20 @@
 // Cells count from 0. x and column count cells of the map along x, y and row along y.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "coppice/files/scenario.h"
+#include "coppice/motion/grid_plan.h"
 #include "coppice/motion/trajectory.h"
 
 namespace coppice {
 
-struct GridCell {
-  int x = 0;
-  int y = 0;
-  bool operator==(const GridCell&) const = default;
-};
-
-/// By robot: its cell at each time step. It stays at the last one.
-using GridPlan = std::vector<std::vector<GridCell>>;
-
 enum class GridPlanForm : unsigned char { steps, agents };
+
+inline constexpr std::array<std::string_view, 2> grid_plan_forms{"steps", "agents"};
 
 /// Throws InputError, which names the file, the line and what was expected.
 GridPlan read_grid_plan(const std::filesystem::path& path);
@@ -38,6 +34,10 @@ std::vector<Trajectory> read_plan(const std::filesystem::path& path, const Scena
 
 /// Throws InputError if the file cannot be written.
 void write_grid_plan(const std::filesystem::path& path, const GridPlan& plan, GridPlanForm form);
+
+/// The robots' tasks on the cells. Throws InputError, which names the robot, if a robot does not start and
+/// end in the middle of a cell, or is wider than a cell.
+std::vector<GridTask> grid_tasks_of(const Scenario& scenario);
 
 /// The trajectories of the robots of a scenario, from time 0 on. A step takes as long as the slowest robot
 /// takes for a cell. Throws InputError, which names the robot and the step, if the plan is not one of this
