@@ -74,6 +74,16 @@ TEST(GivenPlan, RobotsPassInTheOrderOfThePlan) {
   EXPECT_LT(run.run_time, 12);  // 7 steps of 1 s, and what they lose while they speed up and brake
 }
 
+TEST(GivenPlan, ARobotReportsItsPartOfThePlanAsItsPath) {
+  const Scenario scenario = crossing();
+  GridPlan detour = plan_of_crossing();
+  detour[0] = {{2, 3}, {2, 3}, {3, 3}, {4, 3},
+               {5, 3}, {6, 3}, {5, 3}, {6, 3}};  // there and back, and there again
+  const SimulatedRun run = simulate(scenario, {.timeout = 60, .plan = trajectories_of(detour, scenario)});
+  EXPECT_TRUE(run.arrived);
+  EXPECT_NE(run.report.find("\"path_length\": 6"), std::string::npos) << run.report;
+}
+
 TEST(GivenPlan, RobotsKeepTheOrderOverABadNetwork) {
   const Scenario scenario = crossing();
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
