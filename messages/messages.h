@@ -37,7 +37,8 @@ struct TreesId {
 struct MapMessage {
   std::string map_id;
   OccupancyMap map;
-  /// Of the robots that are to drive on it, each once, if brokers are to grow trees before missions come.
+  /// The radii of the robots that are to drive on it, each once, if brokers are to grow trees before missions
+  /// come.
   std::vector<double> radii{};
   TreeParameters trees{};
   bool operator==(const MapMessage&) const = default;

@@ -21,7 +21,7 @@ constexpr std::uint64_t cells_an_iteration = 8;
 // If that search finds a way, the trees may still find one, too. The passage is about as wide as the robot.
 constexpr std::uint64_t searches_until_roadmap_serves = 5;
 
-/// Of the trees that grow in the agent: with a broker, the disjointed trees grow there.
+/// The parameters of the trees that grow in the agent. With a broker, the disjointed trees grow there.
 TreeParameters own_trees(const Mission& mission, const ClearanceField& field) {
   TreeParameters trees = completed(mission.trees, field, mission.radius);
   if (mission.planner != PlannerKind::rrdt_star) trees.disjointed_trees = 0;

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
-#include "messages/validation.h"
 #include "planner_service/startup_barrier.h"
 #include "tests/tracks.h"
 #include "tests/unit/planner_service/roles.h"
@@ -48,38 +47,6 @@ TEST(PlannerService, TheServiceWaitsShortlyForABrokerAndNotAtAllWithoutSharing) 
   const auto first = alone.step(0);
   EXPECT_EQ(of<Mission>(first).size(), 2u);
   EXPECT_TRUE(of<MapMessage>(first)[0].radii.empty());
-}
-
-TEST(PlannerService, MissionsGoOutAtOnceIfTheTreesGrowTogether) {
-  PlannerService service(two_robots(), {.forest = ForestStart::together}, 0);
-  const auto first = service.step(0);
-  EXPECT_EQ(of<Mission>(first).size(), 2u);
-  EXPECT_TRUE(of<MapMessage>(first)[0].radii.empty());  // no broker grows ahead
-}
-
-TEST(PlannerService, TheParametersOfTheTreesGoToBrokersAndAgents) {
-  const TreeParameters trees{.epsilon = 7, .disjointed_trees = 3, .kappa = 1, .restarts = Restarts::random};
-  PlannerService service(two_robots(), {.trees = trees, .forest = ForestStart::together}, 0);
-  const auto first = service.step(0);
-  EXPECT_EQ(of<MapMessage>(first)[0].trees, trees);
-  for (const Mission& mission : of<Mission>(first)) EXPECT_EQ(mission.trees, trees);
-}
-
-TEST(PlannerService, AGivenPlanGoesOutWithTheMissionsAndEndsWithTheRun) {
-  const std::vector<Trajectory> plan{{{0, {20, 60}}, {4, {100, 60}}}, {{0, {20, 20}}, {1, {20, 40}}}};
-  PlannerService service(two_robots(), {.forest = ForestStart::together, .plan = plan}, 0);
-  const auto plans = of<JointPlanMessage>(service.step(0));
-  ASSERT_EQ(plans.size(), 1u);
-  EXPECT_EQ(plans[0].round.leader, service_as_leader);
-  ASSERT_EQ(plans[0].members.size(), 2u);
-  EXPECT_EQ(plans[0].members[1].robot, "b");
-  EXPECT_EQ(path_of(plans[0].members[1].trajectory), path_of(plan[1]));
-  EXPECT_EQ(problem_with(Message(plans[0])), std::nullopt);
-  EXPECT_TRUE(of<JointPlanMessage>(service.step(0.1)).empty());
-  service.interrupt();
-  const auto last = service.step(0.2);
-  EXPECT_EQ(of<Mission>(last).size(), 2u);  // cancelled
-  EXPECT_TRUE(of<JointPlanMessage>(last).empty());
 }
 
 TEST(PlannerService, ARobotHasArrivedIfItsTrackShowsIt) {
