@@ -28,7 +28,7 @@ struct Contender {
   bool improves() const { return kind == PlannerKind::ma_rrdt_star && !is_plain; }
 };
 const std::array<Contender, 3> contenders{{{"MA-RRdT*", PlannerKind::ma_rrdt_star, false},
-                                           {"MA-RRdT*, plain", PlannerKind::ma_rrdt_star, true},
+                                           {"plain MA-RRdT*", PlannerKind::ma_rrdt_star, true},
                                            {"MA-RRT*", PlannerKind::rrt_star, false}}};
 
 /// The paper's measures of one run.

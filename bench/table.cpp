@@ -7,9 +7,27 @@
 
 namespace coppice {
 
+namespace {
+
+/// A cell with a comma or a quote stands in quotes (RFC 4180).
+std::string csv_cell(const std::string& cell) {
+  if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csv_line(const std::vector<std::string>& cells) {
+  std::vector<std::string> quoted;
+  for (const std::string& cell : cells) quoted.push_back(csv_cell(cell));
+  return fmt::format("{}\n", fmt::join(quoted, ","));
+}
+
+}  // namespace
+
 std::string as_csv(const Table& table) {
-  std::string text = fmt::format("{}\n", fmt::join(table.header, ","));
-  for (const auto& row : table.rows) text += fmt::format("{}\n", fmt::join(row, ","));
+  std::string text = csv_line(table.header);
+  for (const auto& row : table.rows) text += csv_line(row);
   return text;
 }
 

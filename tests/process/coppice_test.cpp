@@ -95,7 +95,7 @@ TEST(CoppiceBench, QuickExperimentsWriteTablesAndPlots) {
               " --quick --maps room --robots 3 --seeds 2 --output " + folder.path().string());
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
     const std::string csv = test::contents(folder.path() / (experiment + ".csv"));
-    EXPECT_EQ(count(csv, "\n"), experiment == "paper" ? 1 + 2 * 2 : 1 + 2 * 10) << csv;
+    EXPECT_EQ(count(csv, "\n"), experiment == "paper" ? 1 + 2 * 3 : 1 + 2 * 10) << csv;
     EXPECT_NE(test::contents(folder.path() / (experiment + ".md")).find("| room"), std::string::npos);
     EXPECT_NE(test::contents(folder.path() / (experiment + ".svg")).find("<polyline"), std::string::npos);
   }
