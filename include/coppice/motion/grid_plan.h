@@ -2,8 +2,8 @@
 // of the four neighbouring cells, or waits.
 //
 // LaCAM (Okumura, "LaCAM: Search-Based Algorithm for Quick Multi-Agent Pathfinding", 2023) finds the moves
-// one after the other. They are then made as early as the moves before them allow. So the plan is complete
-// but not optimal.
+// one after the other, if its bounded memory suffices. They are then made as early as the moves before them
+// allow. So the plan is not optimal.
 #pragma once
 
 #include <cstddef>

@@ -62,9 +62,8 @@ inline std::optional<std::string_view> fault_of(const TreeParameters& trees) {
   return std::nullopt;
 }
 
-/// The values of the paper, where it names them: restarts at random points, each of which counts. It names
-/// neither epsilon nor the number of trees; this one is of the trial in which 64 trees took the fewest
-/// samples.
+/// MA-RRdT* without the density rule and the evenly spread points of docs/planning.md: trees restart at
+/// random points, each of which counts. 16 disjointed trees, or two for each robot if that is more.
 inline TreeParameters plain_parameters(std::uint32_t robots) {
   return {.disjointed_trees = std::max(16U, 2 * robots), .spacing = 0, .restarts = Restarts::random};
 }
