@@ -142,12 +142,18 @@ COPPICE_FIELDS(InactiveTreesMessage::Node, "TreeNode",
   COPPICE_FIELD(1, position),
   COPPICE_FIELD(2, parent),
   COPPICE_FIELD(3, edge_clearance));
+COPPICE_FIELDS(InactiveTreesMessage::Link, "TreeLink",
+  COPPICE_FIELD(1, node),
+  COPPICE_FIELD_AT(2, other_broker, other.broker, other_broker()),
+  COPPICE_FIELD_AT(3, other_number, other.number, other_number()),
+  COPPICE_FIELD(4, other_node));
 COPPICE_FIELDS(InactiveTreesMessage, "InactiveTree",
   COPPICE_FIELD_AT(1, broker, id.broker, broker()),
   COPPICE_FIELD_AT(2, number, id.number, number()),
   COPPICE_FIELD(3, map_id),
   COPPICE_FIELD(4, radius),
-  COPPICE_FIELD(5, nodes));
+  COPPICE_FIELD(5, nodes),
+  COPPICE_NEW_FIELD(6, links));
 
 COPPICE_FIELDS(ActiveTreesMessage::Edge, "TreeEdge",
   COPPICE_FIELD(1, from),

@@ -97,6 +97,15 @@ struct InactiveTreesMessage {
     bool operator==(const Node&) const = default;
   };
   std::vector<Node> nodes;
+  /// Two trees see each other between two of their nodes. A broker tells all such links of its trees: no
+  /// process needs to look for more between trees.
+  struct Link {
+    std::uint32_t node = 0;  ///< index in nodes
+    TreesId other{};         ///< the message with the other tree, perhaps this one
+    std::uint32_t other_node = 0;
+    auto operator<=>(const Link&) const = default;
+  };
+  std::vector<Link> links{};
   bool operator==(const InactiveTreesMessage&) const = default;
 };
 

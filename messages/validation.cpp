@@ -134,6 +134,10 @@ Problem check(const InactiveTreesMessage& m) {
     if (node.parent != -1 && (root < 0 || node.parent < root || node.parent >= static_cast<std::int64_t>(i)))
       return "node's parent is not a node of its tree before it";
   }
+  const auto fine = [&](const InactiveTreesMessage::Link& link) {
+    return link.node < m.nodes.size() && (link.other != m.id || link.other_node < m.nodes.size());
+  };
+  if (!std::ranges::all_of(m.links, fine)) return "link is of a node that is not there";
   return std::nullopt;
 }
 

@@ -37,7 +37,7 @@
 #include "planning/directed_sampler.h"
 #include "planning/even_points.h"
 #include "planning/forest.h"
-#include "planning/frozen_tree.h"
+#include "planning/frozen_trees.h"
 #include "planning/path_search.h"
 #include "planning/rewiring.h"
 #include "planning/space.h"
@@ -82,7 +82,9 @@ class MaRrdtStar {
   void add_remote_node(GroupIndex g, Root side, const P& p) {
     if (!is_open(g)) return;
     look_around(p);
-    compare_root_node(trees_.add_node(groups_[g].tree[index(side)], p), g, side);
+    const NodeId q = trees_.add_node(groups_[g].tree[index(side)], p);
+    extend_reach(g, side, p);
+    compare_root_node(q, g, side);
   }
 
   /// The group needs no more trees: it was solved elsewhere or given up.
@@ -92,8 +94,15 @@ class MaRrdtStar {
     leave(g);
   }
 
-  /// Adds an inactive tree that was grown elsewhere. Parents must come before their children.
-  TreeIndex add_inactive_tree(const FrozenTree<D>& frozen);
+  /// Adds inactive trees that were grown elsewhere, and grafts those that root trees here see. Parents must
+  /// come before their children. Returns the first node; the others are numbered from it in their order.
+  NodeId add_inactive_trees(const FrozenTrees<D>& frozen);
+  /// Links the trees of two nodes that were found elsewhere to see each other. Does nothing if an obstacle is
+  /// between them.
+  void add_link(NodeId a, NodeId b);
+  /// Links the inactive trees whose nodes are numbered from `first` on to all inactive trees that they see.
+  /// Active trees that they see become inactive.
+  void look_for_links(NodeId first);
 
   /// Runs one iteration of Algorithm 2. Returns false if no tree grows here or every group is solved.
   bool step();
@@ -136,11 +145,11 @@ class MaRrdtStar {
   template <class Fn>
   void for_each_active_edge(Fn&& fn) const;
 
-  /// Trees that became inactive since the last call, for publication.
-  std::vector<TreeIndex> take_frozen() { return std::exchange(frozen_, {}); }
+  /// Trees that became inactive since the last call, for publication. Of these and all earlier ones, those
+  /// that see each other are linked.
+  std::vector<TreeIndex> take_frozen();
   /// Number of trees that have become inactive so far.
   std::uint32_t frozen_trees() const { return frozen_trees_; }
-  FrozenTree<D> frozen_tree(TreeIndex t) const { return freeze_copy(trees_, t); }
 
   /// Nodes that joined a group's root trees here since the last call.
   std::vector<NodeId> take_root_nodes(GroupIndex g) { return std::exchange(groups_[g].fresh, {}); }
@@ -162,8 +171,9 @@ class MaRrdtStar {
     State state = State::open;
     std::array<TreeIndex, 2> tree{};
     std::array<NodeId, 2> root_node{no_node, no_node};
-    std::array<std::vector<Entry>, 2> entries;    ///< one for each component that the root tree grafted
-    std::array<NodeId, 2> met{no_node, no_node};  ///< the nodes through which the root trees see each other
+    std::array<std::optional<Box<D>>, 2> reach{};  ///< the box around the nodes of each root tree
+    std::array<std::vector<Entry>, 2> entries;     ///< one for each component that the root tree grafted
+    std::array<NodeId, 2> met{no_node, no_node};   ///< the nodes through which the root trees see each other
     std::uint32_t grafted = 0;
     SampleCounts counts;
     std::vector<NodeId> fresh;
@@ -214,9 +224,13 @@ class MaRrdtStar {
   void compare_root_node(NodeId q, GroupIndex g, Root side);
   NodeId add_root_node(GroupIndex g, Root side, const P& p, NodeId from);
   std::vector<NodeId> seen_in_tree(NodeId q, NodeId from) const;
+  void extend_reach(GroupIndex g, Root side, const P& p);
+  bool is_near_root_trees(const P& p) const;
   void freeze(TreeIndex t);
-  void link(TreeIndex a, TreeIndex b);
+  void link(NodeId p, NodeId q);
+  void link_to_seen_trees(NodeId q);
   void graft(GroupIndex g, Root side, const Entry& entry);
+  void graft_to_root_trees(NodeId q);
   bool connected(TreeIndex a, TreeIndex b) const;
 
   /// The key of a tree of shortest paths. The tree is valid for as long as the forest does not change, for

@@ -246,16 +246,15 @@ void MaRrdtStar<S>::compare_disjointed_node(NodeId q) {
     const Tree& other = trees_.tree(u);
     if (u == t) continue;
     if (other.kind == TreeKind::active) {
-      // A tree that has just become inactive is linked to active ones when these become inactive too.
+      // take_frozen() links a tree that has just become inactive to active ones, once these are inactive too.
       if (trees_.tree(t).kind != TreeKind::active || other.radius != radius || !visible(q, n, radius))
         continue;
       trees_.add_edge(q, n);
       t = trees_.merge(t, u);
     } else if (other.kind == TreeKind::inactive) {
       if (connected(t, u) || !visible(q, n, std::min(radius, other.radius))) continue;
-      trees_.add_edge(q, n);
       freeze(t);
-      link(t, u);
+      link(q, n);
     } else if (is_open(other.group) && other.radius <= radius) {
       roots.push_back({other.group, {t, n, q}});
     }
@@ -297,6 +296,7 @@ void MaRrdtStar<S>::compare_root_node(NodeId q, GroupIndex g, Root side) {
 template <Space S>
 NodeId MaRrdtStar<S>::add_root_node(GroupIndex g, Root side, const P& p, NodeId from) {
   const NodeId q = trees_.add_node(groups_[g].tree[index(side)], p);
+  extend_reach(g, side, p);
   if (from != no_node) choose_parent_and_rewire<D>(trees_, q, seen_in_tree(q, from));
   groups_[g].fresh.push_back(q);
   compare_root_node(q, g, side);
@@ -376,10 +376,13 @@ bool MaRrdtStar<S>::has_grafted(GroupIndex g, Root side, TreeIndex t) const {
   });
 }
 
-/// Two inactive trees see each other. A root tree that grafted one of them has the other too. A group whose
-/// two root trees grafted one each is solved.
+/// The inactive trees of two nodes see each other. A root tree that grafted one of them has the other too. A
+/// group whose two root trees grafted one each is solved.
 template <Space S>
-void MaRrdtStar<S>::link(TreeIndex a, TreeIndex b) {
+void MaRrdtStar<S>::link(NodeId p, NodeId q) {
+  trees_.add_edge(p, q);
+  const TreeIndex a = trees_.tree_of(p);
+  const TreeIndex b = trees_.tree_of(q);
   std::vector<GroupIndex> met;
   const double radius = std::min(trees_.tree(a).radius, trees_.tree(b).radius);
   forest_.link(a, b, radius, [&](Forest::Layer, const Forest::Graft& graft) {
@@ -401,33 +404,98 @@ void MaRrdtStar<S>::graft(GroupIndex g, Root side, const Entry& entry) {
 }
 
 template <Space S>
-TreeIndex MaRrdtStar<S>::add_inactive_tree(const FrozenTree<D>& frozen) {
-  const TreeIndex t = trees_.add_tree(TreeKind::inactive, frozen.radius);
-  std::vector<NodeId> ids;
+NodeId MaRrdtStar<S>::add_inactive_trees(const FrozenTrees<D>& frozen) {
+  const auto first = static_cast<NodeId>(trees_.node_count());
+  TreeIndex t = 0;
   for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
-    ids.push_back(trees_.add_node(t, frozen.nodes[i]));
-    if (frozen.parents[i] >= 0) trees_.add_edge(ids[static_cast<std::size_t>(frozen.parents[i])], ids[i]);
+    const std::int32_t parent = frozen.parents[i];
+    if (parent < 0) t = trees_.add_tree(TreeKind::inactive, frozen.radius);
+    const NodeId q = trees_.add_node(t, frozen.nodes[i]);
+    if (parent >= 0) trees_.add_edge(first + static_cast<NodeId>(parent), q);
   }
-  for (const NodeId q : ids) {
+  for (NodeId q = first; q < trees_.node_count(); ++q) {
+    if (is_near_root_trees(trees_.position(q))) graft_to_root_trees(q);
+  }
+  return first;
+}
+
+/// Grafts the inactive tree of q to the root trees that q sees.
+template <Space S>
+void MaRrdtStar<S>::graft_to_root_trees(NodeId q) {
+  const TreeIndex t = trees_.tree_of(q);
+  look_around(trees_.position(q));
+  for (const NodeId n : near_) {
+    const Tree& root = trees_.tree(trees_.tree_of(n));
+    if (root.kind != TreeKind::root || !is_open(root.group) || root.radius > trees_.tree(t).radius) continue;
+    if (has_grafted(root.group, root.side, t) || !visible(q, n, root.radius)) continue;
+    trees_.add_edge(q, n);
+    graft(root.group, root.side, {t, n, q});
+  }
+}
+
+template <Space S>
+void MaRrdtStar<S>::extend_reach(GroupIndex g, Root side, const P& p) {
+  std::optional<Box<D>>& reach = groups_[g].reach[index(side)];
+  reach = reach ? extended(*reach, p) : Box<D>{p, p};
+}
+
+/// Whether a root tree of an open group may see p.
+template <Space S>
+bool MaRrdtStar<S>::is_near_root_trees(const P& p) const {
+  const auto near = [&](const std::optional<Box<D>>& reach) {
+    return reach && distance(*reach, Box<D>{p, p}) <= parameters_.epsilon;
+  };
+  return std::ranges::any_of(open_,
+                             [&](GroupIndex g) { return std::ranges::any_of(groups_[g].reach, near); });
+}
+
+template <Space S>
+void MaRrdtStar<S>::add_link(NodeId a, NodeId b) {
+  const TreeIndex t = trees_.tree_of(a);
+  const TreeIndex u = trees_.tree_of(b);
+  const double radius = std::min(trees_.tree(t).radius, trees_.tree(u).radius);
+  if (t == u || connected(t, u)) return;
+  // The segment was tested from one of its ends. From the other end, the result may differ by rounding.
+  if (visible(a, b, radius) || visible(b, a, radius)) link(a, b);
+}
+
+template <Space S>
+void MaRrdtStar<S>::look_for_links(NodeId first) {
+  for (NodeId q = first; q < trees_.node_count(); ++q) {
     look_around(trees_.position(q));
+    link_to_seen_trees(q);
+    const double radius = trees_.tree(trees_.tree_of(q)).radius;
     for (const NodeId n : near_) {
       const TreeIndex u = trees_.tree_of(n);
       const Tree& other = trees_.tree(u);
-      if (u == t) continue;
-      if (other.kind == TreeKind::root) {
-        if (!is_open(other.group) || other.radius > frozen.radius) continue;
-        if (has_grafted(other.group, other.side, t) || !visible(q, n, other.radius)) continue;
-        trees_.add_edge(q, n);
-        graft(other.group, other.side, {t, n, q});
-      } else {
-        if (connected(t, u) || !visible(q, n, std::min(frozen.radius, other.radius))) continue;
-        trees_.add_edge(q, n);
-        freeze(u);
-        link(t, u);
-      }
+      if (other.kind == TreeKind::active && visible(q, n, std::min(radius, other.radius))) freeze(u);
     }
   }
-  return t;
+}
+
+/// Links the inactive tree of q to the inactive trees that q sees.
+template <Space S>
+void MaRrdtStar<S>::link_to_seen_trees(NodeId q) {
+  const TreeIndex t = trees_.tree_of(q);
+  const double radius = trees_.tree(t).radius;
+  forest_.layer(radius);  // so that `connected` knows of robots that have no mission yet
+  for (const NodeId n : near_) {
+    const TreeIndex u = trees_.tree_of(n);
+    const Tree& other = trees_.tree(u);
+    if (u == t || other.kind != TreeKind::inactive || connected(t, u)) continue;
+    if (visible(q, n, std::min(radius, other.radius))) link(q, n);
+  }
+}
+
+template <Space S>
+std::vector<TreeIndex> MaRrdtStar<S>::take_frozen() {
+  for (const TreeIndex t : frozen_) {
+    trees_.for_each_node(t, [&](NodeId q) {
+      look_around(trees_.position(q));
+      link_to_seen_trees(q);
+    });
+  }
+  return std::exchange(frozen_, {});
 }
 
 template <Space S>

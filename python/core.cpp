@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,12 +21,16 @@
 
 #include "coppice/files/input_error.h"
 #include "coppice/files/map_file.h"
+#include "coppice/files/plan_file.h"
 #include "coppice/files/scenario.h"
 #include "coppice/files/scenario_file.h"
 #include "coppice/files/scenario_generator.h"
+#include "coppice/motion/grid_plan.h"
 #include "coppice/motion/plan_trajectories.h"
 #include "coppice/planning/map_generator.h"
 #include "coppice/planning/plan_paths.h"
+#include "coppice/planning/planner_kind.h"
+#include "coppice/planning/tree_parameters.h"
 #include "coppice/simulation/simulate.h"
 
 namespace py = pybind11;
@@ -35,6 +40,7 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Cells = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
+using GridCells = py::array_t<int, py::array::c_style | py::array::forcecast>;
 
 /// A map and its clearance, which is computed once.
 struct MapWithClearance {
@@ -158,9 +164,19 @@ py::tuple tasks_on(const MapWithClearance& self, int count, double radius, doubl
   return py::make_tuple(array_of(starts), array_of(goals));
 }
 
+/// The value of an enumeration that has this name.
+template <class E, std::size_t n>
+E value_called(const std::string& name, const std::array<std::string_view, n>& names,
+               const std::string& argument) {
+  const auto at = std::ranges::find(names, name);
+  if (at != names.end()) return static_cast<E>(at - names.begin());
+  std::string expected(names.front());
+  for (std::size_t k = 1; k < n; ++k) expected += (k + 1 < n ? ", " : " or ") + std::string(names[k]);
+  throw InputError(argument + ": \"" + name + "\", expected " + expected);
+}
+
 PlannerKind planner_of(const std::string& name) {
-  if (const auto kind = planner_kind(name)) return *kind;
-  throw InputError("planner: \"" + name + "\", expected ma-rrdt, rrdt or rrt-star");
+  return value_called<PlannerKind>(name, planner_names, "planner");
 }
 
 std::vector<PlanningProblem> problems_of(const MapWithClearance& map, const Array& starts, const Array& goals,
@@ -176,11 +192,24 @@ std::vector<PlanningProblem> problems_of(const MapWithClearance& map, const Arra
   return problems;
 }
 
+TreeParameters trees_of(double epsilon, std::uint32_t disjointed_trees, double kappa, double failure_factor,
+                        double restart_weight, double spacing, const std::string& restarts) {
+  const TreeParameters trees{epsilon,
+                             disjointed_trees,
+                             kappa,
+                             failure_factor,
+                             restart_weight,
+                             spacing,
+                             value_called<Restarts>(restarts, restarts_names, "restarts")};
+  if (const auto fault = fault_of(trees)) throw InputError(std::string(*fault));
+  return trees;
+}
+
 PathPlan plan(const MapWithClearance& map, const Array& starts, const Array& goals,
               const std::vector<double>& radii, const std::string& planner, std::uint64_t seed,
-              double timeout, double improve) {
+              double timeout, double improve, const TreeParameters& trees) {
   const auto problems = problems_of(map, starts, goals, radii);
-  const PlanSettings settings{planner_of(planner), seed, timeout, improve};
+  const PlanSettings settings{planner_of(planner), seed, timeout, improve, trees};
   return Work::result_of([&](Work& work) {
     return plan_paths(map.field, problems, settings,
                       {.clock = steady_seconds, .stop = [&] { return work.is_interrupted(); }});
@@ -206,9 +235,9 @@ py::tuple edges_of(const PathPlan& self) {
   return py::make_tuple(ends, robots);
 }
 
-py::tuple trajectories_of(const MapWithClearance& map, const Array& starts, const Array& goals,
-                          const std::vector<double>& radii, const std::vector<double>& speeds,
-                          const std::vector<double>& accelerations, std::uint64_t seed) {
+py::tuple planned_trajectories(const MapWithClearance& map, const Array& starts, const Array& goals,
+                               const std::vector<double>& radii, const std::vector<double>& speeds,
+                               const std::vector<double>& accelerations, std::uint64_t seed) {
   std::vector<DrivingTask> tasks;
   for (const PlanningProblem& p : problems_of(map, starts, goals, radii)) {
     const std::size_t k = tasks.size();
@@ -224,6 +253,43 @@ py::tuple trajectories_of(const MapWithClearance& map, const Array& starts, cons
     }));
   }
   return py::make_tuple(trajectories, fleet.stranded);
+}
+
+std::vector<GridCell> cells_of(const GridCells& rows) {
+  const auto row = rows.unchecked<2>();
+  std::vector<GridCell> cells;
+  for (py::ssize_t k = 0; k < row.shape(0); ++k) cells.push_back({row(k, 0), row(k, 1)});
+  return cells;
+}
+
+GridPlan grid_plan_of(const std::vector<GridCells>& robots) {
+  GridPlan plan;
+  for (const GridCells& cells : robots) plan.push_back(cells_of(cells));
+  return plan;
+}
+
+py::list arrays_of(const GridPlan& plan) {
+  py::list robots;
+  for (const std::vector<GridCell>& cells : plan) {
+    GridCells rows({static_cast<py::ssize_t>(cells.size()), py::ssize_t{2}});
+    auto row = rows.mutable_unchecked<2>();
+    for (std::size_t k = 0; k < cells.size(); ++k) {
+      row(static_cast<py::ssize_t>(k), 0) = cells[k].x;
+      row(static_cast<py::ssize_t>(k), 1) = cells[k].y;
+    }
+    robots.append(rows);
+  }
+  return robots;
+}
+
+std::optional<py::list> plan_on_cells(const MapWithClearance& map, const GridCells& starts,
+                                      const GridCells& goals, std::uint64_t seed) {
+  const std::vector<GridCell> from = cells_of(starts);
+  const std::vector<GridCell> to = cells_of(goals);
+  std::vector<GridTask> tasks;
+  for (std::size_t k = 0; k < from.size(); ++k) tasks.push_back({from[k], to[k]});
+  const auto plan = Work::result_of([&](Work&) { return plan_on_grid(map.map, tasks, seed); });
+  return plan ? std::optional(arrays_of(*plan)) : std::nullopt;
 }
 
 Scenario scenario_of(const MapWithClearance& map, const std::vector<std::string>& names, const Array& starts,
@@ -252,8 +318,18 @@ Array values_of(const Scenario& self, double RobotTask::*value) {
 }
 
 py::tuple simulate_with(const Scenario& scenario, const Faults& faults, double timeout,
-                        const std::string& planner, double plan_budget, double lifelong) {
-  const SimulationSettings settings{timeout, planner_of(planner), plan_budget, lifelong, faults};
+                        const std::string& planner, double plan_budget, double lifelong,
+                        const TreeParameters& trees, const std::string& forest,
+                        const std::optional<std::vector<GridCells>>& plan) {
+  const SimulationSettings settings{
+      timeout,
+      planner_of(planner),
+      plan_budget,
+      lifelong,
+      faults,
+      trees,
+      value_called<ForestStart>(forest, forest_names, "forest"),
+      plan ? trajectories_of(grid_plan_of(*plan), scenario) : std::vector<Trajectory>()};
   const SimulatedRun run = Work::result_of([&](Work& work) {
     return simulate(scenario, settings, [&](double) { return work.is_interrupted(); });
   });
@@ -333,8 +409,16 @@ PYBIND11_MODULE(_core, m) {
       .def_property_readonly("edges", &edges_of)
       .def_readonly("plan_time", &PathPlan::plan_time)
       .def_readonly("improve_time", &PathPlan::improve_time);
+  py::class_<TreeParameters>(m, "TreeParameters").def(py::init(&trees_of));
   m.def("plan", &plan);
-  m.def("plan_trajectories", &trajectories_of);
+  m.def("plan_trajectories", &planned_trajectories);
+
+  m.def("plan_on_grid", &plan_on_cells);
+  m.def("read_grid_plan", [](const std::string& path) { return arrays_of(read_grid_plan(path)); });
+  m.def("write_grid_plan", [](const std::string& path, const std::vector<GridCells>& plan,
+                              const std::string& form) {
+    write_grid_plan(path, grid_plan_of(plan), value_called<GridPlanForm>(form, grid_plan_forms, "form"));
+  });
 
   py::class_<Scenario>(m, "Scenario")
       .def(py::init(&scenario_of))

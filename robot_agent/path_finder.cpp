@@ -49,7 +49,23 @@ PathFinder::PathFinder(const ClearanceField& field, PathImprover<ClearanceField>
 void PathFinder::take(const InactiveTreesMessage& message) {
   if (mission_.planner != PlannerKind::ma_rrdt_star) return;
   steps_without_news_ = 0;
-  for (const FrozenTree<2>& tree : frozen_trees_of(message)) planner_.add_inactive_tree(tree);
+  const auto count = static_cast<std::uint32_t>(message.nodes.size());
+  if (const auto [known, is_new] = received_.try_emplace(message.id, Received{0, count}); is_new)
+    known->second.first = planner_.add_inactive_trees(frozen_trees_of(message));
+  for (const InactiveTreesMessage::Link& link : message.links) links_.push_back({message.id, link});
+  std::erase_if(links_, [&](const auto& named) {
+    const auto& [id, link] = named;
+    const auto a = node_of(id, link.node);
+    const auto b = node_of(link.other, link.other_node);
+    if (a && b) planner_.add_link(*a, *b);
+    return a && b;
+  });
+}
+
+std::optional<NodeId> PathFinder::node_of(const TreesId& id, std::uint32_t index) const {
+  const auto trees = received_.find(id);
+  if (trees == received_.end() || index >= trees->second.nodes) return std::nullopt;
+  return trees->second.first + index;
 }
 
 std::optional<PathFinder::Result> PathFinder::step() {

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -32,6 +33,7 @@ class PathFinder {
   PathFinder(const ClearanceField& field, PathImprover<ClearanceField>& improver, const Mission& mission,
              const Point2& start, Path known = {});
 
+  /// Trees may come again, with further links.
   void take(const InactiveTreesMessage& trees);
 
   /// Grows the trees by a bounded amount. After a long search, searches all passages of the map. Returns the
@@ -60,6 +62,12 @@ class PathFinder {
   std::uint32_t grafted_trees() const { return rrt_star_ ? 0 : planner_.grafted_trees(group_); }
 
  private:
+  struct Received {  ///< the nodes of a message
+    NodeId first;
+    std::uint32_t nodes;
+  };
+
+  std::optional<NodeId> node_of(const TreesId& id, std::uint32_t index) const;
   bool solved() const { return rrt_star_ ? rrt_star_->solved() : planner_.solved(group_); }
   bool grow();
   Path take_first_path(Path path);
@@ -72,6 +80,9 @@ class PathFinder {
   std::optional<RrtStar<ClearanceField>> rrt_star_;  ///< if the mission asks for this planner
   MaRrdtStar<ClearanceField> planner_;
   GroupIndex group_ = 0;
+  std::map<TreesId, Received> received_;
+  /// Links, with the trees that told them, to trees that have not come yet.
+  std::vector<std::pair<TreesId, InactiveTreesMessage::Link>> links_;
   std::uint64_t iterations_ = 0;
   std::uint64_t samples_until_ = 0;            ///< iterations before the known path is taken
   int steps_without_news_ = 0;                 ///< from the broker

@@ -229,7 +229,7 @@ void Run::look_for_a_path(Path known) {
   task_ = Impossible{};  // the finder before this one looks at an improver that may be replaced
   auto finder =
       std::make_unique<PathFinder>(map_->field, improver(), mission_, body_.position(), std::move(known));
-  for (const InactiveTreesMessage& trees : process_.trees.messages()) {
+  for (const auto& [id, trees] : process_.trees.messages()) {
     if (trees.map_id == map_->map_id) finder->take(trees);
   }
   enter(Planning{std::move(finder)});

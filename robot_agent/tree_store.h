@@ -4,8 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <set>
-#include <span>
+#include <map>
 #include <vector>
 
 #include "messages/messages.h"
@@ -17,7 +16,7 @@ class TreeStore {
  public:
   enum class Verdict {
     kept,
-    known,  ///< a broker that took over sends its trees again
+    known,  ///< a broker that took over sends its trees again, without new links
     of_another_map,
     impossible,  ///< the tree leads through an obstacle, or there are too many nodes
   };
@@ -28,18 +27,21 @@ class TreeStore {
   /// latter.
   std::uint32_t restrict_to(const MapContext& map);
 
-  std::span<const InactiveTreesMessage> messages() const { return messages_; }
+  const std::map<TreesId, InactiveTreesMessage>& messages() const { return messages_; }
   /// The number of trees.
   std::uint32_t size() const { return trees_; }
 
  private:
+  using Links = std::vector<InactiveTreesMessage::Link>;
+
+  Verdict take_links(const Links& told, Links& known);
   void count(const InactiveTreesMessage& trees);
   void drop(const std::function<bool(const InactiveTreesMessage&)>& which);
 
-  std::vector<InactiveTreesMessage> messages_;
-  std::set<TreesId> ids_;    ///< of `messages_`
+  std::map<TreesId, InactiveTreesMessage> messages_;
   std::uint32_t trees_ = 0;  ///< in all messages together, as `nodes_`
   std::size_t nodes_ = 0;
+  std::size_t links_ = 0;
 };
 
 }  // namespace coppice

@@ -1,6 +1,8 @@
 #include "tree_broker/tree_broker.h"
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "messages/tree_message.h"
@@ -28,6 +30,12 @@ constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees; a fleet
 TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, const TreeParameters& parameters,
                            Random random)
     : field(map), planner(field, completed(parameters, field, radius), random) {}
+
+void TreeBroker::Forest::name(const TreesId& id, std::vector<NodeId> nodes) {
+  for (std::size_t i = 0; i < nodes.size(); ++i) places[nodes[i]] = {id, static_cast<std::uint32_t>(i)};
+  inactive.emplace(id, std::move(nodes));
+  unsaid.push_back(id);
+}
 
 void TreeBroker::recall(std::span<const Message> known, WallTime now) {
   for (const Message& message : known) on(arrival_of(message, now));
@@ -81,11 +89,12 @@ void TreeBroker::receive(const InactiveTreesMessage& trees, WallTime) {
     ++impossible_;
     return;
   }
-  std::vector<TreeIndex>& known = forest_->inactive[trees.id];
-  for (const FrozenTree<2>& tree : frozen_trees_of(trees))
-    known.push_back(forest_->planner.add_inactive_tree(tree));
-  forest_->trees += static_cast<std::uint32_t>(known.size());
-  forest_->unsaid.push_back(trees.id);
+  const NodeId first = forest_->planner.add_inactive_trees(frozen_trees_of(trees));
+  forest_->planner.look_for_links(first);
+  std::vector<NodeId> nodes(trees.nodes.size());
+  std::iota(nodes.begin(), nodes.end(), first);
+  forest_->name(trees.id, std::move(nodes));
+  forest_->trees += number_of_trees(trees);
 }
 
 /// Processes the trees that arrived before the map. Trees of other maps belong to runs that are over.
@@ -230,14 +239,13 @@ std::vector<Message> TreeBroker::step(WallTime now) {
 
 /// Trees that became inactive here get their names, those of one radius together.
 void TreeBroker::take_frozen() {
-  std::map<double, std::vector<TreeIndex>> frozen;  // by radius
-  for (const TreeIndex tree : forest_->planner.take_frozen())
-    frozen[forest_->planner.trees().tree(tree).radius].push_back(tree);
-  for (auto& [radius, trees] : frozen) {
-    forest_->unsaid.push_back({id_, frozen_++});
-    forest_->trees += static_cast<std::uint32_t>(trees.size());
-    forest_->inactive.emplace(forest_->unsaid.back(), std::move(trees));
+  const Trees<2>& trees = forest_->planner.trees();
+  std::map<double, std::vector<NodeId>> frozen;  // by radius
+  for (const TreeIndex t : forest_->planner.take_frozen()) {
+    std::ranges::copy(breadth_first(trees, t), std::back_inserter(frozen[trees.tree(t).radius]));
+    ++forest_->trees;
   }
+  for (auto& [radius, nodes] : frozen) forest_->name({id_, frozen_++}, std::move(nodes));
 }
 
 /// Publishes all trees that this broker has not published itself: those that it grew and those that it took
@@ -266,20 +274,29 @@ bool TreeBroker::grow() {
 }
 
 InactiveTreesMessage TreeBroker::describe(const TreesId& id) const {
-  InactiveTreesMessage message{.id = id, .map_id = map_->map_id, .nodes = {}};
-  for (const TreeIndex t : forest_->inactive.at(id)) {
-    const FrozenTree<2> frozen = forest_->planner.frozen_tree(t);
-    const auto first = static_cast<std::int32_t>(message.nodes.size());
-    message.radius = frozen.radius;
-    for (std::size_t i = 0; i < frozen.nodes.size(); ++i) {
-      const std::int32_t parent = frozen.parents[i];
-      const Point2& from = parent < 0 ? frozen.nodes[i] : frozen.nodes[static_cast<std::size_t>(parent)];
-      // The clearance of the segment may be slightly below the radius by rounding. The check when the edge
-      // was added was exact.
-      const double clearance =
-          std::max(frozen.radius, forest_->field.segment_clearance(from, frozen.nodes[i]));
-      message.nodes.push_back({frozen.nodes[i], parent < 0 ? -1 : first + parent, clearance});
-    }
+  const Trees<2>& trees = forest_->planner.trees();
+  const std::vector<NodeId>& nodes = forest_->inactive.at(id);
+  const double radius = trees.tree(trees.tree_of(nodes.front())).radius;
+  InactiveTreesMessage message{.id = id, .map_id = map_->map_id, .radius = radius, .nodes = {}, .links = {}};
+  for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+    std::int32_t parent = -1;
+    trees.for_each_edge(nodes[i], [&](const auto& edge) {
+      const auto place = forest_->places.find(edge.to);
+      if (place == forest_->places.end()) return;  // of a root tree
+      const auto& [other, k] = place->second;
+      if (other == id && k > i) return;  // the later node names the earlier one
+      if (trees.tree_of(edge.to) == trees.tree_of(nodes[i])) {
+        parent = static_cast<std::int32_t>(k);
+      } else {
+        message.links.push_back({i, other, k});
+      }
+    });
+    const Point2& p = trees.position(nodes[i]);
+    const Point2& from = parent < 0 ? p : trees.position(nodes[static_cast<std::size_t>(parent)]);
+    // The clearance of the segment may be slightly below the radius by rounding. The check when the edge was
+    // added was exact.
+    const double clearance = std::max(radius, forest_->field.segment_clearance(from, p));
+    message.nodes.push_back({p, parent, clearance});
   }
   return message;
 }

@@ -17,6 +17,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -54,11 +55,15 @@ class TreeBroker {
   struct Forest {
     /// A forest whose steps suit robots of `radius`.
     Forest(const OccupancyMap& map, double radius, const TreeParameters& parameters, Random random);
+    void name(const TreesId& id, std::vector<NodeId> nodes);
+
     ClearanceField field;
     Planner planner;
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
-    std::map<TreesId, std::vector<TreeIndex>> inactive{};
-    std::uint32_t trees = 0;        ///< number of all of `inactive`
+    /// The nodes of inactive trees, in the order in which they are published.
+    std::map<TreesId, std::vector<NodeId>> inactive{};
+    std::unordered_map<NodeId, std::pair<TreesId, std::uint32_t>> places{};  ///< of each node in `inactive`
+    std::uint32_t trees = 0;                                                 ///< number of all of `inactive`
     std::vector<TreesId> unsaid{};  ///< inactive trees that this broker has not published yet
     std::set<TreesId> recalled{};   ///< trees of `unsaid` that no broker has published since the restart
   };

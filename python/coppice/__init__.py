@@ -20,8 +20,9 @@ Positions are in metres in the map frame, times in seconds. Points are rows of a
 """
 
 from ._core import InputError, version as __version__
+from .grid_plans import plan_on_grid, read_grid_plan, write_grid_plan
 from .maps import Map, random_tasks
-from .planning import Plan, TimedPlan, plan, plan_trajectories
+from .planning import Plan, TimedPlan, TreeParameters, plan, plan_trajectories
 from .report import Load, Report, RobotReport, Waits
 from .simulation import Faults, Scenario, SimulatedRun, read_trajectories, simulate
 
@@ -38,11 +39,15 @@ __all__ = [
     "Scenario",
     "SimulatedRun",
     "TimedPlan",
+    "TreeParameters",
     "Waits",
     "__version__",
     "plan",
+    "plan_on_grid",
     "plan_trajectories",
     "random_tasks",
+    "read_grid_plan",
     "read_trajectories",
     "simulate",
+    "write_grid_plan",
 ]

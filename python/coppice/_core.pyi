@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _Array = NDArray[np.float64]
+_Cells = NDArray[np.int32]
 
 version: str
 
@@ -27,6 +28,18 @@ class Map:
 def read_map(path: str) -> Map: ...
 def generate_map(kind: str, width: int, height: int, seed: int) -> Map: ...
 def random_tasks(map: Map, count: int, radius: float, least_share: float, seed: int) -> tuple[_Array, _Array]: ...
+
+class TreeParameters:
+    def __init__(
+        self,
+        epsilon: float,
+        disjointed_trees: int,
+        kappa: float,
+        failure_factor: float,
+        restart_weight: float,
+        spacing: float,
+        restarts: str,
+    ) -> None: ...
 
 class PathPlan:
     def __init__(self, *args: object, **kwargs: object) -> None: ...
@@ -54,11 +67,23 @@ class PathPlan:
     def improve_time(self) -> float: ...
 
 def plan(
-    map: Map, starts: _Array, goals: _Array, radii: _Array, planner: str, seed: int, timeout: float, improve: float
+    map: Map,
+    starts: _Array,
+    goals: _Array,
+    radii: _Array,
+    planner: str,
+    seed: int,
+    timeout: float,
+    improve: float,
+    trees: TreeParameters,
 ) -> PathPlan: ...
 def plan_trajectories(
     map: Map, starts: _Array, goals: _Array, radii: _Array, speeds: _Array, accelerations: _Array, seed: int
 ) -> tuple[list[_Array], list[int]]: ...
+
+def plan_on_grid(map: Map, starts: _Cells, goals: _Cells, seed: int) -> Optional[list[_Cells]]: ...
+def read_grid_plan(path: str) -> list[_Cells]: ...
+def write_grid_plan(path: str, plan: list[_Cells], form: str) -> None: ...
 
 class Scenario:
     def __init__(
@@ -115,5 +140,13 @@ class Faults:
     ) -> None: ...
 
 def simulate(
-    scenario: Scenario, faults: Faults, timeout: float, planner: str, plan_budget: float, lifelong: float
+    scenario: Scenario,
+    faults: Faults,
+    timeout: float,
+    planner: str,
+    plan_budget: float,
+    lifelong: float,
+    trees: TreeParameters,
+    forest: str,
+    plan: Optional[list[_Cells]],
 ) -> tuple[str, list[_Array], list[str]]: ...

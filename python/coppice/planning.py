@@ -17,6 +17,37 @@ _SPEED_CELLS = 20.0
 
 
 @dataclass(frozen=True)
+class TreeParameters:
+    """What the paper leaves open in MA-RRdT*."""
+
+    epsilon: float = 0.0
+    """Metres: the longest step, and the largest distance over which trees meet. 0: it follows from the map."""
+    disjointed_trees: int = 0
+    """Number of disjointed trees that grow at a time. 0: it follows from the map and epsilon."""
+    kappa: float = 2.0
+    """Concentration of samples around the last success, from 0 (none) to 100."""
+    failure_factor: float = 0.7
+    """A failed sample multiplies the weight of its tree, 10 at first, by this factor."""
+    restart_weight: float = 0.1
+    """A tree of a smaller weight restarts."""
+    spacing: float = 0.25
+    """In units of epsilon, from 0 to 1. A node this close to others of its kind teaches little."""
+    restarts: str = "even"
+    """At even or random points."""
+
+    def _core(self) -> _core.TreeParameters:
+        return _core.TreeParameters(
+            self.epsilon,
+            self.disjointed_trees,
+            self.kappa,
+            self.failure_factor,
+            self.restart_weight,
+            self.spacing,
+            self.restarts,
+        )
+
+
+@dataclass(frozen=True)
 class Plan:
     """The paths of a fleet, and what they cost. Lists are in the order of the robots."""
 
@@ -68,6 +99,7 @@ def plan(
     seed: int = 1,
     timeout: float = float("inf"),
     improve: float = float("inf"),
+    trees: TreeParameters = TreeParameters(),
 ) -> Plan:
     """Plans a path for each robot past the map's obstacles. The paths of two robots may cross.
 
@@ -79,6 +111,7 @@ def plan(
     seed: the same seed gives the same paths, if no time limit ends the search
     timeout: seconds after which robots without a path get none
     improve: seconds for shorter paths after all first paths; by default until no shorter one turns up
+    trees: what the paper leaves open; rrt-star uses epsilon alone
 
     Raises
     ------
@@ -95,7 +128,7 @@ def plan(
     """
     first, last = starts_and_goals(starts, goals)
     radii = of_each("radius", radius, _RADIUS_CELLS * map.resolution, len(first))
-    found = _core.plan(map._held, first, last, radii, planner, seed, timeout, improve)
+    found = _core.plan(map._held, first, last, radii, planner, seed, timeout, improve, trees._core())
     edges, robots = found.edges
     return Plan(
         paths=found.paths,

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._arguments import Array, of_each, starts_and_goals
+from .grid_plans import _cells_of_robots
 from .maps import Map
-from .planning import _RADIUS_CELLS, _SPEED_CELLS
+from .planning import _RADIUS_CELLS, _SPEED_CELLS, TreeParameters
 from .report import Report
 
 
@@ -209,6 +210,9 @@ def simulate(
     planner: str = "ma-rrdt",
     plan_budget: float = 1.0,
     lifelong: float = 0.0,
+    trees: TreeParameters = TreeParameters(),
+    forest: str = "ahead",
+    plan: Optional[Sequence[ArrayLike]] = None,
 ) -> SimulatedRun:
     """Simulates service, broker and agents on a virtual clock. The same arguments give the same run, bit for bit.
 
@@ -219,6 +223,10 @@ def simulate(
     planner: ma-rrdt, rrdt or rrt-star
     plan_budget: seconds for shorter paths, of virtual time
     lifelong: seconds in which robots that arrive get new goals
+    trees: what the paper leaves open
+    forest: ahead (disjointed trees cover the map before missions go out), or together (they grow with the root trees)
+    plan: a joint plan on the cells, as of `plan_on_grid`, that the fleet is to drive; each robot then starts and ends in
+        the middle of a cell
 
     Raises
     ------
@@ -239,7 +247,17 @@ def simulate(
         faults.pause,
         faults.clock_skew,
     )
-    report, tracks, broken = _core.simulate(which._held, suffered, timeout, planner, plan_budget, lifelong)
+    report, tracks, broken = _core.simulate(
+        which._held,
+        suffered,
+        timeout,
+        planner,
+        plan_budget,
+        lifelong,
+        trees._core(),
+        forest,
+        None if plan is None else _cells_of_robots(plan),
+    )
     return SimulatedRun(Report.from_json(report), dict(zip(which.names, tracks)), broken)
 
 

@@ -193,7 +193,8 @@ std::vector<Input> topic_seeds<InactiveTreesMessage>() {
   return {encoded(InactiveTreesMessage{.id = {1, 9},
                                        .map_id = map_id(),
                                        .radius = 1,
-                                       .nodes = {{{6, 8}, -1, 2}, {{10, 8}, 0, 1}, {{15, 8}, 1, 1}}})};
+                                       .nodes = {{{6, 8}, -1, 2}, {{10, 8}, 0, 1}, {{15, 8}, -1, 1}},
+                                       .links = {{1, {1, 9}, 2}, {0, {1, 8}, 3}}})};
 }
 template <>
 std::vector<Input> topic_seeds<RobotState>() {

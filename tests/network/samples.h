@@ -67,6 +67,7 @@ inline InactiveTreesMessage some_tree(std::uint32_t number, int nodes) {
   InactiveTreesMessage m{.id = {77, number}, .map_id = "some-map", .radius = 5, .nodes = {}};
   for (int i = 0; i < nodes; ++i)
     m.nodes.push_back({{i * 1.5, number * 2.0}, i == 0 ? -1 : (i - 1) / 2, 5.5 + i});
+  if (number > 0) m.links.push_back({0, {77, number - 1}, 0});
   return m;
 }
 

@@ -17,13 +17,14 @@ import unittest
 import numpy as np
 
 import coppice
+import coppice.grid_plans
 import coppice.maps
 import coppice.planning
 import coppice.report
 import coppice.simulation
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2]
-MODULES = [coppice, coppice.maps, coppice.planning, coppice.report, coppice.simulation]
+MODULES = [coppice, coppice.grid_plans, coppice.maps, coppice.planning, coppice.report, coppice.simulation]
 
 
 def empty_map(width=30, height=20):
@@ -243,6 +244,105 @@ class Simulation(unittest.TestCase):
                 path.write_text(text)
                 with self.assertRaisesRegex(coppice.InputError, expected):
                     coppice.read_trajectories(path)
+
+
+class Trees(unittest.TestCase):
+    def setUp(self):
+        self.map = coppice.Map.generate("maze", 200, 200, seed=1)
+        self.starts, self.goals = coppice.random_tasks(self.map, 3, radius=4, seed=1)
+
+    def plan(self, **parameters):
+        trees = coppice.TreeParameters(**parameters)
+        return coppice.plan(self.map, self.starts, self.goals, radius=4, improve=0, trees=trees)
+
+    def test_no_edge_is_longer_than_epsilon(self):
+        for epsilon in (8, 20):
+            plan = self.plan(epsilon=epsilon)
+            self.assertTrue(plan.solved)
+            self.assertLessEqual(np.hypot(*(plan.edges[:, :2] - plan.edges[:, 2:]).T).max(), epsilon + 1e-9)
+
+    def test_each_parameter_has_an_effect(self):
+        usual = self.plan().edges
+        for name, value in {
+            "disjointed_trees": 5,
+            "kappa": 20,
+            "failure_factor": 0.3,
+            "restart_weight": 5,
+            "spacing": 0,
+            "restarts": "random",
+        }.items():
+            self.assertFalse(np.array_equal(usual, self.plan(**{name: value}).edges), name)
+
+    def test_bad_parameters_are_named(self):
+        for name, value in {"epsilon": -1, "kappa": 200, "spacing": 2, "restarts": "odd"}.items():
+            with self.assertRaisesRegex(coppice.InputError, f"^{name}: .*expected"):
+                self.plan(**{name: value})
+
+    def test_a_simulated_broker_may_grow_its_trees_together_with_the_missions(self):
+        scenario = coppice.Scenario(self.map, self.starts, self.goals, radius=4)
+        nodes = {}
+        for forest in ("ahead", "together"):
+            run = coppice.simulate(scenario, forest=forest, trees=coppice.TreeParameters(epsilon=30))
+            self.assertTrue(run.arrived)
+            nodes[forest] = sum(robot.nodes_valid for robot in run.report.robots)
+        self.assertGreater(nodes["together"], nodes["ahead"])
+        with self.assertRaisesRegex(coppice.InputError, '^forest: "later", expected ahead or together$'):
+            coppice.simulate(scenario, forest="later")
+
+
+class GridPlans(unittest.TestCase):
+    def setUp(self):
+        blocked = np.zeros((4, 7), dtype=bool)
+        blocked[:3, 3] = True
+        self.map = coppice.Map(blocked)
+        self.starts = np.array([(0, 0), (6, 0), (1, 0)])
+        self.goals = np.array([(6, 0), (0, 0), (5, 2)])
+        self.plan = coppice.plan_on_grid(self.map, self.starts, self.goals)
+
+    def test_each_robot_goes_to_free_neighbouring_cells_only(self):
+        for start, goal, cells in zip(self.starts, self.goals, self.plan):
+            self.assertEqual((cells[0].tolist(), cells[-1].tolist()), (start.tolist(), goal.tolist()))
+            self.assertLessEqual(np.abs(np.diff(cells, axis=0)).sum(axis=1).max(), 1)
+            self.assertFalse(self.map.blocked[cells[:, 1], cells[:, 0]].any())
+
+    def test_both_forms_are_read_as_they_were_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for form in ("steps", "agents"):
+                path = pathlib.Path(folder, form)
+                coppice.write_grid_plan(path, self.plan, form=form)
+                read = coppice.read_grid_plan(path)
+                for written, again in zip(self.plan, read, strict=True):
+                    self.assertTrue(np.array_equal(written, again[: len(written)]), form)
+                    self.assertTrue((again[len(written) :] == written[-1]).all(), form)
+
+    def test_a_simulated_fleet_drives_a_plan(self):
+        scenario = coppice.Scenario(self.map, self.starts + 0.5, self.goals + 0.5, radius=0.4, max_speed=1)
+        run = coppice.simulate(scenario, plan=self.plan)
+        self.assertTrue(run.arrived)
+        self.assertEqual(run.report.collisions, 0)
+        for cells, rows in zip(self.plan, run.trajectories.values()):
+            # The robot stays between neighbouring cells of its part of the plan.
+            distances = np.hypot(*(rows[:, None, 1:3] - (cells[None] + 0.5)).transpose(2, 0, 1)).min(axis=1)
+            self.assertLess(distances.max(), 0.75)
+
+    def test_no_plan_is_none(self):
+        walled = coppice.Map(np.array([[False, True, False]]))
+        self.assertIsNone(coppice.plan_on_grid(walled, [(0, 0)], [(2, 0)]))
+
+    def test_mistakes_are_named(self):
+        for starts, goals, problem in [
+            ([(0.5, 0)], [(1, 0)], "^starts: expected whole numbers"),
+            ([(0, 0)], [(1, 0), (2, 0)], "^goals: expected 1 rows"),
+            ([(3, 0)], [(1, 0)], r"tasks\[0\].start is blocked"),
+            ([(0, 0), (1, 0)], [(2, 0), (2, 0)], r"tasks\[1\].goal is that of another"),
+        ]:
+            with self.assertRaisesRegex(coppice.InputError, problem):
+                coppice.plan_on_grid(self.map, starts, goals)
+        with self.assertRaisesRegex(coppice.InputError, '^form: "csv", expected steps or agents$'):
+            coppice.write_grid_plan("plan", self.plan, form="csv")
+        scenario = coppice.Scenario(self.map, self.starts[:2] + 0.5, self.goals[:2] + 0.5, radius=0.4)
+        with self.assertRaisesRegex(coppice.InputError, "robots"):
+            coppice.simulate(scenario, plan=self.plan)
 
 
 class Threads(unittest.TestCase):

@@ -8,6 +8,7 @@
 
 #include "coppice/planning/map_generator.h"
 #include "coppice/planning/plan_paths.h"
+#include "tests/ways.h"
 
 namespace coppice {
 namespace {
@@ -21,14 +22,6 @@ OccupancyMap map_with(int width, int height, int i, int j, int w, int h) {
   return map;
 }
 
-bool is_way(const Path& path, const PlanningProblem& p, const ClearanceField& field) {
-  if (path.size() < 2 || path.front() != p.start || path.back() != p.goal) return false;
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    if (!field.segment_free(path[k - 1], path[k], p.radius)) return false;
-  }
-  return true;
-}
-
 TEST(VisibilityGraph, AroundAWallThePathIsTwoTangentsAndAnArc) {
   // A wall from below up to (50, 40); start and goal are 30 m from it and 20 m below its end.
   const OccupancyMap map = map_with(100, 80, 50, 0, 1, 40);
@@ -37,7 +30,7 @@ TEST(VisibilityGraph, AroundAWallThePathIsTwoTangentsAndAnArc) {
   const double radius = 5;
   const PlanningProblem p{{20, 20}, {81, 20}, radius};
   const Path path = graph.path(p.start, p.goal, radius);
-  ASSERT_TRUE(is_way(path, p, field));
+  ASSERT_TRUE(test::is_way(path, p, field));
   const double apart = std::hypot(30, 20);
   const double tangent = std::sqrt(apart * apart - radius * radius);
   const double turn = std::asin(radius / apart) + std::atan2(20, 30);
@@ -59,7 +52,7 @@ TEST(VisibilityGraph, NoPlannerFindsAShorterPathThanItsArcsAllow) {
     for (std::size_t i = 0; i < problems.size(); ++i) {
       const PlanningProblem& p = problems[i];
       const Path path = graph.path(p.start, p.goal, p.radius);
-      ASSERT_TRUE(is_way(path, p, field)) << i;
+      ASSERT_TRUE(test::is_way(path, p, field)) << i;
       EXPECT_LE(length_of(path), 1.003 * length_of(plan.robots[i].path)) << i;
     }
   }

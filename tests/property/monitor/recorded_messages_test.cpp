@@ -107,8 +107,14 @@ RootNodes any(const Any& a) {
 }
 template <>
 InactiveTreesMessage any(const Any& a) {
-  return {{a.u64(), a.u32()}, a.name(), a.number(), a.some([&] {
+  return {{a.u64(), a.u32()},
+          a.name(),
+          a.number(),
+          a.some([&] {
             return InactiveTreesMessage::Node{a.point(), a.i32(), a.number()};
+          }),
+          a.some([&] {
+            return InactiveTreesMessage::Link{a.u32(), {a.u64(), a.u32()}, a.u32()};
           })};
 }
 template <>

@@ -38,7 +38,11 @@ RobotState state() {
           .round = {}};
 }
 InactiveTreesMessage tree() {
-  return {.id = {1, 2}, .map_id = "m", .radius = 1, .nodes = {{{0, 0}, -1, 2}, {{1, 0}, 0, 1}}};
+  return {.id = {1, 2},
+          .map_id = "m",
+          .radius = 1,
+          .nodes = {{{0, 0}, -1, 2}, {{1, 0}, 0, 1}},
+          .links = {{1, {1, 1}, 7}}};
 }
 JointPlanMessage plan() {
   return {.round = {1, "r1"}, .members = {{"r1", 1, false, {{0, {0, 0}}, {1, {1, 1}}}}}};
@@ -117,6 +121,12 @@ TEST(Validation, InvalidTreesAreRefused) {
                                                       },
                                                       [](M& m) { m.nodes[1].position.x() = nan; },
                                                       [](M& m) { m.nodes[1].edge_clearance = -1; },
+                                                      [](M& m) {
+                                                        m.links = {{2, {1, 1}, 0}};
+                                                      },
+                                                      [](M& m) {
+                                                        m.links = {{0, m.id, 2}};
+                                                      },
                                                       [](M& m) { m.radius = 0; }};
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(tree(), spoilers[k])) << k;
 }

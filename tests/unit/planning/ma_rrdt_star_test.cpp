@@ -1,6 +1,9 @@
 #include "planning/ma_rrdt_star.h"
 
+#include <algorithm>
+#include <map>
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -119,6 +122,40 @@ TEST(MaRrdtStar, TreesGrownForOneGroupServeTheNext) {
   EXPECT_LE(planner.disjointed_counts().valid - before.valid, before.valid / 2 + 5);
 }
 
+/// The nodes of some trees, with edges between them.
+FrozenTrees<2> frozen_trees_of(const Planner& planner, const std::vector<NodeId>& nodes) {
+  const Trees<2>& trees = planner.trees();
+  FrozenTrees<2> frozen{
+      .radius = trees.tree(trees.tree_of(nodes.front())).radius, .nodes = {}, .parents = {}};
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    frozen.nodes.push_back(trees.position(nodes[i]));
+    frozen.parents.push_back(-1);
+    trees.for_each_edge(nodes[i], [&](const auto& edge) {
+      const auto earlier = std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(i), edge.to);
+      if (trees.tree_of(edge.to) == trees.tree_of(nodes[i]) && *earlier == edge.to)
+        frozen.parents.back() = static_cast<std::int32_t>(earlier - nodes.begin());
+    });
+  }
+  return frozen;
+}
+
+/// Takes the trees that have become inactive from the broker to the agent, with their links. `sent`: the
+/// agent's nodes, by the broker's.
+void publish(Planner& broker, Planner& agent, std::map<NodeId, NodeId>& sent) {
+  std::vector<NodeId> fresh;
+  for (const TreeIndex t : broker.take_frozen()) {
+    const std::vector<NodeId> nodes = breadth_first(broker.trees(), t);
+    const NodeId first = agent.add_inactive_trees(frozen_trees_of(broker, nodes));
+    for (std::size_t i = 0; i < nodes.size(); ++i) sent[nodes[i]] = first + static_cast<NodeId>(i);
+    fresh.insert(fresh.end(), nodes.begin(), nodes.end());
+  }
+  for (const NodeId n : fresh) {
+    broker.trees().for_each_edge(n, [&](const auto& edge) {
+      if (sent.contains(edge.to)) agent.add_link(sent[n], sent[edge.to]);
+    });
+  }
+}
+
 // The halves of broker and agent, with calls instead of the messages between them.
 TEST(MaRrdtStar, BrokerAndAgentTogetherFindAPath) {
   const ClearanceField field(two_rooms());
@@ -127,13 +164,14 @@ TEST(MaRrdtStar, BrokerAndAgentTogetherFindAPath) {
     Planner agent(field, {.epsilon = 40, .disjointed_trees = 0}, Random(seed + 100));
     const GroupIndex there = broker.add_remote_group(8);
     const GroupIndex here = agent.add_group({20, 20}, {380, 20}, 8);
+    std::map<NodeId, NodeId> sent;
     for (int round = 0; round < 2000 && !agent.solved(here); ++round) {
       for (const NodeId n : agent.take_root_nodes(here)) {
         const Tree& tree = agent.trees().tree(agent.trees().tree_of(n));
         broker.add_remote_node(there, tree.side, agent.trees().position(n));
       }
       for (int i = 0; i < 50; ++i) broker.step();
-      for (const TreeIndex t : broker.take_frozen()) agent.add_inactive_tree(broker.frozen_tree(t));
+      publish(broker, agent, sent);
       agent.step();
     }
     ASSERT_TRUE(agent.solved(here)) << "seed " << seed;
@@ -165,9 +203,9 @@ TEST(MaRrdtStar, AFrozenTreeListsParentsFirstAndKeepsItsClearance) {
   const auto frozen = planner.take_frozen();
   ASSERT_FALSE(frozen.empty());
   for (const TreeIndex t : frozen) {
-    const FrozenTree<2> tree = planner.frozen_tree(t);
-    ASSERT_EQ(tree.nodes.size(), planner.trees().tree(t).size);
-    ASSERT_EQ(tree.nodes.size(), tree.parents.size());
+    const std::vector<NodeId> nodes = breadth_first(planner.trees(), t);
+    ASSERT_EQ(nodes.size(), planner.trees().tree(t).size);
+    const FrozenTrees<2> tree = frozen_trees_of(planner, nodes);
     EXPECT_EQ(tree.parents.front(), -1);
     for (std::size_t i = 1; i < tree.nodes.size(); ++i) {
       ASSERT_GE(tree.parents[i], 0);
@@ -176,6 +214,20 @@ TEST(MaRrdtStar, AFrozenTreeListsParentsFirstAndKeepsItsClearance) {
           field.segment_free(tree.nodes[static_cast<std::size_t>(tree.parents[i])], tree.nodes[i], 8));
     }
   }
+}
+
+TEST(MaRrdtStar, OnlyALinkThatNoObstacleBlocksConnectsTrees) {
+  const ClearanceField field(two_rooms());  // the wall: x = 200 to 220; its door: y = 60 to 80
+  Planner planner(field, {.epsilon = 100, .disjointed_trees = 0}, Random(2));
+  const GroupIndex g = planner.add_group({120, 100}, {300, 100}, 8);
+  const FrozenTrees<2> single{
+      .radius = 8, .nodes = {{160, 30}, {260, 30}, {160, 70}, {260, 70}}, .parents = {-1, -1, -1, -1}};
+  const NodeId first = planner.add_inactive_trees(single);
+  planner.add_link(first, first + 1);
+  EXPECT_FALSE(planner.solved(g));
+  planner.add_link(first + 2, first + 3);
+  ASSERT_TRUE(planner.solved(g));
+  expect_valid_path(planner.path(g), {120, 100}, {300, 100}, 8, field);
 }
 
 TEST(MaRrdtStar, CostsInRootTreesAreSumsOfEdgeLengths) {

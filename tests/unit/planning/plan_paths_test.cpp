@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "coppice/planning/map_generator.h"
+#include "tests/ways.h"
 
 namespace coppice {
 namespace {
@@ -24,14 +25,6 @@ struct Rooms {
   std::vector<PlanningProblem> problems{};
 };
 
-bool is_way(const Path& path, const PlanningProblem& p, const ClearanceField& field) {
-  if (path.size() < 2 || path.front() != p.start || path.back() != p.goal) return false;
-  for (std::size_t k = 1; k < path.size(); ++k) {
-    if (!field.segment_free(path[k - 1], path[k], p.radius)) return false;
-  }
-  return true;
-}
-
 TEST(PlanPaths, EachPlannerFindsFreePathsAndTheSameOnesAgain) {
   const Rooms rooms(1);
   for (const PlannerKind planner :
@@ -40,7 +33,7 @@ TEST(PlanPaths, EachPlannerFindsFreePathsAndTheSameOnesAgain) {
     const PathPlan again = plan_paths(rooms.field, rooms.problems, {.planner = planner, .seed = 5});
     ASSERT_EQ(plan.robots.size(), rooms.problems.size());
     for (std::size_t i = 0; i < plan.robots.size(); ++i) {
-      EXPECT_TRUE(is_way(plan.robots[i].path, rooms.problems[i], rooms.field)) << plan.robots[i].reason;
+      EXPECT_TRUE(test::is_way(plan.robots[i].path, rooms.problems[i], rooms.field)) << plan.robots[i].reason;
       EXPECT_EQ(plan.robots[i].path, again.robots[i].path);
     }
   }
