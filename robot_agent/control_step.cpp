@@ -248,7 +248,10 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   // The robot's part of a joint plan may have ended elsewhere.
   const Point2 end = route.follower.path().back();
   if ((end - mission_.goal).norm() > arrives_within(mission_)) return look_for_a_path();
-  if (route.improvement && !route.improvement->is_taut()) follow(route, route.improvement->pull_taut(), out);
+  if (route.improvement && !route.improvement->is_taut()) {
+    if (others_still_search(route, mission_.clock.wall_time(now))) return;
+    follow(route, route.improvement->pull_taut(), out);
+  }
   if (!reserver_.wants()) {
     if (reserver_.may_try(now)) reserver_.want(way_ahead(), self(), map_->field, now, out);
     return;

@@ -40,8 +40,8 @@ class PathFinder {
   /// result, once there is one.
   std::optional<Result> step();
 
-  /// Whether the first path has been pulled taut already.
-  bool is_taut() const { return improver_.all_taut(); }
+  /// Whether the first path is straight or has been pulled taut already.
+  bool is_taut() const { return path().size() == 2 || improver_.all_taut(); }
   /// Pulls the first path taut.
   const Path& pull_taut();
 

@@ -263,6 +263,11 @@ void Run::take_result(PathFinder::Result result, std::unique_ptr<PathFinder> fin
   follow_reservation(out);  // the robot may have taken up its part of a joint plan meanwhile
 }
 
+/// At the beginning of a run all robots look for their first paths at once, on few processors perhaps.
+bool Run::others_still_search(const Route& route, WallTime now) const {
+  return mission_.number == 1 && now - route.found_at < Timing::others_search && now >= route.found_at;
+}
+
 void Run::follow(Route& route, const Path& path, std::vector<Outgoing>& out) {
   out.emplace_back(PathMessage{process_.name, mission_.number, path, status_.run});
   route.follower = PathFollower(path, mission_.radius);
@@ -274,7 +279,10 @@ void Run::follow(Route& route, const Path& path, std::vector<Outgoing>& out) {
 /// way onto, and that leaves less to drive.
 void Run::improve(Route& route, WallTime now, std::vector<Outgoing>& out) {
   PathFinder& finder = *route.improvement;
-  if (!finder.is_taut()) return follow(route, finder.pull_taut(), out);
+  if (!finder.is_taut()) {
+    if (!others_still_search(route, now)) follow(route, finder.pull_taut(), out);
+    return;
+  }
   const bool over =
       now > route.found_at + mission_.plan_budget || !driving() || round_.stage() != Stage::free;
   bool going = !over;

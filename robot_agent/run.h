@@ -110,6 +110,7 @@ class Run {
   void plan(WallTime now, std::vector<Outgoing>& out);
   void take_result(PathFinder::Result result, std::unique_ptr<PathFinder> finder, WallTime now,
                    std::vector<Outgoing>& out);
+  bool others_still_search(const Route& route, WallTime now) const;
   void follow(Route& route, const Path& path, std::vector<Outgoing>& out);
   void improve(Route& route, WallTime now, std::vector<Outgoing>& out);
 

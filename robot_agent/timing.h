@@ -232,6 +232,9 @@ struct Timing {
   /// Steps without a tree after which the search does not pause. Processes: there is no broker, or it has
   /// nothing for this robot.
   static constexpr int steps_without_a_tree = 40;
+  /// wall s after its first path in which a robot leaves the processor to those that still look for theirs,
+  /// at the beginning of a run. Processes: ten on two cores take about as long.
+  static constexpr WallTime others_search = 0.01;
 
   static_assert(loneliness < absence && absence < long_absence && long_absence < longest_unheard);
   static_assert(longest_unheard < failure_timeout && recent_echo < longest_unheard);
