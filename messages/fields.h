@@ -153,7 +153,7 @@ COPPICE_FIELDS(InactiveTreesMessage, "InactiveTree",
   COPPICE_FIELD(3, map_id),
   COPPICE_FIELD(4, radius),
   COPPICE_FIELD(5, nodes),
-  COPPICE_NEW_FIELD(6, links));
+  COPPICE_FIELD(6, links));
 
 COPPICE_FIELDS(ActiveTreesMessage::Edge, "TreeEdge",
   COPPICE_FIELD(1, from),

@@ -231,7 +231,10 @@ class MaRrdtStar {
   void link_to_seen_trees(NodeId q);
   void graft(GroupIndex g, Root side, const Entry& entry);
   void graft_to_root_trees(NodeId q);
-  bool connected(TreeIndex a, TreeIndex b) const;
+  bool connected(TreeIndex a, TreeIndex b, double radius) const;
+  bool connected(TreeIndex a, TreeIndex b) const {
+    return connected(a, b, std::min(trees_.tree(a).radius, trees_.tree(b).radius));
+  }
 
   /// The key of a tree of shortest paths. The tree is valid for as long as the forest does not change, for
   /// many missions.

@@ -93,7 +93,7 @@ void MaRrdtStar<S>::restart(Arm& arm) {
   compare_disjointed_node(arm.node);
 }
 
-/// Whether a point sees no tree, or sees two trees that are not connected yet.
+/// Whether a point sees no tree, or sees two trees that are not connected yet for robots of that radius.
 template <Space S>
 bool MaRrdtStar<S>::teaches(const P& p, double radius) const {
   std::optional<TreeIndex> seen;
@@ -101,7 +101,7 @@ bool MaRrdtStar<S>::teaches(const P& p, double radius) const {
     const TreeIndex t = trees_.tree_of(n);
     const Tree& tree = trees_.tree(t);
     if (tree.kind == TreeKind::root || tree.radius < radius) continue;
-    if (seen && (*seen == t || connected(*seen, t))) continue;
+    if (seen && (*seen == t || connected(*seen, t, radius))) continue;
     if (!space_.segment_free(trees_.position(n), p, radius)) continue;
     if (seen) return true;
     seen = t;
@@ -360,10 +360,11 @@ void MaRrdtStar<S>::freeze(TreeIndex t) {
   ++frozen_trees_;
 }
 
-/// Whether all robots that may use both trees have grafted both as soon as they have grafted one.
+/// Whether all robots up to `radius` that may use both trees have grafted both as soon as they have grafted
+/// one.
 template <Space S>
-bool MaRrdtStar<S>::connected(TreeIndex a, TreeIndex b) const {
-  const auto layer = forest_.layer_within(std::min(trees_.tree(a).radius, trees_.tree(b).radius));
+bool MaRrdtStar<S>::connected(TreeIndex a, TreeIndex b, double radius) const {
+  const auto layer = forest_.layer_within(radius);
   return layer == Forest::no_layer || forest_.component(layer, a) == forest_.component(layer, b);
 }
 
