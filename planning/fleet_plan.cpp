@@ -33,10 +33,7 @@ void FleetPlanner::begin_mission(std::span<const PlanningProblem> problems) {
     robot.problem = p;
     if (!planner_) {
       // No planner is built as long as straight lines are free.
-      if (field_.segment_free(p.start, p.goal, p.radius)) {
-        robot.straight = {p.start, p.goal};
-        continue;
-      }
+      if (field_.segment_free(p.start, p.goal, p.radius)) continue;
       smallest_radius_ = std::ranges::min(problems, {}, &PlanningProblem::radius).radius;
       planner_.emplace(field_, completed(trees_, field_, smallest_radius_), random_);
     }
@@ -93,14 +90,15 @@ void FleetPlanner::take_first_paths() {
   if (improver_->places() == 0) improver_->add_places(planner_->trees());
 }
 
-const Path& FleetPlanner::path(std::size_t robot) const {
+Path FleetPlanner::path(std::size_t robot) const {
   const Robot& r = robots_[robot];
-  return r.improved ? improver_->path(*r.improved) : r.straight;
+  if (!r.group) return {r.problem.start, r.problem.goal};
+  return r.improved ? improver_->path(*r.improved) : Path();
 }
 
 std::string FleetPlanner::reason(std::size_t robot) const {
   const Robot& r = robots_[robot];
-  if (r.improved || !r.straight.empty()) return {};
+  if (r.improved || !r.group) return {};
   return r.unreachable ? "no path: the goal cannot be reached from the start with this radius"
                        : "no path found before the time was over";
 }

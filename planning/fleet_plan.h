@@ -42,7 +42,7 @@ class FleetPlanner {
   bool improve() { return improver_ && improver_->step(); }
 
   /// The path from start to goal, which keeps the radius clear; empty if none was found.
-  const Path& path(std::size_t robot) const;
+  Path path(std::size_t robot) const;
   /// The reason why there is no path; empty if there is one.
   std::string reason(std::size_t robot) const;
 
@@ -60,7 +60,6 @@ class FleetPlanner {
     PlanningProblem problem;
     std::optional<GroupIndex> group;  ///< none: the straight line is the path
     bool unreachable = false;
-    Path straight;
     Path through;  ///< path through narrow passages, where sampling found none
     /// The robot's number in the improver; none: a straight path, or no path.
     std::optional<std::size_t> improved;

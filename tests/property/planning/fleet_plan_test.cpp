@@ -32,7 +32,7 @@ TEST_P(FleetPlanOnMaps, TenRobotsHaveAPathIn20Seeds) {
     }
     double sum = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
-      const Path& path = planner.path(i);
+      const Path path = planner.path(i);
       ASSERT_GE(path.size(), 2u) << "seed " << seed << " robot " << i << ": " << planner.reason(i);
       sum += length_of(path);
       EXPECT_EQ(path.front(), problems[i].start);
@@ -69,7 +69,7 @@ TEST_P(FleetPlanOnMaps, TheTreesOfTheFirstTasksServeTheSecond) {
     plan(planner);
     with_few_new_nodes += planner.disjointed_counts().valid - nodes <= nodes / 2;
     for (std::size_t i = 0; i < second.size(); ++i) {
-      const Path& path = planner.path(i);
+      const Path path = planner.path(i);
       ASSERT_GE(path.size(), 2u) << "seed " << seed << " robot " << i << ": " << planner.reason(i);
       EXPECT_EQ(path.front(), second[i].start);
       EXPECT_EQ(path.back(), second[i].goal);
