@@ -109,8 +109,9 @@ class MaRrdtStar {
 
   /// Runs one iteration of growing disjointed trees for robots of `radius` before there is any group. Returns
   /// false once the trees cover what such robots can reach, that is, when many consecutive free points
-  /// brought nothing new: each saw a tree, and none saw two trees that are not connected (the end of
-  /// Visibility-PRM: Simeon, Laumond, Nissoux, 2000). The trees are inactive then.
+  /// brought nothing new: each saw a tree (the end of Visibility-PRM: Simeon, Laumond, Nissoux, 2000). Where
+  /// robots of that radius have had a group, two trees without a link are news, too. The trees are inactive
+  /// then.
   bool grow_ahead(double radius);
 
   bool solved(GroupIndex g) const { return groups_[g].state == State::solved; }
