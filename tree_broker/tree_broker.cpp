@@ -23,7 +23,7 @@ constexpr WallTime first_listening = 1;    // seconds; a leader publishes its st
 constexpr WallTime longest_news = 2;       // seconds until all trees that other brokers publish have arrived
 constexpr WallTime active_trees_period = 0.1;      // seconds
 constexpr std::size_t most_active_edges = 20'000;  // edges that are published for display
-constexpr std::size_t most_nodes = 4'000'000;  // about 400 MB of trees; a fleet that needs more has no path
+constexpr std::size_t most_nodes = 4'000'000;  // about 500 MB of trees; a fleet that needs more has no path
 
 }  // namespace
 
@@ -32,6 +32,7 @@ TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, const TreePar
     : field(map), planner(field, completed(parameters, field, radius), random) {}
 
 void TreeBroker::Forest::name(const TreesId& id, std::vector<NodeId> nodes) {
+  places.resize(planner.trees().node_count());
   for (std::size_t i = 0; i < nodes.size(); ++i) places[nodes[i]] = {id, static_cast<std::uint32_t>(i)};
   inactive.emplace(id, std::move(nodes));
   unsaid.push_back(id);
@@ -281,14 +282,13 @@ InactiveTreesMessage TreeBroker::describe(const TreesId& id) const {
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     std::int32_t parent = -1;
     trees.for_each_edge(nodes[i], [&](const auto& edge) {
-      const auto place = forest_->places.find(edge.to);
-      if (place == forest_->places.end()) return;  // of a root tree
-      const auto& [other, k] = place->second;
-      if (other == id && k > i) return;  // the later node names the earlier one
+      if (edge.to >= forest_->places.size()) return;
+      const auto& [other, k] = forest_->places[edge.to];
+      if (!k || (other == id && *k > i)) return;  // the later node names the earlier one
       if (trees.tree_of(edge.to) == trees.tree_of(nodes[i])) {
-        parent = static_cast<std::int32_t>(k);
+        parent = static_cast<std::int32_t>(*k);
       } else {
-        message.links.push_back({i, other, k});
+        message.links.push_back({i, other, *k});
       }
     });
     const Point2& p = trees.position(nodes[i]);

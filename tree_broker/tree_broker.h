@@ -17,7 +17,6 @@
 #include <set>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -51,6 +50,11 @@ class TreeBroker {
  private:
   using Planner = MaRrdtStar<ClearanceField>;
 
+  /// Where a node is published.
+  struct Place {
+    TreesId trees{};
+    std::optional<std::uint32_t> index{};  ///< none: it belongs to no inactive tree
+  };
   /// The trees of one map. A new map begins with none.
   struct Forest {
     /// A forest whose steps suit robots of `radius`.
@@ -62,8 +66,8 @@ class TreeBroker {
     std::vector<double> uncovered{};  ///< radii to grow ahead for, the largest last
     /// The nodes of inactive trees, in the order in which they are published.
     std::map<TreesId, std::vector<NodeId>> inactive{};
-    std::unordered_map<NodeId, std::pair<TreesId, std::uint32_t>> places{};  ///< of each node in `inactive`
-    std::uint32_t trees = 0;                                                 ///< number of all of `inactive`
+    std::vector<Place> places{};    ///< by node
+    std::uint32_t trees = 0;        ///< number of all of `inactive`
     std::vector<TreesId> unsaid{};  ///< inactive trees that this broker has not published yet
     std::set<TreesId> recalled{};   ///< trees of `unsaid` that no broker has published since the restart
   };
