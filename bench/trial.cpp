@@ -152,17 +152,18 @@ TrialResult run_grid_a_star(const TrialCase& trial) {
 
 TrialResult run_visibility_graph(const TrialCase& trial) {
   TrialResult result{.planner = "visibility graph"};
+  std::vector<Path> paths(trial.problems.size());
+  const Stopwatch watch;
   VisibilityGraph planner(trial.occupancy, trial.field);
-  for (const PlanningProblem& p : trial.problems) {
-    const Stopwatch watch;
-    const double length = length_of(planner.path(p.start, p.goal, p.radius));
-    result.first_seconds += watch.seconds();
-    result.first_lengths.push_back(length);
-    result.lengths.push_back(length);
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    const PlanningProblem& p = trial.problems[k];
+    paths[k] = planner.path(p.start, p.goal, p.radius);
   }
-  result.simplified_seconds = result.first_seconds;
+  result.first_seconds = result.simplified_seconds = watch.seconds();
+  for (const Path& path : paths) result.first_lengths.push_back(length_of(path));
+  result.lengths = result.first_lengths;
   result.valid_nodes = planner.expanded();
-  std::vector<Path> paths(trial.second.size());
+  paths.resize(trial.second.size());
   result.second_seconds = seconds_of_second_time([&] {
     for (std::size_t k = 0; k < paths.size(); ++k) {
       const PlanningProblem& p = trial.second[k];
