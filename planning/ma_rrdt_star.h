@@ -285,5 +285,6 @@ class MaRrdtStar {
 
 }  // namespace coppice
 
+#include "planning/ma_rrdt_star_exchange.h"
 #include "planning/ma_rrdt_star_impl.h"
 #include "planning/ma_rrdt_star_paths.h"

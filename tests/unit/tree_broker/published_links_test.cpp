@@ -1,4 +1,4 @@
-// Whoever takes all messages of the brokers knows which trees see each other, without looking.
+// The messages of the brokers tell which trees see each other: their readers need not compare the trees.
 #include <cstdint>
 #include <map>
 #include <memory>
