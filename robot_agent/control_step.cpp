@@ -132,7 +132,8 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     progress_.excuse(now);
     if (body_.stands()) stand_for(now, waiting_lease);
   } else if (!reserver_.may_leave_strip(self(), fleet_, now) ||
-             (reserver_.holds() && (reserver_.held().is_overridden() || !carries_on(now)))) {
+             (reserver_.holds() &&
+              (reserver_.held().is_overridden() || leads_elsewhere() || !carries_on(now)))) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
     const bool sets_off_soon = !may_set_off();
     if (body_.stands() && !sets_off_soon) stand_for(now, waiting_lease);
@@ -240,7 +241,8 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
     held.look_at_others(fleet_);
     const bool strayed = held.off_the_way(body_.position()) > body_.radius() / 2;
     const bool over = held.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
-    if (body_.stands() && (strayed || over || held.is_overridden())) reserver_.drop(self(), fleet_, now, out);
+    if (body_.stands() && (strayed || over || leads_elsewhere() || held.is_overridden()))
+      reserver_.drop(self(), fleet_, now, out);
     return;
   }
   if (!may_reserve(now)) return;
@@ -259,6 +261,13 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   const double ready = may_set_off() ? now : startup_since_ + fleet_.handshakes_take();
   reserver_.plan(way_ahead(), ready, self(), body_.limits(), fleet_, map_->roadmaps, now, out);
   follow_reservation(out);
+}
+
+/// The robot got a new goal on the way. A part of a joint plan may end elsewhere, and is carried out.
+bool Run::leads_elsewhere() const {
+  if (!reserver_.holds() || reserver_.executes_plan()) return false;
+  const Point2& end = reserver_.held().message().trajectory.back().position;
+  return (end - mission_.goal).norm() > arrives_within(mission_);
 }
 
 /// The way of a new reservation is the robot's path.

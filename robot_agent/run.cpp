@@ -260,7 +260,8 @@ void Run::take_result(PathFinder::Result result, std::unique_ptr<PathFinder> fin
   Route route{PathFollower(std::get<Path>(result), mission_.radius), std::move(finder), now};
   follow(route, std::get<Path>(result), out);
   enter(Driving{std::move(route)});
-  follow_reservation(out);  // the robot may have taken up its part of a joint plan meanwhile
+  // The robot may have taken up its part of a joint plan meanwhile.
+  if (!leads_elsewhere()) follow_reservation(out);
 }
 
 /// At the beginning of a run all robots look for their first paths at once, on few processors perhaps.

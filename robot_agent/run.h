@@ -129,6 +129,7 @@ class Run {
   bool may_reserve(double now) const;
   bool may_drive(double now);
   bool carries_on(double now);
+  bool leads_elsewhere() const;
   double around() const;
   Stage stage() const;
   void reserve(double now, std::vector<Outgoing>& out);

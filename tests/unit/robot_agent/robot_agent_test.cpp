@@ -134,6 +134,26 @@ TEST(RobotAgent, TheRobotDrivesToItsNextGoalAfterAnotherMapWasHeard) {
   EXPECT_EQ(of<AgentStatus>(said).back().phase, Phase::arrived);
 }
 
+TEST(RobotAgent, ARobotOnItsWayBrakesAndTurnsToItsNewGoal) {
+  AgentRun alone;
+  Mission mission = mission_of_a(0);
+  alone.hear(map_message(), 0);
+  alone.hear(mission, 0);
+  alone.run(0, 2);
+  const Promise turn = of<RobotState>(alone.said).back().promise;
+  ASSERT_GT(turn.velocity.norm(), 15);
+  alone.said.clear();
+  ++mission.number;
+  mission.goal = {20, 40};
+  alone.hear(mission, 2);
+  alone.run(2, 12);
+  for (const PathMessage& path : of<PathMessage>(alone.said)) EXPECT_EQ(path.waypoints.back(), mission.goal);
+  EXPECT_EQ(of<AgentStatus>(alone.said).back().phase, Phase::arrived);
+  const double brakes_in = 20.0 * 20 / (2 * 40);
+  for (const RobotState& state : of<RobotState>(alone.said))
+    EXPECT_LT(state.promise.position.x(), turn.position.x() + brakes_in + 0.2 * 20);
+}
+
 TEST(RobotAgent, TheCountersOfTheProcessGoOnInTheNextRun) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
