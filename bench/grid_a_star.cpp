@@ -28,6 +28,8 @@ Path GridAStar::path(const Point2& start, const Point2& goal, double radius) {
   };
   const int from = cell_of(start);
   const int to = cell_of(goal);
+  const auto is_free = [&](int c) { return c == from || c == to || field_.is_free(centre(c), radius); };
+  const auto place = [&](int c) { return c == from ? start : c == to ? goal : centre(c); };
   const auto estimate = [&](int c) {  // octile distance, in cells
     const int dx = std::abs(c % frame.width - to % frame.width);
     const int dy = std::abs(c / frame.width - to / frame.width);
@@ -52,7 +54,10 @@ Path GridAStar::path(const Point2& start, const Point2& goal, double radius) {
         const float through =
             cost_[static_cast<std::size_t>(c)] + (dx != 0 && dy != 0 ? std::numbers::sqrt2_v<float> : 1.0f);
         if (through >= cost_[static_cast<std::size_t>(next)]) continue;
-        if (next != to && !field_.is_free(centre(next), radius)) continue;
+        if (!is_free(next)) continue;
+        const bool is_diagonal = dx != 0 && dy != 0;
+        if (is_diagonal && !(is_free(c + dx) && is_free(c + dy * frame.width))) continue;
+        if ((c == from || next == to) && !field_.segment_free(place(c), place(next), radius)) continue;
         cost_[static_cast<std::size_t>(next)] = through;
         parent_[static_cast<std::size_t>(next)] = c;
         open.emplace(through + estimate(next), next);

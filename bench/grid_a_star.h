@@ -1,7 +1,8 @@
 // Grid A* with string pulling: the reference for nearly shortest paths.
 //
-// The search is 8-connected on the cells whose centre is free (Hart, Nilsson, Raphael, 1968). Then points
-// between two points with a free line of sight are removed, and corners are cut. Metres.
+// The search is 8-connected on the cells whose centre is free (Hart, Nilsson, Raphael, 1968). A diagonal step
+// needs both cells beside it: so it cuts no corner of an obstacle. Then points between two points with a free
+// line of sight are removed, and the corners of the path are cut. Metres.
 #pragma once
 
 #include <vector>

@@ -23,7 +23,10 @@ JumpPointSearch::Cell JumpPointSearch::cell_of(const Point2& p) const {
           std::clamp(static_cast<int>(q.y()), 0, frame.height - 1)};
 }
 
-Point2 JumpPointSearch::centre(Cell c) const {
+/// Where the robot is in a cell.
+Point2 JumpPointSearch::place(Cell c) const {
+  if (c == start_) return start_place_;
+  if (c == goal_) return goal_place_;
   return field_.frame().origin + field_.frame().resolution * Point2(c.x + 0.5, c.y + 0.5);
 }
 
@@ -32,22 +35,27 @@ bool JumpPointSearch::is_free(Cell c) {
   if (c.x < 0 || c.y < 0 || c.x >= field_.frame().width || c.y >= field_.frame().height) return false;
   if (c == goal_ || c == start_) return true;
   Known& known = known_[number(c)];
-  if (known == Known::nothing) known = field_.is_free(centre(c), radius_) ? Known::free : Known::blocked;
+  if (known == Known::nothing) known = field_.is_free(place(c), radius_) ? Known::free : Known::blocked;
   return known == Known::free;
 }
 
-/// Whether a neighbour of c is reached best through c, because the way beside c is blocked.
+/// A diagonal step needs both cells beside it.
+bool JumpPointSearch::may_step(Cell c, Step step) {
+  const Cell next{c.x + step.x, c.y + step.y};
+  if (!is_free(next) || !is_free({next.x, c.y}) || !is_free({c.x, next.y})) return false;
+  return (c != start_ && next != goal_) || field_.segment_free(place(c), place(next), radius_);
+}
+
+/// Whether a neighbour of c is reached best through c, because the way beside c began to be free there.
 bool JumpPointSearch::has_forced_neighbour(Cell c, Step step) {
-  if (step.x != 0 && step.y != 0) {
-    return (!is_free({c.x - step.x, c.y}) && is_free({c.x - step.x, c.y + step.y})) ||
-           (!is_free({c.x, c.y - step.y}) && is_free({c.x + step.x, c.y - step.y}));
-  }
-  const Step side{step.y, step.x};
-  for (const int sign : {1, -1}) {
-    const Cell beside{c.x + sign * side.x, c.y + sign * side.y};
-    if (!is_free(beside) && is_free({beside.x + step.x, beside.y + step.y})) return true;
-  }
-  return false;
+  if (step.x != 0 && step.y != 0) return false;
+  return opens(c, step, 1) || opens(c, step, -1);
+}
+
+/// Whether the cell at one side of c is free, and the one before it is not. Steps are straight.
+bool JumpPointSearch::opens(Cell c, Step step, int side) {
+  const Cell beside{c.x + side * step.y, c.y + side * step.x};
+  return is_free(beside) && !is_free({beside.x - step.x, beside.y - step.y});
 }
 
 /// Whether a straight way from c, on the way of a diagonal step, comes to a jump point.
@@ -61,8 +69,8 @@ bool JumpPointSearch::turns_off(Cell c, Step step) {
 /// Moves c to the next jump point in a direction. Returns false if there is none.
 bool JumpPointSearch::jump(Cell& c, Step step) {
   while (true) {
+    if (!may_step(c, step)) return false;
     c = {c.x + step.x, c.y + step.y};
-    if (!is_free(c)) return false;
     if (c == goal_ || has_forced_neighbour(c, step) || turns_off(c, step)) return true;
   }
 }
@@ -86,14 +94,12 @@ std::vector<JumpPointSearch::Step> JumpPointSearch::directions(Cell c) {
   if (step.x != 0 && step.y != 0) {
     steps.push_back({step.x, 0});
     steps.push_back({0, step.y});
-    if (!is_free({c.x - step.x, c.y})) steps.push_back({-step.x, step.y});
-    if (!is_free({c.x, c.y - step.y})) steps.push_back({step.x, -step.y});
-  } else {
-    const Step side{step.y, step.x};
-    for (const int s : {1, -1}) {
-      if (!is_free({c.x + s * side.x, c.y + s * side.y}))
-        steps.push_back({step.x + s * side.x, step.y + s * side.y});
-    }
+    return steps;
+  }
+  for (const int side : {1, -1}) {
+    if (!opens(c, step, side)) continue;
+    steps.push_back({side * step.y, side * step.x});
+    steps.push_back({step.x + side * step.y, step.y + side * step.x});
   }
   return steps;
 }
@@ -102,6 +108,8 @@ Path JumpPointSearch::path(const Point2& start, const Point2& goal, double radiu
   const std::size_t cells = field_.frame().cells();
   if (radius != radius_) known_.assign(cells, Known::nothing);
   radius_ = radius;
+  start_place_ = start;
+  goal_place_ = goal;
   start_ = cell_of(start);
   goal_ = cell_of(goal);
   cost_.assign(cells, std::numeric_limits<float>::infinity());
@@ -137,7 +145,7 @@ Path JumpPointSearch::path(const Point2& start, const Point2& goal, double radiu
   Path points{goal};
   for (int c = parent_[number(goal_)]; c != -1; c = parent_[static_cast<std::size_t>(c)]) {
     if (static_cast<std::size_t>(c) != number(start_))
-      points.push_back(centre(cell_at(static_cast<std::size_t>(c))));
+      points.push_back(place(cell_at(static_cast<std::size_t>(c))));
   }
   points.push_back(start);
   std::ranges::reverse(points);

@@ -1,8 +1,8 @@
 // Jump point search: A* on a grid that skips symmetric ways (Harabor, Grastien, "Online Graph Pruning for
-// Pathfinding on Grid Maps", 2011).
+// Pathfinding on Grid Maps", 2011), without steps that cut corners (Harabor, Grastien, "Improving Jump Point
+// Search", 2014).
 //
-// The grid is that of grid_a_star.h: 8-connected on the cells whose centre is free. So its paths are as long
-// as those of A*. Metres.
+// The grid is that of grid_a_star.h, and the paths are as long as those of A*. Metres.
 #pragma once
 
 #include <vector>
@@ -37,9 +37,11 @@ class JumpPointSearch {
   }
   Cell cell_at(std::size_t number) const;
   Cell cell_of(const Point2& p) const;
-  Point2 centre(Cell c) const;
+  Point2 place(Cell c) const;
   bool is_free(Cell c);
+  bool may_step(Cell c, Step step);
   bool has_forced_neighbour(Cell c, Step step);
+  bool opens(Cell c, Step step, int side);
   bool turns_off(Cell c, Step step);
   bool jump(Cell& c, Step step);
   std::vector<Step> directions(Cell c);
@@ -48,6 +50,8 @@ class JumpPointSearch {
 
   const ClearanceField& field_;
   double radius_ = 0;
+  Point2 start_place_ = Point2::Zero();
+  Point2 goal_place_ = Point2::Zero();
   Cell start_{};
   Cell goal_{};
   std::vector<Known> known_{};  ///< by cell, for `radius_`
