@@ -103,14 +103,14 @@ TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, const T
   return result;
 }
 
-TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples) {
+TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, double longest_search) {
   TrialResult result{.planner = "MA-RRT*"};
   for (std::size_t i = 0; i < trial.problems.size(); ++i) {
     const PlanningProblem& p = trial.problems[i];
     const Stopwatch watch;
     RrtStar<ClearanceField> planner(trial.field, p.start, p.goal, p.radius,
                                     suggested_epsilon(trial.field, p.radius), Random(seed + 1000 * i));
-    for (std::uint64_t k = 0; k < most_samples && planner.step(); ++k) {
+    while (watch.seconds() < longest_search && planner.step()) {
     }
     Path path = planner.path();
     result.first_lengths.push_back(length_of(path));

@@ -72,8 +72,8 @@ enum class Improvement : unsigned char { until_taut, to_the_end };
 TrialResult run_ma_rrdt_star(const TrialCase& trial, std::uint64_t seed, const TreeParameters& trees = {},
                              Improvement improvement = Improvement::to_the_end,
                              double longest_search = std::numeric_limits<double>::infinity());
-/// MA-RRT*: a separate RRT* for each robot, which gives up after `most_samples` samples.
-TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, std::uint64_t most_samples);
+/// MA-RRT*: a separate RRT* for each robot, which gives up after `longest_search` seconds.
+TrialResult run_ma_rrt_star(const TrialCase& trial, std::uint64_t seed, double longest_search);
 TrialResult run_grid_a_star(const TrialCase& trial);
 /// Jump point search on the same grid.
 TrialResult run_jump_point_search(const TrialCase& trial);
