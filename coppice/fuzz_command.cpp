@@ -55,7 +55,7 @@ struct Sum {
 
 /// Runs one case, and writes its files.
 int replay(const FuzzOptions& options) {
-  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts);
+  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts, options.differential);
   check_results(options.files, fuzz_case.scenario, options.record.file);
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   SimulationRecording recording(simulation, options.record);
@@ -78,7 +78,7 @@ int fuzz_command(const FuzzOptions& options) {
   Sum sum;
   WallTime next_line = wall_now() + progress_period;
   for (std::uint32_t seed = options.first_seed; sum.robot_hours < options.robot_hours; ++seed) {
-    const FuzzCase fuzz_case = draw_fuzz_case(seed, options.restarts);
+    const FuzzCase fuzz_case = draw_fuzz_case(seed, options.restarts, options.differential);
     FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
     simulation.run(go_on);
     if (stop_requested()) break;
@@ -86,8 +86,9 @@ int fuzz_command(const FuzzOptions& options) {
     sum.add(result);
     if (!result.failures.empty() || !result.shut_in.empty()) {
       tell_failures(fuzz_case, result);
-      std::cout << fmt::format("  repeat with: coppice fuzz --replay {}{}\n", seed,
-                               options.restarts ? " --restarts" : "")
+      std::cout << fmt::format("  repeat with: coppice fuzz --replay {}{}{}\n", seed,
+                               options.restarts ? " --restarts" : "",
+                               options.differential ? " --differential" : "")
                 << std::flush;
     }
     if (wall_now() < next_line) continue;

@@ -86,6 +86,7 @@ Command service_command(const RunOptions& options, const std::string& program, b
   if (options.overrides.robots) add("--robots", std::to_string(*options.overrides.robots));
   if (options.overrides.radius) add("--radius", fmt::format("{}", *options.overrides.radius));
   if (options.overrides.max_speed) add("--max-speed", fmt::format("{}", *options.overrides.max_speed));
+  if (!options.overrides.kinematics.empty()) add("--kinematics", options.overrides.kinematics);
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
   add("--time-scale", fmt::format("{}", options.time_scale.value()));
   if (!serves) add("--timeout", fmt::format("{}", options.timeout));
@@ -261,8 +262,7 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
 std::chrono::duration<double> patience_with(const Scenario& scenario, double time_scale,
                                             std::chrono::duration<double> run) {
   double braking = 0;  // fleet seconds
-  for (const RobotTask& robot : scenario.robots)
-    braking = std::max(braking, robot.max_speed / robot.max_acceleration);
+  for (const RobotTask& robot : scenario.robots) braking = std::max(braking, braking_time(limits_of(robot)));
   const auto robots = static_cast<double>(scenario.robots.size());
   return std::chrono::duration<double>(15 + 0.5 * robots + braking / time_scale) +
          writing * robots * time_scale * run;
@@ -419,6 +419,7 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   ScenarioOptions overrides = options.overrides;
   overrides.warnings = MapWarnings::left_out;  // the service logs them
   const Scenario scenario = read_scenario(options.scenario, overrides);
+  if (fleet_options.ros.drives) check_holonomic(scenario, "--drive ros");
   chosen_plan(options, scenario);
   check_results(options, scenario, fleet_options.record.file);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);

@@ -78,6 +78,11 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
                   "maximum speed of every robot, metres per second")
       ->check(number_above_zero())
       ->default_str("the scenario's, or 20 cells of the map a second");
+  command
+      .add_option("--kinematics", options.overrides.kinematics,
+                  "holonomic: every robot moves in any direction at once; differential: it turns")
+      ->check(CLI::IsMember(std::vector<std::string>{"holonomic", "differential"}))
+      ->default_str("the scenario's, or holonomic");
   command.add_option("--seed", options.overrides.seed, "seed of all random choices")
       ->check(a_seed())
       ->default_str("the scenario's, or 1");

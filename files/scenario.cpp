@@ -39,6 +39,19 @@ void check_place(const Point2& p, const ClearanceField& field, double radius, co
   }
 }
 
+void check_angles(const RobotTask& robot, const std::string& at) {
+  check_size(robot.max_angular_speed, at + ".max_angular_speed");
+  check_size(robot.max_angular_acceleration, at + ".max_angular_acceleration");
+  if (!can_brake(robot.max_angular_speed, robot.max_angular_acceleration)) {
+    fail(at + ".max_angular_acceleration",
+         fmt::format("{} takes longer than {} s to come to rest from {}, expected at least {}",
+                     robot.max_angular_acceleration, longest_braking, robot.max_angular_speed,
+                     robot.max_angular_speed / longest_braking));
+  }
+  if (!is_sane(robot.start_yaw)) fail(at + ".start.yaw", "expected a number of radians");
+  if (!is_sane(robot.goal_yaw)) fail(at + ".goal.yaw", "expected a number of radians");
+}
+
 void check_robot(const RobotTask& robot, const ClearanceField& field, const std::string& at) {
   check_size(robot.radius, at + ".radius");
   check_size(robot.max_speed, at + ".max_speed");
@@ -50,8 +63,9 @@ void check_robot(const RobotTask& robot, const ClearanceField& field, const std:
                      robot.max_acceleration, longest_braking, robot.max_speed,
                      robot.max_speed / longest_braking));
   }
-  check_place(robot.start, field, robot.radius, at + ".start");
-  check_place(robot.goal, field, robot.radius, at + ".goal");
+  if (is_differential(limits_of(robot))) check_angles(robot, at);
+  check_place(robot.start, field, driving_radius(robot), at + ".start");
+  check_place(robot.goal, field, driving_radius(robot), at + ".goal");
 }
 
 void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place, const char* what) {
@@ -93,6 +107,14 @@ void check_scenario(const Scenario& scenario) {
   }
   check_apart(scenario.robots, &RobotTask::start, "start");
   check_apart(scenario.robots, &RobotTask::goal, "goal");
+}
+
+void check_holonomic(const Scenario& scenario, const std::string& option) {
+  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+    const RobotTask& robot = scenario.robots[i];
+    if (!is_differential(limits_of(robot))) continue;
+    fail(option, fmt::format("{} (robots[{}]) is differential, expected holonomic robots", robot.name, i));
+  }
 }
 
 }  // namespace coppice

@@ -76,12 +76,57 @@ proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& h
   return scenario;
 }
 
+/// Whether a field of that name says that a robot is differential. Empty: holonomic.
+bool is_differential(const std::string& kinematics, const std::string& field) {
+  if (kinematics == "differential") return true;
+  if (!kinematics.empty() && kinematics != "holonomic")
+    throw InputError(
+        fmt::format("{}: \"{}\" is unknown, expected holonomic or differential", field, kinematics));
+  return false;
+}
+
 /// The fields that hold for all robots. Each is checked, also if every robot has its own.
 void check_fields_of_all(const proto::Scenario& file) {
   if (file.has_radius()) check_size(file.radius(), "radius");
   if (file.has_max_speed()) check_size(file.max_speed(), "max_speed");
   if (file.has_max_acceleration()) check_size(file.max_acceleration(), "max_acceleration");
   if (file.has_goal_tolerance()) check_size(file.goal_tolerance(), "goal_tolerance");
+  if (file.has_goal_yaw_tolerance()) check_size(file.goal_yaw_tolerance(), "goal_yaw_tolerance");
+  if (file.has_max_angular_speed()) check_size(file.max_angular_speed(), "max_angular_speed");
+  if (file.has_max_angular_acceleration())
+    check_size(file.max_angular_acceleration(), "max_angular_acceleration");
+  is_differential(file.kinematics(), "kinematics");
+}
+
+/// The heading of a differential robot, and how fast it turns.
+void read_angles(const proto::Scenario& file, const proto::Scenario::Robot& robot, const std::string& at,
+                 RobotTask& task) {
+  const std::string& kinematics = robot.kinematics().empty() ? file.kinematics() : robot.kinematics();
+  if (!is_differential(kinematics, at + ".kinematics")) {
+    const auto refuse = [&](bool is_there, const std::string& name) {
+      if (is_there)
+        throw InputError(
+            fmt::format("{}{}: {} is holonomic, only a differential robot has that", at, name, task.name));
+    };
+    refuse(robot.has_max_angular_speed(), ".max_angular_speed");
+    refuse(robot.has_max_angular_acceleration(), ".max_angular_acceleration");
+    refuse(robot.start().has_yaw(), ".start.yaw");
+    refuse(robot.goal().has_yaw(), ".goal.yaw");
+    return;
+  }
+  task.max_angular_speed = robot.has_max_angular_speed()  ? robot.max_angular_speed()
+                           : file.has_max_angular_speed() ? file.max_angular_speed()
+                                                          : task.max_speed / task.radius;
+  task.max_angular_acceleration = robot.has_max_angular_acceleration() ? robot.max_angular_acceleration()
+                                  : file.has_max_angular_acceleration()
+                                      ? file.max_angular_acceleration()
+                                      : usual_acceleration(task.max_angular_speed);
+  check_size(task.max_angular_speed, at + ".max_angular_speed");
+  check_size(task.max_angular_acceleration, at + ".max_angular_acceleration");
+  task.start_yaw = robot.start().yaw();
+  if (!robot.goal().has_yaw()) return;
+  task.goal_yaw = robot.goal().yaw();
+  task.goal_yaw_tolerance = file.has_goal_yaw_tolerance() ? file.goal_yaw_tolerance() : default_yaw_tolerance;
 }
 
 Point2 read_place(bool is_there, const proto::Position& place, const std::filesystem::path& path,
@@ -136,6 +181,10 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
                     .map = read_map_of(path, map_file, options),
                     .seed = options.seed.value_or(file.has_seed() ? file.seed() : 1),
                     .robots = {}};
+  if (!options.kinematics.empty()) {
+    file.set_kinematics(options.kinematics);
+    for (auto& robot : *file.mutable_robots()) robot.clear_kinematics();
+  }
   const OccupancyMap& map = scenario.map;
   if (is_scen && (said_width != map.width || said_height != map.height)) {
     fail(path, "map",
@@ -176,6 +225,11 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
                        task.max_speed / longest_braking));
     }
     if (file.has_goal_tolerance()) task.goal_tolerance = file.goal_tolerance();
+    try {
+      if (options.kinematics != "holonomic") read_angles(file, robot, at, task);
+    } catch (const InputError& problem) {
+      throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
+    }
     scenario.robots.push_back(std::move(task));
   }
   try {
@@ -200,6 +254,14 @@ void write_scenario(const std::filesystem::path& path, const Scenario& scenario)
     robot->mutable_goal()->set_y(task.goal.y());
     robot->set_radius(task.radius);
     robot->set_max_speed(task.max_speed);
+    if (!is_differential(limits_of(task))) continue;
+    robot->set_kinematics("differential");
+    robot->set_max_angular_speed(task.max_angular_speed);
+    robot->set_max_angular_acceleration(task.max_angular_acceleration);
+    robot->mutable_start()->set_yaw(task.start_yaw);
+    if (task.goal_yaw_tolerance == 0) continue;
+    robot->mutable_goal()->set_yaw(task.goal_yaw);
+    file.set_goal_yaw_tolerance(task.goal_yaw_tolerance);
   }
   google::protobuf::util::JsonPrintOptions options;
   options.add_whitespace = true;

@@ -21,8 +21,8 @@ namespace {
 constexpr std::size_t points_a_block = 64;
 constexpr double stretch = 2;  // seconds; a part of 200 robots takes about 0.5 MB, with the points around it
 
-/// A point as it is stored on disk: time, x, y, velocity x, velocity y.
-using Row = std::array<double, 5>;
+/// A point as it is stored on disk: time, x, y, velocity x, velocity y, yaw, angular velocity.
+using Row = std::array<double, 7>;
 
 /// The points at or after `from` and before `until`, and the points just before and after them.
 std::vector<TrackPoint> around(const std::vector<TrackPoint>& points, double from, double until) {
@@ -102,7 +102,8 @@ void TrackRecord::put_on_disk(Block& block) {
   if (descriptor_ < 0 || end_ < 0) return;
   std::vector<Row> rows;
   for (const TrackPoint& p : block.points)
-    rows.push_back({p.time, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y()});
+    rows.push_back(
+        {p.time, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y(), p.yaw, p.angular_velocity});
   const std::size_t bytes = rows.size() * sizeof(Row);
   const ::ssize_t written = ::pwrite(descriptor_, rows.data(), bytes, end_);
   if (written != static_cast<::ssize_t>(bytes)) {
@@ -129,7 +130,8 @@ void TrackRecord::read(const Block& block, std::vector<TrackPoint>& points) cons
   const std::size_t bytes = rows.size() * sizeof(Row);
   if (::pread(descriptor_, rows.data(), bytes, block.at) != static_cast<::ssize_t>(bytes))
     throw InputError("the robots' tracks cannot be read back from disk");
-  for (const auto& [time, x, y, vx, vy] : rows) points.push_back({time, {x, y}, {vx, vy}});
+  for (const auto& [time, x, y, vx, vy, yaw, omega] : rows)
+    points.push_back({time, {x, y}, {vx, vy}, yaw, omega});
 }
 
 std::vector<TrackPoint> TrackRecord::around(std::size_t robot, double from, double until) const {

@@ -32,8 +32,9 @@ std::string rows_of(const TrackPart& part) {
   std::string csv;
   for (const Row& row : rows) {
     const TrackPoint& p = *row.point;
-    fmt::format_to(std::back_inserter(csv), "{:.6f},{},{:.6f},{:.6f},{:.6f},{:.6f}\n", p.time, *row.robot,
-                   p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y());
+    fmt::format_to(std::back_inserter(csv), "{:.6f},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f}\n", p.time,
+                   *row.robot, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y(), p.yaw,
+                   p.angular_velocity);
   }
   return csv;
 }
@@ -42,7 +43,7 @@ std::string rows_of(const TrackPart& part) {
 
 void write_trajectory(const std::filesystem::path& path, const TrackParts& parts) {
   write_file(path, [&](std::ostream& out) {
-    out << "time,robot,x,y,vx,vy\n";
+    out << "time,robot,x,y,vx,vy,yaw,omega\n";
     parts([&](const TrackPart& part) { out << rows_of(part); });
   });
 }

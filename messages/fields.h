@@ -55,10 +55,11 @@ struct Enumerators;
         [](auto& dds) -> decltype(auto) { return dds.IN_DDS; }}
 #define COPPICE_FIELD(NUMBER, NAME) COPPICE_FIELD_AT(NUMBER, NAME, NAME, NAME())
 /// A field that older recordings lack.
-#define COPPICE_NEW_FIELD(NUMBER, NAME)                   \
+#define COPPICE_NEW_FIELD_AT(NUMBER, NAME, IN_MESSAGE, IN_DDS) \
   Field{NUMBER, #NAME,                                    \
-        [](auto& m) -> auto& { return m.NAME; },          \
-        [](auto& dds) -> decltype(auto) { return dds.NAME(); }, true}
+        [](auto& m) -> auto& { return m.IN_MESSAGE; },    \
+        [](auto& dds) -> decltype(auto) { return dds.IN_DDS; }, true}
+#define COPPICE_NEW_FIELD(NUMBER, NAME) COPPICE_NEW_FIELD_AT(NUMBER, NAME, NAME, NAME())
 /// A part whose fields are fields of the message itself in DDS.
 #define COPPICE_PART(NUMBER, NAME)                        \
   Field{NUMBER, #NAME,                                    \
@@ -125,7 +126,12 @@ COPPICE_FIELDS(Mission, "Mission",
   COPPICE_FIELD(14, cancelled),
   COPPICE_FIELD_AT(15, clock_epoch, clock.epoch, clock_epoch()),
   COPPICE_FIELD_AT(16, clock_scale, clock.scale, clock_scale()),
-  COPPICE_NEW_FIELD(17, trees));
+  COPPICE_NEW_FIELD(17, trees),
+  COPPICE_NEW_FIELD(18, max_angular_speed),
+  COPPICE_NEW_FIELD(19, max_angular_acceleration),
+  COPPICE_NEW_FIELD(20, start_yaw),
+  COPPICE_NEW_FIELD(21, goal_yaw),
+  COPPICE_NEW_FIELD(22, goal_yaw_tolerance));
 
 COPPICE_FIELDS(RootNodes::Node, "RootNode",
   COPPICE_FIELD(1, side),
@@ -200,9 +206,14 @@ COPPICE_FIELDS(RobotState, "RobotState",
   COPPICE_FIELD(23, echoes),
   COPPICE_FIELD_AT(24, run, run.epoch, run()),
   COPPICE_FIELD(25, misses),
-  Field{26, "reservation", [](auto& m) -> auto& { return m.reservation; }, [](auto& dds) -> decltype(auto) { return dds.reservation(); }, true},
-  Field{27, "reservation_progress", [](auto& m) -> auto& { return m.reservation_progress; }, [](auto& dds) -> decltype(auto) { return dds.reservation_progress(); }, true},
-  COPPICE_FIELD(28, knows));
+  COPPICE_NEW_FIELD(26, reservation),
+  COPPICE_NEW_FIELD(27, reservation_progress),
+  COPPICE_FIELD(28, knows),
+  COPPICE_NEW_FIELD(29, max_angular_speed),
+  COPPICE_NEW_FIELD(30, max_angular_acceleration),
+  COPPICE_NEW_FIELD_AT(31, yaw, promise.yaw, yaw()),
+  COPPICE_NEW_FIELD_AT(32, angular_velocity, promise.angular_velocity, angular_velocity()),
+  COPPICE_NEW_FIELD_AT(33, promise_angular_velocity, promise.next_angular_velocity, promise_angular_velocity()));
 
 COPPICE_FIELDS(TimedPoint, "TimedPoint",
   COPPICE_FIELD(1, time),
@@ -246,7 +257,9 @@ COPPICE_FIELDS(PathMessage, "Path",
 COPPICE_FIELDS(TrackMessage::Point, "Sample",
   COPPICE_FIELD(1, time),
   COPPICE_FIELD(2, position),
-  COPPICE_FIELD(3, velocity));
+  COPPICE_FIELD(3, velocity),
+  COPPICE_NEW_FIELD(4, yaw),
+  COPPICE_NEW_FIELD(5, angular_velocity));
 COPPICE_FIELDS(TrackMessage, "Track",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, mission),

@@ -62,6 +62,11 @@ struct Mission {
   double plan_budget = 1;  ///< wall seconds to look for a shorter path after the first one
   bool cancelled = false;  ///< the run has ended: stop planning, brake and stand
   FleetClock clock;        ///< its epoch names the run: agents outlive it, and so does what they said in it
+  double max_angular_speed = 0;         ///< of a differential robot; 0: holonomic
+  double max_angular_acceleration = 0;  ///< of a differential robot
+  double start_yaw = 0;                 ///< of a differential robot: its heading where it starts, radians
+  double goal_yaw = 0;                  ///< where it is to head in the end
+  double goal_yaw_tolerance = 0;        ///< radians by which it may be off; 0: it may head anywhere
   bool operator==(const Mission&) const = default;
 };
 
@@ -213,6 +218,8 @@ struct RobotState {
   std::vector<Echo> echoes{};  ///< of states of other robots, in turn
   std::vector<ReservationId> knows{};  ///< reservations of other robots, in turn; it heeds them
   RunId run;
+  double max_angular_speed = 0;         ///< of a differential robot; 0: holonomic
+  double max_angular_acceleration = 0;  ///< of a differential robot
   bool operator==(const RobotState&) const = default;
 };
 
@@ -292,6 +299,8 @@ struct TrackMessage {
     double time = 0;
     Point2 position = Point2::Zero();
     Point2 velocity = Point2::Zero();
+    double yaw = 0;               ///< radians; of a differential robot, like the next one
+    double angular_velocity = 0;  ///< radians a second
     bool operator==(const Point&) const = default;
   };
   std::uint32_t first_index = 0;  ///< of points[0] among all of this run: gaps show

@@ -90,6 +90,14 @@ Problem check(const MapMessage& m) {
                    {std::ranges::all_of(m.radii, is_sane_size), "a radius is out of range"}});
 }
 
+/// Whether a robot is holonomic, or comes to rest in time when it turns.
+template <class M>
+bool turns(const M& m) {
+  if (m.max_angular_speed == 0 && m.max_angular_acceleration == 0) return true;
+  return is_sane_size(m.max_angular_speed) && is_sane_size(m.max_angular_acceleration) &&
+         can_brake(m.max_angular_speed, m.max_angular_acceleration);
+}
+
 Problem check(const Mission& m) {
   if (auto problem = check(m.trees)) return problem;
   return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
@@ -101,6 +109,9 @@ Problem check(const Mission& m) {
                    {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
                    {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
                    {is_sane_size(m.goal_tolerance), "goal tolerance is out of range"},
+                   {turns(m), "angular limit is out of range"},
+                   {is_sane(m.start_yaw) && is_sane(m.goal_yaw), "yaw is not finite"},
+                   {not_negative(m.goal_yaw_tolerance), "yaw tolerance is negative or not finite"},
                    {m.planner <= PlannerKind::rrt_star, "unknown planner"},
                    {not_negative(m.plan_budget), "plan budget is negative or not finite"},
                    {m.clock.epoch >= 0 && m.clock.epoch <= latest_run, "clock epoch is not a time"},
@@ -169,6 +180,11 @@ Problem check(const RobotState& m) {
         "velocity is above the limit"},
        {sane(m.promise.next_velocity) && m.promise.next_velocity.norm() <= m.max_speed * 1.001,
         "promised velocity is above the limit"},
+       {turns(m), "angular limit is out of range"},
+       {is_sane(m.promise.yaw), "yaw is not finite"},
+       {std::abs(m.promise.angular_velocity) <= m.max_angular_speed * 1.001 &&
+            std::abs(m.promise.next_angular_velocity) <= m.max_angular_speed * 1.001,
+        "angular velocity is above the limit"},
        {known(m.phase), "unknown phase"},
        {m.stage <= Stage::executing, "unknown stage"},
        {named_or_empty(m.round.leader) && (m.round.epoch == 0) == m.round.leader.empty(),
@@ -248,7 +264,8 @@ Problem check(const PathMessage& m) {
 
 Problem check(const TrackMessage& m) {
   const auto fine = [](const TrackMessage::Point& p) {
-    return is_sane(p.time) && sane(p.position) && sane(p.velocity);
+    return is_sane(p.time) && sane(p.position) && sane(p.velocity) && is_sane(p.yaw) &&
+           is_sane(p.angular_velocity);
   };
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},

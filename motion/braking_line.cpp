@@ -93,10 +93,11 @@ double furthest_from_its_stamp(const Neighbour& n, double end) {
 
 }  // namespace
 
-std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
+std::size_t first_in_the_way(const Point2& position, const Twist& twist, double from, double radius,
                              const Limits& limits, double period, std::span<const Neighbour> neighbours) {
-  const double travel = velocity.norm() * period + braking_distance(velocity.norm(), limits, period);
-  const int periods = 1 + braking_periods(velocity.norm(), limits, period);
+  const double speed = twist.velocity.norm();
+  const double travel = speed * period + braking_distance(speed, limits, period);
+  const int periods = 1 + braking_periods(speed, limits, period);
   const double end = from + periods * period;
   for (std::size_t i = 0; i < neighbours.size(); ++i) {
     const Neighbour& neighbour = neighbours[i];
@@ -105,23 +106,33 @@ std::size_t first_in_the_way(const Point2& position, const Point2& velocity, dou
 
     const NeighbourRegion region(neighbour, radius, period);
     Point2 here = position;
-    Point2 v = velocity;
+    Twist now = twist;
     double t = from;
     for (int k = 0; k < periods; ++k) {
-      const Point2 next = here + period * v;
+      const Point2 next = here + period * now.velocity;
       if (!region.clear(here, next, t, t + period)) return i;
       here = next;
       t += period;
-      v = braked(v, limits, period);
+      now = braked(now, limits, period);
     }
   }
   return neighbours.size();
 }
 
-bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,
+bool clear_of_obstacles(const Point2& position, const Twist& twist, double radius, const Limits& limits,
                         double period, const ClearanceField& field) {
+  const Point2& velocity = twist.velocity;
   const double speed = velocity.norm();
   if (speed == 0) return true;
+  if (twist.angular_velocity != 0) {
+    Point2 here = position;
+    for (Twist now = twist; !now.velocity.isZero(0); now = braked(now, limits, period)) {
+      const Point2 next = here + period * now.velocity;
+      if (!way_free(field, here, next, radius)) return false;
+      here = next;
+    }
+    return true;
+  }
   const double travel = speed * period + braking_distance(speed, limits, period);
   return way_free(field, position, position + velocity * (travel / speed), radius);
 }

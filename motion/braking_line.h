@@ -28,14 +28,14 @@ struct Neighbour {
   bool doubtful = false;
 };
 
-/// The robot executes `velocity` for one period from time `from` on, and then brakes in a straight line.
-/// Returns the index of the first neighbour that may cover a part of that way until the robot stands; the
-/// number of neighbours if none may.
-std::size_t first_in_the_way(const Point2& position, const Point2& velocity, double from, double radius,
+/// The robot keeps a twist for one period from time `from` on, and then brakes. Returns the index of the
+/// first neighbour that may cover a part of that way until the robot stands; the number of neighbours if none
+/// may.
+std::size_t first_in_the_way(const Point2& position, const Twist& twist, double from, double radius,
                              const Limits& limits, double period, std::span<const Neighbour> neighbours);
 
-/// Whether the straight line until standstill keeps `radius` clear of obstacles.
-bool clear_of_obstacles(const Point2& position, const Point2& velocity, double radius, const Limits& limits,
+/// Whether the same way until standstill keeps `radius` clear of obstacles.
+bool clear_of_obstacles(const Point2& position, const Twist& twist, double radius, const Limits& limits,
                         double period, const ClearanceField& field);
 
 }  // namespace coppice

@@ -26,18 +26,22 @@ inline double arc_radius(const Point2& in, const Point2& out, double stray) {
 /// a straight line, it must not stray by more than `stray`. `period`: of control; braking begins half a
 /// period late on average. 0 gives an upper bound.
 inline double speed_on_arc(double radius, double stray, const Limits& limits, double period) {
-  const double turning = std::sqrt(limits.max_acceleration * radius);
+  const double turning = is_differential(limits) ? std::min(std::sqrt(sideways_acceleration(limits) * radius),
+                                                            limits.max_angular_speed * radius)
+                                                 : std::sqrt(limits.max_acceleration * radius);
   const double braking = speed_to_stop_within(std::sqrt(2 * stray * radius), limits, period / 2);
   return std::min({turning, braking, limits.max_speed});
 }
 
 /// Seconds that a robot at full speed loses because it slows down for a corner: before and after the arc, and
-/// on it. At a right angle and beyond it stops. `room`: metres before and after the corner that the arc may
-/// take.
+/// on it. At a right angle and beyond it stops, and a differential robot turns on the spot. `room`: metres
+/// before and after the corner that the arc may take.
 inline double time_lost_around(const Point2& in, const Point2& out, double stray, const Limits& limits,
                                double room = std::numeric_limits<double>::infinity()) {
   const double full = limits.max_speed;
-  const double stop = full / limits.max_acceleration;
+  double stop = full / limits.max_acceleration;
+  if (is_differential(limits))
+    stop = full / deceleration(limits) + time_to_turn(std::acos(std::clamp(in.dot(out), -1.0, 1.0)), limits);
   if (in.dot(out) <= 0) return stop;
   double radius = arc_radius(in, out, stray);
   double tangent = std::sqrt(stray * (stray + 2 * radius));  // from the corner to the ends of the arc

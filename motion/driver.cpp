@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
 #include "coppice/motion/reciprocal_velocity.h"
+#include "motion/differential_drive.h"
 
 namespace coppice {
 
@@ -29,16 +31,23 @@ Driver::Driver(const Promise& promise, double radius, const Limits& limits, doub
       radius_(radius),
       limits_(limits),
       period_(period),
-      velocity_(promise.velocity),
-      next_velocity_(promise.next_velocity) {
+      yaw_(promise.yaw),
+      twist_{promise.velocity, promise.angular_velocity},
+      next_{promise.next_velocity, promise.next_angular_velocity} {
   if (promise.expiry > time_ + 2 * period_ + rounding) stay(promise.expiry);
 }
 
 void Driver::advance() {
-  position_ += period_ * velocity_;
+  position_ += period_ * twist_.velocity;
+  yaw_ = wrapped(yaw_ + period_ * twist_.angular_velocity);
   time_ += period_;
-  velocity_ = next_velocity_;
-  next_velocity_ = braked(velocity_, limits_, period_);
+  twist_ = next_;
+  next_ = braked(twist_, limits_, period_);
+}
+
+void Driver::turn_to(double yaw) {
+  next_ = {Point2::Zero(),
+           turning_to(yaw, twist_, yaw_ + period_ * twist_.angular_velocity, limits_, period_)};
 }
 
 void Driver::stay(double until) {
@@ -48,19 +57,22 @@ void Driver::stay(double until) {
 Promise Driver::promise() const {
   return {.stamp = time_,
           .position = position_,
-          .velocity = velocity_,
+          .velocity = twist_.velocity,
           .turn = time_ + period_,
-          .next_velocity = next_velocity_,
-          .expiry = std::max(time_ + 2 * period_, stays_until_)};
+          .next_velocity = next_.velocity,
+          .expiry = std::max(time_ + 2 * period_, stays_until_),
+          .yaw = yaw_,
+          .angular_velocity = twist_.angular_velocity,
+          .next_angular_velocity = next_.angular_velocity};
 }
 
-/// `suspect`: index of the neighbour that was in the way of the last velocity. It probably blocks the next
-/// one too, so it is checked first.
-bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
+/// `suspect`: index of the neighbour that was in the way of the last twist. It probably blocks the next one
+/// too, so it is checked first.
+bool Driver::safe(const Twist& twist, std::span<const Neighbour> neighbours, const ClearanceField& field,
                   std::size_t& suspect) const {
-  if (!clear_of_obstacles(turn_position(), velocity, radius_, limits_, period_, field)) return false;
+  if (!clear_of_obstacles(turn_position(), twist, radius_, limits_, period_, field)) return false;
   const auto in_the_way = [&](std::span<const Neighbour> of) {
-    return first_in_the_way(turn_position(), velocity, time_ + period_, radius_, limits_, period_, of);
+    return first_in_the_way(turn_position(), twist, time_ + period_, radius_, limits_, period_, of);
   };
   if (suspect < neighbours.size() && in_the_way(neighbours.subspan(suspect, 1)) == 0) return false;
   suspect = in_the_way(neighbours);
@@ -71,7 +83,7 @@ bool Driver::safe(const Point2& velocity, std::span<const Neighbour> neighbours,
 Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                         const ClearanceField& field) const {
   const double turn = time_ + period_;
-  const MovingDisc self{turn_position(), velocity_, radius_};
+  const MovingDisc self{turn_position(), twist_.velocity, radius_};
   std::vector<HalfPlane> obstacles;
   obstacle_half_planes(field, self.position, radius_, limits_.max_speed * obstacle_horizon, obstacle_horizon,
                        obstacles);
@@ -91,57 +103,70 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
   return safe_velocity(preferred, limits_.max_speed, obstacles, robots);
 }
 
-/// Velocities that the robot can take at its next turn, in all directions.
-std::vector<Point2> Driver::around_velocity() const {
-  std::vector<Point2> velocities;
+/// The twist at the next turn whose velocity is closest to `wanted`.
+Twist Driver::nearest_to(const Point2& wanted) const {
+  if (is_differential(limits_))
+    return twist_towards(wanted, twist_, yaw_ + period_ * twist_.angular_velocity, limits_, period_);
+  return {within_limits(wanted, twist_.velocity, limits_, period_), 0};
+}
+
+/// Twists that the robot can take at its next turn, in all directions.
+std::vector<Twist> Driver::around_present() const {
+  if (is_differential(limits_))
+    return twists_after(twist_, yaw_ + period_ * twist_.angular_velocity, limits_, period_);
+  std::vector<Twist> twists;
   const double reach = std::min(limits_.max_acceleration * period_, limits_.max_speed);
   for (const double share : shares) {
     for (int k = 0; k < directions; ++k) {
       const double angle = 2 * std::numbers::pi * k / directions;
-      const Point2 v = velocity_ + share * reach * Point2(std::cos(angle), std::sin(angle));
-      if (v.norm() <= limits_.max_speed) velocities.push_back(v);
+      const Point2 v = twist_.velocity + share * reach * Point2(std::cos(angle), std::sin(angle));
+      if (v.norm() <= limits_.max_speed) twists.push_back({v, 0});
     }
   }
-  return velocities;
+  return twists;
 }
 
 void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbours,
                     const ClearanceField& field) {
   if (bound_to_stand()) return;
   const Point2 wanted = proposal(preferred, neighbours, field);
-  next_velocity_ = within_limits(wanted, velocity_, limits_, period_);
+  next_ = nearest_to(wanted);
   std::size_t suspect = neighbours.size();
-  if (safe(next_velocity_, neighbours, field, suspect)) return;
+  if (safe(next_, neighbours, field, suspect)) return;
 
-  std::vector<Point2> candidates = around_velocity();
-  candidates.push_back(velocity_);
-  std::ranges::sort(candidates, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
+  std::vector<Twist> candidates = around_present();
+  if (!is_differential(limits_)) candidates.push_back(twist_);
+  std::ranges::sort(candidates, std::less{},
+                    [&](const Twist& m) { return (m.velocity - wanted).squaredNorm(); });
   const auto first =
-      std::ranges::find_if(candidates, [&](const Point2& v) { return safe(v, neighbours, field, suspect); });
-  // The choice of the current velocity has shown that braking in a straight line is clear.
-  next_velocity_ = first != candidates.end() ? *first : braked(velocity_, limits_, period_);
+      std::ranges::find_if(candidates, [&](const Twist& m) { return safe(m, neighbours, field, suspect); });
+  // The choice of the present twist has shown that braking is clear.
+  next_ = first != candidates.end() ? *first : braked(twist_, limits_, period_);
 }
 
 bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
                     const Allowed& allowed) {
   if (bound_to_stand()) return true;
   std::size_t suspect = neighbours.size();
-  const auto takes = [&](const Point2& v) {
-    if (!allowed(v) || !safe(v, neighbours, field, suspect)) return false;
-    next_velocity_ = v;
+  const auto takes = [&](const Twist& m) {
+    if (!allowed(m) || !safe(m, neighbours, field, suspect)) return false;
+    next_ = m;
     return true;
   };
-  const auto takes_share = [&](double speed) {
-    return takes(within_limits(speed * wanted, velocity_, limits_, period_));
-  };
+  const auto takes_share = [&](double speed) { return takes(nearest_to(speed * wanted)); };
   if (std::ranges::any_of(speeds, takes_share)) return true;
-  std::vector<Point2> beside = around_velocity();
-  std::erase_if(beside, [&](const Point2& v) { return v.norm() > wanted.norm() || v.dot(wanted) <= 0; });
-  std::ranges::sort(beside, std::less{}, [&](const Point2& v) { return (v - wanted).squaredNorm(); });
+  std::vector<Twist> beside = around_present();
+  std::erase_if(beside, [&](const Twist& m) {
+    return m.velocity.norm() > wanted.norm() || m.velocity.dot(wanted) <= 0;
+  });
+  std::ranges::sort(beside, std::less{}, [&](const Twist& m) { return (m.velocity - wanted).squaredNorm(); });
   if (std::ranges::any_of(beside, takes)) return false;
   if (std::ranges::any_of(low_speeds, takes_share)) return true;
-  next_velocity_ = braked(velocity_, limits_, period_);
-  const Point2 slow = within_limits(low_speeds.back() * wanted, velocity_, limits_, period_);
+  next_ = braked(twist_, limits_, period_);
+  // Between obstacles without slack the robot must head exactly along its way before it can drive.
+  if (is_differential(limits_) && next_.velocity.isZero(0) && !wanted.isZero(0))
+    turn_to(std::atan2(wanted.y(), wanted.x()));
+  const Twist slow = nearest_to(low_speeds.back() * wanted);
   return allowed(slow) && safe(slow, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
            if (!n.promise.stands()) return true;
            n.promise.expiry = std::numeric_limits<double>::max();

@@ -2,10 +2,12 @@
 // whether it is safe.
 //
 // Time runs in control periods. The velocity is constant during a period. It was chosen one period earlier,
-// so that all peers could receive it (promise.h). If no velocity is chosen in time, the body brakes in a
-// straight line, which the previous choice has shown to be free.
+// so that all peers could receive it (promise.h). If no velocity is chosen in time, the body brakes on a line
+// that the previous choice has shown to be free.
 //
-// Metres in the map frame, seconds of fleet time, metres per second.
+// A differential robot (kinematics.h) chooses among fewer velocities: all else is the same.
+//
+// Metres in the map frame, seconds of fleet time, metres per second, radians.
 #pragma once
 
 #include <functional>
@@ -26,8 +28,8 @@ class Driver {
   static constexpr double horizon = 2;
 
   /// The robot stands at `start` at fleet time `time`.
-  Driver(const Point2& start, double time, double radius, const Limits& limits, double period)
-      : position_(start), time_(time), radius_(radius), limits_(limits), period_(period) {}
+  Driver(const Point2& start, double time, double radius, const Limits& limits, double period, double yaw = 0)
+      : position_(start), time_(time), radius_(radius), limits_(limits), period_(period), yaw_(yaw) {}
 
   /// Continues the motion to which another driver had committed itself.
   Driver(const Promise& promise, double radius, const Limits& limits, double period);
@@ -40,15 +42,18 @@ class Driver {
   /// reciprocal velocity obstacles propose for `preferred`.
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
-  /// Whether a robot may take a velocity from turn_position() on, for one period, and then brake.
-  using Allowed = std::function<bool(const Point2&)>;
+  /// Whether a robot may take a twist from turn_position() on, for one period, and then brake.
+  using Allowed = std::function<bool(const Twist&)>;
 
   /// Chooses the velocity along a way that a plan has cleared: towards `wanted`, or beside it, as fast as is
   /// safe and allowed, without reciprocal avoidance. Returns false if the robot can take no velocity towards
   /// `wanted`, or a low one, because of an obstacle, of a robot that stands, or of what is allowed.
   bool follow(
       const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
-      const Allowed& allowed = [](const Point2&) { return true; });
+      const Allowed& allowed = [](const Twist&) { return true; });
+
+  /// A differential robot that stands turns on the spot, towards a yaw.
+  void turn_to(double yaw);
 
   /// If the robot stands, binds it to stand at least until the time `until`.
   void stay(double until);
@@ -63,26 +68,36 @@ class Driver {
   double radius() const { return radius_; }
   const Limits& limits() const { return limits_; }
   const Point2& position() const { return position_; }  ///< at time()
-  const Point2& velocity() const { return velocity_; }  ///< from time() on, for one period
-  Point2 turn_position() const { return position_ + period_ * velocity_; }  ///< one period later
-  bool stands() const { return velocity_.isZero(0) && next_velocity_.isZero(0); }
+  double yaw() const { return yaw_; }                   ///< at time(); of a differential robot
+  double angular_velocity() const {
+    return twist_.angular_velocity;
+  }  ///< radians a second, from time() on, for one period
+  const Point2& velocity() const { return twist_.velocity; }  ///< from time() on, for one period
+  Point2 turn_position() const { return position_ + period_ * twist_.velocity; }  ///< one period later
+  bool stands() const { return twist_.velocity.isZero(0) && next_.velocity.isZero(0); }
+  /// A differential robot turns on the spot, or will.
+  bool turns_on_the_spot() const {
+    return stands() && (twist_.angular_velocity != 0 || next_.angular_velocity != 0);
+  }
 
  private:
   static constexpr double rounding = 1e-6;  ///< tolerance of times, seconds
 
   Point2 proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                   const ClearanceField& field) const;
-  bool safe(const Point2& velocity, std::span<const Neighbour> neighbours, const ClearanceField& field,
+  bool safe(const Twist& twist, std::span<const Neighbour> neighbours, const ClearanceField& field,
             std::size_t& suspect) const;
-  std::vector<Point2> around_velocity() const;
+  Twist nearest_to(const Point2& wanted) const;
+  std::vector<Twist> around_present() const;
 
   Point2 position_;
   double time_;
   double radius_;
   Limits limits_;
   double period_;
-  Point2 velocity_ = Point2::Zero();
-  Point2 next_velocity_ = Point2::Zero();
+  double yaw_;
+  Twist twist_{};
+  Twist next_{};
   double stays_until_ = 0;
 };
 

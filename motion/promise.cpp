@@ -8,6 +8,12 @@ namespace coppice {
 Point2 rest_after(const Promise& promise, const Limits& limits, double period) {
   const double speed = promise.next_velocity.norm();
   if (speed == 0) return promise.position_at_expiry();
+  if (promise.next_angular_velocity != 0) {
+    Point2 rest = promise.position_at_expiry();
+    Twist twist{promise.next_velocity, promise.next_angular_velocity};
+    while (!twist.velocity.isZero(0)) rest += period * (twist = braked(twist, limits, period)).velocity;
+    return rest;
+  }
   return promise.position_at_expiry() +
          promise.next_velocity * (braking_distance(speed, limits, period) / speed);
 }

@@ -28,18 +28,25 @@ struct Promise {
   double turn = 0;
   Point2 next_velocity = Point2::Zero();  ///< from turn to expiry
   double expiry = 0;
+  double yaw = 0;                    ///< radians, at stamp; of a differential robot, like the next two
+  double angular_velocity = 0;       ///< radians a second, from stamp to turn
+  double next_angular_velocity = 0;  ///< from turn to expiry
 
   Point2 position_at_turn() const { return position + (turn - stamp) * velocity; }
   Point2 position_at_expiry() const { return position_at_turn() + (expiry - turn) * next_velocity; }
   /// The same promise by a clock that is ahead by `offset` seconds.
   Promise shifted_by(double offset) const {
-    return {stamp + offset, position, velocity, turn + offset, next_velocity, expiry + offset};
+    Promise shifted = *this;
+    shifted.stamp += offset;
+    shifted.turn += offset;
+    shifted.expiry += offset;
+    return shifted;
   }
   bool stands() const { return velocity.isZero(0) && next_velocity.isZero(0); }
   bool operator==(const Promise&) const = default;
 };
 
-/// Where a robot comes to rest if it brakes in a straight line after its promise.
+/// Where a robot comes to rest if it brakes after its promise.
 Point2 rest_after(const Promise& promise, const Limits& limits, double period);
 
 /// Where the robot may have come to rest if up to `unheard` later decisions were not received: points along

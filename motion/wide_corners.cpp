@@ -28,6 +28,9 @@ double time_along(const Path& path, double stray, const Limits& limits) {
 double full_speed_radius(double stray, const Limits& limits) {
   const double squared = limits.max_speed * limits.max_speed;
   const double braking = squared / (2 * limits.max_acceleration);
+  if (is_differential(limits))
+    return std::max({squared / sideways_acceleration(limits), limits.max_speed / limits.max_angular_speed,
+                     braking * braking / (2 * stray)});
   return std::max(squared / limits.max_acceleration, braking * braking / (2 * stray));
 }
 

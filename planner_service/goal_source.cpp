@@ -14,12 +14,12 @@ GoalSource::GoalSource(const Scenario& scenario, double margin)
 
 std::optional<std::string> GoalSource::request(std::size_t robot, const Point2& goal,
                                                std::span<const RoomOfRobot> robots) {
-  const double radius = robots[robot].task->radius + margin_;
+  const double radius = driving_radius(*robots[robot].task) + margin_;
   if (!field().is_free(goal, radius)) return "it is in an obstacle, or not on the map";
   const std::string* first = nullptr;  // by name
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const RobotTask& other = *robots[i].task;
-    const double apart = radius + other.radius + margin_;
+    const double apart = radius + driving_radius(other) + margin_;
     if (i == robot || (robots_[i].request.value_or(other.goal) - goal).norm() >= apart) continue;
     if (first == nullptr || other.name < *first) first = &other.name;
   }
@@ -64,7 +64,7 @@ const ClearanceField& GoalSource::field() {
 /// The part of the map that the robot reaches from its goal, where it stands. Few robots reach different
 /// parts, so each part is filled once.
 const ReachablePart& GoalSource::part_of(const RobotTask& task) {
-  const double radius = task.radius + margin_;
+  const double radius = driving_radius(task) + margin_;
   const auto known = std::ranges::find_if(
       parts_, [&](const ReachablePart& part) { return part.radius() == radius && part.contains(task.goal); });
   if (known != parts_.end()) return *known;
@@ -77,7 +77,7 @@ std::vector<KeepOut> GoalSource::taken_by_others(std::size_t robot, std::span<co
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (i == robot) continue;
     const RobotTask& other = *robots[i].task;
-    const double apart = other.radius + robots[robot].task->radius + 2 * margin_ + spare;
+    const double apart = driving_radius(other) + driving_radius(*robots[robot].task) + 2 * margin_ + spare;
     taken.push_back({other.goal, apart});
     if (robots[i].stays_at) taken.push_back({*robots[i].stays_at, apart});
   }

@@ -43,6 +43,7 @@ std::uint64_t draw_identity() {
 
 std::unique_ptr<DdsRosFleet> ros_of(const RosOptions& options, DdsBus& bus, const Scenario& scenario) {
   if (!options.on) return nullptr;
+  if (options.drives) check_holonomic(scenario, "--drive ros");
   auto ros = std::make_unique<DdsRosFleet>(bus, names_of(scenario));
   ros->publish(scenario.map, wall_now());
   return ros;

@@ -128,7 +128,8 @@ void PlannerService::receive(const TrackMessage& batch, WallTime now) {
     // skipped like points that go back in time. A gap shows in the count of points.
     const auto last = tracks_.last(robot);
     if (batch.first_index + i < tracks_.size(robot) || (last && batch.points[i].time < last->time)) continue;
-    tracks_.append(robot, {batch.points[i].time, batch.points[i].position, batch.points[i].velocity});
+    const TrackMessage::Point& point = batch.points[i];
+    tracks_.append(robot, {point.time, point.position, point.velocity, point.yaw, point.angular_velocity});
   }
 }
 
@@ -144,7 +145,7 @@ MapMessage PlannerService::map() const {
   MapMessage message{.map_id = map_id_, .map = scenario_.map, .trees = settings_.trees};
   if (!grows_ahead()) return message;
   for (const RobotTask& task : scenario_.robots) {
-    const double radius = task.radius + settings_.margin;
+    const double radius = driving_radius(task) + settings_.margin;
     if (std::ranges::count(message.radii, radius) == 0) message.radii.push_back(radius);
   }
   return message;
@@ -170,7 +171,12 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .trees = settings_.trees,
           .plan_budget = settings_.plan_budget,
           .cancelled = has_ended(phase_) || robot.track_lost(),
-          .clock = *clock_of(phase_)};
+          .clock = *clock_of(phase_),
+          .max_angular_speed = robot.task.max_angular_speed,
+          .max_angular_acceleration = robot.task.max_angular_acceleration,
+          .start_yaw = robot.task.start_yaw,
+          .goal_yaw = robot.task.goal_yaw,
+          .goal_yaw_tolerance = robot.task.goal_yaw_tolerance};
 }
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
@@ -254,7 +260,7 @@ void PlannerService::finish_when_complete(CollectingTracks& collecting, WallTime
   collecting.run.rediscovered_by = std::min(collecting.run.rediscovered_by, now + time_to_rediscover());
   double braking = 0;  // wall seconds
   for (const RobotTask& task : scenario_.robots)
-    braking = std::max(braking, task.max_speed / task.max_acceleration / settings_.time_scale);
+    braking = std::max(braking, braking_time(limits_of(task)) / settings_.time_scale);
   const WallTime patience = service_timing.longest_wait_for_tracks + braking;
   const WallTime from = std::max(collecting.since, collecting.run.rediscovered_by);
   if (tracks_complete() || now > from + patience) phase_ = Finished{collecting.run.clock, collecting.end};
@@ -392,10 +398,9 @@ void PlannerService::recall_silence(const Message& saved, WallTime now) {
                                    std::clamp(clock->wall_time(last->time), now - longest, now));
 }
 
-/// By the track: the robot stands within the tolerance of its goal.
+/// By the track: the robot stands within the tolerances of its goal.
 bool PlannerService::is_at_goal(const RobotRecord& robot, const std::optional<TrackPoint>& last) const {
-  return !robot.track_lost() && last && stands(*last) &&
-         (last->position - robot.task.goal).norm() <= robot.task.goal_tolerance;
+  return !robot.track_lost() && last && stands(*last) && is_on_goal(robot.task, *last);
 }
 
 /// The odometry of a robot that a motor controller drives never says quite zero.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "coppice/motion/kinematics.h"
+
 namespace coppice {
 
 namespace {
@@ -11,6 +13,12 @@ constexpr double same_beginning = 0.01;             // fleet seconds: the same f
 constexpr std::size_t most_root_nodes = 1'000'000;  // of a robot, for the picture
 
 }  // namespace
+
+bool is_on_goal(const RobotTask& task, const TrackPoint& point) {
+  return (point.position - task.goal).norm() <= task.goal_tolerance &&
+         (task.goal_yaw_tolerance == 0 ||
+          std::abs(wrapped(point.yaw - task.goal_yaw)) <= task.goal_yaw_tolerance);
+}
 
 void ControlPeriods::count(const AgentLoad& load, bool first_status) {
   if (first_status && all_ == 0) {
@@ -69,6 +77,7 @@ void RobotRecord::begin_next_mission(const Point2& start, const Point2& goal) {
   ++mission;
   task.start = start;
   task.goal = goal;
+  task.goal_yaw_tolerance = 0;
   status.reset();
   path.clear();
   root_nodes.clear();

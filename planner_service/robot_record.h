@@ -10,10 +10,14 @@
 #include <vector>
 
 #include "coppice/files/scenario.h"
+#include "coppice/motion/separation.h"
 #include "messages/messages.h"
 #include "planning/ma_rrdt_star.h"
 
 namespace coppice {
+
+/// Whether a robot is within the tolerances of its goal.
+bool is_on_goal(const RobotTask& task, const TrackPoint& point);
 
 /// The control periods of an agent in this run. Its process counts them from its own start, which is before
 /// the run or, after a restart, within it.

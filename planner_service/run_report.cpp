@@ -52,8 +52,8 @@ struct Driven {
   std::optional<ObstacleClearance> clearance;
 };
 
-Driven driven(const TrackParts& tracks, std::span<const Disc> goals, const ClearanceField& field) {
-  const std::size_t robots = goals.size();
+Driven driven(const TrackParts& tracks, const RobotRecords& records, const ClearanceField& field) {
+  const std::size_t robots = records.size();
   Driven result{.length = std::vector<double>(robots),
                 .last = std::vector<std::optional<TrackPoint>>(robots),
                 .stands_since = std::vector<std::optional<double>>(robots),
@@ -65,7 +65,7 @@ Driven driven(const TrackParts& tracks, std::span<const Disc> goals, const Clear
       const Track& track = part.tracks[i].track;
       for (const TrackPoint& point : track.points) {
         std::optional<double>& since = result.stands_since[i];
-        if ((point.position - goals[i].centre).norm() > goals[i].radius)
+        if (!is_on_goal(records[i].task, point))
           since.reset();
         else if (!since && point.velocity.isZero(0))
           since = point.time;
@@ -216,9 +216,7 @@ void PlannerService::describe_run(proto::Report& report) const {
 }
 
 proto::Report PlannerService::report(const TrackParts& tracks) const {
-  std::vector<Disc> goals;
-  for (const RobotRecord& robot : robots_) goals.push_back({robot.task.goal, robot.task.goal_tolerance});
-  const Driven all = driven(tracks, goals, ClearanceField(scenario_.map));
+  const Driven all = driven(tracks, robots_, ClearanceField(scenario_.map));
   proto::Report report;
   for (const RobotRecord& robot : robots_) {
     const std::size_t i = robot.index;

@@ -335,8 +335,9 @@ py::tuple simulate_with(const Scenario& scenario, const Faults& faults, double t
   });
   py::list tracks;
   for (const Track& track : run.tracks) {
-    tracks.append(array_of(track.points, 5, [](const TrackPoint& p) {
-      return std::array{p.time, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y()};
+    tracks.append(array_of(track.points, 7, [](const TrackPoint& p) {
+      return std::array{p.time,         p.position.x(), p.position.y(),    p.velocity.x(),
+                        p.velocity.y(), p.yaw,          p.angular_velocity};
     }));
   }
   return py::make_tuple(run.report, tracks, run.broken);

@@ -50,7 +50,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
       continue;
     }
     ++periods;
-    if (!tracking_ && records(now)) track_.add({body_.time(), body_.position(), body_.velocity()});
+    if (!tracking_ && records(now)) track_.add(point_of(body_));
     status_.driven_length += control_period * body_.velocity().norm();
     body_.advance();
     trail_.go_on(body_.position(), map_->field, body_.radius());
@@ -78,7 +78,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
 /// The body stood all that time, and goes on standing now.
 void Run::pass_over(double now) {
   body_ = Driver(body_.position(), std::floor(now / control_period) * control_period, body_.radius(),
-                 body_.limits(), control_period);
+                 body_.limits(), control_period, body_.yaw());
 }
 
 /// After a long sleep, which is like a restart: others count on moves of a joint plan that is over by now, or
@@ -259,7 +259,8 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
     return;
   }
   const double ready = may_set_off() ? now : startup_since_ + fleet_.handshakes_take();
-  reserver_.plan(way_ahead(), ready, self(), body_.limits(), fleet_, map_->roadmaps, now, out);
+  const Path way = way_ahead();
+  reserver_.plan(way, ready + time_to_face(way), self(), body_.limits(), fleet_, map_->roadmaps, now, out);
   follow_reservation(out);
 }
 
@@ -299,7 +300,7 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
   const Point2 next = body_.position() + control_period * body_.velocity();
   trail_.begin(next);
   const Point2 wanted = held.preferred_velocity(self(), fleet_, next, body_.limits(), now);
-  const auto allowed = [&](const Point2& v) { return held.allows(body_, v); };
+  const auto allowed = [&](const Twist& m) { return held.allows(body_, m); };
   held.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
   if (!held.waits_for().empty()) {
     if (held.is_worth_waiting(fleet_, now)) progress_.excuse(now);
@@ -307,6 +308,7 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
       stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
     last_executed_ = now;
   }
+  if (body_.turns_on_the_spot()) progress_.excuse(now);
   // Several robots may keep clear of each other's next moves: one of them must go.
   if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
   if (!is_bound && now - last_executed_ > waiting_lease && held.gives_way(self(), fleet_)) {
@@ -322,6 +324,14 @@ Path Run::way_ahead() const {
   Path way = driving != nullptr ? driving->route.follower.rest() : Path();
   way.insert(way.begin(), body_.position());
   return way;
+}
+
+/// Seconds in which a differential robot turns on the spot until it heads along a way.
+double Run::time_to_face(const Path& way) const {
+  const auto next = std::ranges::find_if(way, [&](const Point2& p) { return p != way.front(); });
+  if (next == way.end()) return 0;
+  const Point2 ahead = *next - way.front();
+  return time_to_turn(wrapped(std::atan2(ahead.y(), ahead.x()) - body_.yaw()), body_.limits());
 }
 
 /// Calls a coordination round. Not while a joint plan of others is executed around: it may clear the way, and
@@ -340,6 +350,12 @@ void Run::call_if_it_stalls(double now) {
     round_.call(self(), way_ahead(), fleet_, now);
 }
 
+/// At rest, and within half of the tolerance, as for the position.
+bool Run::heads_as_wanted() const {
+  const bool is_close = std::abs(wrapped(body_.yaw() - mission_.goal_yaw)) <= mission_.goal_yaw_tolerance / 2;
+  return mission_.goal_yaw_tolerance == 0 || (is_close && !body_.turns_on_the_spot());
+}
+
 void Run::stand_for(double now, double seconds) {
   const double delay = std::min(fleet_.clock_error(now), longest_delay);
   body_.stay(body_.time() + seconds + lease_for_delay * delay);
@@ -348,7 +364,14 @@ void Run::stand_for(double now, double seconds) {
 /// A robot has arrived when it stands at its goal with no more moves to make. A robot that others push away
 /// from its goal is under way again.
 void Run::watch_arrival(double now) {
-  const bool at_goal = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
+  const bool is_there = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
+  const bool heads_there = heads_as_wanted();
+  const bool comes_on = reserver_.holds() && !reserver_.held().finished();
+  if (is_there && !heads_there && body_.stands() && !comes_on) {
+    body_.turn_to(mission_.goal_yaw);
+    progress_.excuse(now);
+  }
+  const bool at_goal = is_there && heads_there;
   if (auto* const arrived = std::get_if<Arrived>(&task_); arrived != nullptr && !at_goal) {
     status_.arrival_time = 0;
     enter(Driving{std::move(arrived->route)});
@@ -361,7 +384,6 @@ void Run::watch_arrival(double now) {
   if (driving() && round_.calls_in_vain() > most_calls_in_vain && !may_improve)
     return give_up(fmt::format("a way past the others was not found within {} joint plans from this place",
                                most_calls_in_vain));
-  const bool comes_on = reserver_.holds() && !reserver_.held().finished();
   if (!driving() || round_.stage() != Stage::free || !body_.stands() || comes_on) return;
   if (at_goal) {
     if (tracking_ && (*tracking_->position() - mission_.goal).norm() > arrives_within(mission_))
@@ -438,8 +460,7 @@ bool Run::may_set_off() {
 /// All peers that may come near while this robot looks ahead, or brakes.
 std::span<const Neighbour> Run::neighbours(double now) {
   const Limits& limits = body_.limits();
-  const double horizon =
-      std::max(Driver::horizon, limits.max_speed / limits.max_acceleration) + 3 * control_period;
+  const double horizon = std::max(Driver::horizon, braking_time(limits)) + 3 * control_period;
   const double reach = body_.radius() + horizon * limits.max_speed;
   fleet_.collect_neighbours(
       body_.position(), reach, horizon, now, process_.state_ages, near_,

@@ -265,7 +265,9 @@ RobotState Dissemination::last_state(const Peer& p) const {
                                          .radius = p.radius,
                                          .max_speed = p.max_speed,
                                          .max_acceleration = p.mission->max_acceleration,
-                                         .run = own_.clock().run()};
+                                         .run = own_.clock().run(),
+                                         .max_angular_speed = p.mission->max_angular_speed,
+                                         .max_angular_acceleration = p.mission->max_angular_acceleration};
   last.passed_on = true;
   return last;
 }

@@ -36,7 +36,7 @@ void Fleet::hear(const Mission& mission, WallTime arrived) {
     forget_other_runs();
   }
   size_of_the_run_ = mission.fleet_size;
-  longest_braking_ = std::max(longest_braking_, mission.max_speed / mission.max_acceleration);
+  longest_braking_ = std::max(longest_braking_, braking_time(limits_of(mission)));
   if (mission.robot == own_.name) {
     own_.mission = mission;
     return;
@@ -200,7 +200,7 @@ void Fleet::collect_neighbours(const Point2& position, double reach, double hori
     if (p.alive()) {
       const RobotState& s = *p.state;
       const double age = now - s.promise.stamp - p.clock.estimate() + p.clock.error(now);
-      const double braking = s.promise.expiry - s.promise.stamp + s.max_speed / s.max_acceleration;
+      const double braking = s.promise.expiry - s.promise.stamp + braking_time(limits_of(s));
       const double far = reach + s.radius + s.max_speed * (age + std::max(horizon, braking));
       const double distance = (s.promise.position - position).norm();
       if (distance > far) {

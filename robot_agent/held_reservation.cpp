@@ -147,14 +147,14 @@ Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet&
   return wanted;
 }
 
-bool HeldReservation::allows(const Driver& body, const Point2& velocity) const {
+bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
   const double slack = gate_slack_radii * body.radius();
   const double begin = progress();
   Point2 here = body.turn_position();
-  Point2 v = velocity;
+  Twist now = twist;
   double along = begin;
-  for (double t = body.time() + control_period; !v.isZero(0); t += control_period) {
-    const Point2 next = here + control_period * v;
+  for (double t = body.time() + control_period; !now.velocity.isZero(0); t += control_period) {
+    const Point2 next = here + control_period * now.velocity;
     const auto comes_to = follower_.along_strip(here, next, along);
     if (!comes_to) return false;
     for (const First& first : first_) {
@@ -168,7 +168,7 @@ bool HeldReservation::allows(const Driver& body, const Point2& velocity) const {
     }
     here = next;
     along = *comes_to;
-    v = braked(v, body.limits(), control_period);
+    now = braked(now, body.limits(), control_period);
   }
   return true;
 }

@@ -57,9 +57,9 @@ class HeldReservation {
   /// To be called in each control period: the preferred velocity. `position`: where it takes effect.
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
                             const Limits& limits, double now);
-  /// Whether the robot stays in its strip and heeds its gates if it takes a velocity from the turn on, for
-  /// one period, and then brakes. Valid after preferred_velocity() of the same period.
-  bool allows(const Driver& body, const Point2& velocity) const;
+  /// Whether the robot stays in its strip and heeds its gates if it takes a twist from the turn on, for one
+  /// period, and then brakes. Valid after preferred_velocity() of the same period.
+  bool allows(const Driver& body, const Twist& twist) const;
   void led_past(bool everything) { follower_.led_past(everything); }
 
   /// The robot that passes first, at the gate where this one stands; empty: none.

@@ -7,10 +7,11 @@
 namespace coppice {
 
 inline Limits limits_of(const Mission& mission) {
-  return {mission.max_speed, mission.max_acceleration};
+  return {mission.max_speed, mission.max_acceleration, mission.max_angular_speed,
+          mission.max_angular_acceleration};
 }
 inline Limits limits_of(const RobotState& state) {
-  return {state.max_speed, state.max_acceleration};
+  return {state.max_speed, state.max_acceleration, state.max_angular_speed, state.max_angular_acceleration};
 }
 
 /// Metres from its goal at which a robot has arrived. Half of the mission's tolerance: so an observer that

@@ -7,6 +7,7 @@
 
 #include "messages/validation.h"
 #include "planning/quantities.h"
+#include "robot_agent/limits.h"
 #include "robot_agent/words.h"
 
 namespace coppice {
@@ -84,8 +85,9 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
   fleet_->hear(mission.robot == process_->name ? as_reference(mission) : mission, arrived);
 }
 
-/// For a body that a robot follows.
+/// For a body that a robot follows. A body drives on chords: a robot is beside them on its arcs.
 Mission RobotAgent::as_reference(Mission mission) const {
+  mission.radius += off_the_chord(limits_of(mission), control_period);
   if (!process_->tracking) return mission;
   mission.radius += process_->tracking->tolerance;
   mission.max_speed *= Tracking::share_of_speed;

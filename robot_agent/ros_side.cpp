@@ -26,16 +26,23 @@ OdometrySample RosSide::sighting(const RosOdometry& seen) {
           .velocity = turned(out_of_robot(seen.twist.linear, yaw_), y_axis_)};
 }
 
-/// It turns on the spot when it sets off elsewhere, as a disc can: that is not a speed of turning.
+/// A holonomic robot turns on the spot when it sets off elsewhere, as a disc can: that is not a speed of
+/// turning.
 RosOdometry RosSide::odometry(const Run& run, WallTime now) {
   const Driver& body = run.body();
   const FleetClock& clock = run.mission().clock;
   const double since = std::clamp(clock.fleet_time(now) - body.time(), 0.0, body.period());
   const Point2 velocity = turned(body.velocity() * clock.scale, y_axis_);
+  const Point2 position = turned(body.position() + since * body.velocity(), y_axis_);
+  if (is_differential(body.limits())) {
+    const double up = y_axis_ == YAxis::up ? 1 : -1;
+    const double yaw = up * wrapped(body.yaw() + since * body.angular_velocity());
+    return {.stamp = now,
+            .pose = {position, yaw},
+            .twist = {{velocity.norm(), 0}, up * body.angular_velocity() * clock.scale}};
+  }
   const double yaw = heading_.facing(velocity);
-  return {.stamp = now,
-          .pose = {turned(body.position() + since * body.velocity(), y_axis_), yaw},
-          .twist = {into_robot(velocity, yaw), 0}};
+  return {.stamp = now, .pose = {position, yaw}, .twist = {into_robot(velocity, yaw), 0}};
 }
 
 std::vector<RosMessage> RosSide::step(const RobotAgent& agent, WallTime now) {

@@ -26,7 +26,7 @@ constexpr double worth_swapping = 0.005;      // of what is left to drive
 /// A body that stands where the mission begins.
 Driver body_at_start(const Mission& mission, double now) {
   const double begin = std::max(0.0, std::ceil(now / control_period) * control_period);
-  return {mission.start, begin, mission.radius, limits_of(mission), control_period};
+  return {mission.start, begin, mission.radius, limits_of(mission), control_period, mission.start_yaw};
 }
 
 }  // namespace
@@ -310,7 +310,7 @@ void Run::send_track(bool all, std::vector<Outgoing>& out) {
 }
 
 void Run::end_track() {
-  if (!tracking_) track_.add({body_.time(), body_.position(), body_.velocity()});
+  if (!tracking_) track_.add(point_of(body_));
 }
 
 std::optional<TrackMessage> Run::rest_of_track() const {
@@ -318,10 +318,10 @@ std::optional<TrackMessage> Run::rest_of_track() const {
   TrackMessage rest = track_.rest(process_.name, status_.mission, status_.run);
   Driver body = body_;
   while (!body.stands()) {
-    rest.points.push_back({body.time(), body.position(), body.velocity()});
+    rest.points.push_back(point_of(body));
     body.advance();
   }
-  rest.points.push_back({body.time(), body.position(), body.velocity()});
+  rest.points.push_back(point_of(body));
   return rest;
 }
 

@@ -130,6 +130,8 @@ class Run {
   bool may_drive(double now);
   bool carries_on(double now);
   bool leads_elsewhere() const;
+  bool heads_as_wanted() const;
+  double time_to_face(const Path& way) const;
   double around() const;
   Stage stage() const;
   void reserve(double now, std::vector<Outgoing>& out);

@@ -7,6 +7,7 @@
 
 #include "robot_agent/fleet.h"
 #include "robot_agent/limits.h"
+#include "robot_agent/track_log.h"
 
 namespace coppice {
 
@@ -17,7 +18,7 @@ namespace {
 void drive_on(Driver& body, double until, SavedState& saved) {
   while (body.time() + body.period() / 2 < until) {
     if (body.stands() && until - body.time() > longest_sleep) return;
-    saved.track.push_back({body.time(), body.position(), body.velocity()});
+    saved.track.push_back(point_of(body));
     saved.driven_length += body.period() * body.velocity().norm();
     body.advance();
   }

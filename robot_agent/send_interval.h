@@ -24,7 +24,7 @@ namespace coppice {
 inline int send_interval(double gap, double closing_speed) {
   const double seconds = std::max(0.0, gap) / closing_speed;
   const double times = seconds / Timing::close;
-  const double share = Timing::interval_share * seconds / Timing::control_period;
+  const double share = Timing::interval_share * seconds / control_period;
   const double ticks = std::clamp(std::min(times * times, share), 1.0, static_cast<double>(longest_interval));
   return static_cast<int>(std::bit_floor(static_cast<unsigned>(ticks)));
 }

@@ -18,8 +18,10 @@ constexpr double share_of_overload = 0.25;  // of the last decisions that came l
 
 /// Tells the peers. A robot that goes on standing as it has said does so at heartbeats only.
 void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
-  counter_.note({body_.stands(), phase(), round_.id(), stage(), reserver_.waits_for(), reserver_.number(),
-                 reserver_.heeds(), fleet_.shakes_hands() && !overloaded()});
+  // A robot that turns on the spot says so: the process after this one must know its yaw.
+  counter_.note({body_.stands() && !body_.turns_on_the_spot(), phase(), round_.id(), stage(),
+                 reserver_.waits_for(), reserver_.number(), reserver_.heeds(),
+                 fleet_.shakes_hands() && !overloaded()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;
   auto [agents, echoes, misses] =
@@ -64,7 +66,9 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
           .is_new = connectivity_.joining() || asks_for_news,
           .wants_echo = !fleet_.echoed(now),
           .echoes = std::move(echoes),
-          .run = mission_.clock.run()};
+          .run = mission_.clock.run(),
+          .max_angular_speed = body_.limits().max_angular_speed,
+          .max_angular_acceleration = body_.limits().max_angular_acceleration};
 }
 
 /// How often to send each state. A robot that has stood since its mission began has decided nothing that its
@@ -83,7 +87,8 @@ bool Run::overloaded() const {
 /// A robot that is bound to stand need not decide again before it has something to say.
 int Run::periods_to_next_control() const {
   if (timing_.first) return 0;
-  const bool rests = counter_.rests() && !round_.plans() && body_.bound_to_stand(heartbeat_interval);
+  const bool rests = counter_.rests() && !round_.plans() && body_.bound_to_stand(heartbeat_interval) &&
+                     !body_.turns_on_the_spot();
   return rests ? counter_.periods_to_heartbeat() : 1;
 }
 

@@ -14,10 +14,8 @@
 namespace coppice {
 
 struct Timing {
-  // ---- Control
+  // ---- Control: one decision each control_period (20 Hz), in the whole fleet
 
-  /// fleet s between two decisions: 20 Hz. The whole fleet uses the same period.
-  static constexpr double control_period = 0.05;
   /// fleet s. An agent that slept longer, or whose clock was set, skips the periods in which its robot stood.
   /// Processes: a process may be stopped for any time.
   static constexpr double longest_sleep = 600;
@@ -243,7 +241,6 @@ struct Timing {
 };
 
 // Short names of those that are used everywhere.
-inline constexpr double control_period = Timing::control_period;
 inline constexpr double longest_sleep = Timing::longest_sleep;
 inline constexpr int longest_interval = Timing::longest_interval;
 inline constexpr int heartbeat_interval = Timing::heartbeat_interval;

@@ -9,8 +9,14 @@
 
 #include "messages/bus.h"
 #include "messages/messages.h"
+#include "motion/driver.h"
 
 namespace coppice {
+
+/// What a body does in the period that begins.
+inline TrackMessage::Point point_of(const Driver& body) {
+  return {body.time(), body.position(), body.velocity(), body.yaw(), body.angular_velocity()};
+}
 
 class TrackLog {
  public:

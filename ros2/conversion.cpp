@@ -33,18 +33,12 @@ OccupancyMap with_y_up(const OccupancyMap& map) {
   return up;
 }
 
-double wrapped(double angle) {
-  return std::remainder(angle, 2 * std::numbers::pi);
-}
-
 Point2 into_robot(const Point2& v, double yaw) {
   return out_of_robot(v, -yaw);
 }
 
 Point2 out_of_robot(const Point2& v, double yaw) {
-  const double c = std::cos(yaw);
-  const double s = std::sin(yaw);
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+  return rotated(v, yaw);
 }
 
 double yaw_of(double x, double y, double z, double w) {

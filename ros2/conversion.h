@@ -67,9 +67,6 @@ inline Point2 turned(const Point2& p, YAxis y_axis) {
 /// The same map with y up, as ROS has it: the cell at p is at turned(p).
 OccupancyMap with_y_up(const OccupancyMap& map);
 
-/// The same angle within -pi to pi.
-double wrapped(double angle);
-
 /// Turns a vector into the frame of a robot with this yaw, and back.
 Point2 into_robot(const Point2& v, double yaw);
 Point2 out_of_robot(const Point2& v, double yaw);

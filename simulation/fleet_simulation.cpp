@@ -129,8 +129,8 @@ void FleetSimulation::record(Agent& agent, double until) {
   if (!agent.body) return;
   Driver& body = *agent.body;
   while (body.time() + body.period() / 2 < until) {
-    tracks_[agent.index].track.points.push_back(
-        {body.time() - agent.faults.clock_offset, body.position(), body.velocity()});
+    tracks_[agent.index].track.points.push_back({body.time() - agent.faults.clock_offset, body.position(),
+                                                 body.velocity(), body.yaw(), body.angular_velocity()});
     body.advance();
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -164,11 +165,26 @@ std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::ve
   return could;
 }
 
+/// Differential robots, some of which have a yaw at their goal. They take up as much room as before.
+void draw_turning(Scenario& scenario, Random& random) {
+  for (RobotTask& robot : scenario.robots) {
+    robot.max_angular_speed = robot.max_speed / robot.radius * random.uniform(0.3, 1.5);
+    robot.max_angular_acceleration = robot.max_angular_speed * random.uniform(1, 20);
+    robot.radius -= off_the_chord(limits_of(robot), control_period);
+    robot.start_yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
+    if (random.uniform() < 0.5) continue;
+    robot.goal_yaw = random.uniform(-std::numbers::pi, std::numbers::pi);
+    robot.goal_yaw_tolerance = default_yaw_tolerance;
+  }
+}
+
 }  // namespace
 
-FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
+FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts, bool turning) {
   Random random(seed);
   Scenario scenario = draw_scenario(seed, random);
+  Random of_turning(seed + 3);
+  if (turning) draw_turning(scenario, of_turning);
   Faults faults = draw_kinds_of_faults(scenario, random);
   if (restarts) {
     Random of_restarts(seed + 1);  // a source of its own, so that the other faults of the seed stay the same
@@ -183,6 +199,7 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
   faults.bus.cut_links = draw_cut_links(scenario, faults, of_links);
   const double lifelong = random.uniform() < 0.2 ? 300 : 0;
   std::string what = in_words(scenario, faults);
+  if (turning) what += ", differential";
   if (lifelong > 0) what += fmt::format(", new goals for {:.0f} s", lifelong);
   // The search for shorter paths takes most of a simulation's time and has little to do with faults.
   const double plan_budget = random.uniform() < 0.2 ? 1 : 0.05;

@@ -23,8 +23,9 @@ struct FuzzCase {
   SimulationSettings settings;
 };
 
-/// The same seed gives the same case. `restarts`: agents are also killed and restarted.
-FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts = false);
+/// The same seed gives the same case. `restarts`: agents are also killed and restarted. `turning`: all robots
+/// are differential.
+FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts = false, bool turning = false);
 
 struct FuzzResult {
   std::vector<std::string> failures;  ///< empty: the case is passed

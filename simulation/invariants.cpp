@@ -1,6 +1,7 @@
 #include "simulation/invariants.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -10,6 +11,23 @@ namespace coppice {
 namespace {
 
 constexpr double rounding = 1e-6;
+
+/// The same of how a differential robot turns.
+std::optional<std::string> broken_by_turning(const RobotTask& task, const TrackPoint& before,
+                                             const TrackPoint& p, double period) {
+  if (std::abs(p.angular_velocity) > task.max_angular_speed + rounding)
+    return fmt::format("turned with {:.3f} rad/s at {:.2f} s", p.angular_velocity, p.time);
+  if (std::abs(p.angular_velocity - before.angular_velocity) >
+      task.max_angular_acceleration * period + rounding)
+    return fmt::format("changed its turning too fast at {:.2f} s", p.time);
+  if (std::abs(wrapped(before.yaw + period * before.angular_velocity - p.yaw)) > rounding)
+    return fmt::format("jumped to another yaw at {:.2f} s", p.time);
+  const double chord = p.yaw + period * p.angular_velocity / 2;
+  const double ahead = p.velocity.dot(Point2(std::cos(chord), std::sin(chord)));
+  if (std::abs(ahead - p.velocity.norm()) > rounding)
+    return fmt::format("drove sideways or backward at {:.2f} s", p.time);
+  return std::nullopt;
+}
 
 /// The first invariant that a robot has broken by itself.
 std::optional<std::string> broken_by(const RobotTask& task, const Track& track, double period) {
@@ -28,6 +46,9 @@ std::optional<std::string> broken_by(const RobotTask& task, const Track& track, 
       return fmt::format("jumped at {:.2f} s", p.time);
     if ((p.velocity - before.velocity).norm() > task.max_acceleration * period + rounding)
       return fmt::format("changed its speed too fast at {:.2f} s", p.time);
+    if (task.max_angular_speed > 0) {
+      if (const auto problem = broken_by_turning(task, before, p, period)) return problem;
+    }
   }
   return std::nullopt;
 }

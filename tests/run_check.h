@@ -128,7 +128,7 @@ inline std::map<std::string, std::vector<Sample>> read_trajectory_rows(const std
   std::ifstream in(path);
   std::string line;
   std::getline(in, line);
-  if (line != "time,robot,x,y,vx,vy") throw std::runtime_error("header: " + line);
+  if (line != "time,robot,x,y,vx,vy,yaw,omega") throw std::runtime_error("header: " + line);
   std::map<std::string, std::vector<Sample>> tracks;
   while (std::getline(in, line)) {
     std::replace(line.begin(), line.end(), ',', ' ');

@@ -192,7 +192,10 @@ class SimulatedRun:
     report: Report
     """The figures of `coppice simulate --report`."""
     trajectories: dict[str, Array]
-    """Where each robot's body was: shape (n, 5), a row for each control period: time, x, y, velocity x, velocity y."""
+    """Where each robot's body was: shape (n, 7), a row for each control period.
+
+    Time, x, y, velocity x, velocity y, yaw (radians), angular velocity; the last two of differential robots.
+    """
     broken: list[str]
     """A line for each broken promise: robots that touched, left their limits, or jumped. Empty in every run."""
 
@@ -261,7 +264,7 @@ def simulate(
     return SimulatedRun(Report.from_json(report), dict(zip(which.names, tracks)), broken)
 
 
-_COLUMNS = ["time", "robot", "x", "y", "vx", "vy"]
+_COLUMNS = ["time", "robot", "x", "y", "vx", "vy", "yaw", "omega"]
 
 
 def read_trajectories(path: Union[str, "os.PathLike[str]"]) -> dict[str, Array]:
@@ -280,10 +283,10 @@ def read_trajectories(path: Union[str, "os.PathLike[str]"]) -> dict[str, Array]:
             try:
                 time, robot, *motion = fields
                 row = [float(time), *map(float, motion)]
-                if len(row) != 5:
+                if len(row) != 7:
                     raise ValueError
             except ValueError as problem:
-                expected = "expected a time, a robot and four numbers"
+                expected = "expected a time, a robot and six numbers"
                 raise _core.InputError(f"{os.fspath(path)}:{lines.line_num}: {expected}") from problem
             rows.setdefault(robot, []).append(row)
     return {robot: np.array(of_robot) for robot, of_robot in rows.items()}

@@ -167,7 +167,7 @@ TEST(CoppiceFuzz, TheFuzzerReportsRobotHoursAndReplaysACase) {
   EXPECT_NE(outcome.output.find("robot-hours"), std::string::npos) << outcome.output;
   const std::string trajectory = (folder.path() / "t.csv").string();
   EXPECT_EQ(shell(program("coppice") + " fuzz --replay 3 --trajectory " + trajectory).exit_code, 0);
-  EXPECT_NE(test::contents(trajectory).find("time,robot,x,y,vx,vy"), std::string::npos);
+  EXPECT_NE(test::contents(trajectory).find("time,robot,x,y,vx,vy,yaw,omega"), std::string::npos);
 }
 
 TEST(CoppiceBench, TheBenchmarkTakesMapsFromFiles) {

@@ -112,7 +112,7 @@ class WrongKindOfFile : public testing::Test {
   const std::string picture_ = file("a.png", "\x89PNG\r\n\x1a\n");
   const std::string drawing_ = file("a.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
   const std::string recording_ = file("a.mcap", "\x89MCAP0\r\n");
-  const std::string trajectory_ = file("a.csv", "time,robot,x,y,vx,vy\n0,r1,1,1,0,0\n");
+  const std::string trajectory_ = file("a.csv", "time,robot,x,y,vx,vy,yaw,omega\n0,r1,1,1,0,0,0,0\n");
   const std::string report_ =
       file("report.json", "{\n \"outcome\": \"arrived\",\n \"map\": \"a.map\", \"robots\": []}");
   const std::string empty_ = file("empty.json", "");

@@ -238,8 +238,8 @@ class Simulation(unittest.TestCase):
             path = pathlib.Path(folder) / "t.csv"
             for text, expected in {
                 "": r"t\.csv:1: expected time,robot",
-                "time,robot,x,y,vx,vy\n0,r1,1,2,3,4\n0,r1,1,2,3\n": r"t\.csv:3: expected a time",
-                "time,robot,x,y,vx,vy\n0,r1,1,2,3,fast\n": r"t\.csv:2: expected a time",
+                "time,robot,x,y,vx,vy,yaw,omega\n0,r1,1,2,3,4,5,6\n0,r1,1,2,3\n": r"t\.csv:3: expected a time",
+                "time,robot,x,y,vx,vy,yaw,omega\n0,r1,1,2,3,4,5,fast\n": r"t\.csv:2: expected a time",
             }.items():
                 path.write_text(text)
                 with self.assertRaisesRegex(coppice.InputError, expected):

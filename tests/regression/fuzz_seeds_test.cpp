@@ -26,6 +26,12 @@ TEST_P(FuzzSeedsWithRestarts, TheCasePasses) {
   expect_survived(draw_fuzz_case(GetParam(), true));
 }
 
+class FuzzSeedsOfDifferentialRobotsWithRestarts : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(FuzzSeedsOfDifferentialRobotsWithRestarts, TheCasePasses) {
+  expect_survived(draw_fuzz_case(GetParam(), true, true));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     PassingBehindTheGoal, FuzzSeeds,
     testing::Values(7));  // one robot must wait past its goal, and come back, while the other passes
@@ -77,6 +83,11 @@ INSTANTIATE_TEST_SUITE_P(OversizedZoneAfterARestart, FuzzSeedsWithRestarts, test
 // An agent was restarted while its robot stood in a pocket as wide as the robot. Rounding had brought the
 // robot closer to a wall than its radius, so the search of all passages found no way out of the pocket.
 INSTANTIATE_TEST_SUITE_P(RestartedInAPocketAsWideAsTheRobot, FuzzSeedsWithRestarts, testing::Values(4620102));
+
+// A robot that turned on the spot counted as standing, and spoke at heartbeats only. So its journal held an
+// old yaw when its agent was killed.
+INSTANTIATE_TEST_SUITE_P(KilledWhileItTurned, FuzzSeedsOfDifferentialRobotsWithRestarts,
+                         testing::Values(21000101));
 
 }  // namespace
 }  // namespace coppice

@@ -20,6 +20,7 @@ struct ScenarioOptions {
   /// The map's file, relative to the working folder; empty: the file that the scenario names.
   std::string map{};
   MapWarnings warnings = MapWarnings::logged;
+  std::string kinematics{};  ///< holonomic or differential, of every robot; empty: as the scenario says
 };
 
 /// Reads a scenario and its map, fills in defaults, and checks all that a run relies on. Robots of a `.scen`

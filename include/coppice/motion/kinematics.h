@@ -1,32 +1,92 @@
 // The motion of a robot's disc: its velocity is constant within each control period, and changes by at most
 // max_acceleration times the period from one period to the next.
 //
-// Metres in the map frame, seconds, metres per second, metres per second squared.
+// A differential robot drives forward along its heading and turns at a constant rate within each period, so
+// it drives on arcs (Siegwart, Nourbakhsh, "Introduction to Autonomous Mobile Robots", 2004, section 3.2).
+// Its velocity here is that of the chord from the arc's beginning to its end. The heading turns by half
+// before the chord and by half after it.
+//
+// Metres in the map frame, seconds, metres per second, metres per second squared, radians.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "coppice/planning/geometry.h"
 
 namespace coppice {
 
+/// Seconds. The whole fleet decides at 20 Hz.
+inline constexpr double control_period = 0.05;
+
 struct Limits {
   double max_speed = 0;         ///< above 0
   double max_acceleration = 0;  ///< above 0
+  /// Radians a second: of a differential robot. 0: a holonomic robot, which moves in any direction at once.
+  double max_angular_speed = 0;
+  double max_angular_acceleration = 0;  ///< radians per second squared; above 0 for a differential robot
 };
 
-/// The velocity after one period of braking in a straight line.
-inline Point2 braked(const Point2& velocity, const Limits& limits, double period) {
-  const double speed = velocity.norm();
-  const double drop = limits.max_acceleration * period;
-  return speed <= drop ? Point2::Zero() : Point2(velocity * ((speed - drop) / speed));
+inline bool is_differential(const Limits& limits) {
+  return limits.max_angular_speed > 0;
 }
 
-/// Metres that a robot still travels if it brakes from now on. The first drop of speed, max_acceleration
-/// times the period, happens at once: the sum over the periods of (speed - k drop) period for k = 1, 2, ...
+/// What a robot does in one period.
+struct Twist {
+  Point2 velocity = Point2::Zero();
+  double angular_velocity = 0;  ///< radians a second; 0 for a holonomic robot
+  bool operator==(const Twist&) const = default;
+};
+
+/// The same angle from -pi to pi.
+inline double wrapped(double angle) {
+  return std::remainder(angle, 2 * std::numbers::pi);
+}
+
+inline Point2 rotated(const Point2& v, double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+}
+
+/// A differential robot accelerates to the side on its arcs. That share of max_acceleration is kept for it,
+/// and braking takes the rest: so no velocity changes by more than max_acceleration times the period, also if
+/// the robot brakes in the middle of an arc.
+inline double sideways_acceleration(const Limits& limits) {
+  constexpr double share = 0.6;
+  return share * limits.max_acceleration;
+}
+inline double deceleration(const Limits& limits) {
+  constexpr double share = 0.8;  // 0.6 squared and 0.8 squared make 1
+  return is_differential(limits) ? share * limits.max_acceleration : limits.max_acceleration;
+}
+
+/// Seconds from full speed to standstill.
+inline double braking_time(const Limits& limits) {
+  return limits.max_speed / deceleration(limits);
+}
+
+/// Metres between an arc of one period and its chord, at most.
+inline double off_the_chord(const Limits& limits, double period) {
+  return is_differential(limits) ? sideways_acceleration(limits) * period * period / 8 : 0;
+}
+
+/// What follows after one period of braking: in a straight line, unless the robot turns.
+inline Twist braked(const Twist& twist, const Limits& limits, double period) {
+  const double speed = twist.velocity.norm();
+  const double drop = deceleration(limits) * period;
+  const Point2 slower = speed <= drop ? Point2::Zero() : Point2(twist.velocity * ((speed - drop) / speed));
+  if (twist.angular_velocity == 0) return {slower, 0};
+  const double most = limits.max_angular_acceleration * period;
+  const double turning = twist.angular_velocity - std::clamp(twist.angular_velocity, -most, most);
+  return {rotated(slower, (twist.angular_velocity + turning) / 2 * period), turning};
+}
+
+/// Metres that a robot still travels if it brakes from now on. The first drop of speed happens at once: the
+/// sum over the periods of (speed - k drop) period for k = 1, 2, ...
 inline double braking_distance(double speed, const Limits& limits, double period) {
-  const double drop = limits.max_acceleration * period;
+  const double drop = deceleration(limits) * period;
   const double periods = std::floor(speed / drop);
   return period * (periods * speed - drop * periods * (periods + 1) / 2);
 }
@@ -34,14 +94,14 @@ inline double braking_distance(double speed, const Limits& limits, double period
 /// Number of periods in which a robot still moves if it brakes from now on. The first drop of speed happens
 /// at once.
 inline int braking_periods(double speed, const Limits& limits, double period) {
-  return std::max(0, static_cast<int>(std::ceil(speed / (limits.max_acceleration * period))) - 1);
+  return std::max(0, static_cast<int>(std::ceil(speed / (deceleration(limits) * period))) - 1);
 }
 
 /// The highest speed from which braking over `distance` ends in standstill. The bound holds in continuous
 /// time, with room for the period before braking begins.
 inline double speed_to_stop_within(double distance, const Limits& limits, double period) {
-  const double lag = limits.max_acceleration * period;
-  return std::max(0.0, std::sqrt(lag * lag + 2 * limits.max_acceleration * distance) - lag);
+  const double lag = deceleration(limits) * period;
+  return std::max(0.0, std::sqrt(lag * lag + 2 * deceleration(limits) * distance) - lag);
 }
 
 /// Seconds from standstill to standstill along `length` metres of a straight line, with nobody in the way.
@@ -54,6 +114,12 @@ inline double free_flow_time(double length, const Limits& limits) {
 /// Seconds that a robot loses because it speeds up from standstill.
 inline double speeding_up(const Limits& limits) {
   return limits.max_speed / limits.max_acceleration / 2;
+}
+
+/// Seconds in which a robot turns on the spot, from rest to rest. 0 for a holonomic robot.
+inline double time_to_turn(double angle, const Limits& limits) {
+  if (!is_differential(limits)) return 0;
+  return free_flow_time(std::abs(angle), {limits.max_angular_speed, limits.max_angular_acceleration});
 }
 
 /// The velocity nearest to `wanted` that `limits` allow one period after `current`.

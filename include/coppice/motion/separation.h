@@ -22,6 +22,8 @@ struct TrackPoint {
   double time = 0;
   Point2 position = Point2::Zero();
   Point2 velocity = Point2::Zero();
+  double yaw = 0;               ///< radians; of a differential robot, like the next one
+  double angular_velocity = 0;  ///< radians a second
 };
 
 struct Track {

@@ -45,12 +45,16 @@ std::vector<Robot> place_robots(const ClearanceField& field, Random& random) {
     const Point2 p(random.uniform(0, 60), random.uniform(0, 60));
     const double radius = random.uniform(1, 4);
     const double speed = random.uniform(2, 20);
+    Limits limits{speed, speed * random.uniform(0.5, 4)};
+    if (random.index(2) == 0) {
+      limits.max_angular_speed = random.uniform(0.2, 6);
+      limits.max_angular_acceleration = limits.max_angular_speed * random.uniform(0.5, 20);
+    }
     const bool apart = std::ranges::all_of(robots, [&](const Robot& other) {
       return (other.body.position() - p).norm() > other.body.radius() + radius + 0.01;
     });
     if (apart && field.is_free(p, radius))
-      robots.push_back(
-          {Driver(p, 0, radius, {speed, speed * random.uniform(0.5, 4)}, period), Point2::Zero(), {}});
+      robots.push_back({Driver(p, 0, radius, limits, period, random.uniform(-3, 3)), Point2::Zero(), {}});
   }
   for (Robot& robot : robots) {
     for (const Robot& other : robots) robot.heard_of.push_back(other.body.promise());
@@ -65,6 +69,24 @@ std::vector<Neighbour> neighbours_of(std::size_t self, const std::vector<Robot>&
     result.push_back({robots[self].heard_of[k], robots[k].body.radius(), robots[k].body.limits(), false});
   }
   return result;
+}
+
+/// A robot stays within its limits from one period to the next. A differential robot drives along its
+/// heading.
+void assert_within_limits(const Driver& before, const Driver& body) {
+  const Limits& limits = body.limits();
+  const double rounding = 1e-9;
+  RC_ASSERT((body.velocity() - before.velocity()).norm() <= limits.max_acceleration * period + rounding);
+  RC_ASSERT(body.velocity().norm() <= limits.max_speed + rounding);
+  if (!is_differential(limits)) return;
+  RC_ASSERT(std::abs(body.angular_velocity()) <= limits.max_angular_speed + rounding);
+  RC_ASSERT(std::abs(body.angular_velocity() - before.angular_velocity()) <=
+            limits.max_angular_acceleration * period + rounding);
+  RC_ASSERT(std::abs(wrapped(before.yaw() + period * before.angular_velocity() - body.yaw())) <= rounding);
+  const double chord = body.yaw() + period * body.angular_velocity() / 2;
+  const Point2 sideways(-std::sin(chord), std::cos(chord));
+  RC_ASSERT(std::abs(sideways.dot(body.velocity())) <= rounding * limits.max_speed);
+  RC_ASSERT(body.velocity().dot(Point2(std::cos(chord), std::sin(chord))) >= 0);
 }
 
 RC_GTEST_PROP(Driver, NoRobotTouchesAnythingHoweverLittleIsHeard, (std::uint64_t seed)) {
@@ -98,7 +120,9 @@ RC_GTEST_PROP(Driver, NoRobotTouchesAnythingHoweverLittleIsHeard, (std::uint64_t
     for (Robot& robot : robots) {
       before.push_back(robot.body.position());
       promised.push_back(robot.body.promise());
+      const Driver present = robot.body;
       robot.body.advance();
+      assert_within_limits(present, robot.body);
       RC_ASSERT(field.segment_clearance(before.back(), robot.body.position()) >= robot.body.radius() - 1e-6);
       RC_ASSERT((robot.body.position() - promised.back().position_at_turn()).norm() < 1e-9);
     }

@@ -57,6 +57,36 @@ TEST(ScenarioFile, FieldsAreReadAndDefaultsFilledIn) {
   EXPECT_EQ(s.robots[1].max_acceleration, 6);
 }
 
+TEST(ScenarioFile, RobotsMayBeDifferentialAllOrSingly) {
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const auto file = folder.write("fleet.json", R"({"map": "small.map", "radius": 0.25, "max_speed": 1,
+      "kinematics": "differential", "goal_yaw_tolerance": 0.2,
+      "robots": [{"name": "a", "start": {"x": 1, "y": 1, "yaw": 1.5}, "goal": {"x": 5, "y": 1, "yaw": -0.5}},
+                 {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 3}, "max_angular_speed": 2},
+                 {"name": "c", "start": {"x": 1, "y": 2}, "goal": {"x": 5, "y": 2}, "kinematics": "holonomic"}]})");
+  const Scenario s = read_scenario(file, {});
+  EXPECT_EQ(s.robots[0].max_angular_speed, 4);  // full speed of both wheels
+  EXPECT_EQ(s.robots[0].max_angular_acceleration, 8);
+  EXPECT_EQ(s.robots[0].start_yaw, 1.5);
+  EXPECT_EQ(s.robots[0].goal_yaw, -0.5);
+  EXPECT_EQ(s.robots[0].goal_yaw_tolerance, 0.2);
+  EXPECT_EQ(s.robots[1].max_angular_speed, 2);
+  EXPECT_EQ(s.robots[1].goal_yaw_tolerance, 0) << "any yaw";
+  EXPECT_FALSE(is_differential(limits_of(s.robots[2])));
+  EXPECT_FALSE(is_differential(limits_of(read_scenario(file, {.kinematics = "holonomic"}).robots[0])));
+  EXPECT_TRUE(is_differential(limits_of(read_scenario(file, {.kinematics = "differential"}).robots[2])));
+
+  write_scenario(folder.path() / "again.json", s);
+  const Scenario again = read_scenario(folder.path() / "again.json", {});
+  for (std::size_t i = 0; i < s.robots.size(); ++i) {
+    EXPECT_EQ(again.robots[i].max_angular_speed, s.robots[i].max_angular_speed);
+    EXPECT_EQ(again.robots[i].start_yaw, s.robots[i].start_yaw);
+    EXPECT_EQ(again.robots[i].goal_yaw, s.robots[i].goal_yaw);
+    EXPECT_EQ(again.robots[i].goal_yaw_tolerance, s.robots[i].goal_yaw_tolerance);
+  }
+}
+
 TEST(ScenarioFile, TheCommandLineOverridesTheFile) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);
@@ -116,6 +146,24 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
       {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}},
                               {"name": "b", "start": {"x": 1, "y": 3}, "goal": {"x": 5, "y": 1.5}}])"),
        "robots[1].goal: b and a would overlap"},
+      {scenario(R"("kinematics": "car", )" + std::string(two_robots)),
+       "kinematics: \"car\" is unknown, expected holonomic or differential"},
+      {scenario(R"("max_angular_speed": 0, )" + std::string(two_robots)),
+       "max_angular_speed: 0 is not allowed"},
+      {scenario(R"("goal_yaw_tolerance": -1, )" + std::string(two_robots)),
+       "goal_yaw_tolerance: -1 is not allowed"},
+      {scenario(
+           R"("robots": [{"name": "a", "start": {"x": 1, "y": 1, "yaw": 1}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].start.yaw: a is holonomic, only a differential robot has that"},
+      {scenario(R"("kinematics": "differential", "robots": [{"name": "a", "start": {"x": 1, "y": 1},
+                   "goal": {"x": 5, "y": 1}, "max_angular_acceleration": 0}])"),
+       "robots[0].max_angular_acceleration: 0 is not allowed"},
+      {scenario(R"("kinematics": "differential", "max_angular_acceleration": 0.01, )" +
+                std::string(two_robots)),
+       "robots[0].max_angular_acceleration: 0.01 takes longer than 100 s to come to rest from 40"},
+      {scenario(R"("kinematics": "differential", "robots": [{"name": "a", "start": {"x": 1, "y": 1},
+                   "goal": {"x": 5, "y": 1, "yaw": 1e30}}])"),
+       "robots[0].goal.yaw: expected a number of radians"},
       {"{\"map\": ", "fleet.json:1: map: "},
       {"[1, 2]", "fleet.json:1: expected {\"map\": ..."},
       {"", "fleet.json: is empty, expected a scenario"}};
@@ -156,7 +204,7 @@ TEST(ScenarioFile, JsonIsReadStrictly) {
       {"{\"robots\": {}}", "robots: expected a list [...], found an object"},
       {"{\"robots\": [[]]}", "robots[0]: expected {\"name\": ..., \"start\": ..., \"goal\": ..."},
       {start + "\"start\": [20, 20]}]}",
-       "fleet.json:4: robots[0].start: expected {\"x\": ..., \"y\": ...}, found a list"},
+       "fleet.json:4: robots[0].start: expected {\"x\": ..., \"y\": ..., \"yaw\": ...}, found a list"},
       {start + "\"start\": {\"x\": 1,\n\"y\": \"12\"}}]}",
        "fleet.json:5: robots[0].start.y: expected a number, found a text"},
       {start + "\"start\": {\"x\": 1, \"z\": 1}}]}",

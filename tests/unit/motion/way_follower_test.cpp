@@ -67,13 +67,13 @@ double driven(const Path& way, double radius, const Limits& limits) {
   const double stray = reserved_stray_radii * radius;
   WayFollower follower(std::vector<Path>{way}, radius, stray);
   Driver body(way.front(), 0, radius, limits, period);
-  const auto stays_in_strip = [&](Point2 velocity) {
+  const auto stays_in_strip = [&](Twist twist) {
     Point2 here = body.turn_position();
     double along = follower.progress();
-    for (; !velocity.isZero(0); velocity = braked(velocity, limits, period)) {
-      const auto comes_to = follower.along_strip(here, here + period * velocity, along);
+    for (; !twist.velocity.isZero(0); twist = braked(twist, limits, period)) {
+      const auto comes_to = follower.along_strip(here, here + period * twist.velocity, along);
       if (!comes_to) return false;
-      here += period * velocity;
+      here += period * twist.velocity;
       along = *comes_to;
     }
     return true;

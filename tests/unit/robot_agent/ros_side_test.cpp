@@ -68,6 +68,28 @@ TEST(RosSide, NothingIsPublishedBeforeThereIsARobot) {
   EXPECT_TRUE(side.step(agent, 0).empty());
 }
 
+TEST(RosSide, ADifferentialRobotIsCommandedForwardAndToTurnOnly) {
+  Mission mission = mission_to({20, 20});  // up the picture
+  mission.max_angular_speed = 2;
+  mission.max_angular_acceleration = 8;
+  Fleet fleet(mission);
+  fleet.run(0, 8);
+  const auto odometry = fleet.in_ros<RosOdometry>();
+  EXPECT_NEAR(odometry.front().pose.yaw, 0, 1e-9);
+  EXPECT_NEAR(odometry.back().pose.yaw, pi / 2, 0.05) << "y is up in ROS";
+  EXPECT_NEAR((odometry.back().pose.position - Point2(20, -20)).norm(), 0, 1);
+  double fastest = 0;
+  double turned = 0;
+  for (const RosCommand& command : fleet.in_ros<RosCommand>()) {
+    EXPECT_EQ(command.twist.linear.y(), 0);
+    EXPECT_GE(command.twist.linear.x(), 0);
+    fastest = std::max(fastest, command.twist.linear.x());
+    turned += period * command.twist.angular;
+  }
+  EXPECT_NEAR(fastest, 20, 0.2);
+  EXPECT_NEAR(turned, pi / 2, 0.2);
+}
+
 TEST(RosSide, PositionAndVelocityArePublishedWithYUp) {
   Fleet fleet(mission_to({20, 20}));  // up the picture
   fleet.run(0, 8);

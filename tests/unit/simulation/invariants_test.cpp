@@ -48,6 +48,22 @@ TEST(Invariants, EachBrokenInvariantIsFound) {
   gap.track.points.erase(gap.track.points.begin() + 9);
   EXPECT_EQ(first_broken({gap, good}), "a has a gap in its record before 0.50 s");
 
+  Scenario turning = open_ground();
+  turning.robots[0].max_angular_speed = 1;
+  turning.robots[0].max_angular_acceleration = 2;
+  const auto broken_by = [&](int point, double yaw, double angular_velocity) {
+    NamedTrack turns = straight("a", {20, 20}, 50);
+    turns.track.points[point].yaw = yaw;
+    turns.track.points[point].angular_velocity = angular_velocity;
+    const auto broken = broken_invariants(turning, {turns, good}, 0.05);
+    return broken.empty() ? "" : broken.front();
+  };
+  EXPECT_EQ(broken_by(7, 0, 0), "");
+  EXPECT_EQ(broken_by(7, 0, 1.5), "a turned with 1.500 rad/s at 0.35 s");
+  EXPECT_EQ(broken_by(7, 0, 0.5), "a changed its turning too fast at 0.35 s");
+  EXPECT_EQ(broken_by(7, 0.3, 0), "a jumped to another yaw at 0.35 s");
+  EXPECT_EQ(broken_by(49, 0, 0.09), "a drove sideways or backward at 2.45 s");
+
   Scenario scenario = open_ground();
   scenario.robots[1].start = {20, 29};
   const auto touched =
