@@ -169,8 +169,9 @@ TEST_F(WrongKindOfFile, AMissingMapIsReportedWithItsScenario) {
 TEST_F(WrongKindOfFile, AWrongFieldIsReportedWithItsLineAndTheAllowedValues) {
   const std::string start =
       file("d.json", "{\"map\": \"a.map\", \"robots\": [\n{\"name\": \"r1\", \"start\": [20, 20]}]}");
-  expect_one_line("coppice", "run " + start,
-                  {"d.json:2: robots[0].start: expected {\"x\": ..., \"y\": ...}, found a list"});
+  expect_one_line(
+      "coppice", "run " + start,
+      {"d.json:2: robots[0].start: expected {\"x\": ..., \"y\": ..., \"yaw\": ...}, found a list"});
   const std::string field = file("e.json", "{\"map\": \"a.map\",\n\n\"robtos\": []}");
   expect_one_line(
       "coppice", "run " + field,

@@ -76,7 +76,8 @@ for await (const message of reader.readMessages()) {
   const decoded = types.get(channel.schemaId).decode(message.data);
   if (channel.topic === "/coppice/track")
     for (const p of decoded.points)
-      (track[decoded.robot] ??= []).push([p.time, p.position.x, p.position.y, p.velocity.x, p.velocity.y]);
+      (track[decoded.robot] ??= []).push(
+        [p.time, p.position.x, p.position.y, p.velocity.x, p.velocity.y, p.yaw, p.angular_velocity]);
 }
 
 // --- a part ---
