@@ -9,12 +9,13 @@ namespace coppice {
 namespace {
 
 constexpr double turns_on_the_spot = 0.4;  // radians to the side of the heading, from which on it does
+constexpr double rounding = 1e-9;          // radians: a robot that turned for less would never come to rest
 
 /// The rate with which the robot turns by an angle and comes to rest there.
 double turning_by(double angle, double present, const Limits& limits, double period) {
   const Limits angular{limits.max_angular_speed, limits.max_angular_acceleration};
   const double change = limits.max_angular_acceleration * period;
-  const double left = std::abs(angle);
+  const double left = std::abs(angle) < rounding ? 0 : std::abs(angle);
   const double last = std::min(change, left / period);
   const double rate = std::min(
       {angular.max_speed, left / period, std::max(last, speed_to_stop_within(left, angular, period))});

@@ -350,10 +350,10 @@ void Run::call_if_it_stalls(double now) {
     round_.call(self(), way_ahead(), fleet_, now);
 }
 
-/// At rest, and within half of the tolerance, as for the position.
+/// Within half of the tolerance, as for the position.
 bool Run::heads_as_wanted() const {
-  const bool is_close = std::abs(wrapped(body_.yaw() - mission_.goal_yaw)) <= mission_.goal_yaw_tolerance / 2;
-  return mission_.goal_yaw_tolerance == 0 || (is_close && !body_.turns_on_the_spot());
+  return mission_.goal_yaw_tolerance == 0 ||
+         std::abs(wrapped(body_.yaw() - mission_.goal_yaw)) <= mission_.goal_yaw_tolerance / 2;
 }
 
 void Run::stand_for(double now, double seconds) {
@@ -365,13 +365,13 @@ void Run::stand_for(double now, double seconds) {
 /// from its goal is under way again.
 void Run::watch_arrival(double now) {
   const bool is_there = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
-  const bool heads_there = heads_as_wanted();
   const bool comes_on = reserver_.holds() && !reserver_.held().finished();
-  if (is_there && !heads_there && body_.stands() && !comes_on) {
+  const bool has_yaw = mission_.goal_yaw_tolerance > 0;
+  if (has_yaw && is_there && driving() && body_.stands() && !comes_on) {
     body_.turn_to(mission_.goal_yaw);
-    progress_.excuse(now);
+    if (body_.turns_on_the_spot()) return progress_.excuse(now);
   }
-  const bool at_goal = is_there && heads_there;
+  const bool at_goal = is_there && heads_as_wanted();
   if (auto* const arrived = std::get_if<Arrived>(&task_); arrived != nullptr && !at_goal) {
     status_.arrival_time = 0;
     enter(Driving{std::move(arrived->route)});

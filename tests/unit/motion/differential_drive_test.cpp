@@ -44,6 +44,7 @@ TEST(DifferentialDrive, ARobotComesToRestAtTheYawToWhichItTurns) {
       ++periods;
     } while (body.turns_on_the_spot() && periods < 1000);
     EXPECT_NEAR(wrapped(body.yaw() - yaw), 0, 1e-6) << yaw;
+    EXPECT_FALSE(body.turns_on_the_spot()) << yaw;
     EXPECT_LT(periods * control_period, time_to_turn(wrapped(yaw - 0.2), turtlebot) + 0.6) << yaw;
     EXPECT_EQ(body.position(), Point2(5, 5));
   }
