@@ -14,6 +14,7 @@ namespace coppice {
 namespace {
 
 constexpr double look_ahead_radii = 0.25;   // radii to the point for which the robot heads, at least
+constexpr double turning_time = 0.35;       // seconds to that point, of a robot that turns
 constexpr double least_look_ahead = 0.001;  // share of the usual one
 constexpr double window_radii = 2;          // radii; window of the search for the nearest point of the way
 constexpr double there_radii = 0.01;        // radii within which a robot counts as having reached a point
@@ -166,8 +167,10 @@ Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& lim
   advance_progress(position);
   const double slack = there_radii * radius_;
   const double stop = std::min(open, leg_ends_[leg_]);
-  // A robot drives no further in a period than to the point for which it heads.
-  const double usual = std::max(look_ahead_radii * radius_, limits.max_speed * period);
+  // A robot drives no further in a period than to the point for which it heads. A robot that turns to it
+  // needs time for that, or it weaves along its way.
+  const double time_ahead = is_differential(limits) ? turning_time : period;
+  const double usual = std::max(look_ahead_radii * radius_, limits.max_speed * time_ahead);
   // Where it is to stop, the robot drives to the way itself: it has come so far then.
   const double ahead = progress_ + look_ahead_in_strip(position, usual);
   const Point2 gap = (ahead < stop ? rounded_at(ahead) : way_.at(stop)) - position;

@@ -301,7 +301,9 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
   trail_.begin(next);
   const Point2 wanted = held.preferred_velocity(self(), fleet_, next, body_.limits(), now);
   const auto allowed = [&](const Twist& m) { return held.allows(body_, m); };
-  held.led_past(body_.follow(wanted, neighbours, map_->field, allowed));
+  const bool is_led = body_.follow(wanted, neighbours, map_->field, allowed);
+  // A robot that turns on the spot turns to the point for which it heads before it tries a nearer one.
+  if (!body_.turns_on_the_spot()) held.led_past(is_led);
   if (!held.waits_for().empty()) {
     if (held.is_worth_waiting(fleet_, now)) progress_.excuse(now);
     if (!neighbours.empty())
