@@ -44,5 +44,5 @@ int main(int argc, char** argv) {
     std::cerr << "expected a scenario\n";
     return 2;
   }
-  coppice::measure(coppice::read_scenario(argv[1], {}));
+  coppice::measure(coppice::read_scenario(argv[1], {.margin = 0}));
 }

@@ -237,7 +237,8 @@ bool bench_throughput(const ExperimentOptions& options, const ThroughputSettings
   if (!settings.references.empty()) references = read_reference_figures(settings.references);
   std::vector<Scenario> scenarios;  // a bad file is told before hours of measuring
   for (const std::string& file : settings.scenarios)
-    scenarios.push_back(read_scenario(file, {.radius = settings.radius, .max_speed = settings.max_speed}));
+    scenarios.push_back(
+        read_scenario(file, {.radius = settings.radius, .max_speed = settings.max_speed, .margin = 0}));
   Table trials = Row::trials_table();
   Table summary = Row::summary_table(is_lifelong);
   std::vector<Plot> plots;

@@ -109,7 +109,7 @@ void add_simulate(CLI::App& app, RunOptions& options, Faults& faults, NewRecordi
   auto* command = app.add_subcommand("simulate", "simulates a fleet in one process on a virtual clock");
   add_run_options(*command, options, Progression::virtual_clock);
   add_recording_options(*command, record, "records all messages (MCAP), also the lost ones");
-  add_fault_options(*command, faults);
+  add_fault_options(*command, faults, options.overrides.tracking_tolerance);
   command->callback([&] { chosen = [&] { return simulate_command(options, faults, record); }; });
 }
 

@@ -33,7 +33,7 @@ double seconds(const std::string& text, const std::string& option) {
 
 }  // namespace
 
-void add_fault_options(CLI::App& command, Faults& faults) {
+void add_fault_options(CLI::App& command, Faults& faults, std::optional<double>& tracking_tolerance) {
   const char* group = "Faults (drawn from the scenario's seed)";
   const auto number = [&](const char* name, double& value, const char* what) {
     return command.add_option(name, value, what)->group(group);
@@ -77,6 +77,20 @@ void add_fault_options(CLI::App& command, Faults& faults) {
       ->check(number_between(shortest_fault, longest_fault));
   number("--clock-skew", faults.clock_skew, "greatest error of an agent's clock, seconds")
       ->check(number_between(0, longest_fault));
+  number(
+      "--odometry-noise", faults.drive.odometry_noise,
+      "robots follow by odometry with that noise, metres (standard deviation; as many radians for the yaw)")
+      ->check(number_between(0, most_noise));
+  number("--drive-lag", faults.drive.lag, "robots follow with that lag, seconds (time constant)")
+      ->check(number_between(0, longest_lag));
+  number("--slip", faults.drive.slip, "robots follow with wheels that lose up to that share of their speed")
+      ->check(number_between(0, most_slip));
+  command
+      .add_option("--tracking-tolerance", tracking_tolerance,
+                  "metres by which such robots may be off their references; less where there is less room")
+      ->check(number_between(1e-3, 1e3))
+      ->default_str("what a robot drives in a quarter of a second")
+      ->group(group);
   pairs("--partition", ':', "FROM:UNTIL", "a time in which the network is split in two, seconds",
         [&faults](const std::string& from, const std::string& until) {
           const double begin = seconds(from, "--partition");

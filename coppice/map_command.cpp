@@ -55,6 +55,7 @@ Scenario random_scenario(const MapOptions& options) {
                                .max_speed = options.max_speed.value_or(default_speed_cells * cell),
                                .goal_tolerance = default_tolerance_cells * cell});
   }
+  fit_margin(scenario, default_margin_radii * radius);
   return scenario;
 }
 

@@ -63,7 +63,15 @@ PictureContent picture_of(const Scenario& scenario, const PathPlan& plan) {
   for (const TreeEdge& edge : plan.edges) content.edges.push_back({edge.from, edge.to, edge.robot});
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const RobotTask& task = scenario.robots[i];
-    content.robots.push_back({task.name, task.radius, task.start, task.goal, plan.robots[i].path, {}});
+    content.robots.push_back({.name = task.name,
+                              .radius = task.radius,
+                              .start = task.start,
+                              .goal = task.goal,
+                              .path = plan.robots[i].path,
+                              .footprint = task.footprint,
+                              .yaw = task.start_yaw,
+                              .goal_yaw = task.goal_yaw,
+                              .has_heading = is_differential(limits_of(task))});
   }
   return content;
 }
@@ -91,14 +99,17 @@ bool write_grid_plan_of(const Scenario& scenario, std::span<const GridTask> task
 }  // namespace
 
 int plan_command(const RunOptions& options, const GridPlanOptions& grid_plan) {
-  const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  ScenarioOptions read = scenario_options(options);
+  if (!grid_plan.file.empty() && !read.margin) read.margin = 0;  // the cells say how close robots come
+  const Scenario scenario = read_scenario(options.scenario, read);
   check_results(options, scenario, grid_plan.file);
   std::vector<GridTask> grid_tasks;
   if (!grid_plan.file.empty()) grid_tasks = grid_tasks_of(scenario);
   install_stop_signals();
-  const ClearanceField field(scenario.map);
+  const ClearanceField field(scenario.map, scenario.margin);
   std::vector<PlanningProblem> problems;
-  for (const RobotTask& task : scenario.robots) problems.push_back({task.start, task.goal, task.radius});
+  for (const RobotTask& task : scenario.robots)
+    problems.push_back({task.start, task.goal, reference_radius(task)});
   const PathPlan plan =
       plan_paths(field, problems,
                  {.planner = chosen_planner(options),

@@ -87,6 +87,7 @@ Command service_command(const RunOptions& options, const std::string& program, b
   if (options.overrides.radius) add("--radius", fmt::format("{}", *options.overrides.radius));
   if (options.overrides.max_speed) add("--max-speed", fmt::format("{}", *options.overrides.max_speed));
   if (!options.overrides.kinematics.empty()) add("--kinematics", options.overrides.kinematics);
+  if (options.overrides.margin) add("--margin", fmt::format("{}", *options.overrides.margin));
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
   add("--time-scale", fmt::format("{}", options.time_scale.value()));
   if (!serves) add("--timeout", fmt::format("{}", options.timeout));
@@ -184,8 +185,25 @@ Command log_of(const LogOptions& options) {
 /// The options for ROS of each process that uses it.
 Command ros_of(const RosOptions& options) {
   if (!options.on) return {};
-  if (!options.drives) return {"--ros"};
-  return {"--ros", "--drive", "ros", "--tracking-tolerance", fmt::format("{}", options.tolerance)};
+  Command command{"--ros"};
+  if (options.drives()) command = joined(std::move(command), {"--drive", "ros"});
+  const RosNames& names = options.robot.names;
+  return joined(std::move(command),
+                {"--ros-namespace", names.robot_namespace, "--map-frame", names.map_frame});
+}
+
+/// Those of an agent as well.
+Command ros_of_agent(const RosOptions& options) {
+  if (!options.on) return {};
+  const RosRobotSettings& robot = options.robot;
+  Command command = joined(ros_of(options), {"--base-frame", robot.names.base_frame, "--odom-frame",
+                                             robot.names.odom_frame, "--tf-topic", robot.names.tf});
+  if (robot.stamped) command.emplace_back("--stamped");
+  if (!options.drives()) return command;
+  const char* const pose = robot.pose == PoseSource::odom        ? "odom"
+                           : robot.pose == PoseSource::amcl_pose ? "amcl_pose"
+                                                                 : "tf";
+  return joined(std::move(command), {"--pose", pose, "--odom-timeout", fmt::format("{}", options.patience)});
 }
 
 constexpr const char* service_name = "planner_service";
@@ -241,9 +259,8 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   if (fleet.standby)
     all.push_back({"standby_broker", with(broker, "broker", Role::broker, state / "standby")});
   for (const RobotTask& robot : scenario.robots) {
-    Command agent = joined({"robot_agent", "--name", robot.name, "--black-boxes", black_boxes.string()}, ros);
-    if (fleet.ros.drives)
-      agent = joined(std::move(agent), {"--odom-timeout", fmt::format("{}", fleet.ros.patience)});
+    const Command agent = joined({"robot_agent", "--name", robot.name, "--black-boxes", black_boxes.string()},
+                                 ros_of_agent(fleet.ros));
     all.push_back({.name = name_of_agent(robot.name),
                    .command = with(agent, "agent", Role::agent, state),
                    .niceness = niceness_of_agents});
@@ -251,6 +268,8 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   Command service = joined(service_command(options, service_name, fleet.ros.waits_for_goals), ros);
   service = joined(std::move(service), {"--black-boxes", black_boxes.string()});
   if (fleet.ros.waits_for_goals) service.emplace_back("--serve");
+  if (fleet.ros.tolerance)
+    service = joined(std::move(service), {"--tracking-tolerance", fmt::format("{}", *fleet.ros.tolerance)});
   all.push_back(
       {service_name, with(service, "service", Role::service, state), ProcessFleet::Output::terminal});
   return all;
@@ -416,14 +435,15 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   const TemporaryFolder run_folder;
   options.scenario = lasting_file(options.scenario, run_folder.path());
   options.plan = lasting_file(options.plan, run_folder.path());
-  ScenarioOptions overrides = options.overrides;
+  ScenarioOptions overrides = scenario_options(options);
+  overrides.follow = fleet_options.ros.drives();
+  overrides.tracking_tolerance = fleet_options.ros.tolerance;
   overrides.warnings = MapWarnings::left_out;  // the service logs them
   const Scenario scenario = read_scenario(options.scenario, overrides);
-  if (fleet_options.ros.drives) check_holonomic(scenario, "--drive ros");
   chosen_plan(options, scenario);
   check_results(options, scenario, fleet_options.record.file);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
-  if (fleet_options.ros.on) check_ros_names(names_of(scenario));
+  if (fleet_options.ros.on) check_ros_names(fleet_options.ros.robot.names, names_of(scenario));
   check_servers(fleet_options);
   const NewRecording& record = fleet_options.record;
   if (!record.file.empty() && !record.force && std::filesystem::exists(record.file))

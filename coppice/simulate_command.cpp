@@ -15,7 +15,9 @@
 namespace coppice {
 
 int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record) {
-  const Scenario scenario = read_scenario(options.scenario, options.overrides);
+  ScenarioOptions read = scenario_options(options);
+  read.follow = is_any(faults.drive);
+  const Scenario scenario = read_scenario(options.scenario, read);
   check_results(options, scenario, record.file);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)

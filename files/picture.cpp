@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "coppice/motion/kinematics.h"
 #include "files/text_file.h"
 
 namespace coppice {
@@ -99,6 +101,33 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+/// The robot's footprint, or its disc.
+void add_body(Svg& svg, const PictureContent::Robot& robot, const Point2& place, double yaw,
+              const std::string& style) {
+  const Point2 centre = svg.place(place);
+  if (robot.footprint.empty()) {
+    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" {}/>\n", centre.x(), centre.y(),
+            svg.size(robot.radius), style);
+    return;
+  }
+  svg.add("<path {} d=\"", style);
+  char command = 'M';
+  for (const Point2& corner : robot.footprint) {
+    const Point2 p = svg.place(place + rotated(corner, yaw));
+    svg.add("{}{:.2f} {:.2f}", std::exchange(command, 'L'), p.x(), p.y());
+  }
+  svg.add("Z\"/>\n");
+}
+
+/// A line from the middle of the robot to its front.
+void add_heading(Svg& svg, const PictureContent::Robot& robot, const Point2& place, double yaw,
+                 const std::string& colour, double width) {
+  const Point2 from = svg.place(place);
+  const Point2 to = svg.place(place + rotated({robot.radius, 0}, yaw));
+  svg.add("<path stroke=\"{}\" stroke-width=\"{:.2f}\" d=\"M{:.2f} {:.2f}L{:.2f} {:.2f}\"/>\n", colour, width,
+          from.x(), from.y(), to.x(), to.y());
+}
+
 }  // namespace
 
 std::string picture_svg(const PictureContent& content) {
@@ -119,13 +148,15 @@ std::string picture_svg(const PictureContent& content) {
                                           colour, 3 * unit));
     const double radius = svg.size(robot.radius);
     const Point2 disc = svg.place(robot.body.value_or(robot.start));
-    const Point2 goal = svg.place(robot.goal);
-    svg.add("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\"/>\n", disc.x(), disc.y(), radius,
-            colour);
-    svg.add(
-        "<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"{:.2f}\" fill=\"{}\" stroke=\"{}\" "
-        "stroke-width=\"{:.2f}\"/>\n",
-        goal.x(), goal.y(), radius, robot.body ? "none" : "#ffffff", colour, 2.5 * unit);
+    const std::string outline = fmt::format("stroke=\"{}\" stroke-width=\"{:.2f}\"", colour, 2.5 * unit);
+    add_body(svg, robot, robot.body.value_or(robot.start), robot.yaw, fmt::format("fill=\"{}\"", colour));
+    add_body(svg, robot, robot.goal, robot.goal_yaw,
+             fmt::format("fill=\"{}\" {}", robot.body ? "none" : "#ffffff", outline));
+    if (robot.has_heading) {
+      const double width = std::max(unit, radius / 4);
+      add_heading(svg, robot, robot.body.value_or(robot.start), robot.yaw, "#ffffff", width);
+      add_heading(svg, robot, robot.goal, robot.goal_yaw, colour, width);
+    }
     svg.add("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:.1f}\" font-family=\"sans-serif\">{}</text>\n",
             disc.x() + radius, disc.y() - radius, 14 * unit, escaped(robot.name));
   }

@@ -27,6 +27,10 @@ struct PictureContent {
     Path track{};
     /// Position at the moment of the picture; none for a picture of a whole run.
     std::optional<Point2> body{};
+    std::vector<Point2> footprint{};  ///< corners in the robot's own frame; empty: a disc
+    double yaw = 0;                   ///< of the body, or at the start
+    double goal_yaw = 0;
+    bool has_heading = false;  ///< the yaws say something
   };
   OccupancyMap map;
   std::vector<Edge> edges;

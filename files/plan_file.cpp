@@ -156,7 +156,8 @@ Trajectory trajectory_of(const std::vector<GridCell>& cells, const OccupancyMap&
 
 /// The first step in which two robots touch that do so.
 std::size_t step_of_contact(const GridPlan& plan, std::size_t a, std::size_t b, const Scenario& scenario) {
-  const double near = scenario.robots[a].radius + scenario.robots[b].radius - overlap_tolerance;
+  const double near =
+      reference_radius(scenario.robots[a]) + reference_radius(scenario.robots[b]) - overlap_tolerance;
   const auto at = [&](std::size_t robot, std::size_t t) {
     return centre(scenario.map, plan[robot][std::min(t, plan[robot].size() - 1)]);
   };
@@ -171,7 +172,7 @@ void check_that_nothing_touches(const GridPlan& plan, std::span<const Trajectory
                                 const Scenario& scenario) {
   std::vector<Track> tracks;
   for (std::size_t k = 0; k < trajectories.size(); ++k) {
-    Track& track = tracks.emplace_back(Track{scenario.robots[k].radius, {}});
+    Track& track = tracks.emplace_back(Track{reference_radius(scenario.robots[k]), {}});
     for (const TimedPoint& p : trajectories[k]) track.points.push_back({p.time, p.position, Point2::Zero()});
   }
   const ObstacleClearance clearance =
@@ -179,14 +180,14 @@ void check_that_nothing_touches(const GridPlan& plan, std::span<const Trajectory
   if (!clearance.overlapping.empty())
     throw InputError(fmt::format("the plan: {} touches an obstacle, radius {}",
                                  scenario.robots[*clearance.overlapping.begin()].name,
-                                 scenario.robots[*clearance.overlapping.begin()].radius));
+                                 reference_radius(scenario.robots[*clearance.overlapping.begin()])));
   const Separation separation = separation_of(tracks).value_or(Separation{});
   if (separation.overlapping.empty()) return;
   const auto [a, b] = *separation.overlapping.begin();
   throw InputError(fmt::format("the plan: {} and {} touch after step {}, radii {} and {}",
                                scenario.robots[a].name, scenario.robots[b].name,
-                               step_of_contact(plan, a, b, scenario), scenario.robots[a].radius,
-                               scenario.robots[b].radius));
+                               step_of_contact(plan, a, b, scenario), reference_radius(scenario.robots[a]),
+                               reference_radius(scenario.robots[b])));
 }
 
 }  // namespace
@@ -271,9 +272,9 @@ std::vector<GridTask> grid_tasks_of(const Scenario& scenario) {
   };
   std::vector<GridTask> tasks;
   for (const RobotTask& robot : scenario.robots) {
-    if (2 * robot.radius > map.resolution)
+    if (2 * reference_radius(robot) > map.resolution)
       throw InputError(fmt::format("{} is wider than a cell: radius {}, cells of {} m", robot.name,
-                                   robot.radius, map.resolution));
+                                   reference_radius(robot), map.resolution));
     tasks.push_back({cell_of(robot.start, robot.name, "start"), cell_of(robot.goal, robot.name, "goal")});
   }
   return tasks;

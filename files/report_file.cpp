@@ -109,16 +109,21 @@ std::string report_table(const proto::Report& report) {
     const double rounded = std::round(1e3 * value) / 1e3 + 0.0;  // turns -0.0 into 0.0
     return there ? fmt::format("{:.3f} m", rounded) : std::string("-");
   };
-  table += fmt::format("collisions {}, least separation {}, least clearance {}\n\n", report.collisions(),
+  table += fmt::format("collisions {}, least separation {}, least clearance {}{}\n\n", report.collisions(),
                        metres(report.has_least_separation(), report.least_separation()),
-                       metres(report.has_least_clearance(), report.least_clearance()));
-  table += fmt::format("{:<{}}  {:>8}  {:>9}  {:>8}  {:>9}  {:>7}  {:>7}  {:>7}\n", "robot", name_width,
-                       "plan s", "run s", "path m", "driven m", "valid", "invalid", "grafted");
+                       metres(report.has_least_clearance(), report.least_clearance()),
+                       report.margin() > 0 ? ", margin " + metres(true, report.margin()) : "");
+  const bool some_turn =
+      std::ranges::any_of(report.robots(), [](const auto& robot) { return robot.has_yaw(); });
+  table += fmt::format("{:<{}}  {:>8}  {:>9}  {:>8}  {:>9}  {:>7}  {:>7}  {:>7}{}\n", "robot", name_width,
+                       "plan s", "run s", "path m", "driven m", "valid", "invalid", "grafted",
+                       some_turn ? "    yaw" : "");
   for (const auto& robot : report.robots()) {
     const std::string run = robot.arrived() ? fmt::format("{:.2f}", robot.run_time()) : "-";
     table += fmt::format("{:<{}}  {:>8.4f}  {:>9}  {:>8.1f}  {:>9.1f}  {:>7}  {:>7}  {:>7}", robot.name(),
                          name_width, robot.plan_time(), run, robot.path_length(), robot.driven_length(),
                          robot.nodes_valid(), robot.nodes_invalid(), robot.grafted_trees());
+    if (some_turn) table += robot.has_yaw() ? fmt::format("  {:>5.2f}", robot.yaw()) : "      -";
     table += robot.reason().empty() ? "\n" : fmt::format("  {}\n", robot.reason());
   }
   return table;

@@ -83,6 +83,12 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
                   "holonomic: every robot moves in any direction at once; differential: it turns")
       ->check(CLI::IsMember(std::vector<std::string>{"holonomic", "differential"}))
       ->default_str("the scenario's, or holonomic");
+  command
+      .add_option("--margin", options.overrides.margin,
+                  "metres that robots keep from obstacles beyond their radius, and from each other, where "
+                  "there is room")
+      ->check(number_not_negative())
+      ->default_str("the scenario's, or a tenth of the least radius");
   command.add_option("--seed", options.overrides.seed, "seed of all random choices")
       ->check(a_seed())
       ->default_str("the scenario's, or 1");
@@ -134,6 +140,12 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
   file("--picture", options.picture, "writes a picture (SVG)", picture_file());
   command.add_flag("--quiet", options.quiet, "prints neither progress nor the report");
   command.footer(terms_of_table());
+}
+
+ScenarioOptions scenario_options(const RunOptions& options) {
+  ScenarioOptions read = options.overrides;
+  if (!options.plan.empty() && !read.margin) read.margin = 0;
+  return read;
 }
 
 std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario) {

@@ -47,6 +47,10 @@ enum class Progression : unsigned char { paths_only, virtual_clock, one_process,
 /// usage errors.
 void add_run_options(CLI::App& command, RunOptions& options, Progression progression);
 
+/// How to read the scenario. Robots that carry out a given plan keep no margin unless --margin says so: the
+/// plan says how close they come.
+ScenarioOptions scenario_options(const RunOptions& options);
+
 /// Default of `run`, `simulate` and the service, wall seconds. `plan` continues until it finds no shorter
 /// path.
 inline constexpr double default_plan_budget = 1;

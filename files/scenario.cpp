@@ -64,6 +64,15 @@ void check_robot(const RobotTask& robot, const ClearanceField& field, const std:
                      robot.max_speed / longest_braking));
   }
   if (is_differential(limits_of(robot))) check_angles(robot, at);
+  if (!(robot.tracking_tolerance >= 0 && is_sane(robot.tracking_tolerance)))
+    fail(at + ".tracking_tolerance",
+         fmt::format("{} is not allowed, expected a number from 0", robot.tracking_tolerance));
+  if (!robot.footprint.empty()) {
+    const double needed = radius_of_footprint(robot.footprint, at + ".footprint");
+    if (robot.radius < needed)
+      fail(at + ".radius",
+           fmt::format("{} does not hold the footprint, expected at least {}", robot.radius, needed));
+  }
   check_place(robot.start, field, driving_radius(robot), at + ".start");
   check_place(robot.goal, field, driving_radius(robot), at + ".goal");
 }
@@ -72,10 +81,10 @@ void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place,
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const double distance = (robots[i].*place - robots[j].*place).norm();
-      if (distance >= robots[i].radius + robots[j].radius) continue;
+      if (distance >= reference_radius(robots[i]) + reference_radius(robots[j])) continue;
       fail(fmt::format("robots[{}].{}", i, what),
            fmt::format("{} and {} would overlap there: distance {:.3f}, radii {} and {}", robots[i].name,
-                       robots[j].name, distance, robots[i].radius, robots[j].radius));
+                       robots[j].name, distance, reference_radius(robots[i]), reference_radius(robots[j])));
     }
   }
 }
@@ -98,7 +107,9 @@ void check_scenario(const Scenario& scenario) {
   // An agent has a table of at most `most_robots` robots and would ignore any further ones.
   if (std::cmp_greater(scenario.robots.size(), most_robots))
     fail("robots", fmt::format("{}, expected at most {}", scenario.robots.size(), most_robots));
-  const ClearanceField field(scenario.map);
+  if (!(scenario.margin >= 0 && is_sane(scenario.margin)))
+    fail("margin", fmt::format("{} is not allowed, expected a number from 0", scenario.margin));
+  const ClearanceField field(scenario.map, scenario.margin);
   std::set<std::string> names;
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const std::string at = fmt::format("robots[{}]", i);
@@ -107,14 +118,6 @@ void check_scenario(const Scenario& scenario) {
   }
   check_apart(scenario.robots, &RobotTask::start, "start");
   check_apart(scenario.robots, &RobotTask::goal, "goal");
-}
-
-void check_holonomic(const Scenario& scenario, const std::string& option) {
-  for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
-    const RobotTask& robot = scenario.robots[i];
-    if (!is_differential(limits_of(robot))) continue;
-    fail(option, fmt::format("{} (robots[{}]) is differential, expected holonomic robots", robot.name, i));
-  }
 }
 
 }  // namespace coppice

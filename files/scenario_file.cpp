@@ -1,6 +1,7 @@
 #include "coppice/files/scenario_file.h"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -85,6 +86,12 @@ bool is_differential(const std::string& kinematics, const std::string& field) {
   return false;
 }
 
+void check_margin(double margin, const std::string& field) {
+  if (margin >= 0 && is_sane(margin)) return;
+  throw InputError(
+      fmt::format("{}: {} is not allowed, expected a number from 0 to {}", field, margin, largest_quantity));
+}
+
 /// The fields that hold for all robots. Each is checked, also if every robot has its own.
 void check_fields_of_all(const proto::Scenario& file) {
   if (file.has_radius()) check_size(file.radius(), "radius");
@@ -96,6 +103,36 @@ void check_fields_of_all(const proto::Scenario& file) {
   if (file.has_max_angular_acceleration())
     check_size(file.max_angular_acceleration(), "max_angular_acceleration");
   is_differential(file.kinematics(), "kinematics");
+  if (file.has_margin()) check_margin(file.margin(), "margin");
+}
+
+/// A robot with a footprint has the radius of the disc that holds it while the robot turns.
+void read_footprint(const google::protobuf::RepeatedPtrField<proto::Position>& corners, bool has_radius,
+                    const std::string& field, RobotTask& task) {
+  if (corners.empty()) return;
+  if (has_radius) throw InputError(fmt::format("{}: goes without radius, which follows from it", field));
+  task.footprint.clear();
+  for (const proto::Position& corner : corners) {
+    if (!corner.has_x() || !corner.has_y())
+      throw InputError(fmt::format("{}: a corner lacks x or y, expected {{\"x\": ..., \"y\": ...}}", field));
+    task.footprint.emplace_back(corner.x(), corner.y());
+  }
+  task.radius = radius_of_footprint(task.footprint, field);
+}
+
+/// Gives the scenario its margin, and robots that follow their tolerances.
+void add_room(const proto::Scenario& file, const ScenarioOptions& options, Scenario& scenario) {
+  if (options.follow) {
+    std::vector<double> tolerances;
+    for (const RobotTask& robot : scenario.robots)
+      tolerances.push_back(options.tracking_tolerance.value_or(tracking_time * robot.max_speed));
+    fit_tracking_tolerances(scenario, tolerances);
+  }
+  double least_radius = std::numeric_limits<double>::infinity();
+  for (const RobotTask& robot : scenario.robots) least_radius = std::min(least_radius, robot.radius);
+  const double usual = options.follow ? 0 : default_margin_radii * least_radius;
+  const double margin = options.margin.value_or(file.has_margin() ? file.margin() : usual);
+  if (margin > 0) fit_margin(scenario, margin);
 }
 
 /// The heading of a differential robot, and how fast it turns.
@@ -226,6 +263,10 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     }
     if (file.has_goal_tolerance()) task.goal_tolerance = file.goal_tolerance();
     try {
+      if (!options.radius) {
+        if (!robot.has_radius()) read_footprint(file.footprint(), file.has_radius(), "footprint", task);
+        read_footprint(robot.footprint(), robot.has_radius(), at + ".footprint", task);
+      }
       if (options.kinematics != "holonomic") read_angles(file, robot, at, task);
     } catch (const InputError& problem) {
       throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
@@ -234,6 +275,7 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   }
   try {
     check_scenario(scenario);
+    add_room(file, options, scenario);
   } catch (const InputError& problem) {
     throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
   }
@@ -244,6 +286,7 @@ void write_scenario(const std::filesystem::path& path, const Scenario& scenario)
   proto::Scenario file;
   file.set_map(scenario.map_name);
   file.set_seed(scenario.seed);
+  file.set_margin(scenario.margin);
   for (const RobotTask& task : scenario.robots) {
     file.set_goal_tolerance(task.goal_tolerance);
     auto* robot = file.add_robots();
@@ -252,7 +295,12 @@ void write_scenario(const std::filesystem::path& path, const Scenario& scenario)
     robot->mutable_start()->set_y(task.start.y());
     robot->mutable_goal()->set_x(task.goal.x());
     robot->mutable_goal()->set_y(task.goal.y());
-    robot->set_radius(task.radius);
+    if (task.footprint.empty()) robot->set_radius(task.radius);
+    for (const Point2& corner : task.footprint) {
+      auto* const place = robot->add_footprint();
+      place->set_x(corner.x());
+      place->set_y(corner.y());
+    }
     robot->set_max_speed(task.max_speed);
     if (!is_differential(limits_of(task))) continue;
     robot->set_kinematics("differential");

@@ -107,7 +107,8 @@ COPPICE_FIELDS(PackedMap, "Map",
   COPPICE_FIELD_AT(6, y_up, y_axis, y_axis()),
   COPPICE_FIELD_AT(7, occupancy, occupancy, packed_occupancy()),
   COPPICE_FIELD(8, radii),
-  COPPICE_NEW_FIELD(9, trees));
+  COPPICE_NEW_FIELD(9, trees),
+  COPPICE_NEW_FIELD(10, margin));
 
 COPPICE_FIELDS(Mission, "Mission",
   COPPICE_FIELD(1, robot),
@@ -131,7 +132,9 @@ COPPICE_FIELDS(Mission, "Mission",
   COPPICE_NEW_FIELD(19, max_angular_acceleration),
   COPPICE_NEW_FIELD(20, start_yaw),
   COPPICE_NEW_FIELD(21, goal_yaw),
-  COPPICE_NEW_FIELD(22, goal_yaw_tolerance));
+  COPPICE_NEW_FIELD(22, goal_yaw_tolerance),
+  COPPICE_NEW_FIELD(23, tracking_tolerance),
+  COPPICE_FIELD(24, footprint));
 
 COPPICE_FIELDS(RootNodes::Node, "RootNode",
   COPPICE_FIELD(1, side),

@@ -41,6 +41,7 @@ struct MapMessage {
   /// come.
   std::vector<double> radii{};
   TreeParameters trees{};
+  double margin = 0;  ///< metres that robots keep from obstacles beyond their radius
   bool operator==(const MapMessage&) const = default;
 };
 
@@ -67,8 +68,15 @@ struct Mission {
   double start_yaw = 0;                 ///< of a differential robot: its heading where it starts, radians
   double goal_yaw = 0;                  ///< where it is to head in the end
   double goal_yaw_tolerance = 0;        ///< radians by which it may be off; 0: it may head anywhere
+  double tracking_tolerance = 0;  ///< part of the radius: what a robot that follows may be off its reference
+  std::vector<Point2> footprint{};  ///< corners in the robot's own frame, within its radius; empty: a disc
   bool operator==(const Mission&) const = default;
 };
+
+/// Of the robot itself.
+inline double own_radius(const Mission& mission) {
+  return mission.radius - mission.tracking_tolerance;
+}
 
 /// root_nodes: agent -> broker. Nodes that joined a root tree since the last batch.
 struct RootNodes {

@@ -19,6 +19,8 @@ namespace coppice {
 
 namespace {
 
+constexpr std::size_t most_corners = 64;  // of a footprint (idl/fleet.idl)
+
 using Problem = std::optional<std::string>;
 
 bool sane(const Point2& p) {
@@ -80,6 +82,7 @@ Problem check(const MapMessage& m) {
   const auto in_range = [](int cells) { return cells >= 1 && cells <= largest_map_side; };
   if (auto problem = check(m.trees)) return problem;
   return first_of({{named(m.map_id), "map id is empty, too long or not printable"},
+                   {not_negative(m.margin), "margin is negative or not finite"},
                    {in_range(m.map.width) && in_range(m.map.height), "map size is out of range"},
                    {is_sane_size(m.map.resolution), "resolution is out of range"},
                    {sane(m.map.origin), "origin is not finite"},
@@ -100,23 +103,29 @@ bool turns(const M& m) {
 
 Problem check(const Mission& m) {
   if (auto problem = check(m.trees)) return problem;
-  return first_of({{named(m.robot), "robot name is empty, too long or not printable"},
-                   {named(m.map_id), "map id is empty, too long or not printable"},
-                   {m.fleet_size >= 1, "fleet size is 0"},
-                   {sane(m.start) && sane(m.goal), "start or goal is not finite"},
-                   {is_sane_size(m.radius), "radius is out of range"},
-                   {is_sane_size(m.max_speed), "speed limit is out of range"},
-                   {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
-                   {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
-                   {is_sane_size(m.goal_tolerance), "goal tolerance is out of range"},
-                   {turns(m), "angular limit is out of range"},
-                   {is_sane(m.start_yaw) && is_sane(m.goal_yaw), "yaw is not finite"},
-                   {not_negative(m.goal_yaw_tolerance), "yaw tolerance is negative or not finite"},
-                   {m.planner <= PlannerKind::rrt_star, "unknown planner"},
-                   {not_negative(m.plan_budget), "plan budget is negative or not finite"},
-                   {m.clock.epoch >= 0 && m.clock.epoch <= latest_run, "clock epoch is not a time"},
-                   {m.clock.scale >= least_quantity && m.clock.scale <= largest_time_scale,
-                    "clock scale is out of range"}});
+  return first_of(
+      {{named(m.robot), "robot name is empty, too long or not printable"},
+       {named(m.map_id), "map id is empty, too long or not printable"},
+       {m.fleet_size >= 1, "fleet size is 0"},
+       {sane(m.start) && sane(m.goal), "start or goal is not finite"},
+       {is_sane_size(m.radius), "radius is out of range"},
+       {is_sane_size(m.max_speed), "speed limit is out of range"},
+       {is_sane_size(m.max_acceleration), "acceleration limit is out of range"},
+       {can_brake(m.max_speed, m.max_acceleration), "takes too long to brake"},
+       {is_sane_size(m.goal_tolerance), "goal tolerance is out of range"},
+       {turns(m), "angular limit is out of range"},
+       {is_sane(m.start_yaw) && is_sane(m.goal_yaw), "yaw is not finite"},
+       {not_negative(m.goal_yaw_tolerance), "yaw tolerance is negative or not finite"},
+       {m.tracking_tolerance >= 0 && m.tracking_tolerance < m.radius,
+        "tracking tolerance is negative or larger than the radius"},
+       {std::ranges::all_of(m.footprint, [&](const Point2& p) { return sane(p) && p.norm() <= m.radius; }),
+        "footprint is larger than the radius"},
+       {m.footprint.size() <= most_corners, "footprint has too many corners"},
+       {m.planner <= PlannerKind::rrt_star, "unknown planner"},
+       {not_negative(m.plan_budget), "plan budget is negative or not finite"},
+       {m.clock.epoch >= 0 && m.clock.epoch <= latest_run, "clock epoch is not a time"},
+       {m.clock.scale >= least_quantity && m.clock.scale <= largest_time_scale,
+        "clock scale is out of range"}});
 }
 
 Problem check(const RootNodes& m) {

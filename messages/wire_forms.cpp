@@ -18,7 +18,8 @@ PackedMap wire_form(const MapMessage& m) {
           .y_axis = m.map.y_axis,
           .occupancy = packed_cells<std::vector<std::uint8_t>>(m.map.blocked),
           .radii = m.radii,
-          .trees = m.trees};
+          .trees = m.trees,
+          .margin = m.margin};
 }
 
 MapMessage from_wire_form(PackedMap&& map) {
@@ -33,7 +34,8 @@ MapMessage from_wire_form(PackedMap&& map) {
                   .y_axis = map.y_axis,
                   .blocked = unpacked_cells(map.occupancy, fits ? cells : 0)},
           .radii = std::move(map.radii),
-          .trees = map.trees};
+          .trees = map.trees,
+          .margin = map.margin};
 }
 
 SentPlan wire_form(const JointPlanMessage& m) {

@@ -22,6 +22,7 @@ struct PackedMap {
   std::vector<std::uint8_t> occupancy{};  ///< packed_cells.h; 1: blocked
   std::vector<double> radii{};
   TreeParameters trees{};
+  double margin = 0;
 };
 
 struct SentPlan {

@@ -36,8 +36,9 @@ std::optional<double> separation(const std::vector<SeenRobot>& robots, double ti
   double largest = 0;
   for (const SeenRobot& robot : robots) {
     if (!robot.state) continue;
-    bodies.push_back({position_at(*robot.state, time), robot.state->radius});
-    largest = std::max(largest, robot.state->radius);
+    const double radius = robot.mission ? own_radius(*robot.mission) : robot.state->radius;
+    bodies.push_back({position_at(*robot.state, time), radius});
+    largest = std::max(largest, radius);
   }
   if (bodies.size() < 2) return std::nullopt;
   std::ranges::sort(bodies, {}, [](const Body& body) { return body.place.x(); });
@@ -79,6 +80,14 @@ Point2 position_at(const RobotState& state, double time) {
   const double second = std::clamp(time, first, std::max(first, state.promise.expiry));
   return state.promise.position + (first - state.promise.stamp) * state.promise.velocity +
          (second - first) * state.promise.next_velocity;
+}
+
+double yaw_at(const RobotState& state, double time) {
+  const double first =
+      std::clamp(time, state.promise.stamp, std::max(state.promise.stamp, state.promise.turn));
+  const double second = std::clamp(time, first, std::max(first, state.promise.turn + control_period));
+  return wrapped(state.promise.yaw + (first - state.promise.stamp) * state.promise.angular_velocity +
+                 (second - first) * state.promise.next_angular_velocity);
 }
 
 Phase phase_of(const SeenRobot& robot) {

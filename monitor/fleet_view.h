@@ -106,6 +106,8 @@ struct FleetFigures {
 
 /// The robot's position at a fleet time, by its promise. When the promise has expired, the robot stands.
 Point2 position_at(const RobotState& state, double time);
+/// The same for the yaw of a differential robot, radians.
+double yaw_at(const RobotState& state, double time);
 
 class FleetView {
  public:

@@ -127,7 +127,7 @@ std::string part_id(const RobotName& robot, std::uint32_t part) {
 struct Motion {
   Point2 place;
   Point2 velocity;
-  double heading;  ///< 0 while it stands
+  double heading;  ///< of a holonomic robot: where it drives, and 0 while it stands
 };
 
 /// The motion in Foxglove's frame.
@@ -135,11 +135,30 @@ Motion motion_of(const RobotState& state, double time, Projection projection) {
   const Point2 velocity =
       projection(time < state.promise.turn ? state.promise.velocity : state.promise.next_velocity);
   const bool moves = velocity.norm() > standing;
-  return {projection(position_at(state, time)), velocity, moves ? std::atan2(velocity.y(), velocity.x()) : 0};
+  const double yaw = (projection.y_down ? -1 : 1) * yaw_at(state, time);
+  const double heading = state.max_angular_speed > 0 ? yaw
+                         : moves                     ? std::atan2(velocity.y(), velocity.x())
+                                                     : 0;
+  return {projection(position_at(state, time)), velocity, heading};
 }
 
-void draw_robot(fox::SceneEntity& entity, const SeenRobot& robot, const Motion& motion, const Rgb& colour) {
-  const double radius = robot.state->radius;
+void draw_footprint(fox::SceneEntity& entity, const Mission& mission, const Motion& motion, const Rgb& colour,
+                    bool y_down) {
+  fox::LinePrimitive& line = *entity.add_lines();
+  line.set_type(fox::LinePrimitive::LINE_LOOP);
+  set(*line.mutable_pose(), motion.place, own_radius(mission), motion.heading);
+  line.set_thickness(2);
+  line.set_scale_invariant(true);
+  set(*line.mutable_color(), colour, 1);
+  for (const Point2& corner : mission.footprint)
+    set(*line.add_points(), y_down ? Point2(corner.x(), -corner.y()) : corner, 0);
+}
+
+void draw_robot(fox::SceneEntity& entity, const SeenRobot& robot, const Motion& motion, const Rgb& colour,
+                bool y_down) {
+  const double radius = robot.mission ? own_radius(*robot.mission) : robot.state->radius;
+  if (robot.mission && !robot.mission->footprint.empty())
+    draw_footprint(entity, *robot.mission, motion, colour, y_down);
   fox::CylinderPrimitive& body = *entity.add_cylinders();
   set(*body.mutable_pose(), motion.place, radius / 2);
   set(*body.mutable_size(), Point2(2 * radius, 2 * radius), radius);
@@ -247,7 +266,7 @@ fox::SceneUpdate robots(const FleetView& view, WallTime now) {
         static_cast<std::int64_t>(1000 * robot_lifetime));
     const bool heard = now - robot.heard < silent;
     draw_robot(entity, robot, motion_of(*robot.state, time, projection),
-               heard ? colour_of(phase_of(robot)) : silent_colour);
+               heard ? colour_of(phase_of(robot)) : silent_colour, projection.y_down);
   }
   return scene;
 }

@@ -39,7 +39,11 @@ live::Roster::Robot robot_of(const SeenRobot& robot) {
   out.set_name(robot.name);
   if (robot.mission) {
     const Mission& mission = *robot.mission;
-    out.set_radius(mission.radius);
+    out.set_radius(own_radius(mission));
+    for (const Point2& corner : mission.footprint) {
+      out.add_footprint(static_cast<float>(corner.x()));
+      out.add_footprint(static_cast<float>(corner.y()));
+    }
     out.set_max_speed(mission.max_speed);
     out.set_max_acceleration(mission.max_acceleration);
     out.set_start_x(mission.start.x());
@@ -108,7 +112,8 @@ Point2 velocity_at(const RobotState& state, double time) {
 
 void add_unheard(live::Frame& frame) {
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-  for (auto* list : {frame.mutable_x(), frame.mutable_y(), frame.mutable_age(), frame.mutable_to_go()})
+  for (auto* list : {frame.mutable_x(), frame.mutable_y(), frame.mutable_age(), frame.mutable_to_go(),
+                     frame.mutable_yaw()})
     list->Add(unknown);
   for (auto* list :
        {frame.mutable_vx(), frame.mutable_vy(), frame.mutable_turn(), frame.mutable_next_vx(),
@@ -141,6 +146,8 @@ void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot
   frame.add_to_go(as_float(way_left(robot, time).value_or(std::numeric_limits<double>::quiet_NaN())));
   frame.add_waiting(as_float(wait_of(robot, time).value_or(Wait{}).seconds));
   frame.add_idle(as_float(robot.progress.without_progress(time)));
+  const bool turns = state.max_angular_speed > 0;
+  frame.add_yaw(as_float(turns ? yaw_at(state, time) : std::numeric_limits<double>::quiet_NaN()));
 }
 
 live::Life life_of(const FleetView& view, bool replayed, WallTime now) {

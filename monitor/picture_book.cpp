@@ -75,14 +75,20 @@ void PictureBook::take(const Arrival& arrival) {
 PictureContent::Robot PictureBook::drawn(const SeenRobot& seen, double time) const {
   PictureContent::Robot robot{.name = seen.name, .path = seen.path};
   if (seen.mission) {
-    robot.radius = seen.mission->radius;
+    robot.radius = own_radius(*seen.mission);
+    robot.footprint = seen.mission->footprint;
+    robot.yaw = seen.mission->start_yaw;
+    robot.goal_yaw = seen.mission->goal_yaw;
+    robot.has_heading = seen.mission->max_angular_speed > 0;
     robot.start = seen.mission->start;
     robot.goal = seen.mission->goal;
   }
   if (!seen.state) return robot;
-  robot.radius = seen.state->radius;
+  if (!seen.mission) robot.radius = seen.state->radius;
   // In a later run than the first, fleet time has another origin.
-  robot.body = position_at(*seen.state, view_.fleet_time(clock_.wall_time(time)).value_or(time));
+  const double at = view_.fleet_time(clock_.wall_time(time)).value_or(time);
+  robot.body = position_at(*seen.state, at);
+  robot.yaw = yaw_at(*seen.state, at);
   if (const auto known = driven_.find(seen.name); known != driven_.end()) robot.track = known->second;
   robot.track.push_back(*robot.body);
   return robot;

@@ -22,10 +22,10 @@ double turning_by(double angle, double present, const Limits& limits, double per
   return std::clamp(std::copysign(rate, angle), present - change, present + change);
 }
 
-/// The twist whose speed and rate of turning are close to these, and that the robot can take. Neither the one
-/// before nor this one accelerates more to the side than is allowed, whichever is faster.
-Twist feasible(double speed, double turning, const Twist& present, double heading, const Limits& limits,
-               double period) {
+}  // namespace
+
+Twist feasible_twist(double speed, double turning, const Twist& present, double heading, const Limits& limits,
+                     double period) {
   const double sideways = sideways_acceleration(limits);
   const double before = present.velocity.norm();
   const double change = deceleration(limits) * period;
@@ -39,8 +39,6 @@ Twist feasible(double speed, double turning, const Twist& present, double headin
   return {next * Point2(std::cos(direction), std::sin(direction)), turning};
 }
 
-}  // namespace
-
 double turning_to(double yaw, const Twist& present, double heading, const Limits& limits, double period) {
   return turning_by(wrapped(yaw - heading), present.angular_velocity, limits, period);
 }
@@ -50,8 +48,8 @@ Twist twist_towards(const Point2& wanted, const Twist& present, double heading, 
   const double speed = wanted.norm();
   const double angle = speed == 0 ? 0 : wrapped(std::atan2(wanted.y(), wanted.x()) - heading);
   const double along = std::abs(angle) > turns_on_the_spot ? 0 : speed * std::cos(angle);
-  return feasible(along, turning_by(angle, present.angular_velocity, limits, period), present, heading,
-                  limits, period);
+  return feasible_twist(along, turning_by(angle, present.angular_velocity, limits, period), present, heading,
+                        limits, period);
 }
 
 std::vector<Twist> twists_after(const Twist& present, double heading, const Limits& limits, double period) {
@@ -63,8 +61,8 @@ std::vector<Twist> twists_after(const Twist& present, double heading, const Limi
       const double turning =
           std::clamp(present.angular_velocity + turn * limits.max_angular_acceleration * period,
                      -limits.max_angular_speed, limits.max_angular_speed);
-      twists.push_back(feasible(std::max(0.0, speed + faster * deceleration(limits) * period), turning,
-                                present, heading, limits, period));
+      twists.push_back(feasible_twist(std::max(0.0, speed + faster * deceleration(limits) * period), turning,
+                                      present, heading, limits, period));
     }
   }
   return twists;

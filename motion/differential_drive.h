@@ -16,6 +16,12 @@ namespace coppice {
 Twist twist_towards(const Point2& wanted, const Twist& present, double heading, const Limits& limits,
                     double period);
 
+/// The twist whose speed and rate of turning are close to these, and that the robot can take. Neither the one
+/// before nor this one accelerates more to the side than is allowed, whichever is faster. The robot turns as
+/// fast as it is told, as far as its speed allows.
+Twist feasible_twist(double speed, double turning, const Twist& present, double heading, const Limits& limits,
+                     double period);
+
 /// The angular velocity with which the robot comes to rest at a yaw.
 double turning_to(double yaw, const Twist& present, double heading, const Limits& limits, double period);
 

@@ -98,15 +98,18 @@ double JointSchedule::cost_of_a_pass() const {
 /// The moves lead past the obstacles anyway.
 JointSchedule::Taken& JointSchedule::taken_for(double radius) {
   const Box<2> bounds = places_.field().bounds();
-  const auto [at, is_new] =
-      taken_.try_emplace(radius, Taken{SpaceTime(bounds, radius), SpaceTime(bounds, radius, touching)});
+  const auto [at, is_new] = taken_.try_emplace(radius);
   Taken& taken = at->second;
   if (!is_new) return taken;
-  for (SpaceTime* space : {&taken.apart, &taken.touching}) {
+  taken.emplace_back(bounds, radius);
+  if (const double margin = places_.field().inflation(); margin > 0)
+    taken.emplace_back(bounds, radius, [margin](double a, double b) { return touching(a, b) + margin; });
+  taken.emplace_back(bounds, radius, touching);
+  for (SpaceTime& space : taken) {
     for (const Other& other : others_) {
-      if (!other.gives_way) space->add(other.trajectory, other.radius);
+      if (!other.gives_way) space.add(other.trajectory, other.radius);
     }
-    for (std::uint32_t k = 0; k < robots_.size(); ++k) space->add(trajectories_[k], robots_[k].radius, k);
+    for (std::uint32_t k = 0; k < robots_.size(); ++k) space.add(trajectories_[k], robots_[k].radius, k);
   }
   return taken;
 }
@@ -118,16 +121,16 @@ void JointSchedule::schedule(const Move& move) {
   Trajectory& own = trajectories_[move.robot];
   const Trajectory drive = drive_along(move.path, robot);
   const double ready = own.back().time + time_lost_between(own, move.path, robot);
-  double time = departure(taken.apart, move.robot, drive, ready);
-  if (time == SpaceTime::forever) time = departure(taken.touching, move.robot, drive, ready);
+  double time = SpaceTime::forever;
+  for (auto space = taken.begin(); space != taken.end() && time == SpaceTime::forever; ++space)
+    time = departure(*space, move.robot, drive, ready);
   if (time == SpaceTime::forever) {
     if (let_give_way(move)) return begin_anew();
     time = ready;  // the members' moves are free in this order, but for rounding
   }
   const Trajectory rest = shifted(drive, time);
   for (auto& [radius, other] : taken_) {
-    for (SpaceTime* space : {&other.apart, &other.touching})
-      space->go_on(static_cast<std::uint32_t>(move.robot), rest, robot.radius);
+    for (SpaceTime& space : other) space.go_on(static_cast<std::uint32_t>(move.robot), rest, robot.radius);
   }
   own.insert(own.end(), rest.begin() + (rest.front().time > own.back().time ? 0 : 1), rest.end());
 }

@@ -3,9 +3,9 @@
 //
 // The moves are taken in the order of the plan. Each one begins as early as possible: so late that its robot
 // keeps apart from all trajectories so far, and may stand at its end for good. If robots must pass more
-// closely, they keep from touching. Such a time exists, because the way is free when all earlier moves are
-// over. At each corner the robot stands for as long as it loses there. A robot that is not of the plan may
-// end in the way: then that robot gives way, and the times are looked for anew.
+// closely, they keep the margin, or else they keep from touching. Such a time exists, because the way is free
+// when all earlier moves are over. At each corner the robot stands for as long as it loses there. A robot
+// that is not of the plan may end in the way: then that robot gives way, and the times are looked for anew.
 //
 // Then the trajectories are improved: one robot after the other plans again around all others, and keeps the
 // new trajectory if it arrives earlier (large neighbourhood search with neighbourhoods of one robot; Li,
@@ -59,11 +59,9 @@ class JointSchedule {
 
  private:
   /// What robots of one size must keep apart from.
-  struct Taken {
-    SpaceTime apart;
-    SpaceTime touching;
-  };
-
+  /// The trajectories so far, for a robot of some radius: as they are kept apart, with the margin, and
+  /// touching.
+  using Taken = std::vector<SpaceTime>;
   Taken& taken_for(double radius);
   void begin_anew();
   void schedule(const Move& move);

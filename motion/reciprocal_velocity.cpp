@@ -259,8 +259,9 @@ HalfPlane orca_half_plane(const MovingDisc& self, const MovingDisc& other, doubl
 
 void obstacle_half_planes(const ClearanceField& field, const Point2& p, double radius, double reach,
                           double horizon, std::vector<HalfPlane>& out) {
+  if (field.lower_bound(p) >= radius + reach) return;
+  radius += field.inflation();
   const double range = radius + reach;
-  if (field.lower_bound(p) >= range) return;
   const std::size_t first = out.size();
   append_border(field.bounds(), p, radius, range, horizon, out);
   Candidate last{-1, 0, {}};

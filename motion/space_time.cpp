@@ -56,8 +56,8 @@ void unite(std::vector<Interval>& intervals) {
   intervals.resize(count);
 }
 
-SpaceTime::SpaceTime(const Box<2>& bounds, double radius, double (*apart)(double, double))
-    : radius_(radius), apart_(apart), cell_(cell_radii * radius), lower_(bounds.lower) {
+SpaceTime::SpaceTime(const Box<2>& bounds, double radius, std::function<double(double, double)> apart)
+    : radius_(radius), apart_(std::move(apart)), cell_(cell_radii * radius), lower_(bounds.lower) {
   const Point2 extent = bounds.upper - bounds.lower;
   constexpr double most_cells = 1 << 20;
   cell_ = std::max(cell_, std::sqrt(extent.prod() / most_cells));

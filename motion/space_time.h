@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -47,7 +48,7 @@ class SpaceTime {
   static constexpr Number nobody = ~Number{0};
 
   /// For a disc of `radius`. `apart`: tells how many metres the centres of two discs keep, by their radii.
-  SpaceTime(const Box<2>& bounds, double radius, double (*apart)(double, double) = kept_apart);
+  SpaceTime(const Box<2>& bounds, double radius, std::function<double(double, double)> apart = kept_apart);
 
   /// Adds a robot that carries out a trajectory and then stands.
   void add(const Trajectory& trajectory, double radius, Number robot = nobody) {
@@ -115,7 +116,7 @@ class SpaceTime {
                       double departure, Number own) const;
 
   double radius_;
-  double (*apart_)(double, double);
+  std::function<double(double, double)> apart_;
   double cell_;
   Point2 lower_;
   std::size_t columns_;

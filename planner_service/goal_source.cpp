@@ -9,18 +9,20 @@
 
 namespace coppice {
 
-GoalSource::GoalSource(const Scenario& scenario, double margin)
-    : scenario_(scenario), margin_(margin), random_(scenario.seed), robots_(scenario.robots.size()) {}
+GoalSource::GoalSource(const Scenario& scenario)
+    : scenario_(scenario), random_(scenario.seed), robots_(scenario.robots.size()) {}
 
-std::optional<std::string> GoalSource::request(std::size_t robot, const Point2& goal,
+std::optional<std::string> GoalSource::request(std::size_t robot, const NextGoal& goal,
                                                std::span<const RoomOfRobot> robots) {
-  const double radius = driving_radius(*robots[robot].task) + margin_;
-  if (!field().is_free(goal, radius)) return "it is in an obstacle, or not on the map";
+  const double radius = driving_radius(*robots[robot].task);
+  if (!field().is_free(goal.position, radius)) return "it is in an obstacle, or not on the map";
   const std::string* first = nullptr;  // by name
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const RobotTask& other = *robots[i].task;
-    const double apart = radius + driving_radius(other) + margin_;
-    if (i == robot || (robots_[i].request.value_or(other.goal) - goal).norm() >= apart) continue;
+    const double apart = radius + driving_radius(other);
+    if (i == robot ||
+        (robots_[i].request.value_or(NextGoal{other.goal}).position - goal.position).norm() >= apart)
+      continue;
     if (first == nullptr || other.name < *first) first = &other.name;
   }
   if (first != nullptr) return "it is where another robot goes, " + *first;
@@ -28,7 +30,7 @@ std::optional<std::string> GoalSource::request(std::size_t robot, const Point2& 
   return std::nullopt;
 }
 
-std::optional<Point2> GoalSource::take_request(std::size_t robot) {
+std::optional<NextGoal> GoalSource::take_request(std::size_t robot) {
   return std::exchange(robots_[robot].request, std::nullopt);
 }
 
@@ -57,14 +59,14 @@ void GoalSource::clear_shortage(std::size_t robot) {
 }
 
 const ClearanceField& GoalSource::field() {
-  if (!field_) field_.emplace(scenario_.map);
+  if (!field_) field_.emplace(scenario_.map, scenario_.margin);
   return *field_;
 }
 
 /// The part of the map that the robot reaches from its goal, where it stands. Few robots reach different
 /// parts, so each part is filled once.
 const ReachablePart& GoalSource::part_of(const RobotTask& task) {
-  const double radius = driving_radius(task) + margin_;
+  const double radius = driving_radius(task);
   const auto known = std::ranges::find_if(
       parts_, [&](const ReachablePart& part) { return part.radius() == radius && part.contains(task.goal); });
   if (known != parts_.end()) return *known;
@@ -77,7 +79,7 @@ std::vector<KeepOut> GoalSource::taken_by_others(std::size_t robot, std::span<co
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (i == robot) continue;
     const RobotTask& other = *robots[i].task;
-    const double apart = driving_radius(other) + driving_radius(*robots[robot].task) + 2 * margin_ + spare;
+    const double apart = driving_radius(other) + driving_radius(*robots[robot].task) + spare;
     taken.push_back({other.goal, apart});
     if (robots[i].stays_at) taken.push_back({*robots[i].stays_at, apart});
   }

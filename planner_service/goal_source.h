@@ -18,6 +18,12 @@
 
 namespace coppice {
 
+/// Where a robot is to go next.
+struct NextGoal {
+  Point2 position = Point2::Zero();
+  std::optional<double> yaw{};  ///< none: any
+};
+
 /// The room that a robot takes now and later.
 struct RoomOfRobot {
   const RobotTask* task;           ///< with its latest goal
@@ -26,16 +32,16 @@ struct RoomOfRobot {
 
 class GoalSource {
  public:
-  /// `scenario` outlives it. `margin`: see ServiceSettings.
-  GoalSource(const Scenario& scenario, double margin);
+  /// `scenario` outlives it.
+  explicit GoalSource(const Scenario& scenario);
 
   // All robots are given in the order of the scenario.
 
   /// Requests the next goal of a robot, in the map frame, in place of an earlier request. Returns why it is
   /// refused, if it is.
-  std::optional<std::string> request(std::size_t robot, const Point2& goal,
+  std::optional<std::string> request(std::size_t robot, const NextGoal& goal,
                                      std::span<const RoomOfRobot> robots);
-  std::optional<Point2> take_request(std::size_t robot);
+  std::optional<NextGoal> take_request(std::size_t robot);
 
   /// Draws again no sooner than `goal_draw_interval` after a draw without result.
   bool may_draw(std::size_t robot, WallTime now);
@@ -51,7 +57,7 @@ class GoalSource {
 
  private:
   struct Robot {
-    std::optional<Point2> request;
+    std::optional<NextGoal> request;
     std::string shortage;
     WallTime next_draw = 0;
   };
@@ -63,7 +69,6 @@ class GoalSource {
   std::optional<Point2> draw_goal(std::size_t robot, std::span<const RoomOfRobot> robots);
 
   const Scenario& scenario_;
-  double margin_;
   Random random_;
   std::optional<ClearanceField> field_;  ///< of the map, once it is needed
   std::vector<ReachablePart> parts_;     ///< that robots reach, once they are needed

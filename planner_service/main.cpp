@@ -43,8 +43,7 @@ std::uint64_t draw_identity() {
 
 std::unique_ptr<DdsRosFleet> ros_of(const RosOptions& options, DdsBus& bus, const Scenario& scenario) {
   if (!options.on) return nullptr;
-  if (options.drives) check_holonomic(scenario, "--drive ros");
-  auto ros = std::make_unique<DdsRosFleet>(bus, names_of(scenario));
+  auto ros = std::make_unique<DdsRosFleet>(bus, options.robot.names, names_of(scenario));
   ros->publish(scenario.map, wall_now());
   return ros;
 }
@@ -59,7 +58,8 @@ ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros,
           .lifelong = options.lifelong,
           .waits_for_goals = in_ros.waits_for_goals,
           .plan = chosen_plan(options, scenario),
-          .margin = in_ros.drives ? in_ros.tolerance : 0};
+          .robots_elsewhere = in_ros.drives(),
+          .map_frame = in_ros.robot.names.map_frame};
 }
 
 /// The report comes also if a box cannot be read. Then the track ends as the agent sent it.
@@ -106,12 +106,19 @@ bool run_succeeds(const ServiceOptions& options, const Scenario& scenario, Journ
   return service.succeeded();
 }
 
+ScenarioOptions scenario_options(const ServiceOptions& options) {
+  ScenarioOptions read = scenario_options(options.run);
+  read.follow = options.ros.drives();
+  read.tracking_tolerance = options.ros.tolerance;
+  return read;
+}
+
 /// The exit code: 0 if the run succeeded.
 int run(const ServiceOptions& options) {
   check_ros(options.ros, options.process.network.discovery, options.process.network.security);
-  const Scenario scenario = read_scenario(options.run.scenario, options.run.overrides);
+  const Scenario scenario = read_scenario(options.run.scenario, scenario_options(options));
   check_results(options.run, scenario);
-  if (options.ros.on) check_ros_names(names_of(scenario));
+  if (options.ros.on) check_ros_names(options.ros.robot.names, names_of(scenario));
   if (!options.black_boxes.empty()) make_folder(options.black_boxes);
   auto journal = open_journal(options.process.state);
   const bool succeeded = run_succeeds(options, scenario, journal ? &*journal : nullptr);

@@ -17,16 +17,23 @@ constexpr double slowest = 1e-6;                       // metres a second: a slo
 constexpr double largest_clock_error = 3600;           // fleet seconds
 constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
 
-/// Names a map by its content (FNV-1a), so that two runs on one domain cannot mix up their trees.
-std::string content_id(const OccupancyMap& map) {
+/// Names a map, and the margin that is kept on it, by its content (FNV-1a), so that two runs on one domain
+/// cannot mix up their trees.
+std::string content_id(const OccupancyMap& map, double margin) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto add = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3u; };
-  for (const char c :
-       fmt::format("{} {} {} {} {}", map.width, map.height, map.resolution, map.origin.x(), map.origin.y())) {
+  for (const char c : fmt::format("{} {} {} {} {} {}", map.width, map.height, map.resolution, map.origin.x(),
+                                  map.origin.y(), margin)) {
     add(static_cast<std::uint8_t>(c));
   }
   for (const std::uint8_t cell : map.blocked) add(cell);
   return fmt::format("{:016x}", hash);
+}
+
+NextGoal next_goal(const RosGoal& goal, YAxis y_axis) {
+  NextGoal next{turned(goal.position, y_axis)};
+  if (goal.yaw) next.yaw = y_axis == YAxis::up ? *goal.yaw : -*goal.yaw;
+  return next;
 }
 
 }  // namespace
@@ -35,11 +42,11 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
                                TrackRecord tracks)
     : scenario_(std::move(scenario)),
       settings_(settings),
-      map_id_(content_id(scenario_.map)),
+      map_id_(content_id(scenario_.map, scenario_.margin)),
       robots_(scenario_.robots),
       liveliness_(robots_.size(), now),
       tracks_(std::move(tracks)),
-      goals_(scenario_, settings_.margin),
+      goals_(scenario_),
       phase_(WaitingForTrees{now}) {}
 
 std::optional<RunId> PlannerService::run() const {
@@ -142,10 +149,11 @@ void PlannerService::receive(const InactiveTreesMessage& trees, WallTime) {
 }
 
 MapMessage PlannerService::map() const {
-  MapMessage message{.map_id = map_id_, .map = scenario_.map, .trees = settings_.trees};
+  MapMessage message{
+      .map_id = map_id_, .map = scenario_.map, .trees = settings_.trees, .margin = scenario_.margin};
   if (!grows_ahead()) return message;
   for (const RobotTask& task : scenario_.robots) {
-    const double radius = driving_radius(task) + settings_.margin;
+    const double radius = driving_radius(task);
     if (std::ranges::count(message.radii, radius) == 0) message.radii.push_back(radius);
   }
   return message;
@@ -162,7 +170,7 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .map_id = map_id_,
           .start = robot.task.start,
           .goal = robot.task.goal,
-          .radius = robot.task.radius,
+          .radius = reference_radius(robot.task),
           .max_speed = robot.task.max_speed,
           .max_acceleration = robot.task.max_acceleration,
           .goal_tolerance = robot.task.goal_tolerance,
@@ -176,7 +184,9 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .max_angular_acceleration = robot.task.max_angular_acceleration,
           .start_yaw = robot.task.start_yaw,
           .goal_yaw = robot.task.goal_yaw,
-          .goal_yaw_tolerance = robot.task.goal_yaw_tolerance};
+          .goal_yaw_tolerance = robot.task.goal_yaw_tolerance,
+          .tracking_tolerance = robot.task.tracking_tolerance,
+          .footprint = robot.task.footprint};
 }
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
@@ -195,7 +205,7 @@ JointPlanMessage PlannerService::given_plan() const {
   for (std::size_t k = 0; k < settings_.plan.size(); ++k) {
     const RobotTask& robot = scenario_.robots[k];
     message.members.push_back({.robot = robot.name,
-                               .radius = robot.radius,
+                               .radius = reference_radius(robot),
                                .trajectory = shifted(settings_.plan[k], service_timing.plans_begin)});
   }
   return message;
@@ -290,9 +300,9 @@ std::vector<RoomOfRobot> PlannerService::rooms() const {
 std::optional<std::string> PlannerService::on(const RosGoal& goal) {
   const RobotRecord* const robot = robots_.find(goal.robot);
   if (robot == nullptr) return "it is for no robot of this run";
-  auto problem = problem_with(goal);
+  auto problem = problem_with(goal, settings_.map_frame);
   if (!problem && has_ended(phase_)) problem = "the run has ended";
-  if (!problem) problem = goals_.request(robot->index, turned(goal.position, scenario_.map.y_axis), rooms());
+  if (!problem) problem = goals_.request(robot->index, next_goal(goal, scenario_.map.y_axis), rooms());
   if (problem) {
     ++goals_refused_;
   } else {
@@ -318,13 +328,13 @@ void PlannerService::assign_drawn_goals(std::vector<Message>& out, WallTime now)
   for (RobotRecord& robot : robots_) {
     if (!goals_.may_draw(robot.index, now) || !robot.arrived()) continue;
     if (const auto goal = goals_.draw(robot.index, rooms(), now)) {
-      begin_next_mission(robot, robot.task.goal, *goal);
+      begin_next_mission(robot, robot.task.goal, {*goal});
       out.emplace_back(mission_of(robot));
     }
   }
 }
 
-void PlannerService::begin_next_mission(RobotRecord& robot, const Point2& start, const Point2& goal) {
+void PlannerService::begin_next_mission(RobotRecord& robot, const Point2& start, const NextGoal& goal) {
   robot.begin_next_mission(start, goal);
   goals_.clear_shortage(robot.index);
 }
@@ -360,10 +370,14 @@ bool PlannerService::recall(std::span<const Message> saved, WallTime now) {
 bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
   RobotRecord* const robot = robots_.find(mission.robot);
   if (robot == nullptr || mission.map_id != map_id_ || mission.fleet_size != robots_.size()) return false;
-  if (mission.number == robot->mission + 1) begin_next_mission(*robot, mission.start, mission.goal);
+  if (mission.number == robot->mission + 1) {
+    const bool any_yaw = mission.goal_yaw_tolerance == 0;
+    begin_next_mission(*robot, mission.start,
+                       {mission.goal, any_yaw ? std::nullopt : std::optional(mission.goal_yaw)});
+  }
   const RobotTask& task = robot->task;
   const bool same_task = mission.number == robot->mission && mission.start == task.start &&
-                         mission.goal == task.goal && mission.radius == task.radius &&
+                         mission.goal == task.goal && mission.radius == reference_radius(task) &&
                          mission.max_speed == task.max_speed;
   if (!same_task || mission.clock.scale != settings_.time_scale || mission.planner != settings_.planner ||
       mission.trees != settings_.trees)
@@ -405,7 +419,7 @@ bool PlannerService::is_at_goal(const RobotRecord& robot, const std::optional<Tr
 
 /// The odometry of a robot that a motor controller drives never says quite zero.
 bool PlannerService::stands(const TrackPoint& point) const {
-  return settings_.margin > 0 || point.velocity.norm() <= slowest;
+  return settings_.robots_elsewhere || point.velocity.norm() <= slowest;
 }
 
 /// False: the robot stays where it is, unless another one needs the room.

@@ -37,7 +37,8 @@ struct ServiceSettings {
   bool waits_for_goals = false;  ///< the run goes on when all have arrived, until it is interrupted
   /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none.
   std::vector<Trajectory> plan{};
-  double margin = 0;  ///< metres that each robot takes beyond its radius (robot_agent/tracking.h)
+  bool robots_elsewhere = false;  ///< robots outside of Coppice follow (robot_agent/tracking.h)
+  std::string map_frame{"map"};   ///< of goals over ROS
 };
 
 struct Progress {
@@ -132,7 +133,7 @@ class PlannerService {
   std::vector<RoomOfRobot> rooms() const;
   void assign_requested_goals(std::vector<Message>& out);
   void assign_drawn_goals(std::vector<Message>& out, WallTime now);
-  void begin_next_mission(RobotRecord& robot, const Point2& start, const Point2& goal);
+  void begin_next_mission(RobotRecord& robot, const Point2& start, const NextGoal& goal);
 
   // Going on with the run of another service.
   bool recall_mission(const Mission& mission, WallTime now);

@@ -68,7 +68,7 @@ bool RobotRecord::track_begins(double at) {
   return true;
 }
 
-void RobotRecord::begin_next_mission(const Point2& start, const Point2& goal) {
+void RobotRecord::begin_next_mission(const Point2& start, const NextGoal& goal) {
   replaced_missions += !arrived();
   const AgentStatus done = status.value_or(AgentStatus{});
   earlier_nodes.valid += done.nodes_valid;
@@ -76,8 +76,10 @@ void RobotRecord::begin_next_mission(const Point2& start, const Point2& goal) {
   earlier_grafts += done.trees_grafted;
   ++mission;
   task.start = start;
-  task.goal = goal;
-  task.goal_yaw_tolerance = 0;
+  task.goal = goal.position;
+  task.goal_yaw = goal.yaw.value_or(0);
+  const bool turns = goal.yaw && is_differential(limits_of(task));
+  task.goal_yaw_tolerance = turns ? default_yaw_tolerance : 0;
   status.reset();
   path.clear();
   root_nodes.clear();

@@ -12,6 +12,7 @@
 #include "coppice/files/scenario.h"
 #include "coppice/motion/separation.h"
 #include "messages/messages.h"
+#include "planner_service/goal_source.h"
 #include "planning/ma_rrdt_star.h"
 
 namespace coppice {
@@ -76,7 +77,7 @@ struct RobotRecord {
   void add(const RootNodes& batch);
   /// The agent sends its track from the beginning. True if this loses the track.
   bool track_begins(double at);
-  void begin_next_mission(const Point2& start, const Point2& goal);
+  void begin_next_mission(const Point2& start, const NextGoal& goal);
 
  private:
   bool has_phase(Phase phase) const { return status && status->phase == phase; }

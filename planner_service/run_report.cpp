@@ -225,15 +225,19 @@ proto::Report PlannerService::report(const TrackParts& tracks) const {
     if (row.arrived() && robot.status)
       row.set_run_time(all.stands_since[i].value_or(robot.status->arrival_time));
     row.set_driven_length(all.length[i]);
+    if (is_differential(limits_of(robot.task)) && all.last[i]) row.set_yaw(all.last[i]->yaw);
     describe_robot(robot, !all.last[i] || all.last[i]->velocity.isZero(0), row);
   }
   describe_run(report);
+  report.set_margin(scenario_.margin);
   if (all.separation) {
     report.set_least_separation(all.separation->least);
+    report.set_least_separation_with_margin(all.separation->least - scenario_.margin);
     report.set_collisions(static_cast<std::uint32_t>(all.separation->overlapping.size()));
   }
   if (all.clearance) {
     report.set_least_clearance(all.clearance->least);
+    report.set_least_clearance_with_margin(all.clearance->least - scenario_.margin);
     report.set_collisions(report.collisions() +
                           static_cast<std::uint32_t>(all.clearance->overlapping.size()));
   }
@@ -244,8 +248,16 @@ PictureContent PlannerService::picture() const {
   PictureContent content{.map = scenario_.map, .edges = forest_.edges(), .robots = {}};
   const std::vector<Path> driven = driven_ways(tracks(), robots_.size());
   for (const RobotRecord& robot : robots_) {
-    content.robots.push_back({robot.task.name, robot.task.radius, robot.task.start, robot.task.goal,
-                              robot.path, driven[robot.index]});
+    content.robots.push_back({.name = robot.task.name,
+                              .radius = robot.task.radius,
+                              .start = robot.task.start,
+                              .goal = robot.task.goal,
+                              .path = robot.path,
+                              .track = driven[robot.index],
+                              .footprint = robot.task.footprint,
+                              .yaw = robot.task.start_yaw,
+                              .goal_yaw = robot.task.goal_yaw,
+                              .has_heading = is_differential(limits_of(robot.task))});
     for (const RootNodes::Node& node : robot.root_nodes) {
       if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
       content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position,

@@ -181,10 +181,11 @@ struct ClearanceField::Piece {
   }
 };
 
-ClearanceField::ClearanceField(const OccupancyMap& map)
+ClearanceField::ClearanceField(const OccupancyMap& map, double inflation)
     : frame_(map.frame()),
       extent_(frame_.width, frame_.height),
       cells_per_metre_(1 / frame_.resolution),
+      inflation_(inflation),
       stride_(frame_.width + 2) {
   assert(frame_.width >= 1 && frame_.height >= 1 && frame_.resolution > 0);
   assert(map.blocked.size() == frame_.cells());
@@ -312,7 +313,7 @@ double ClearanceField::least_squared(const Point2& a, const Point2& b, double li
 double ClearanceField::lower_bound(const Point2& p) const {
   const Point2 q = to_cells(p);
   if (!contains(q)) return 0;
-  return std::sqrt(std::max(lower_squared(q), 0.0)) * frame_.resolution;
+  return std::max(0.0, std::sqrt(std::max(lower_squared(q), 0.0)) * frame_.resolution - inflation_);
 }
 
 double ClearanceField::clearance(const Point2& p) const {
@@ -322,7 +323,7 @@ double ClearanceField::clearance(const Point2& p) const {
 bool ClearanceField::is_free(const Point2& p, double radius) const {
   const Point2 q = to_cells(p);
   if (!contains(q) || !std::isfinite(radius)) return false;
-  const double needed = needed_clearance(radius, cells_per_metre_);
+  const double needed = needed_clearance(radius + inflation_, cells_per_metre_);
   const double needed_squared = needed * needed;
   if (lower_squared(q) >= needed_squared) return true;
   if (upper_squared(q) < needed_squared) return false;
@@ -332,7 +333,7 @@ bool ClearanceField::is_free(const Point2& p, double radius) const {
 bool ClearanceField::segment_free(const Point2& a, const Point2& b, double radius) const {
   const Piece whole{to_cells(a), 0, to_cells(b), 0};
   if (!contains(whole.a) || !contains(whole.b) || !std::isfinite(radius)) return false;
-  const double needed = needed_clearance(radius, cells_per_metre_);
+  const double needed = needed_clearance(radius + inflation_, cells_per_metre_);
   if (without_edges(whole.a, whole.b, needed)) return !in_blocked_cell(whole.a);
   const double needed_squared = needed * needed;
   const Piece bounded{whole.a, lower_squared(whole.a), whole.b, lower_squared(whole.b)};
@@ -361,7 +362,8 @@ double ClearanceField::segment_clearance(const Point2& a, const Point2& b) const
   const Point2 to = to_cells(b);
   if (!contains(from) || !contains(to)) return 0;
   const double limit = std::min({upper_squared(from), upper_squared(to), upper_squared(0.5 * (from + to))});
-  return std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * frame_.resolution;
+  return std::max(0.0,
+                  std::sqrt(least_squared(from, to, std::max(limit, 0.0))) * frame_.resolution - inflation_);
 }
 
 }  // namespace coppice

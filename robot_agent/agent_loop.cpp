@@ -10,13 +10,13 @@
 namespace coppice {
 
 std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
-  if (!options.drives) return std::nullopt;
-  return TrackingSettings{.tolerance = options.tolerance, .patience = options.patience};
+  if (!options.drives()) return std::nullopt;
+  return TrackingSettings{.patience = options.patience};
 }
 
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
   Past past{journal_in(options.process.state, "robot-" + robot, meanwhile),
-            StateKeeper(robot, options.ros.drives)};
+            StateKeeper(robot, options.ros.drives())};
   if (!options.black_boxes.empty()) past.black_box.emplace(options.black_boxes, robot);
   if (!past.journal) return past;
   if (!past.journal->complete()) {
@@ -42,7 +42,7 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
 Listeners::Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
                      const RobotAgent& own)
     : keeper(past.keeper()),
-      ros(options.ros.on ? std::make_unique<RosLink>(bus, robot, options.ros.drives) : nullptr),
+      ros(options.ros.on ? std::make_unique<RosLink>(bus, robot, options.ros.robot) : nullptr),
       event_log(robot),
       agent(own),
       black_box(std::move(past.black_box)) {}

@@ -2,6 +2,7 @@
 // and tells the others.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -310,7 +311,8 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
       stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
     last_executed_ = now;
   }
-  if (body_.turns_on_the_spot()) progress_.excuse(now);
+  const double full_turn = time_to_turn(2 * std::numbers::pi, body_.limits());
+  if (body_.turns_on_the_spot()) progress_.turns(control_period, full_turn, now);
   // Several robots may keep clear of each other's next moves: one of them must go.
   if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
   if (!is_bound && now - last_executed_ > waiting_lease && held.gives_way(self(), fleet_)) {
@@ -388,7 +390,7 @@ void Run::watch_arrival(double now) {
                                most_calls_in_vain));
   if (!driving() || round_.stage() != Stage::free || !body_.stands() || comes_on) return;
   if (at_goal) {
-    if (tracking_ && (*tracking_->position() - mission_.goal).norm() > arrives_within(mission_))
+    if (tracking_ && !its_robot_is_there(now))
       return progress_.excuse(body_.time());  // the robot that follows the body is on its way
     if (status_.arrival_time == 0) status_.arrival_time = body_.time();
     enter(Arrived{std::move(std::get<Driving>(task_).route)});

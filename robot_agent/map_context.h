@@ -13,7 +13,8 @@
 namespace coppice {
 
 struct MapContext {
-  explicit MapContext(const MapMessage& map) : map_id(map.map_id), field(map.map), roadmaps(field) {}
+  explicit MapContext(const MapMessage& map)
+      : map_id(map.map_id), field(map.map, map.margin), roadmaps(field) {}
 
   std::string map_id;
   ClearanceField field;

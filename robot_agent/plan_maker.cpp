@@ -15,7 +15,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double roomy = 1.1;    // of the radii
+constexpr double roomy = 0.1;    // of the radii
 constexpr int most_in_vain = 3;  // plans in a row that are no better
 // Another plan is made if a robot waits on average so many times as long as it takes to make it.
 constexpr double worthwhile = 100;
@@ -33,16 +33,19 @@ std::optional<Point2> with_room_near(const Point2& p, double radius, double larg
   return std::nullopt;
 }
 
-/// The tasks of larger robots, if these have room at the goals, and close to where the robots stand; empty:
-/// they have not. Where two robots stand closely, the edges of the roadmap allow for it.
-std::vector<JointTask> with_room(std::span<const JointTask> tasks, const ClearanceField& field) {
+/// The tasks of robots that are larger by a share of their radius and some metres, if these have room at the
+/// goals, and close to where the robots stand; empty: they have not. Where two robots stand closely, the
+/// edges of the roadmap allow for it.
+std::vector<JointTask> with_room(std::span<const JointTask> tasks, const ClearanceField& field, double share,
+                                 double metres) {
   std::vector<JointTask> larger(tasks.begin(), tasks.end());
   for (JointTask& task : larger) {
     if (!task.movable) continue;
-    const auto start = with_room_near(task.position, task.radius, roomy * task.radius, field);
-    if (!start || (task.goal && !field.is_free(*task.goal, roomy * task.radius))) return {};
+    const double radius = (1 + share) * task.radius + metres;
+    const auto start = with_room_near(task.position, task.radius, radius, field);
+    if (!start || (task.goal && !field.is_free(*task.goal, radius))) return {};
     if (task.goal != task.position) task.position = *start;
-    task.radius *= roomy;
+    task.radius = radius;
   }
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     if (!tasks[i].movable) continue;
@@ -60,6 +63,15 @@ std::vector<JointTask> with_room(std::span<const JointTask> tasks, const Clearan
   return larger;
 }
 
+/// First robots with room to pass each other at full speed, then those that keep their margins.
+std::vector<std::vector<JointTask>> larger_robots(std::span<const JointTask> tasks,
+                                                  const ClearanceField& field) {
+  std::vector<std::vector<JointTask>> all{with_room(tasks, field, roomy, 0)};
+  if (field.inflation() > 0) all.push_back(with_room(tasks, field, 0, field.inflation() / 2));
+  std::erase_if(all, [](const auto& larger) { return larger.empty(); });
+  return all;
+}
+
 }  // namespace
 
 PlanMaker::PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
@@ -69,7 +81,7 @@ PlanMaker::PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std:
       tasks_(joint_tasks(members_, obstacles, places.field())),
       others_(others.begin(), others.end()),
       random_(random),
-      larger_(with_room(tasks_, places.field())),
+      larger_(larger_robots(tasks_, places.field())),
       phase_(MakesMoves{planner_with(random_), now}) {}
 
 bool PlanMaker::step(double now, bool everybody) {
@@ -91,7 +103,7 @@ bool PlanMaker::strands() const {
 }
 
 std::unique_ptr<JointPlanner> PlanMaker::planner_with(Random random) const {
-  return std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_, random);
+  return std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_.front(), random);
 }
 
 /// Returns true if there is no plan that brings everybody to the goal.
@@ -103,8 +115,9 @@ bool PlanMaker::make_moves(MakesMoves& phase, double now, bool everybody) {
   if (fails && best_) {
     go_on(now);
   } else if (fails) {
-    larger_.clear();
+    larger_.erase(larger_.begin());
     phase.planner = planner_with(random_);
+    phase.steps_left = most_steps;
   } else if (ends) {
     JointPlan plan = phase.planner->take_plan();
     if (everybody && !plan.stranded.empty()) {

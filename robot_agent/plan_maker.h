@@ -3,7 +3,7 @@
 //
 // First for robots that are a tenth larger: then their trajectories keep apart as reservations do
 // (motion/space_time.h), and the robots pass each other at full speed. If that brings not all of them to
-// their goals, for robots as large as they are.
+// their goals, for robots that keep half a margin each, and in the end for robots as large as they are.
 //
 // The planner draws at random, and the robots of one plan may take twice as long as those of another. So
 // where robots wait for long in a plan, more are made, until several in a row are no better than the best
@@ -44,11 +44,12 @@ class PlanMaker {
   JointPlanMessage message() const;
 
  private:
+  /// Of a planner: LaCAM has then found a plan, or evacuation is next.
+  static constexpr int most_steps = 10;
   struct MakesMoves {
     std::unique_ptr<JointPlanner> planner;
-    double since;         ///< the plan was begun
-    int steps_left = 10;  ///< of the planner, unless it is the last resort: LaCAM has then found a plan, or
-                          ///< evacuation is next
+    double since;                 ///< the plan was begun
+    int steps_left = most_steps;  ///< of the planner, unless it is the last resort
   };
   struct FindsTimes {
     JointPlan plan;
@@ -78,7 +79,8 @@ class PlanMaker {
   std::vector<JointTask> tasks_;  ///< of the members, then of the obstacles
   std::vector<KnownReservation> others_;
   Random random_;
-  std::vector<JointTask> larger_;  ///< tasks of larger robots; empty: these have no room, or no plan
+  /// Tasks of larger robots that have room, and may have a plan, the largest first.
+  std::vector<std::vector<JointTask>> larger_;
   std::optional<Best> best_{};
   int in_vain_ = 0;  ///< plans since then
   std::variant<MakesMoves, FindsTimes, ImprovesTimes, Fails> phase_;

@@ -23,9 +23,14 @@ inline double least_gain(double radius, const Limits& limits) {
 class ProgressWatch {
  public:
   /// A new path begins: progress along it counts from 0.
-  void begin_path() { gain_ = 0; }
+  void begin_path() { gain_ = turned_ = 0; }
   /// The robot has a reason to stand.
   void excuse(double now) { gain_time_ = now; }
+  /// The robot turned on the spot for some seconds. That excuses it, for `most` seconds until it comes on.
+  void turns(double seconds, double most, double now) {
+    turned_ += seconds;
+    if (turned_ <= most) excuse(now);
+  }
   /// The robot bound itself to stand.
   void is_bound(double now) { bound_time_ = now; }
   /// `progress`: metres along the path.
@@ -33,6 +38,7 @@ class ProgressWatch {
     if (progress < gain_ + least) return;
     gain_ = progress;
     gain_time_ = now;
+    turned_ = 0;
   }
 
   /// Seconds without progress in which the robot was not bound to stand.
@@ -42,6 +48,7 @@ class ProgressWatch {
  private:
   double gain_ = 0;  ///< metres along the path at the last progress
   double gain_time_ = 0;
+  double turned_ = 0;  ///< seconds since then
   double bound_time_ = 0;
 };
 

@@ -89,8 +89,11 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
 Mission RobotAgent::as_reference(Mission mission) const {
   mission.radius += off_the_chord(limits_of(mission), control_period);
   if (!process_->tracking) return mission;
-  mission.radius += process_->tracking->tolerance;
+  const double keeps_up =
+      mission.tracking_tolerance / 2 / (Tracking::largest_lag_in_time * mission.clock.scale);
   mission.max_speed *= Tracking::share_of_speed;
+  if (keeps_up > 0) mission.max_speed = std::min(mission.max_speed, keeps_up);
+  mission.max_angular_speed *= Tracking::share_of_speed;
   return mission;
 }
 

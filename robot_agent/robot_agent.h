@@ -35,8 +35,7 @@ class RobotAgent {
   /// mid-run. To be called before anything else. It is of use if the mission that comes is of the same run.
   void restore(std::optional<SavedState> saved) { process_->saved_state = std::move(saved); }
 
-  /// The robot is elsewhere and follows this body: the body takes more room, and the track is that of the
-  /// robot. Before anything else.
+  /// The robot is elsewhere and follows this body: the track is that of the robot. Before anything else.
   void lead(const TrackingSettings& settings) { process_->tracking = settings; }
 
   /// These will be handed over next. A hint for processes of many agents, which know more than the
@@ -47,6 +46,8 @@ class RobotAgent {
   void on(const OdometrySample& robot) {
     if (run_) run_->see(robot);
   }
+  /// How the robot that follows the body is to drive; to stand without one.
+  DriveCommand command(WallTime now) { return run_ ? run_->command(now) : DriveCommand{}; }
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
   std::vector<Outgoing> step(WallTime now);
   /// Takes the counters of the process's bus for the status.

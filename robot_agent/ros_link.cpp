@@ -13,7 +13,7 @@ constexpr WallTime between_lines = 1;        // seconds
 
 void RosLink::turn(RobotAgent& agent, WallTime now) {
   for (const RosOdometry& seen : topics_.take()) {
-    if (const auto problem = problem_with(seen)) {
+    if (const auto problem = problem_with(seen, map_frame_)) {
       refuse(*problem);
     } else {
       agent.on(side_.sighting(seen));

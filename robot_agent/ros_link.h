@@ -13,9 +13,9 @@ namespace coppice {
 
 class RosLink {
  public:
-  /// `elsewhere`: the robot follows the agent's body. The bus outlives it.
-  RosLink(DdsBus& bus, const RobotName& robot, bool elsewhere)
-      : side_(robot), topics_(bus, robot, elsewhere) {}
+  /// The bus outlives it.
+  RosLink(DdsBus& bus, const RobotName& robot, const RosRobotSettings& settings)
+      : side_(robot), map_frame_(settings.names.map_frame), topics_(bus, robot, settings) {}
   /// The robot stands from now on.
   ~RosLink() { topics_.publish(RosCommand{}); }
   RosLink(const RosLink&) = delete;
@@ -32,6 +32,7 @@ class RosLink {
   void tell(const Tracking& tracking, WallTime now);
 
   RosSide side_;
+  std::string map_frame_;
   DdsRosRobot topics_;
   std::size_t refused_ = 0;
   std::optional<bool> in_reach_{};  ///< as it was told last

@@ -20,10 +20,12 @@ void RosSide::said(const Message& message) {
 }
 
 OdometrySample RosSide::sighting(const RosOdometry& seen) {
-  yaw_ = seen.pose.yaw;
+  const double up = y_axis_ == YAxis::up ? 1 : -1;
   return {.at = seen.stamp,
           .position = turned(seen.pose.position, y_axis_),
-          .velocity = turned(out_of_robot(seen.twist.linear, yaw_), y_axis_)};
+          .velocity = turned(out_of_robot(seen.twist.linear, seen.pose.yaw), y_axis_),
+          .yaw = up * seen.pose.yaw,
+          .angular_velocity = up * seen.twist.angular};
 }
 
 /// A holonomic robot turns on the spot when it sets off elsewhere, as a disc can: that is not a speed of
@@ -45,7 +47,7 @@ RosOdometry RosSide::odometry(const Run& run, WallTime now) {
   return {.stamp = now, .pose = {position, yaw}, .twist = {into_robot(velocity, yaw), 0}};
 }
 
-std::vector<RosMessage> RosSide::step(const RobotAgent& agent, WallTime now) {
+std::vector<RosMessage> RosSide::step(RobotAgent& agent, WallTime now) {
   std::vector<RosMessage> out;
   const Run* const run = agent.run();
   if (run == nullptr) return out;
@@ -58,12 +60,13 @@ std::vector<RosMessage> RosSide::step(const RobotAgent& agent, WallTime now) {
   if (now < next_ && next_ < now + 2 * beat) return out;  // later than that: the clock was set back
   next_ = std::max(next_, now - beat / 2) + beat;
   if (run->tracking()) {
-    const Point2 wanted = turned(run->command(now), y_axis_);
-    out.emplace_back(RosCommand{{into_robot(wanted, yaw_), 0}});
+    const DriveCommand wanted = agent.command(now);
+    const double up = y_axis_ == YAxis::up ? 1 : -1;
+    out.emplace_back(RosCommand{now, {turned(wanted.linear, y_axis_), up * wanted.angular}});
   } else {
     const RosOdometry seen = odometry(*run, now);
     out.emplace_back(seen);
-    out.emplace_back(RosCommand{seen.twist});
+    out.emplace_back(RosCommand{now, seen.twist});
   }
   return out;
 }

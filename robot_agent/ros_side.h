@@ -25,7 +25,7 @@ class RosSide {
 
   /// Twenty times a second: the robot's odometry, unless the robot is elsewhere, and its command; and the
   /// path when that changes. Nothing before the first mission.
-  std::vector<RosMessage> step(const RobotAgent& agent, WallTime now);
+  std::vector<RosMessage> step(RobotAgent& agent, WallTime now);
 
  private:
   RosOdometry odometry(const Run& run, WallTime now);
@@ -34,7 +34,6 @@ class RosSide {
   YAxis y_axis_ = YAxis::down;
   std::optional<Path> path_;  ///< not yet passed on; in the map frame
   Heading heading_;
-  double yaw_ = 0;  ///< of the robot, if it says so itself
   WallTime next_ = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -29,6 +30,13 @@ Driver body_at_start(const Mission& mission, double now) {
   return {mission.start, begin, mission.radius, limits_of(mission), control_period, mission.start_yaw};
 }
 
+/// None: no robot follows the body.
+std::optional<Tracking> tracking_of(const AgentProcess& process, const Mission& mission) {
+  if (!process.tracking) return std::nullopt;
+  const double robots_speed = mission.clock.scale * mission.max_speed / Tracking::share_of_speed;
+  return Tracking(*process.tracking, mission.tracking_tolerance, robots_speed);
+}
+
 }  // namespace
 
 /// The state that a process before this one saved serves one mission. It is of use in its own run alone.
@@ -43,7 +51,7 @@ Run::Run(AgentProcess& process, Fleet& fleet, const Reservations& others, const 
     : process_(process),
       fleet_(fleet),
       mission_(mission),
-      tracking_(process.tracking ? std::optional<Tracking>(*process.tracking) : std::nullopt),
+      tracking_(tracking_of(process, mission)),
       body_(saved ? saved->body : body_at_start(mission, mission.clock.fleet_time(now))),
       round_(process.name),
       reserver_(process.name, mission.clock.run(), others) {
@@ -127,8 +135,10 @@ void Run::set_out(double now) {
   look_for_a_path();
 }
 
-/// Null if the map leaves room for start and goal.
+/// Null if the map leaves room for start and goal, and the mission for a robot that follows.
 const char* Run::problem_with_task() const {
+  if (tracking_ && tracking_->tolerance() == 0)
+    return "no path: its robot may not be off it at all: start the planner service with --drive ros";
   if (!map_->field.is_free(body_.position(), body_.radius() - driving_rounding))
     return "no path: the start is inside of an obstacle, or not on the map";
   if (!map_->field.is_free(mission_.goal, mission_.radius))
@@ -168,17 +178,50 @@ void Run::see(const OdometrySample& robot) {
   if (!tracking_) return;
   const FleetClock& clock = mission_.clock;
   const double time = clock.fleet_time(robot.at);
-  tracking_->see(robot, body_.position() + (time - body_.time()) * body_.velocity());
+  const double since = time - body_.time();
+  const bool turns = is_differential(body_.limits());
+  tracking_->see(robot, body_.position() + since * body_.velocity(),
+                 turns ? body_.yaw() + since * body_.angular_velocity() : robot.yaw);
   if (time < last_seen_ + control_period) return;
   last_seen_ = time;
-  if (records(time)) track_.add({time, robot.position, robot.velocity / clock.scale});
+  if (records(time))
+    track_.add({time, robot.position, robot.velocity / clock.scale, robot.yaw,
+                robot.angular_velocity / clock.scale});
 }
 
-Point2 Run::command(WallTime now) const {
-  if (!tracking_) return Point2::Zero();
+/// The reference has decided what it does while a command takes effect. A drive with a lag follows a command
+/// that leads by the lag times the acceleration.
+DriveCommand Run::command(WallTime now) {
+  if (!tracking_) return {};
   const double scale = mission_.clock.scale;
-  const double max_speed = scale * mission_.max_speed / Tracking::share_of_speed;
-  return tracking_->command(scale * body_.velocity(), max_speed, now);
+  const Promise next = body_.promise();
+  const bool is_next = mission_.clock.fleet_time(now + Tracking::lead) >= next.turn;
+  const double ahead = Tracking::usual_lag * scale / control_period;
+  const Point2 faster_by = ahead * (next.next_velocity - next.velocity);
+  const double turns_faster_by = ahead * (next.next_angular_velocity - next.angular_velocity);
+  const Twist reference{
+      scale * ((is_next ? next.next_velocity : next.velocity) + faster_by),
+      scale * ((is_next ? next.next_angular_velocity : next.angular_velocity) + turns_faster_by)};
+  const double faster = scale / Tracking::share_of_speed;
+  const Limits limits{.max_speed = faster * mission_.max_speed,
+                      .max_acceleration = scale * scale * mission_.max_acceleration,
+                      .max_angular_speed = faster * mission_.max_angular_speed,
+                      .max_angular_acceleration = scale * scale * mission_.max_angular_acceleration};
+  const bool is_there = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
+  constexpr double while_driving = 0.4;   // of the tolerance
+  constexpr double while_arriving = 0.8;  // of the distance within which it arrives
+  constexpr double in_the_end = 1.4;      // the same: noise must not make it turn away
+  const double settles = is_there && driving() ? while_arriving * arrives_within(mission_)
+                         : is_under_way()      ? while_driving * tracking_->tolerance()
+                                               : in_the_end * arrives_within(mission_);
+  return tracking_->command(reference, limits, settles, now);
+}
+
+/// The robot that follows the body is where the body is, and heads as it does.
+bool Run::its_robot_is_there(double now) {
+  const double half_turn = std::numbers::pi;
+  const double yaw = mission_.goal_yaw_tolerance > 0 ? mission_.goal_yaw_tolerance / 2 : half_turn;
+  return tracking_->rests_within(arrives_within(mission_), yaw, mission_.clock.wall_time(now));
 }
 
 void Run::step(WallTime now, std::vector<Outgoing>& out) {

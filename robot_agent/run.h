@@ -80,8 +80,8 @@ class Run {
   const Mission& mission() const { return mission_; }
   const std::optional<Tracking>& tracking() const { return tracking_; }
   const std::shared_ptr<MapContext>& map() const { return map_; }
-  /// How the robot that follows the body is to drive, metres a second of the wall's clock.
-  Point2 command(WallTime now) const;
+  /// How the robot that follows the body is to drive. It stands if there is none.
+  DriveCommand command(WallTime now);
 
  private:
   Phase phase() const { return phase_of(task_); }
@@ -123,6 +123,7 @@ class Run {
   void decide(double now, std::vector<Outgoing>& out);
   bool joins(double now);
   bool waits_for_its_robot(double now);
+  bool its_robot_is_there(double now);
   void watch_isolation(double now);
   bool is_at_large(double now) const;
   bool may_move(double now);

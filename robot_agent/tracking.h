@@ -1,13 +1,16 @@
 // A real robot that follows the body that this agent drives. The body is the robot's reference, and is as
-// safe as ever. It takes as much more room as the robot may be off the reference. Where the robot falls
-// behind, or is not seen, the reference waits. The argument and its assumptions are in docs/ros.md.
+// safe as ever. It takes as much more room as the robot may be off the reference: the margin of its mission.
+// Where the robot falls behind, or is not seen, the reference waits. The argument and its assumptions are in
+// docs/ros.md.
 //
-// Metres in the map frame; seconds, and metres per second, of the wall's clock.
+// Metres in the map frame, radians; seconds, and metres per second, of the wall's clock.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include "coppice/motion/kinematics.h"
 #include "coppice/planning/geometry.h"
 #include "messages/fleet_clock.h"
 
@@ -18,58 +21,87 @@ struct OdometrySample {
   WallTime at = 0;
   Point2 position = Point2::Zero();
   Point2 velocity = Point2::Zero();
+  double yaw = 0;
+  double angular_velocity = 0;
+};
+
+/// How a robot is to drive, in its own frame: x ahead; y to the side, where its yaw grows.
+struct DriveCommand {
+  Point2 linear = Point2::Zero();  ///< the second is 0 for a differential robot
+  double angular = 0;              ///< 0 for a holonomic robot
 };
 
 struct TrackingSettings {
-  double tolerance = 1;   ///< metres that the robot may be off its reference
   double patience = 0.5;  ///< seconds without odometry after which the reference waits
 };
 
 class Tracking {
  public:
-  /// The reference drives at most at this share of the robot's speed. The rest is for catching up.
+  /// The reference drives and turns at most at this share of the robot's speeds. The rest is for catching up.
   static constexpr double share_of_speed = 0.9;
+  /// Seconds by which a command is ahead, because it takes effect late.
+  static constexpr double lead = 0.1;
+  /// Seconds, of the drive of a usual robot (time constant). Commands make up for it.
+  static constexpr double usual_lag = 0.1;
+  /// Seconds in which a reference comes half its tolerance ahead of a robot, at least: so slowly it drives.
+  static constexpr double largest_lag_in_time = 0.13;
 
-  explicit Tracking(const TrackingSettings& settings) : settings_(settings) {}
+  /// Seconds that a robot drives on if commands stay away, and the time in which it stops then.
+  static constexpr double drives_on = 0.75;
+
+  /// `tolerance`: metres that the robot may be off its reference. `max_speed`: of the robot.
+  Tracking(const TrackingSettings& settings, double tolerance, double max_speed)
+      : settings_(settings),
+        tolerance_(tolerance),
+        farthest_(tolerance + std::max(tolerance, drives_on * max_speed)) {}
 
   const TrackingSettings& settings() const { return settings_; }
-  double tolerance() const { return settings_.tolerance; }
+  double tolerance() const { return tolerance_; }
 
-  /// The robot was seen. `reference`: where the body was then.
-  void see(const OdometrySample& robot, const Point2& reference) {
-    seen_at_ = robot.at;
-    position_ = robot.position;
-    error_ = reference - robot.position;
-  }
-  const std::optional<Point2>& position() const { return position_; }
-
-  /// The robot was seen of late, and is within the tolerance: it may drive.
-  bool in_reach(WallTime now) const { return is_recent(now) && error_.norm() <= settings_.tolerance; }
+  /// The robot was seen. `reference`, `reference_yaw`: where the body was then.
+  void see(const OdometrySample& robot, const Point2& reference, double reference_yaw);
+  /// The robot was seen of late, and is so close that it may drive.
+  bool in_reach(WallTime now) const { return is_recent(now) && error() <= farthest_; }
   /// The robot is so close that its reference may drive, too.
   bool keeps_up(WallTime now) const {
-    return is_recent(now) && error_.norm() <= largest_lag * settings_.tolerance;
+    return is_recent(now) && samples_ >= enough_samples && error() <= largest_lag * tolerance_ &&
+           std::abs(yaw_error_) <= largest_yaw_lag;
   }
-  bool is_recent(WallTime now) const { return position_ && now - seen_at_ <= settings_.patience; }
-  /// Metres between the robot and its reference when the robot was last seen.
+  bool is_recent(WallTime now) const { return last_ && now - last_->at <= settings_.patience; }
+  /// Metres, and radians, from the robot to its reference when the robot was last seen.
   double error() const { return error_.norm(); }
+  double yaw_error() const { return yaw_error_; }
+  /// The robot has been so close to its reference for a while, and headed as it did.
+  bool rests_within(double metres, double radians, WallTime now);
 
-  /// The velocity with which the robot is to drive while its reference drives at `reference_velocity`.
-  Point2 command(const Point2& reference_velocity, double max_speed, WallTime now) const {
-    if (!in_reach(now)) return Point2::Zero();
-    const Point2 wanted = reference_velocity + gain * error_;
-    return wanted * std::min(1.0, max_speed / std::max(wanted.norm(), 1e-9));
+  /// How the robot is to drive while its reference drives as `reference` says. A reference that stands waits
+  /// for its robot within `settles` metres.
+  DriveCommand command(const Twist& reference, const Limits& limits, double settles, WallTime now) {
+    command_ = chosen(reference, limits, settles, now);
+    return command_;
   }
 
  private:
   static constexpr double largest_lag =
       0.5;  // of the tolerance: room for what the robot drives until both stand
-  static constexpr double gain =
-      1;  // m/s for each metre of error: slow in comparison with the lag of any drive
+  static constexpr int enough_samples = 10;       // until the noise is known to be small
+  static constexpr double largest_yaw_lag = 0.4;  // radians: a robot that heads elsewhere does not follow
+
+  DriveCommand chosen(const Twist& reference, const Limits& limits, double settles, WallTime now);
+  DriveCommand follow(const Twist& reference, const Limits& limits) const;
+  DriveCommand come_to(double turning, const Limits& limits, double settles);
+  DriveCommand drive_back(const Limits& limits) const;
 
   TrackingSettings settings_;
-  WallTime seen_at_ = 0;
-  std::optional<Point2> position_{};
-  Point2 error_ = Point2::Zero();
+  double tolerance_;
+  double farthest_;  ///< metres; a robot that is farther away is somewhere else
+  std::optional<OdometrySample> last_{};
+  int samples_ = 0;                ///< in a row
+  Point2 error_ = Point2::Zero();  ///< reference minus robot, smoothed
+  double yaw_error_ = 0;           ///< the same
+  DriveCommand command_{};         ///< the last one
+  WallTime away_at_ = 0;           ///< last
+  bool comes_back_ = false;        ///< to its reference, which stands
 };
 
 }  // namespace coppice

@@ -45,8 +45,8 @@ double yaw_of(double x, double y, double z, double w) {
   return std::atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z);
 }
 
-std::optional<std::string> problem_with(const RosOdometry& seen) {
-  if (seen.frame != ros_map_frame) return "its frame_id is not \"map\"";
+std::optional<std::string> problem_with(const RosOdometry& seen, const std::string& map_frame) {
+  if (seen.frame != map_frame) return "its frame_id is not \"" + map_frame + "\"";
   const auto& [linear, angular] = seen.twist;
   if (!sane(seen.pose.position) || !sane(linear) || !is_sane(angular))
     return "its position or velocity is out of range";
@@ -54,9 +54,10 @@ std::optional<std::string> problem_with(const RosOdometry& seen) {
   return std::nullopt;
 }
 
-std::optional<std::string> problem_with(const RosGoal& goal) {
-  if (goal.frame != ros_map_frame && !goal.frame.empty()) return "its frame_id is not \"map\"";
+std::optional<std::string> problem_with(const RosGoal& goal, const std::string& map_frame) {
+  if (goal.frame != map_frame && !goal.frame.empty()) return "its frame_id is not \"" + map_frame + "\"";
   if (!sane(goal.position)) return "its position is out of range";
+  if (goal.yaw && !is_sane(*goal.yaw)) return "its orientation is not valid";
   return std::nullopt;
 }
 

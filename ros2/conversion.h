@@ -40,6 +40,7 @@ struct RosOdometry {
 
 /// /NAME/cmd_vel: the commanded motion.
 struct RosCommand {
+  WallTime stamp = 0;
   RosTwist twist{};
 };
 
@@ -54,6 +55,7 @@ struct RosGoal {
   RobotName robot;
   std::string frame{};
   Point2 position = Point2::Zero();
+  std::optional<double> yaw{};  ///< none: the orientation says nothing, as one that is all zeros
 };
 
 /// The messages that an agent sends.
@@ -75,8 +77,9 @@ Point2 out_of_robot(const Point2& v, double yaw);
 double yaw_of(double x, double y, double z, double w);
 
 /// Describes what is invalid in a received message, or returns nothing. Call it before using the message.
-std::optional<std::string> problem_with(const RosOdometry& seen);
-std::optional<std::string> problem_with(const RosGoal& goal);
+/// `map_frame`: the name of the map's frame.
+std::optional<std::string> problem_with(const RosOdometry& seen, const std::string& map_frame);
+std::optional<std::string> problem_with(const RosGoal& goal, const std::string& map_frame);
 
 /// The direction in which a disc faces: that of its motion, and the last one while it stands.
 class Heading {

@@ -97,43 +97,96 @@ void take_all(dds::DataReader& reader, Fn&& fn) {
 
 struct DdsRosRobot::Implementation {
   RobotName robot;
+  RosRobotSettings settings;
   Endpoints endpoints;
   dds::DataWriter* cmd_vel = nullptr;
   dds::DataWriter* plan = nullptr;
   dds::DataWriter* odom = nullptr;
   dds::DataWriter* tf = nullptr;
-  dds::DataReader* seen = nullptr;
+  dds::DataReader* seen = nullptr;         ///< by the source of the pose
+  dds::DataReader* seen_static = nullptr;  ///< static transforms
+  Transforms transforms{};
 
   void write(const RosOdometry& message) {
     if (odom == nullptr) return;  // the robot itself publishes its odometry
-    auto odometry = odometry_of(message, robot);
+    auto odometry = odometry_of(message, settings.names, robot);
     odom->write(&odometry);
-    auto transforms = transforms_of(message, robot);
-    tf->write(&transforms);
+    auto sample = transforms_of(message, settings.names, robot);
+    tf->write(&sample);
   }
   void write(const RosCommand& message) {
-    auto twist = twist_of(message);
-    cmd_vel->write(&twist);
+    if (settings.stamped) {
+      auto twist = stamped_twist_of(message, settings.names, robot);
+      cmd_vel->write(&twist);
+    } else {
+      auto twist = twist_of(message);
+      cmd_vel->write(&twist);
+    }
   }
   void write(const RosPlan& message) {
-    auto path = path_of(message);
+    auto path = path_of(message, settings.names);
     plan->write(&path);
   }
+
+  template <class Support>
+  dds::DataWriter* writer(const TopicInfo& info) {
+    return endpoints.writer<Support>(info, ros_topic(settings.names, robot, info.name));
+  }
+  void read_pose();
+  template <class Sample>
+  void take_poses(std::vector<RosOdometry>& all) {
+    take_all<Sample>(*seen, [&](const Sample& sample, WallTime arrived) {
+      all.push_back(odometry_from(sample, arrived));
+    });
+  }
+  void take_transforms(std::vector<RosOdometry>& all);
 };
 
-DdsRosRobot::DdsRosRobot(DdsBus& bus, const RobotName& robot, bool elsewhere)
-    : implementation_(new Implementation{robot, Endpoints(bus.participant())}) {
-  Implementation& it = *implementation_;
-  const auto topic = [&](const TopicInfo& info) { return ros_topic(robot, info.name); };
-  it.cmd_vel =
-      it.endpoints.writer<geometry::Twist_PubSubType>(ros_topics::cmd_vel, topic(ros_topics::cmd_vel));
-  it.plan = it.endpoints.writer<nav::Path_PubSubType>(ros_topics::plan, topic(ros_topics::plan));
-  if (elsewhere) {
-    it.seen = it.endpoints.reader<nav::Odometry_PubSubType>(ros_topics::odom, topic(ros_topics::odom));
-  } else {
-    it.odom = it.endpoints.writer<nav::Odometry_PubSubType>(ros_topics::odom, topic(ros_topics::odom));
-    it.tf = it.endpoints.writer<tf2::TFMessage_PubSubType>(ros_topics::tf, ros_topic(ros_topics::tf.name));
+void DdsRosRobot::Implementation::read_pose() {
+  const auto topic = [&](const TopicInfo& info) { return ros_topic(settings.names, robot, info.name); };
+  const std::string tf_topic = filled(settings.names.tf, robot);
+  switch (settings.pose) {
+    case PoseSource::none:
+      odom = writer<nav::Odometry_PubSubType>(ros_topics::odom);
+      tf = endpoints.writer<tf2::TFMessage_PubSubType>(ros_topics::tf, ros_topic(tf_topic));
+      return;
+    case PoseSource::odom:
+      seen = endpoints.reader<nav::Odometry_PubSubType>(ros_topics::odom, topic(ros_topics::odom));
+      return;
+    case PoseSource::amcl_pose:
+      seen = endpoints.reader<geometry::PoseWithCovarianceStamped_PubSubType>(ros_topics::amcl_pose,
+                                                                              topic(ros_topics::amcl_pose));
+      return;
+    case PoseSource::tf:
+      seen = endpoints.reader<tf2::TFMessage_PubSubType>(ros_topics::tf, ros_topic(tf_topic));
+      seen_static =
+          endpoints.reader<tf2::TFMessage_PubSubType>(ros_topics::tf_static, ros_topic(tf_topic + "_static"));
+      return;
   }
+}
+
+/// The robot is seen when one of the transforms to its frame has come.
+void DdsRosRobot::Implementation::take_transforms(std::vector<RosOdometry>& all) {
+  const std::string base = filled(settings.names.base_frame, robot);
+  for (dds::DataReader* reader : {seen_static, seen}) {
+    take_all<tf2::TFMessage_>(*reader, [&](const tf2::TFMessage_& sample, WallTime arrived) {
+      for (const RosTransform& transform : transforms_from(sample, reader == seen_static)) {
+        transforms.take(transform, arrived);
+        if (transform.child != base || transform.is_static) continue;
+        if (const auto pose = transforms.pose_in(settings.names.map_frame, base, arrived))
+          all.push_back({.stamp = arrived, .frame = settings.names.map_frame, .pose = *pose});
+      }
+    });
+  }
+}
+
+DdsRosRobot::DdsRosRobot(DdsBus& bus, const RobotName& robot, const RosRobotSettings& settings)
+    : implementation_(new Implementation{robot, settings, Endpoints(bus.participant())}) {
+  Implementation& it = *implementation_;
+  it.cmd_vel = settings.stamped ? it.writer<geometry::TwistStamped_PubSubType>(ros_topics::cmd_vel)
+                                : it.writer<geometry::Twist_PubSubType>(ros_topics::cmd_vel);
+  it.plan = it.writer<nav::Path_PubSubType>(ros_topics::plan);
+  it.read_pose();
 }
 
 DdsRosRobot::~DdsRosRobot() {
@@ -146,34 +199,44 @@ void DdsRosRobot::publish(const RosMessage& message) {
 
 std::vector<RosOdometry> DdsRosRobot::take() {
   std::vector<RosOdometry> all;
-  if (implementation_->seen == nullptr) return all;
-  take_all<nav::Odometry_>(*implementation_->seen, [&](const nav::Odometry_& sample, WallTime arrived) {
-    all.push_back(odometry_from(sample, arrived));
-  });
+  switch (implementation_->settings.pose) {
+    case PoseSource::none:
+      break;
+    case PoseSource::odom:
+      implementation_->take_poses<nav::Odometry_>(all);
+      break;
+    case PoseSource::amcl_pose:
+      implementation_->take_poses<geometry::PoseWithCovarianceStamped_>(all);
+      break;
+    case PoseSource::tf:
+      implementation_->take_transforms(all);
+      break;
+  }
   return all;
 }
 
 struct DdsRosFleet::Implementation {
+  RosNames names;
   Endpoints endpoints;
   dds::DataWriter* map = nullptr;
   std::vector<std::pair<RobotName, dds::DataReader*>> goals{};
 };
 
-DdsRosFleet::DdsRosFleet(DdsBus& bus, std::span<const RobotName> robots)
-    : implementation_(new Implementation{Endpoints(bus.participant())}) {
+DdsRosFleet::DdsRosFleet(DdsBus& bus, const RosNames& names, std::span<const RobotName> robots)
+    : implementation_(new Implementation{names, Endpoints(bus.participant())}) {
   Endpoints& endpoints = implementation_->endpoints;
   implementation_->map =
       endpoints.writer<nav::OccupancyGrid_PubSubType>(ros_topics::map, ros_topic(ros_topics::map.name));
   for (const RobotName& robot : robots)
     implementation_->goals.emplace_back(
         robot, endpoints.reader<geometry::PoseStamped_PubSubType>(
-                   ros_topics::goal_pose, ros_topic(robot, ros_topics::goal_pose.name)));
+                   ros_topics::goal_pose, ros_topic(names, robot, ros_topics::goal_pose.name)));
 }
 
 DdsRosFleet::~DdsRosFleet() = default;
 
 void DdsRosFleet::publish(const OccupancyMap& map, WallTime now) {
-  auto grid = grid_of(map, now);
+  auto grid = grid_of(map, implementation_->names, now);
   implementation_->map->write(&grid);
 }
 

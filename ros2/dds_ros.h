@@ -12,15 +12,15 @@
 
 #include "dds/dds_bus.h"
 #include "ros2/conversion.h"
+#include "ros2/names.h"
 
 namespace coppice {
 
 /// The topics of one robot. The bus must outlive it.
 class DdsRosRobot {
  public:
-  /// `elsewhere`: the robot is outside of Coppice and publishes its odometry: odom is read, and neither odom
-  /// nor tf is written.
-  DdsRosRobot(DdsBus& bus, const RobotName& robot, bool elsewhere);
+  /// If the pose comes from somewhere, neither odom nor tf is written.
+  DdsRosRobot(DdsBus& bus, const RobotName& robot, const RosRobotSettings& settings);
   /// Waits until readers have acknowledged the last command, for 0.5 s at most.
   ~DdsRosRobot();
   DdsRosRobot(const DdsRosRobot&) = delete;
@@ -38,7 +38,7 @@ class DdsRosRobot {
 /// The topics of the fleet: its map, and goals for its robots. The bus must outlive it.
 class DdsRosFleet {
  public:
-  DdsRosFleet(DdsBus& bus, std::span<const RobotName> robots);
+  DdsRosFleet(DdsBus& bus, const RosNames& names, std::span<const RobotName> robots);
   ~DdsRosFleet();
   DdsRosFleet(const DdsRosFleet&) = delete;
   DdsRosFleet& operator=(const DdsRosFleet&) = delete;

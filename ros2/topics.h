@@ -16,7 +16,9 @@ using enum Durability;
 //                                    name         reliability durability      depth   type
 inline constexpr TopicInfo odom     {"odom",      reliable, volatile_,        10};  // Odometry
 inline constexpr TopicInfo tf       {"tf",        reliable, volatile_,       100};  // TFMessage
-inline constexpr TopicInfo cmd_vel  {"cmd_vel",   reliable, volatile_,        10};  // Twist
+inline constexpr TopicInfo tf_static{"tf_static", reliable, transient_local, 100};  // TFMessage
+inline constexpr TopicInfo amcl_pose{"amcl_pose", reliable, transient_local,   1};  // PoseWithCovarianceStamped
+inline constexpr TopicInfo cmd_vel  {"cmd_vel",   reliable, volatile_,        10};  // Twist, or TwistStamped
 inline constexpr TopicInfo plan     {"plan",      reliable, transient_local,   1};  // Path
 inline constexpr TopicInfo map      {"map",       reliable, transient_local,   1};  // OccupancyGrid
 inline constexpr TopicInfo goal_pose{"goal_pose", reliable, volatile_,        10};  // PoseStamped

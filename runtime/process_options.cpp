@@ -68,30 +68,76 @@ CLI::Validator a_domain() {
   return whole_number_in(0, 232);
 }
 
+namespace {
+
+CLI::Validator a_ros_name() {
+  return {[](const std::string& text) {
+            static const std::regex known("([A-Za-z_]|\\{\\})([A-Za-z0-9_/]|\\{\\})*");
+            return text.empty() || (std::regex_match(text, known) && text.back() != '/')
+                       ? std::string()
+                       : text +
+                             " is no name in ROS: expected letters, digits, _ and /, and {} for the "
+                             "robot's name";
+          },
+          "NAME"};
+}
+
+void add_ros_names(CLI::App& app, RosNames& names, CLI::Option* ros, bool of_agents) {
+  const auto add = [&](const char* option, std::string& name, const char* what) {
+    app.add_option(option, name, what)->check(a_ros_name())->needs(ros);
+  };
+  add("--ros-namespace", names.robot_namespace, "namespace of a robot's topics; {}: its name");
+  add("--map-frame", names.map_frame, "frame of the map");
+  if (!of_agents) return;
+  add("--base-frame", names.base_frame, "frame of a robot; {}: its name");
+  add("--odom-frame", names.odom_frame, "frame of a robot's odometry; {}: its name");
+  add("--tf-topic", names.tf, "topic of a robot's transforms; {}: its name");
+}
+
+}  // namespace
+
 void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of_service) {
   app.option_defaults()->group("ROS 2");
   CLI::Option* const ros =
       app.add_flag("--ros", options.on, "publishes topics of ROS 2 as well, for RViz and Nav2");
   CLI::Option* const drive =
       app.add_option_function<std::string>(
-             "--drive", [&options](const std::string& who) { options.drives = who == "ros"; },
-             "virtual: Coppice moves the robots; ros: robots outside of Coppice follow cmd_vel and publish "
-             "odom")
+             "--drive",
+             [&options](const std::string& who) {
+               options.robot.pose = who == "ros" ? PoseSource::odom : PoseSource::none;
+             },
+             "virtual: Coppice moves the robots; ros: robots outside of Coppice follow cmd_vel and say where "
+             "they are")
           ->check(CLI::IsMember({"virtual", "ros"}))
           ->needs(ros)
-          ->default_str("virtual");
-  app.add_option(
-         "--tracking-tolerance", options.tolerance,
-         "metres by which such a robot may be off its reference: all robots keep that much more distance")
-      ->check(number_in(1e-3, 1e3))
-      ->needs(drive);
+          ->default_str("virtual")
+          ->trigger_on_parse();  // before --pose
+  add_ros_names(app, options.robot.names, ros, of_agents);
   if (of_agents) {
+    app.add_option_function<std::string>(
+           "--pose",
+           [&options](const std::string& source) {
+             options.robot.pose = source == "odom"        ? PoseSource::odom
+                                  : source == "amcl_pose" ? PoseSource::amcl_pose
+                                                          : PoseSource::tf;
+           },
+           "where such a robot says where it is: odom (in the map's frame), amcl_pose, or tf")
+        ->check(CLI::IsMember({"odom", "amcl_pose", "tf"}))
+        ->needs(drive)
+        ->default_str("odom");
+    app.add_flag("--stamped", options.robot.stamped, "cmd_vel is a TwistStamped")->needs(ros);
     app.add_option("--odom-timeout", options.patience,
                    "seconds without odometry after which such a robot is stopped")
         ->check(number_in(0.05, 60.0))
         ->needs(drive);
   }
   if (of_service) {
+    app.add_option("--tracking-tolerance", options.tolerance,
+                   "margin of such robots, metres: how far a robot may be off its reference; less where "
+                   "there is less room")
+        ->check(number_in(1e-3, 1e3))
+        ->needs(drive)
+        ->default_str("what it drives in a quarter of a second");
     app.add_flag("--serve", options.waits_for_goals,
                  "continues when all robots have arrived, and waits for goals until it is stopped")
         ->needs(ros)

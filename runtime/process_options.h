@@ -1,9 +1,11 @@
 // The options common to all processes of a fleet.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "dds/dds_bus.h"
+#include "ros2/names.h"
 
 namespace CLI {
 class App;
@@ -32,10 +34,13 @@ struct ProcessOptions {
 /// A fleet's use of ROS 2 (docs/ros.md).
 struct RosOptions {
   bool on = false;
-  bool drives = false;    ///< the robots are outside of Coppice, and driven through ROS
-  double tolerance = 1;   ///< metres by which such a robot may be off its reference
-  double patience = 0.5;  ///< seconds without odometry after which such a robot is stopped
+  RosRobotSettings robot{};
+  std::optional<double> tolerance{};  ///< metres by which such a robot may be off its reference: its margin
+  double patience = 0.5;              ///< seconds without odometry after which such a robot is stopped
   bool waits_for_goals = false;
+
+  /// The robots are outside of Coppice, and driven through ROS.
+  bool drives() const { return robot.pose != PoseSource::none; }
 };
 
 /// Adds --ros and the options that go with it. `of_agents`, `of_service`: adds the options that only concern

@@ -14,6 +14,8 @@ constexpr double watch_period = 0.1;
 constexpr double longest_foreseen = 3600;  // seconds
 constexpr double ending = 10;              // seconds, about, until all robots stand after the end of the time
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double rounding_of_time = 1e-9;        // seconds
+constexpr double longest_without_command = 0.5;  // seconds, after which a robot stops by itself
 
 /// The points of a track of a lifelong run, whose duration is known. Reserving them avoids copies of growing
 /// tracks.
@@ -26,7 +28,9 @@ std::size_t points_foreseen(const SimulationSettings& settings) {
 }  // namespace
 
 FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSettings& settings)
-    : bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),
+    : scenario_(scenario),
+      drive_(settings.faults.drive),
+      bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),
       service_{PlannerService(scenario,
                               {.timeout = settings.timeout,
                                .planner = settings.planner,
@@ -34,7 +38,8 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                                .forest = settings.forest,
                                .plan_budget = settings.plan_budget,
                                .lifelong = settings.lifelong,
-                               .plan = settings.plan},
+                               .plan = settings.plan,
+                               .robots_elsewhere = is_any(drive_)},
                               0),
                bus_.attach(Role::service)},
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
@@ -62,8 +67,9 @@ void FleetSimulation::start(Agent& agent) {
   auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
   agent.process = std::make_unique<Participant<RobotAgent>>(
       Participant<RobotAgent>{.role = RobotAgent(agent.name, map_contexts_), .port = port});
+  if (is_any(drive_)) agent.process->role.lead({});
   agent.process->role.restore(saved_state_of(agent.kept->messages));
-  StateKeeper keeper(agent.name);
+  StateKeeper keeper(agent.name, is_any(drive_));
   keeper.restore(agent.kept->messages);
   agent.keeper.emplace(std::move(keeper), may_return ? agent.kept.get() : nullptr);
 }
@@ -82,7 +88,9 @@ double FleetSimulation::Participant<R>::next_event(double clock_offset) const {
 double FleetSimulation::Agent::next_event() const {
   const double back = next_kill + faults.restart_after;
   if (!process) return back;
-  const double next = faults.awake_from(process->next_event(faults.clock_offset));
+  double awake = process->next_event(faults.clock_offset);
+  if (follower) awake = std::min(awake, follower->clock.wall_time(follower->robot.time() + control_period));
+  const double next = faults.awake_from(awake);
   return next < next_kill ? next : back;
 }
 
@@ -117,11 +125,47 @@ void FleetSimulation::step(Agent& agent) {
     start(agent);
   }
   if (agent.next_event() > now_) return;
+  meet_robot(agent);
   step(*agent.process, *agent.keeper, agent.faults.clock_offset);
   const Run* const run = agent.process->role.run();
   if (run == nullptr) return;
+  if (is_any(drive_)) return command_robot(agent, *run);
   record(agent, run->body().time());
   agent.body = run->body();
+}
+
+/// The robot drives on until now, and its agent sees where it is.
+void FleetSimulation::meet_robot(Agent& agent) {
+  if (!agent.follower) return;
+  Follower& follower = *agent.follower;
+  const double before = follower.robot.time();
+  move_robot(agent, follower.clock.fleet_time(now_));
+  if (follower.robot.time() == before) return;
+  const WallTime seen_at = follower.clock.wall_time(follower.robot.time()) + agent.faults.clock_offset;
+  agent.process->role.on(follower.robot.odometry(seen_at));
+}
+
+/// The first robot that the agent leads stands at its start.
+void FleetSimulation::command_robot(Agent& agent, const Run& run) {
+  const FleetClock& clock = run.mission().clock;
+  const double fleet_now = clock.fleet_time(now_);
+  if (!agent.follower) {
+    const std::uint64_t seed = scenario_.seed * 1'000'003ull + agent.index;
+    agent.follower.emplace(
+        Follower{.robot = FollowingRobot(scenario_.robots[agent.index], drive_, fleet_now, Random(seed)),
+                 .clock = clock});
+  }
+  agent.follower->command = agent.process->role.command(now_ + agent.faults.clock_offset);
+  agent.follower->commanded_at = fleet_now;
+}
+
+void FleetSimulation::move_robot(Agent& agent, double until) {
+  Follower& follower = *agent.follower;
+  while (follower.robot.time() + control_period <= until + rounding_of_time) {
+    tracks_[agent.index].track.points.push_back(follower.robot.at());
+    const bool stops = follower.robot.time() > follower.commanded_at + longest_without_command;
+    follower.robot.advance(stops ? DriveCommand{} : follower.command, control_period);
+  }
 }
 
 /// Records all periods since the last step, with the motion of a body that is driven no further.
@@ -172,6 +216,7 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
   }
   for (Agent& agent : agents_) {
     if (agent.body) record(agent, service_.role.progress(now_).elapsed + agent.faults.clock_offset);
+    if (agent.follower) move_robot(agent, service_.role.progress(now_).elapsed);
   }
 }
 

@@ -22,6 +22,7 @@
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
 #include "simulation/fault_schedule.h"
+#include "simulation/following_robot.h"
 #include "simulation/simulated_bus.h"
 #include "tree_broker/tree_broker.h"
 
@@ -29,6 +30,7 @@ namespace coppice {
 
 class FleetSimulation {
  public:
+  /// `scenario` outlives it.
   FleetSimulation(const Scenario& scenario, const SimulationSettings& settings);
   FleetSimulation(const FleetSimulation&) = delete;
   FleetSimulation& operator=(const FleetSimulation&) = delete;
@@ -59,6 +61,14 @@ class FleetSimulation {
     double next_event(double clock_offset = 0) const;
   };
 
+  /// A robot that follows the body of its agent.
+  struct Follower {
+    FollowingRobot robot;
+    DriveCommand command{};
+    double commanded_at = 0;  ///< fleet time
+    FleetClock clock;         ///< of the run
+  };
+
   struct Agent {
     RobotName name;
     std::size_t index = 0;                             ///< index of its track
@@ -69,6 +79,7 @@ class FleetSimulation {
     std::unique_ptr<KeptInMemory> kept;  ///< saved state for a restart
     std::optional<Keeper<StateKeeper, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was after the agent's last step
+    std::optional<Follower> follower{};
     double next_event() const;
   };
 
@@ -86,10 +97,15 @@ class FleetSimulation {
   void kill(Agent& agent);
   void start(Agent& agent);
   void record(Agent& agent, double until);
+  void meet_robot(Agent& agent);
+  void command_robot(Agent& agent, const Run& run);
+  void move_robot(Agent& agent, double until);
   void set_wake(const Agent& agent);
   double next_event(const Wake& wake) const;
   double next_event() const;
 
+  const Scenario& scenario_;
+  DriveFaults drive_;
   SimulatedBus bus_;
   std::shared_ptr<MapContexts> map_contexts_ = std::make_shared<MapContexts>();
   std::function<void(const Message&, double)> listener_;  ///< empty: no listener

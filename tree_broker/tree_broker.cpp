@@ -27,9 +27,9 @@ constexpr std::size_t most_nodes = 4'000'000;  // about 500 MB of trees; a fleet
 
 }  // namespace
 
-TreeBroker::Forest::Forest(const OccupancyMap& map, double radius, const TreeParameters& parameters,
+TreeBroker::Forest::Forest(const MapMessage& map, double radius, const TreeParameters& parameters,
                            Random random)
-    : field(map), planner(field, completed(parameters, field, radius), random) {}
+    : field(map.map, map.margin), planner(field, completed(parameters, field, radius), random) {}
 
 void TreeBroker::Forest::name(const TreesId& id, std::vector<NodeId> nodes) {
   places.resize(planner.trees().node_count());
@@ -65,7 +65,7 @@ void TreeBroker::receive(const MapMessage& message, WallTime arrived) {
     // robot fits.
     std::vector<double> radii = message.radii;
     std::ranges::sort(radii);
-    forest_ = std::make_unique<Forest>(map_->map, radii.back(), map_->trees, Random(seed_));
+    forest_ = std::make_unique<Forest>(*map_, radii.back(), map_->trees, Random(seed_));
     forest_->uncovered = std::move(radii);
   }
   take_up_waiting_trees(arrived);
@@ -155,7 +155,7 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   end_group(mission.robot);
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
-    forest_ = std::make_unique<Forest>(map_->map, mission.radius, mission.trees, Random(seed_));
+    forest_ = std::make_unique<Forest>(*map_, mission.radius, mission.trees, Random(seed_));
     take_up_waiting_trees(arrived);
   }
   const GroupIndex group = forest_->planner.add_remote_group(mission.radius);

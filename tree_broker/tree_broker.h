@@ -58,7 +58,7 @@ class TreeBroker {
   /// The trees of one map. A new map begins with none.
   struct Forest {
     /// A forest whose steps suit robots of `radius`.
-    Forest(const OccupancyMap& map, double radius, const TreeParameters& parameters, Random random);
+    Forest(const MapMessage& map, double radius, const TreeParameters& parameters, Random random);
     void name(const TreesId& id, std::vector<NodeId> nodes);
 
     ClearanceField field;

@@ -103,6 +103,8 @@ class RobotReport:
     """Seconds from its mission to its path."""
     run_time: float = 0.0
     """Seconds from the start of the run until it stood at its goal."""
+    yaw: Optional[float] = None
+    """Radians, where it stands in the end. None: it is holonomic."""
     path_length: float = 0.0
     """Metres."""
     driven_length: float = 0.0
@@ -151,6 +153,12 @@ class Report:
     """Metres, over time and pairs: distance minus both radii. None: there is one robot."""
     least_clearance: Optional[float] = None
     """Metres, over time and robots: distance to obstacles minus the radius."""
+    margin: float = 0.0
+    """Metres that robots keep from obstacles beyond their radius, and from each other where there is room."""
+    least_separation_with_margin: Optional[float] = None
+    """`least_separation` minus the margin."""
+    least_clearance_with_margin: Optional[float] = None
+    """`least_clearance` minus the margin."""
     trees_published: int = 0
     """Trees that the broker gave to all."""
     trees_grafted: int = 0

@@ -24,6 +24,7 @@ namespace {
 
 using namespace std::literals;  // for a string with zero bytes
 namespace nav = nav_msgs::msg::dds_;
+namespace tf2 = tf2_msgs::msg::dds_;
 namespace geometry = geometry_msgs::msg::dds_;
 
 constexpr WallTime missions_at = 3.5;  // there is no broker to wait for
@@ -63,10 +64,12 @@ bool is_finite(const RosTwist& twist) {
 /// An agent leads a robot that reports its position: once as read, and while it drives.
 void ros_odometry(Bytes data) {
   RosOdometry seen = odometry_from(decoded<nav::Odometry_PubSubType>(data), 0);
-  if (problem_with(seen)) return;
-  PlannerService service(one_robot(), {.plan_budget = 0}, 0);
+  if (problem_with(seen, "map")) return;
+  Scenario scenario = one_robot();
+  scenario.robots[0].tracking_tolerance = 1;
+  PlannerService service(scenario, {.plan_budget = 0}, 0);
   RobotAgent agent("a");
-  agent.lead({.tolerance = 1});
+  agent.lead({});
   RosSide side("a");
   for (const WallTime at : {0.0, missions_at}) {
     for (const Message& message : service.step(at)) {
@@ -89,11 +92,22 @@ void ros_odometry(Bytes data) {
 }
 std::vector<Input> ros_odometry_seeds() {
   const auto at = [](double x, double y, double yaw) {
-    nav::Odometry_ sample = odometry_of({.pose = {{x, y}, yaw}, .twist = {{1, 0}, 0.1}}, "a");
+    nav::Odometry_ sample = odometry_of({.pose = {{x, y}, yaw}, .twist = {{1, 0}, 0.1}}, {}, "a");
     sample.header().frame_id("map");
     return encoded<nav::Odometry_PubSubType>(sample);
   };
   return {at(4, -8, 0), at(5, -8, 1), at(20, 3, -2)};
+}
+
+/// The pose of a robot follows from transforms, or from none.
+void ros_transforms(Bytes data) {
+  Transforms known;
+  for (const RosTransform& transform : transforms_from(decoded<tf2::TFMessage_PubSubType>(data), false))
+    known.take(transform, 0);
+  (void)known.pose_in("map", "a/base_link", 0);
+}
+std::vector<Input> ros_transforms_seeds() {
+  return {encoded<tf2::TFMessage_PubSubType>(transforms_of({.pose = {{1, 2}, 3}}, {}, "a"))};
 }
 
 /// A goal for a robot is requested.
@@ -155,6 +169,7 @@ std::vector<Input> foxglove_client_seeds() {
 
 constexpr std::array all{Target{"ros_odometry", ros_odometry, ros_odometry_seeds},
                          Target{"ros_goal", ros_goal, ros_goal_seeds},
+                         Target{"ros_transforms", ros_transforms, ros_transforms_seeds},
                          Target{"foxglove_client", foxglove_client, foxglove_client_seeds}};
 
 }  // namespace

@@ -31,8 +31,8 @@ constexpr int domain = 167;
 TEST(DdsRos, OdometryArrivesWithItsFrameAndTheArrivalTime) {
   DdsBus here({.domain = domain, .robot = "a"}, Role::agent, "agent a");
   DdsBus there({.domain = domain}, Role::observer, "robot a");
-  DdsRosRobot reader(here, "a", true);
-  DdsRosRobot writer(there, "a", false);
+  DdsRosRobot reader(here, "a", {.pose = PoseSource::odom});
+  DdsRosRobot writer(there, "a", {});
   std::vector<RosOdometry> heard;
   ASSERT_TRUE(test::within(10s, [&] {
     writer.publish(RosOdometry{.stamp = 7, .pose = {{1, -2}, 3}, .twist = {{0.5, -0.25}, 0.125}});
@@ -40,7 +40,7 @@ TEST(DdsRos, OdometryArrivesWithItsFrameAndTheArrivalTime) {
     return !heard.empty();
   }));
   EXPECT_EQ(heard[0].frame, "a/odom");
-  EXPECT_TRUE(problem_with(heard[0]));  // another frame than the map's
+  EXPECT_TRUE(problem_with(heard[0], "map"));  // another frame than the map's
   EXPECT_EQ(heard[0].pose.position, Point2(1, -2));
   EXPECT_NEAR(heard[0].pose.yaw, 3, 1e-12);
   EXPECT_EQ(heard[0].twist.linear, Point2(0.5, -0.25));
@@ -57,7 +57,7 @@ class NoGoal final : public geometry_msgs::msg::dds_::Twist_PubSubType {
 TEST(DdsRos, BytesThatAreNoGoalAreNotAGoalAtTheOrigin) {
   DdsBus service({.domain = domain + 1}, Role::service, "service");
   const std::vector<RobotName> robots{"a", "b"};
-  DdsRosFleet fleet(service, robots);
+  DdsRosFleet fleet(service, {}, robots);
   DdsBus other({.domain = domain + 1}, Role::observer, "other");
   dds::DomainParticipant& participant = other.participant();
   dds::TypeSupport type(new NoGoal());
@@ -79,7 +79,7 @@ TEST(DdsRos, BytesThatAreNoGoalAreNotAGoalAtTheOrigin) {
     return !goals.empty();
   }));
   EXPECT_EQ(goals[0].robot, "b");
-  EXPECT_TRUE(problem_with(goals[0]));
+  EXPECT_TRUE(problem_with(goals[0], "map"));
 }
 
 }  // namespace

@@ -8,6 +8,11 @@
 //     writes /ROBOT/odom with noise (metres, uniform). PAUSE_AT seconds after it first moved, the odometry
 //     stops for PAUSE seconds. Prints time, true position, speed, and whether it is silent, until it is
 //     stopped
+// ros2_peer DOMAIN ROBOT differential X Y YAW LAG NOISE SLIP PAUSE_AT PAUSE SOURCE
+//     is a robot with two driven wheels that begins at X Y with a yaw. Each wheel loses up to SLIP of its
+//     speed. The noise is normal (standard deviation, metres, and as many radians). SOURCE: odom; or tf, with
+//     stamped commands: the robot then says where it is in the frame odom, which lies 1 m beside the map's.
+//     Prints the same, and its yaw. A velocity to the side ends it with exit code 4
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -192,6 +197,121 @@ static int be_the_robot(const char* robot, double x, double y, double lag, doubl
   }
 }
 
+static double normal(double deviation) {
+  const double far = sqrt(-2 * log((rand() + 1.0) / (RAND_MAX + 2.0)));
+  return deviation * far * cos(2 * M_PI * rand() / RAND_MAX);
+}
+
+// What a robot with two driven wheels does, and what it is told.
+struct drive {
+  double x, y, yaw, speed, turning;
+  double wanted_speed, wanted_turning;
+};
+
+static void take_command(struct drive* d, const geometry_msgs_msg_dds__Twist_* twist) {
+  if (twist->linear.y != 0 || twist->linear.z != 0 || twist->angular.x != 0 || twist->angular.y != 0) {
+    fprintf(stderr, "a command to the side: %g\n", twist->linear.y);
+    exit(4);
+  }
+  d->wanted_speed = twist->linear.x;
+  d->wanted_turning = twist->angular.z;
+}
+
+// The wheels follow with a lag, and slip. The robot drives on an arc (midpoint rule).
+static void move_on(struct drive* d, double lag, double left_grip, double right_grip) {
+  const double half_track = 0.15;  // metres
+  const double share = lag > 0 ? 1 - exp(-STEP / lag) : 1;
+  d->speed += share * (d->wanted_speed - d->speed);
+  d->turning += share * (d->wanted_turning - d->turning);
+  const double left = left_grip * (d->speed - half_track * d->turning);
+  const double right = right_grip * (d->speed + half_track * d->turning);
+  const double middle = d->yaw + (right - left) / (2 * half_track) * STEP / 2;
+  d->x += (left + right) / 2 * cos(middle) * STEP;
+  d->y += (left + right) / 2 * sin(middle) * STEP;
+  d->yaw += (right - left) / (2 * half_track) * STEP;
+}
+
+static void say_by_odometry(dds_entity_t writer, const struct drive* d, double t, double deviation) {
+  nav_msgs_msg_dds__Odometry_ odom;
+  memset(&odom, 0, sizeof odom);
+  odom.header.stamp.sec = (int32_t)t;
+  odom.header.stamp.nanosec = (uint32_t)((t - floor(t)) * 1e9);
+  odom.header.frame_id = "map";
+  odom.child_frame_id = "base_link";
+  odom.pose.pose.position.x = d->x + normal(deviation);
+  odom.pose.pose.position.y = d->y + normal(deviation);
+  const double yaw = d->yaw + normal(deviation);
+  odom.pose.pose.orientation.z = sin(yaw / 2);
+  odom.pose.pose.orientation.w = cos(yaw / 2);
+  odom.twist.twist.linear.x = d->speed;
+  odom.twist.twist.angular.z = d->turning;
+  dds_write(writer, &odom);
+}
+
+// map -> odom is a shift by 1 m. odom -> base_link moves.
+static void say_by_transforms(dds_entity_t writer, const char* robot, const struct drive* d,
+                              double deviation) {
+  char odom[300], base[300];
+  snprintf(odom, sizeof odom, "%s/odom", robot);
+  snprintf(base, sizeof base, "%s/base_link", robot);
+  geometry_msgs_msg_dds__TransformStamped_ links[2];
+  memset(links, 0, sizeof links);
+  links[0].header.frame_id = "map";
+  links[0].child_frame_id = odom;
+  links[0].transform.translation.x = 1;
+  links[0].transform.rotation.w = 1;
+  links[1].header.frame_id = odom;
+  links[1].child_frame_id = base;
+  links[1].transform.translation.x = d->x - 1 + normal(deviation);
+  links[1].transform.translation.y = d->y + normal(deviation);
+  const double yaw = d->yaw + normal(deviation);
+  links[1].transform.rotation.z = sin(yaw / 2);
+  links[1].transform.rotation.w = cos(yaw / 2);
+  tf2_msgs_msg_dds__TFMessage_ message;
+  memset(&message, 0, sizeof message);
+  message.transforms._buffer = links;
+  message.transforms._length = message.transforms._maximum = 2;
+  dds_write(writer, &message);
+}
+
+static int be_a_differential_robot(const char* robot, char** argv) {
+  struct drive d = {atof(argv[0]), atof(argv[1]), atof(argv[2]), 0, 0, 0, 0};
+  const double lag = atof(argv[3]), deviation = atof(argv[4]), slip = atof(argv[5]);
+  const double pause_at = atof(argv[6]), pause = atof(argv[7]);
+  const int by_tf = strcmp(argv[8], "tf") == 0;
+  const dds_entity_t commands =
+      reader_of(by_tf ? &geometry_msgs_msg_dds__TwistStamped__desc : &geometry_msgs_msg_dds__Twist__desc,
+                robot, "cmd_vel", 0);
+  const dds_entity_t places = by_tf ? writer_of(&tf2_msgs_msg_dds__TFMessage__desc, "", "tf")
+                                    : writer_of(&nav_msgs_msg_dds__Odometry__desc, robot, "odom");
+  srand((unsigned)(1000 * d.x + d.y));
+  const double left_grip = 1 - slip * rand() / RAND_MAX, right_grip = 1 - slip * rand() / RAND_MAX;
+  double heard = 0, set_off = 0, next_odometry = 0;
+  for (double t = now_in_seconds();; t += STEP) {
+    while (now_in_seconds() < t) dds_sleepfor(DDS_MSECS(1));
+    void* sample;
+    while ((sample = take(commands))) {
+      take_command(&d, by_tf ? &((geometry_msgs_msg_dds__TwistStamped_*)sample)->twist
+                             : (geometry_msgs_msg_dds__Twist_*)sample);
+      heard = t;
+      give_back(commands, sample);
+    }
+    if (t - heard > COMMAND_IS_OLD_AFTER) d.wanted_speed = d.wanted_turning = 0;
+    move_on(&d, lag, left_grip, right_grip);
+    if (set_off == 0 && fabs(d.speed) > 0.1) set_off = t;
+    const int silent = set_off > 0 && t > set_off + pause_at && t < set_off + pause_at + pause;
+    if (t < next_odometry) continue;
+    next_odometry = t + ODOMETRY_PERIOD;
+    printf("%.3f %.4f %.4f %.4f %d %.4f\n", t, d.x, d.y, fabs(d.speed), silent, d.yaw);
+    fflush(stdout);
+    if (silent) continue;
+    if (by_tf)
+      say_by_transforms(places, robot, &d, deviation);
+    else
+      say_by_odometry(places, &d, t, deviation);
+  }
+}
+
 int main(int argc, char** argv) {
   if (argc < 7) return 2;
   const char* robot = argv[2];
@@ -203,6 +323,7 @@ int main(int argc, char** argv) {
     dds_delete(participant);
     return result;
   }
+  if (strcmp(argv[3], "differential") == 0) return argc == 13 ? be_a_differential_robot(robot, argv + 4) : 2;
   if (argc != 10) return 2;
   return be_the_robot(robot, x, y, atof(argv[6]), atof(argv[7]), atof(argv[8]), atof(argv[9]));
 }

@@ -87,6 +87,13 @@ TEST(Mistakes, AValueOutOfRangeIsReportedWithTheRange) {
   expect_one_line("coppice", "monitor --port 65536", {"--port", "0 to 65535"});
   expect_one_line("coppice", "run --ros --drive ros --tracking-tolerance nan " + rooms(),
                   {"--tracking-tolerance", "nan", "0.001 to 1000"});
+  expect_one_line("coppice", "run --ros --drive ros --pose gps " + rooms(), {"--pose", "gps", "amcl_pose"});
+  expect_one_line("coppice", "run --ros --ros-namespace 'a b' " + rooms(),
+                  {"--ros-namespace", "a b", "no name in ROS"});
+  expect_one_line("coppice", "run --stamped " + rooms(), {"--stamped", "--ros"});
+  expect_one_line("coppice", "simulate --margin -1 " + rooms(), {"--margin", "-1"});
+  expect_one_line("coppice", "simulate --slip 0.6 " + rooms(), {"--slip", "0.6", "0 to 0.5"});
+  expect_one_line("coppice", "simulate --odometry-noise nan " + rooms(), {"--odometry-noise", "nan"});
   expect_one_line("robot_agent", "--ros --drive ros --odom-timeout nan", {"--odom-timeout", "0.05 to 60"});
   expect_one_line("tree_broker", "--datagram 9", {"--datagram", "1344 to 65500"});
   expect_one_line("tree_broker", "--seed -1", {"--seed", "-1", "0 to 18446744073709551615"});

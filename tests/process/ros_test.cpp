@@ -8,10 +8,12 @@
 #include <cmath>
 #include <csignal>
 #include <memory>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
@@ -107,12 +109,14 @@ TEST(RosFleet, ARosProgramReadsTheRobotsPositionAndSendsAGoal) {
 struct Vertex {
   double time, x, y, speed;
   bool silent;
+  double yaw;
 };
 
-std::vector<Vertex> way_of(const std::filesystem::path& log) {
+std::vector<Vertex> way_of(const std::filesystem::path& log, bool with_yaw = false) {
   std::vector<Vertex> way;
   std::istringstream in(test::contents(log));
-  for (Vertex p{}; in >> p.time >> p.x >> p.y >> p.speed >> p.silent;) way.push_back(p);
+  for (Vertex p{}; in >> p.time >> p.x >> p.y >> p.speed >> p.silent && (!with_yaw || in >> p.yaw);)
+    way.push_back(p);
   return way;
 }
 
@@ -165,6 +169,117 @@ TEST(RosFleet, ExternalRobotsArriveAndStopIfTheirOdometryStops) {
     ++stood;
   }
   EXPECT_GT(stood, 10);
+}
+
+struct TurningRobot {
+  std::string name;
+  double x, y, yaw, goal_x, goal_y, goal_yaw;
+};
+
+/// A hall of 12 x 8 m at 5 cm with a block in the middle; y points up.
+std::string hall(const test::TemporaryFolder& folder) {
+  constexpr int width = 240;
+  constexpr int height = 160;
+  std::string pixels(width * height, static_cast<char>(254));
+  for (int j = 0; j < height; ++j) {
+    for (int i = 0; i < width; ++i) {
+      const bool block = i >= 100 && i < 140 && j >= 65 && j < 95;
+      if (block || i < 2 || j < 2 || i >= width - 2 || j >= height - 2) pixels[j * width + i] = 0;
+    }
+  }
+  folder.write("hall.pgm", "P5\n240 160\n255\n" + pixels);
+  return folder
+      .write("hall.yaml",
+             "image: hall.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+             "free_thresh: 0.196\n")
+      .string();
+}
+
+/// Eight robots of 0.22 m change sides. They lag, slip, and see themselves with noise; the first one does not
+/// see itself for 2 s.
+void drive_differential_robots(int domain, const std::string& source,
+                               const std::vector<std::string>& options) {
+  test::TemporaryFolder folder;
+  hall(folder);
+  std::vector<TurningRobot> robots;
+  for (int k = 0; k < 4; ++k) {
+    const double y = 1.2 + 1.8 * k;
+    robots.push_back({"r" + std::to_string(2 * k + 1), 1, y, 1.5 * k, 11, 7.6 - y, 0.7 * k});
+    robots.push_back({"r" + std::to_string(2 * k + 2), 11, y + 0.3, -2.0 * k, 1, 7.3 - y, 3.0 - k});
+  }
+  std::string rows;
+  for (const TurningRobot& r : robots)
+    rows +=
+        (rows.empty() ? "" : ",") +
+        fmt::format(R"({{"name":"{}","start":{{"x":{},"y":{},"yaw":{}}},"goal":{{"x":{},"y":{},"yaw":{}}}}})",
+                    r.name, r.x, r.y, r.yaw, r.goal_x, r.goal_y, r.goal_yaw);
+  const auto scenario = folder.write(
+      "s.json", R"({"map":"hall.yaml","radius":0.22,"max_speed":0.5,"max_acceleration":1,"goal_tolerance":0.1,
+                    "kinematics":"differential","max_angular_speed":1.9,"max_angular_acceleration":4,
+                    "robots":[)" +
+                    rows + "]}");
+  const auto report_file = (folder.path() / "report.json").string();
+  std::vector<std::string> command{test::program("coppice"),
+                                   "run",
+                                   scenario.string(),
+                                   "--domain",
+                                   std::to_string(domain),
+                                   "--ros",
+                                   "--drive",
+                                   "ros",
+                                   "--time-scale",
+                                   "1",
+                                   "--report",
+                                   report_file,
+                                   "--timeout",
+                                   "150"};
+  command.insert(command.end(), options.begin(), options.end());
+  const auto log = folder.path() / "log";
+  test::Background run(command, log);
+  std::vector<std::unique_ptr<test::Background>> players;
+  for (const TurningRobot& r : robots) {
+    const std::vector<std::string> player{peer,
+                                          std::to_string(domain),
+                                          r.name,
+                                          "differential",
+                                          std::to_string(r.x),
+                                          std::to_string(r.y),
+                                          std::to_string(r.yaw),
+                                          "0.15",
+                                          "0.02",
+                                          "0.05",
+                                          r.name == "r1" ? "4" : "1000",
+                                          "2",
+                                          source};
+    players.push_back(std::make_unique<test::Background>(player, folder.path() / r.name));
+  }
+  EXPECT_EQ(run.wait(), 0) << test::contents(log);
+  for (auto& player : players) {
+    player->send(SIGTERM);
+    EXPECT_NE(player->wait(), 4) << "a robot was told to drive to the side";
+  }
+  const proto::Report report = read_report(report_file);
+  EXPECT_EQ(report.outcome(), "arrived");
+  EXPECT_EQ(report.collisions(), 0u);
+  std::vector<std::vector<Vertex>> ways;
+  for (const TurningRobot& r : robots) ways.push_back(way_of(folder.path() / r.name, true));
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    ASSERT_GT(ways[k].size(), 100u) << robots[k].name;
+    const Vertex& last = ways[k].back();
+    EXPECT_LT(std::hypot(last.x - robots[k].goal_x, last.y - robots[k].goal_y), 0.1) << robots[k].name;
+    EXPECT_LT(std::abs(std::remainder(last.yaw - robots[k].goal_yaw, 2 * std::numbers::pi)), 0.1)
+        << robots[k].name;
+    for (std::size_t other = 0; other < k; ++other)
+      EXPECT_GT(least_distance(ways[k], ways[other]), 0.44) << robots[k].name << " " << robots[other].name;
+  }
+}
+
+TEST(RosFleet, DifferentialRobotsArriveWithTheirYaw) {
+  drive_differential_robots(197, "odom", {});
+}
+
+TEST(RosFleet, RobotsAreFoundByTransformsAndTakeStampedCommands) {
+  drive_differential_robots(198, "tf", {"--pose", "tf", "--stamped"});
 }
 
 TEST(RosFleet, OptionsThatExcludeEachOtherAreRefused) {

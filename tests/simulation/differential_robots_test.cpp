@@ -79,6 +79,55 @@ TEST(DifferentialRobots, AnAgentThatIsKilledAndRestartedKnowsItsYaw) {
   EXPECT_TRUE(result.broken.empty()) << result.broken.front();
 }
 
+TEST(DifferentialRobots, RobotsThatFollowBadlyArriveAndTouchNothingUnderLossAndDelay) {
+  for (const char* const name : {"storehouse-10.json", "office-20.json", "office-mixed-20.json"}) {
+    const Scenario scenario = read_scenario(test::scenarios() / name, {.follow = true});
+    const Driven result =
+        driven(scenario,
+               {.faults = {.bus = {.loss = 0.2, .delay = 0.1, .jitter = 0.05}, .drive = {0.02, 0.15, 0.05}}});
+    EXPECT_EQ(result.report.outcome(), "arrived") << name;
+    EXPECT_TRUE(result.broken.empty()) << name << ": " << result.broken.front();
+    for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
+      const RobotTask& robot = scenario.robots[i];
+      EXPECT_LE((result.last[i].position - robot.goal).norm(), robot.goal_tolerance) << robot.name;
+      if (robot.goal_yaw_tolerance == 0) continue;
+      EXPECT_LE(std::abs(wrapped(result.last[i].yaw - robot.goal_yaw)), robot.goal_yaw_tolerance)
+          << robot.name;
+    }
+  }
+}
+
+TEST(DifferentialRobots, AKilledAgentsRobotThatFollowsStopsAndGoesOn) {
+  const Scenario scenario = read_scenario(test::scenarios() / "storehouse-10.json", {.follow = true});
+  const Driven result = driven(
+      scenario, {.faults = {.kills = {{"r1", 4}, {"r2", 7}}, .restart_after = 2, .drive = {0.02, 0.15, 0}}});
+  EXPECT_EQ(result.report.outcome(), "arrived");
+  EXPECT_TRUE(result.broken.empty()) << result.broken.front();
+}
+
+TEST(DifferentialRobots, TheyKeepTheirMarginFromObstaclesAndWhereThereIsRoomFromEachOther) {
+  for (const char* const name : {"storehouse-20.json", "office-10.json"}) {
+    const Scenario scenario = read_scenario(test::scenarios() / name, {});
+    EXPECT_DOUBLE_EQ(scenario.margin, 0.022) << name;
+    const Driven result = driven(scenario);
+    EXPECT_EQ(result.report.outcome(), "arrived") << name;
+    EXPECT_GE(result.report.least_clearance_with_margin(), -1e-6) << name;
+    EXPECT_GE(result.report.least_separation_with_margin(), -1e-6) << name;
+  }
+}
+
+TEST(DifferentialRobots, TheyDriveStraightWaysWithoutWeaving) {
+  Scenario scenario = read_scenario(test::scenarios() / "storehouse-10.json", {.robots = 1});
+  RobotTask& robot = scenario.robots[0];
+  robot.start = {1.0, 1.0};
+  robot.goal = {22.0, 1.6};
+  robot.start_yaw = 1;
+  robot.goal_yaw_tolerance = 0;
+  const Driven result = driven(scenario);
+  EXPECT_EQ(result.report.outcome(), "arrived");
+  EXPECT_LT(result.sum, 21.1 / 0.5 + 3) << "it turns once, speeds up and brakes";
+}
+
 TEST(DifferentialRobots, TheFirstSeedsOfTheFuzzPass) {
   for (std::uint32_t seed = 1; seed <= 12; ++seed) {
     const FuzzCase fuzz_case = draw_fuzz_case(seed, seed % 3 == 0, true);

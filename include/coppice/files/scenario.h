@@ -18,6 +18,7 @@ inline constexpr double default_radius_cells = 5;
 inline constexpr double default_speed_cells = 20;  // cells per second
 inline constexpr double default_tolerance_cells = 1;
 inline constexpr double default_yaw_tolerance = 0.1;  // radians
+inline constexpr double default_margin_radii = 0.1;
 /// Default acceleration, m/s²: full speed within 0.5 s.
 inline double usual_acceleration(double max_speed) {
   return 2 * max_speed;
@@ -37,15 +38,26 @@ struct RobotTask {
   double start_yaw = 0;                 ///< radians, of a differential robot, like the next two
   double goal_yaw = 0;                  ///< where it is to head in the end
   double goal_yaw_tolerance = 0;        ///< 0: it may head anywhere
+  /// Metres by which a robot that follows may be off its reference (robot_agent/tracking.h): the reference
+  /// takes as much more room. 0 for a robot that Coppice moves itself.
+  double tracking_tolerance = 0;
+  /// Corners of the robot seen from above, metres in its own frame: x ahead, y to the side where the yaw
+  /// grows. They lie within the radius, as the robot turns. Empty: a disc.
+  std::vector<Point2> footprint{};
 };
 
 inline Limits limits_of(const RobotTask& task) {
   return {task.max_speed, task.max_acceleration, task.max_angular_speed, task.max_angular_acceleration};
 }
 
+/// The radius with which the robot is planned.
+inline double reference_radius(const RobotTask& task) {
+  return task.radius + task.tracking_tolerance;
+}
+
 /// The radius that the robot needs where it drives. A differential robot is beside its chords on its arcs.
 inline double driving_radius(const RobotTask& task) {
-  return task.radius + off_the_chord(limits_of(task), control_period);
+  return reference_radius(task) + off_the_chord(limits_of(task), control_period);
 }
 
 /// A robot with the defaults on this map.
@@ -63,13 +75,24 @@ struct Scenario {
   std::uint32_t seed = 1;
   /// At least one; names are unique; starts and goals are free and do not overlap.
   std::vector<RobotTask> robots;
+  /// Metres that all robots keep from obstacles beyond their radius, and from each other where there is room.
+  double margin = 0;
 };
+
+/// The radius of the disc that holds a footprint while the robot turns, metres. Throws InputError, which
+/// names `field`, if it is no polygon that holds the robot's centre.
+double radius_of_footprint(const std::vector<Point2>& footprint, const std::string& field);
 
 /// Throws InputError, which names the field and what was expected, if the scenario is not as described here.
 void check_scenario(const Scenario& scenario);
 
-/// Throws InputError if a robot is differential. `option`: of the command line, which needs holonomic robots.
-void check_holonomic(const Scenario& scenario, const std::string& option);
+/// Gives the scenario the largest margin up to `wished` (metres) with which starts and goals have room, and
+/// all passages stay open (planning/room_for_margin.h).
+void fit_margin(Scenario& scenario, double wished);
+
+/// Gives each robot the largest tolerance, up to that wished for (metres, by robot), with which its start and
+/// goal have room and it has a way. Throws InputError if there is no room for a tenth of it.
+void fit_tracking_tolerances(Scenario& scenario, const std::vector<double>& wished);
 
 inline std::vector<std::string> names_of(const Scenario& scenario) {
   std::vector<std::string> names;

@@ -11,6 +11,9 @@
 
 namespace coppice {
 
+/// Seconds. A robot that follows its reference is off it by about its lag.
+inline constexpr double tracking_time = 0.25;
+
 /// Settings of the command line. They override those of the scenario file.
 struct ScenarioOptions {
   std::optional<int> robots{};  ///< only the first so many robots
@@ -20,7 +23,11 @@ struct ScenarioOptions {
   /// The map's file, relative to the working folder; empty: the file that the scenario names.
   std::string map{};
   MapWarnings warnings = MapWarnings::logged;
-  std::string kinematics{};  ///< holonomic or differential, of every robot; empty: as the scenario says
+  std::string kinematics{};        ///< holonomic or differential, of every robot; empty: as the scenario says
+  std::optional<double> margin{};  ///< metres; none: the scenario's, or a tenth of the least radius
+  bool follow = false;             ///< the robots follow references (robot_agent/tracking.h)
+  /// Metres, of robots that follow. None: what a robot drives in a quarter of a second.
+  std::optional<double> tracking_tolerance{};
 };
 
 /// Reads a scenario and its map, fills in defaults, and checks all that a run relies on. Robots of a `.scen`

@@ -32,7 +32,10 @@ class ClearanceField {
  public:
   static constexpr int dimension = 2;
 
-  explicit ClearanceField(const OccupancyMap& map);
+  /// `inflation`: metres by which all obstacles, and the border, are thicker than the map has them.
+  explicit ClearanceField(const OccupancyMap& map, double inflation = 0);
+
+  double inflation() const { return inflation_; }
 
   const GridFrame& frame() const { return frame_; }
   Box<2> bounds() const { return frame_.bounds(); }
@@ -54,11 +57,13 @@ class ClearanceField {
   double segment_clearance(const Point2& a, const Point2& b) const;
 
   /// Calls fn(square) with a Box<2>, metres, for each blocked cell that has a free cell at its side and lies
-  /// within `distance` (metres) of p, and for some beyond. The outside of the grid has no cells.
+  /// within `distance` (metres) of p once it is inflated, and for some beyond. The squares are not inflated.
+  /// The outside of the grid has no cells.
   template <class Fn>
   void for_each_edge_near(const Point2& p, double distance, Fn&& fn) const {
     const Point2 q = to_cells(p);
     if (!contains(q) || !(distance >= 0)) return;
+    distance += inflation_;
     const Point2 last = extent_ - Point2::Ones();
     const Point2 from = (q.array() - distance * cells_per_metre_).max(0.0).min(last.array());
     const Point2 to = (q.array() + distance * cells_per_metre_).min(last.array());
@@ -110,6 +115,7 @@ class ClearanceField {
   GridFrame frame_;
   Point2 extent_;  ///< width and height, in cells
   double cells_per_metre_;
+  double inflation_;  ///< metres
   std::ptrdiff_t stride_;
   /// The squared distance from each cell's centre to the nearest blocked square or the border, in quarters of
   /// a squared cell, which makes it a whole number. Row by row, with a ring of blocked cells around the grid.

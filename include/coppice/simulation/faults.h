@@ -33,6 +33,16 @@ struct BusFaults {
   std::vector<CutLink> cut_links{};
 };
 
+/// The robots follow their agents, as real ones do, and not exactly. Their tasks need margins for that.
+struct DriveFaults {
+  double odometry_noise = 0;  ///< metres; standard deviation. The yaw has as many radians
+  double lag = 0;             ///< seconds; time constant of the drive
+  double slip = 0;            ///< largest share of a wheel's speed that is lost; drawn for each wheel
+};
+inline bool is_any(const DriveFaults& faults) {
+  return faults.odometry_noise > 0 || faults.lag > 0 || faults.slip > 0;
+}
+
 struct Faults {
   BusFaults bus{};  ///< each agent is on a random side of the partitions; service and broker are on side 0
   double kill_rate = 0;   ///< agents killed per robot and hour
@@ -47,6 +57,7 @@ struct Faults {
   std::vector<Kill> kills{};  ///< in addition to the random ones
   /// Seconds after which the process of a killed agent is restarted; infinity: never.
   double restart_after = std::numeric_limits<double>::infinity();
+  DriveFaults drive{};
 };
 
 }  // namespace coppice

@@ -20,12 +20,15 @@ const waitOf = (fleet: Fleet, k: number) => {
 };
 const positive = (value: number | undefined) => (value !== undefined && value > 0 ? value : undefined);
 
+const finite = (value: number | undefined) => (value !== undefined && Number.isFinite(value) ? value : undefined);
+
 const groups: {title: string; lines: Line[]}[] = [
   {title: 'Motion', lines: [
     {term: 'Position', hint: 'metres in the map frame', value: (fleet, k) => exactPlace(fleet.placeOf(k))},
     {term: 'No nearer', hint: 'time since it last came nearer to the end of its path', value: ({frame}, k) => `for ${fixed(frame?.idle[k], 1, 's')}`},
     {term: 'Velocity', hint: 'x and y, m/s', value: ({frame}, k) => place(frame?.vx[k], frame?.vy[k])},
     {term: 'Speed', hint: 'now, and greatest', value: ({frame, roster}, k) => `${fixed(frame && Math.hypot(frame.vx[k], frame.vy[k]), 1)} of ${fixed(roster[k].max_speed, 1, 'm/s')}`},
+    {term: 'Yaw', hint: 'of a robot that turns: from the x axis towards the y axis', value: ({frame}, k) => fixed(finite(frame?.yaw?.[k]), 2, 'rad')},
     {term: 'Stage', hint: 'whether it drives by itself, or takes part in a joint plan of several robots', value: ({frame}, k) => stageNames[(frame?.stage?.[k] ?? 0) as Stage] ?? '–'},
     {term: 'Waits', hint: 'how long it has not come on, and why, in the words of its agent', value: waitOf},
     {term: 'Heard', hint: 'age of the newest state that the monitor has received from it', value: ({frame}, k) => `${milliseconds(frame?.age[k])} ago`},
@@ -38,7 +41,7 @@ const groups: {title: string; lines: Line[]}[] = [
     {term: 'Trees grafted', hint: 'shared trees that it has grafted', value: ({statuses}, k) => fixed(statuses[k]?.trees_grafted, 0)},
   ]},
   {title: 'Body', lines: [
-    {term: 'Radius', hint: 'of its disc', value: ({roster}, k) => metres(roster[k].radius)},
+    {term: 'Radius', hint: 'of its disc, or of that which holds its footprint', value: ({roster}, k) => metres(roster[k].radius)},
     {term: 'Acceleration', hint: 'greatest acceleration and braking', value: ({roster}, k) => `up to ${fixed(roster[k].max_acceleration, 1, 'm/s²')}`},
   ]},
   {title: 'Mission', lines: [

@@ -55,7 +55,9 @@ export class RobotsLayer {
       const size = (this.size[k] = Math.max(leastSize, robots[k].radius * view.scale));
       const [vx, vy] = [after.vx[k], after.vy[k]];
       const turning = turningSpeed * robots[k].max_speed;
-      if (vx * vx + vy * vy > turning * turning) this.heading[k] = Math.atan2(view.up ? -vy : vy, vx);
+      const yaw = yawOf(before, after, k, share);
+      if (yaw === yaw) this.heading[k] = view.up ? -yaw : yaw;
+      else if (vx * vx + vy * vy > turning * turning) this.heading[k] = Math.atan2(view.up ? -vy : vy, vx);
       if (!(px > -size && px < view.width + size && py > -size && py < view.height + size)) continue;
       this.seen.push(k);
       this.groups[Math.min(after.phase![k], phaseCount - 1)].push(k);
@@ -82,6 +84,7 @@ export class RobotsLayer {
     if (layers.reserved) this.drawReservations(context, robots, frame, view, palette);
     if (layers.near) this.drawNear(context, robots, frame, palette);
     for (let phase = 0; phase < phaseCount; ++phase) this.drawDiscs(context, phase as Phase, palette);
+    this.drawFootprints(context, robots, view, palette);
     this.drawHeadings(context, frame, view, palette);
     this.drawStages(context, frame, palette);
     if (layers.waits) this.drawWaits(context, frame, palette);
@@ -154,8 +157,30 @@ export class RobotsLayer {
     context.stroke();
   }
 
+  /// The outlines of robots that are no discs.
+  private drawFootprints(context: Context, robots: readonly Robot[], view: View, palette: Palette): void {
+    context.beginPath();
+    for (const k of this.seen) {
+      const corners = robots[k].footprint;
+      if (!corners || corners.length < 6 || this.size[k] < signSize) continue;
+      const [cos, sin] = [Math.cos(this.heading[k]) * view.scale, Math.sin(this.heading[k]) * view.scale];
+      for (let i = 0; i < corners.length; i += 2) {
+        const side = view.up ? -corners[i + 1] : corners[i + 1];
+        const x = this.x[k] + cos * corners[i] - sin * side;
+        const y = this.y[k] + sin * corners[i] + cos * side;
+        if (i === 0) context.moveTo(x, y);
+        else context.lineTo(x, y);
+      }
+      context.closePath();
+    }
+    context.strokeStyle = palette.mark;
+    context.lineWidth = 1.5;
+    context.stroke();
+  }
+
   private drawHeadings(context: Context, frame: Frame, view: View, palette: Palette): void {
     const driving = this.groups[Phase.DRIVING];
+    const drives = new Set(driving);
     context.beginPath();
     for (const k of driving) {
       const [vx, vy] = [frame.vx[k] * view.scale * velocityAhead, frame.vy[k] * view.scale * velocityAhead];
@@ -166,8 +191,9 @@ export class RobotsLayer {
     context.lineWidth = 1.5;
     context.stroke();
     context.beginPath();
-    for (const k of driving) {
-      if (this.size[k] < signSize) continue;
+    for (const k of this.seen) {
+      const turns = Number.isFinite(frame.yaw?.[k] ?? NaN);  // others face where they drive
+      if (this.size[k] < signSize || !(turns || drives.has(k))) continue;
       const [cos, sin] = [Math.cos(this.heading[k]), Math.sin(this.heading[k])];
       context.moveTo(this.x[k], this.y[k]);
       context.lineTo(this.x[k] + cos * this.size[k], this.y[k] + sin * this.size[k]);
@@ -289,6 +315,15 @@ export class RobotsLayer {
       context.fillText(robots[k].name, this.x[k], y);
     }
   }
+}
+
+/// Between two frames, the shorter way round; NaN: the robot has none.
+function yawOf(before: Frame, after: Frame, k: number, share: number): number {
+  const yaw = after.yaw?.[k] ?? NaN;
+  const earlier = before.yaw?.[k] ?? NaN;
+  if (earlier !== earlier) return yaw;
+  const change = yaw - earlier;
+  return earlier + share * (change - circle * Math.round(change / circle));
 }
 
 /// Line width of marks on robots. The first of the robots drawn together decides, as their sizes seldom differ.

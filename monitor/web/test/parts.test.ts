@@ -15,7 +15,7 @@ function frame(time: number, x: number[], y = x.map(() => 0), vx = x.map(() => 0
   const zeros = x.map(() => 0);
   return {
     time, x, y, vx, vy: zeros, phase: new Uint8Array(x.length), stage: new Uint8Array(x.length), waits_for: x.map(() => -1),
-    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, life: undefined,
+    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, yaw: [], life: undefined,
   };
 }
 
@@ -26,7 +26,7 @@ function pack(message: Partial<ToPage>): ArrayBuffer {
 }
 
 const robot = (name: string): Robot => ({
-  name, radius: 1, max_speed: 10, max_acceleration: 10, start_x: 0, start_y: 0, goal_x: 0, goal_y: 0, goal_tolerance: 1, mission: 1,
+  name, radius: 1, max_speed: 10, max_acceleration: 10, start_x: 0, start_y: 0, goal_x: 0, goal_y: 0, goal_tolerance: 1, mission: 1, footprint: [],
 });
 
 describe('protocol', () => {

@@ -87,6 +87,103 @@ TEST(ScenarioFile, RobotsMayBeDifferentialAllOrSingly) {
   }
 }
 
+/// A hall of 30 x 20 cells with a wall in the middle that leaves `gap` cells.
+std::string hall(int gap) {
+  std::string map = "type octile\nheight 20\nwidth 30\nmap\n";
+  for (int j = 0; j < 20; ++j) {
+    for (int i = 0; i < 30; ++i) map += i >= 14 && i < 16 && j >= gap ? '@' : '.';
+    map += '\n';
+  }
+  return map;
+}
+
+Scenario in_hall(int gap, const std::string& fields, const ScenarioOptions& options = {}) {
+  const TemporaryFolder folder;
+  folder.write("hall.map", hall(gap));
+  return read_scenario(folder.write("fleet.json", R"({"map": "hall.map", )" + fields + R"(,
+      "robots": [{"name": "a", "start": {"x": 5, "y": 10}, "goal": {"x": 25, "y": 10}}]})"),
+                       options);
+}
+
+TEST(ScenarioFile, TheMarginIsATenthOfTheRadiusWherePassagesLeaveRoom) {
+  EXPECT_DOUBLE_EQ(in_hall(8, R"("radius": 2)").margin, 0.2);
+  EXPECT_DOUBLE_EQ(in_hall(8, R"("radius": 2, "margin": 0.5)").margin, 0.5);
+  EXPECT_DOUBLE_EQ(in_hall(8, R"("radius": 2, "margin": 0.5)", {.margin = 0.1}).margin, 0.1);
+  EXPECT_EQ(in_hall(8, R"("radius": 2, "margin": 0)").margin, 0);
+  EXPECT_EQ(in_hall(4, R"("radius": 2)").margin, 0) << "the passage is as wide as the robot";
+  EXPECT_DOUBLE_EQ(in_hall(5, R"("radius": 2, "margin": 1)").margin, 0.5) << "less where there is less room";
+  EXPECT_DOUBLE_EQ(in_hall(8, R"("radius": 4, "margin": 4)").margin, 0) << "the passage has no room for any";
+}
+
+TEST(ScenarioFile, AStartWithoutRoomLimitsTheMargin) {
+  const TemporaryFolder folder;
+  folder.write("hall.map", hall(20));
+  const auto file = folder.write("fleet.json", R"({"map": "hall.map", "radius": 2, "margin": 1,
+      "robots": [{"name": "a", "start": {"x": 2.6, "y": 10}, "goal": {"x": 25, "y": 10}}]})");
+  EXPECT_DOUBLE_EQ(read_scenario(file, {}).margin, 0.5);
+}
+
+TEST(ScenarioFile, RobotsThatFollowGetAsMuchToleranceAsTheirEndsLeave) {
+  const TemporaryFolder folder;
+  folder.write("hall.map", hall(20));
+  const auto file = folder.write("fleet.json", R"({"map": "hall.map", "radius": 1, "max_speed": 2,
+      "robots": [{"name": "a", "start": {"x": 5, "y": 5}, "goal": {"x": 25, "y": 5}},
+                 {"name": "b", "start": {"x": 5, "y": 15}, "goal": {"x": 28.8, "y": 15}},
+                 {"name": "c", "start": {"x": 10, "y": 15}, "goal": {"x": 20, "y": 12.6}},
+                 {"name": "d", "start": {"x": 10, "y": 17.4}, "goal": {"x": 20, "y": 18}}]})");
+  const Scenario s = read_scenario(file, {.follow = true});
+  EXPECT_DOUBLE_EQ(s.robots[0].tracking_tolerance, 0.5) << "a quarter of a second at full speed";
+  EXPECT_NEAR(s.robots[1].tracking_tolerance, 0.2, 1e-5) << "its goal is close to the border";
+  EXPECT_NEAR(s.robots[2].tracking_tolerance, 0.2, 1e-5) << "its start is close to that of d";
+  EXPECT_EQ(s.margin, 0);
+  EXPECT_EQ(read_scenario(file, {}).robots[0].tracking_tolerance, 0);
+  try {
+    read_scenario(file, {.follow = true, .tracking_tolerance = 3});
+    FAIL();
+  } catch (const InputError& problem) {
+    EXPECT_NE(std::string(problem.what()).find("robots[1]: its start, goal or way leaves b no room"),
+              std::string::npos)
+        << problem.what();
+  }
+}
+
+TEST(ScenarioFile, AFootprintGivesTheRadiusOfTheDiscThatHoldsIt) {
+  const std::string box =
+      R"([{"x": 0.8, "y": 0.6}, {"x": -0.4, "y": 0.6}, {"x": -0.4, "y": -0.6}, {"x": 0.8, "y": -0.6}])";
+  const Scenario s = in_hall(8, R"("footprint": )" + box);
+  EXPECT_DOUBLE_EQ(s.robots[0].radius, 1);
+  ASSERT_EQ(s.robots[0].footprint.size(), 4u);
+  EXPECT_EQ(s.robots[0].footprint[1], Point2(-0.4, 0.6));
+  const TemporaryFolder folder;
+  folder.write("hall.map", hall(8));
+  write_scenario(folder.path() / "again.json", s);
+  EXPECT_EQ(read_scenario(folder.path() / "again.json", {.map = (folder.path() / "hall.map").string()})
+                .robots[0]
+                .footprint,
+            s.robots[0].footprint);
+  EXPECT_TRUE(in_hall(8, R"("footprint": )" + box, {.radius = 1.5}).robots[0].footprint.empty());
+}
+
+TEST(ScenarioFile, AFootprintThatIsNoneIsNamed) {
+  const auto error = [&](const std::string& fields) { return error_of(scenario(fields + two_robots)); };
+  const auto names = [](const std::string& text, const std::string& what) {
+    EXPECT_NE(text.find(what), std::string::npos) << text;
+  };
+  const std::string crossing =
+      R"("map": "small.map", "footprint": [{"x": 1, "y": 1}, {"x": -1, "y": -1}, {"x": 1, "y": -1}, {"x": -1, "y": 1}], )";
+  names(error_of("{" + crossing + two_robots + "}"), "footprint: is no polygon");
+  const std::string beside =
+      R"("map": "small.map", "footprint": [{"x": 1, "y": 1}, {"x": 2, "y": 1}, {"x": 1, "y": 2}], )";
+  names(error_of("{" + beside + two_robots + "}"), "footprint: does not hold (0, 0)");
+  const std::string line = R"("map": "small.map", "footprint": [{"x": 1, "y": 1}, {"x": -1, "y": -1}], )";
+  names(error_of("{" + line + two_robots + "}"), "footprint: has 2 corners, expected 3 to 64");
+  names(error(R"("footprint": [{"x": 1, "y": 1}], )"), "footprint: goes without radius");
+  const std::string half =
+      R"("map": "small.map", "footprint": [{"x": 1}, {"x": 0, "y": 1}, {"x": -1, "y": -1}], )";
+  names(error_of("{" + half + two_robots + "}"), "footprint: a corner lacks x or y");
+  names(error(R"("margin": -1, )"), "margin: -1 is not allowed");
+}
+
 TEST(ScenarioFile, TheCommandLineOverridesTheFile) {
   const TemporaryFolder folder;
   folder.write("small.map", small_map);

@@ -10,7 +10,8 @@ namespace {
 
 /// Robot a in a run from {20, 60} to {100, 60}. In ROS, y has the opposite sign.
 struct UnderWay {
-  explicit UnderWay(const ServiceSettings& settings = {}) : service(two_robots(), settings, 0) {
+  explicit UnderWay(const ServiceSettings& settings = {}, const Scenario& scenario = two_robots())
+      : service(scenario, settings, 0) {
     map_and_missions(service);
   }
   void drives(const char* robot, const Point2& to, double now, std::uint32_t index) {
@@ -99,15 +100,40 @@ TEST(ServiceGoals, AnUnreachableGoalIsRefusedAndCounted) {
 }
 
 TEST(ServiceGoals, ExternalRobotsNeedMoreRoom) {
-  UnderWay run({.margin = 1});
+  Scenario roomy = two_robots();
+  for (RobotTask& robot : roomy.robots) robot.tracking_tolerance = 1;
+  UnderWay run({}, roomy);
   EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {52.5, -60}}));  // the wall begins at 58
   EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {31, -40}}));
   EXPECT_FALSE(run.service.on(RosGoal{"a", "map", {52, -60}}));
   UnderWay without;
   EXPECT_FALSE(without.service.on(RosGoal{"a", "map", {52.5, -60}}));
   EXPECT_FALSE(without.service.on(RosGoal{"a", "map", {31, -40}}));
-  PlannerService service(two_robots(), {.margin = 1}, 0);
+  PlannerService service(roomy, {}, 0);
   EXPECT_EQ(of<MapMessage>(service.step(0)).at(0).radii, std::vector<double>{6});
+}
+
+TEST(ServiceGoals, AGoalWithinTheMarginOfAnObstacleIsRefused) {
+  Scenario with_margin = two_robots();
+  with_margin.margin = 1;
+  UnderWay run({}, with_margin);
+  EXPECT_TRUE(run.service.on(RosGoal{"a", "map", {52.5, -60}}));  // the wall begins at 58
+  EXPECT_FALSE(run.service.on(RosGoal{"a", "map", {52, -60}}));
+}
+
+TEST(ServiceGoals, TheOrientationOfAGoalCountsForADifferentialRobot) {
+  Scenario turning = two_robots();
+  turning.robots[0].max_angular_speed = turning.robots[0].max_angular_acceleration = 2;
+  UnderWay run({}, turning);
+  EXPECT_FALSE(run.service.on(RosGoal{"a", "map", {30, -60}, 0.5}));
+  EXPECT_FALSE(run.service.on(RosGoal{"b", "map", {40, -20}, 0.5}));
+  const auto missions = run.missions(1);
+  ASSERT_EQ(missions.size(), 2u);
+  EXPECT_EQ(missions[0].goal_yaw, -0.5) << "y is down on the map, and up in ROS";
+  EXPECT_EQ(missions[0].goal_yaw_tolerance, default_yaw_tolerance);
+  EXPECT_EQ(missions[1].goal_yaw_tolerance, 0) << "b is holonomic";
+  EXPECT_FALSE(run.service.on(RosGoal{"a", "map", {30, -50}}));
+  EXPECT_EQ(run.missions(2).at(0).goal_yaw_tolerance, 0) << "any yaw";
 }
 
 TEST(ServiceGoals, TheRunGoesOnUntilAllRobotsArrivedAtTheirNewGoals) {

@@ -228,6 +228,7 @@ TEST(RobotAgent, AnAgentWithoutOdometrySaysSo) {
   Scenario scenario = two_robots();
   scenario.robots.resize(1);
   scenario.robots[0].goal = {20, 30};
+  scenario.robots[0].tracking_tolerance = 1;
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
   agent.lead({});
@@ -240,6 +241,16 @@ TEST(RobotAgent, AnAgentWithoutOdometrySaysSo) {
   mission.cancelled = true;
   agent.on(arrival_of(mission, 6));
   EXPECT_EQ(of<AgentStatus>(run(agent, 6, 7)).back().reason, "since 0.0 s: no odometry came");
+}
+
+TEST(RobotAgent, AnAgentWhoseRobotMayNotBeOffItsReferenceSaysSo) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  agent.lead({});
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  const AgentStatus status = of<AgentStatus>(run(agent, 0, 1)).back();
+  EXPECT_EQ(status.phase, Phase::no_path);
+  EXPECT_NE(status.reason.find("--drive ros"), std::string::npos) << status.reason;
 }
 
 TEST(RobotAgent, AnAgentThatProgressesReportsNoWait) {

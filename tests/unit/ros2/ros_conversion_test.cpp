@@ -26,18 +26,27 @@ TEST(RosNames, ValidRosNamesStayAndOthersAreReplaced) {
   EXPECT_EQ(ros_name("7"), "_7");
   EXPECT_EQ(ros_name("a b/c"), "a_b_c");
   EXPECT_EQ(ros_name("\xc3\xa4"), "__");  // bytes, not characters
-  EXPECT_EQ(ros_topic("r-1", "odom"), "rt/r_1/odom");
+  EXPECT_EQ(ros_topic(RosNames{}, "r-1", "odom"), "rt/r_1/odom");
   EXPECT_EQ(ros_topic("map"), "rt/map");
-  EXPECT_EQ(ros_frame("7", "base_link"), "_7/base_link");
+  EXPECT_EQ(filled(RosNames{}.base_frame, "7"), "_7/base_link");
+}
+
+TEST(RosNames, ARobotHasTheNamesThatTheUserGives) {
+  EXPECT_EQ(ros_topic({.robot_namespace = "site/{}/{}"}, "r-1", "odom"), "rt/site/r_1/r_1/odom");
+  EXPECT_EQ(ros_topic({.robot_namespace = ""}, "r1", "odom"), "rt/odom");
+  EXPECT_EQ(filled("base_link", "r1"), "base_link");
+  EXPECT_THROW(check_ros_names({.robot_namespace = "all"}, std::vector<RobotName>{"r1", "r2"}),
+               std::runtime_error);
+  EXPECT_NO_THROW(check_ros_names({.robot_namespace = "all"}, std::vector<RobotName>{"r1"}));
 }
 
 TEST(RosNames, TwoRobotsWithTheSameRosNameAreRefused) {
-  EXPECT_NO_THROW(check_ros_names(std::vector<RobotName>{"r1", "r-1", "r2"}));
+  EXPECT_NO_THROW(check_ros_names({}, std::vector<RobotName>{"r1", "r-1", "r2"}));
   try {
-    check_ros_names(std::vector<RobotName>{"r-1", "r2", "r.1"});
+    check_ros_names({}, std::vector<RobotName>{"r-1", "r2", "r.1"});
     FAIL();
   } catch (const std::runtime_error& problem) {
-    EXPECT_STREQ(problem.what(), "robots r-1 and r.1 would both be r_1 in ROS: rename one of them");
+    EXPECT_STREQ(problem.what(), "robots r-1 and r.1 would both be \"r_1\" in ROS: rename one of them");
   }
 }
 
@@ -110,17 +119,19 @@ TEST(RosConversion, TheYawOfAQuaternionIgnoresItsTilt) {
 TEST(RosConversion, InvalidMessagesAreRefused) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(problem_with(RosGoal{"r", "map", {1, 2}}));
-  EXPECT_FALSE(problem_with(RosGoal{"r", "", {1, 2}}));
-  EXPECT_TRUE(problem_with(RosGoal{"r", "odom", {1, 2}}));
-  EXPECT_TRUE(problem_with(RosGoal{"r", "map", {1, nan}}));
-  EXPECT_TRUE(problem_with(RosGoal{"r", "map", {-infinity, 0}}));
+  EXPECT_FALSE(problem_with(RosGoal{"r", "map", {1, 2}}, "map"));
+  EXPECT_FALSE(problem_with(RosGoal{"r", "", {1, 2}}, "map"));
+  EXPECT_TRUE(problem_with(RosGoal{"r", "odom", {1, 2}}, "map"));
+  EXPECT_TRUE(problem_with(RosGoal{"r", "map", {1, nan}}, "map"));
+  EXPECT_TRUE(problem_with(RosGoal{"r", "map", {-infinity, 0}}, "map"));
+  EXPECT_TRUE(problem_with(RosGoal{"r", "map", {1, 2}, nan}, "map"));
+  EXPECT_TRUE(problem_with(RosGoal{"r", "map", {1, 2}}, "site"));
   const RosOdometry fine{.frame = "map", .pose = {{1, 2}, 3}, .twist = {{1, 0}, 0}};
-  EXPECT_FALSE(problem_with(fine));
+  EXPECT_FALSE(problem_with(fine, "map"));
   const auto with = [&](auto&& change) {
     RosOdometry other = fine;
     change(other);
-    return problem_with(other);
+    return problem_with(other, "map");
   };
   EXPECT_TRUE(with([](RosOdometry& o) { o.frame = "r/odom"; }));
   EXPECT_TRUE(with([](RosOdometry& o) { o.frame = ""; }));

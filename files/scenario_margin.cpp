@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "coppice/files/input_error.h"
+#include "coppice/files/scenario.h"
+#include "coppice/planning/clearance_field.h"
+#include "planning/reachability.h"
+#include "planning/room_for_margin.h"
+
+namespace coppice {
+
+namespace {
+
+// Of the room wished for. Robots get no less, or none.
+constexpr double rounding = 1e-6;  // metres
+constexpr std::array shares{1.0, 0.75, 0.5, 0.25, 0.1};
+
+bool ends_fit(const std::vector<RobotTask>& robots, const ClearanceField& field) {
+  return std::ranges::all_of(robots, [&](const RobotTask& robot) {
+    return field.is_free(robot.start, driving_radius(robot)) &&
+           field.is_free(robot.goal, driving_radius(robot));
+  });
+}
+
+/// Metres that robot k may be off its reference at its start and its goal. Robots that are close share the
+/// room.
+double room_at_ends(const std::vector<RobotTask>& robots, std::size_t k, const ClearanceField& field) {
+  const RobotTask& own = robots[k];
+  double room = std::min(field.clearance(own.start), field.clearance(own.goal)) - driving_radius(own);
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (i == k) continue;
+    const double distance =
+        std::min((robots[i].start - own.start).norm(), (robots[i].goal - own.goal).norm());
+    room = std::min(room, (distance - driving_radius(robots[i]) - driving_radius(own)) / 2);
+  }
+  return room - rounding;
+}
+
+/// A robot that has a way without its tolerance has one with it.
+bool has_way(const RobotTask& robot, const ClearanceField& field) {
+  const auto has_way_for = [&](double radius) {
+    return ReachablePart::around(field, radius, robot.start).contains(robot.goal);
+  };
+  return has_way_for(driving_radius(robot)) || !has_way_for(driving_radius(robot) - robot.tracking_tolerance);
+}
+
+bool all_passages_stay(const std::vector<RobotTask>& robots, const ClearanceField& field, double margin) {
+  std::vector<Point2> places;
+  std::set<double> radii;
+  for (const RobotTask& robot : robots) {
+    places.push_back(robot.start);
+    places.push_back(robot.goal);
+    radii.insert(driving_radius(robot));
+  }
+  return std::ranges::all_of(
+      radii, [&](double radius) { return leaves_all_passages(field, radius, margin, places); });
+}
+
+}  // namespace
+
+void fit_margin(Scenario& scenario, double wished) {
+  const ClearanceField field(scenario.map);
+  for (const double share : shares) {
+    scenario.margin = share * wished;
+    if (ends_fit(scenario.robots, ClearanceField(scenario.map, scenario.margin)) &&
+        all_passages_stay(scenario.robots, field, scenario.margin))
+      return;
+  }
+  scenario.margin = 0;
+}
+
+void fit_tracking_tolerances(Scenario& scenario, const std::vector<double>& wished) {
+  const ClearanceField field(scenario.map);
+  std::vector<RobotTask>& robots = scenario.robots;
+  for (RobotTask& robot : robots) robot.tracking_tolerance = 0;
+  std::vector<double> most;
+  for (std::size_t k = 0; k < robots.size(); ++k)
+    most.push_back(std::min(wished[k], room_at_ends(robots, k, field)));
+  for (const double share : shares) {
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      RobotTask& robot = robots[k];
+      if (robot.tracking_tolerance > 0) continue;
+      robot.tracking_tolerance = share * most[k];
+      if (robot.tracking_tolerance >= shares.back() * wished[k] && has_way(robot, field)) continue;
+      robot.tracking_tolerance = 0;
+    }
+  }
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    if (robots[k].tracking_tolerance > 0) continue;
+    throw InputError(
+        fmt::format("robots[{}]: its start, goal or way leaves {} no room to follow its reference, expected "
+                    "{:.3g} m beyond "
+                    "the radius",
+                    k, robots[k].name, shares.back() * wished[k]));
+  }
+}
+
+}  // namespace coppice
