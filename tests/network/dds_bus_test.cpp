@@ -241,8 +241,10 @@ TEST(DdsBus, BytesThatAreNoSampleAreDroppedAndCounted) {
   RawWriter<Mission> writer(domain + 15, "");
   const Mission good = some_mission();
   std::vector<std::uint8_t> neither_true_nor_false = bytes_of(good);
-  const auto cancelled = neither_true_nor_false.size() - 17;  // before the clock and padding
-  for (std::size_t k = cancelled - 8; k <= cancelled; ++k) neither_true_nor_false[k] = 7;
+  Mission cancelled = good;
+  cancelled.cancelled = !good.cancelled;
+  const std::vector<std::uint8_t> other = bytes_of(cancelled);
+  *std::ranges::mismatch(neither_true_nor_false, other).in1 = 7;
   std::vector<std::uint8_t> cut = bytes_of(good);
   cut.resize(cut.size() / 2);
   std::size_t bad = 0;
