@@ -195,29 +195,29 @@ std::string hall(const test::TemporaryFolder& folder) {
       .string();
 }
 
-/// Eight robots of 0.22 m change sides. They lag, slip, and see themselves with noise; the first one does not
-/// see itself for 2 s.
-void drive_differential_robots(int domain, const std::string& source,
+/// Robots of 0.22 m, two in each row, change sides. They lag, slip, and see themselves with noise; the first
+/// one does not see itself for 2 s.
+void drive_differential_robots(int domain, int rows, double far, const std::string& source,
                                const std::vector<std::string>& options) {
   test::TemporaryFolder folder;
   hall(folder);
   std::vector<TurningRobot> robots;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < rows; ++k) {
     const double y = 1.2 + 1.8 * k;
-    robots.push_back({"r" + std::to_string(2 * k + 1), 1, y, 1.5 * k, 11, 7.6 - y, 0.7 * k});
-    robots.push_back({"r" + std::to_string(2 * k + 2), 11, y + 0.3, -2.0 * k, 1, 7.3 - y, 3.0 - k});
+    robots.push_back({"r" + std::to_string(2 * k + 1), 1, y, 1.5 * k, far, 7.6 - y, 0.7 * k});
+    robots.push_back({"r" + std::to_string(2 * k + 2), far, y + 0.3, -2.0 * k, 1, 7.3 - y, 3.0 - k});
   }
-  std::string rows;
+  std::string listed;
   for (const TurningRobot& r : robots)
-    rows +=
-        (rows.empty() ? "" : ",") +
+    listed +=
+        (listed.empty() ? "" : ",") +
         fmt::format(R"({{"name":"{}","start":{{"x":{},"y":{},"yaw":{}}},"goal":{{"x":{},"y":{},"yaw":{}}}}})",
                     r.name, r.x, r.y, r.yaw, r.goal_x, r.goal_y, r.goal_yaw);
   const auto scenario = folder.write(
       "s.json", R"({"map":"hall.yaml","radius":0.22,"max_speed":0.5,"max_acceleration":1,"goal_tolerance":0.1,
                     "kinematics":"differential","max_angular_speed":1.9,"max_angular_acceleration":4,
                     "robots":[)" +
-                    rows + "]}");
+                    listed + "]}");
   const auto report_file = (folder.path() / "report.json").string();
   std::vector<std::string> command{test::program("coppice"),
                                    "run",
@@ -275,11 +275,11 @@ void drive_differential_robots(int domain, const std::string& source,
 }
 
 TEST(RosFleet, DifferentialRobotsArriveWithTheirYaw) {
-  drive_differential_robots(197, "odom", {});
+  drive_differential_robots(197, 4, 11, "odom", {});
 }
 
 TEST(RosFleet, RobotsAreFoundByTransformsAndTakeStampedCommands) {
-  drive_differential_robots(198, "tf", {"--pose", "tf", "--stamped"});
+  drive_differential_robots(198, 1, 4, "tf", {"--pose", "tf", "--stamped"});
 }
 
 TEST(RosFleet, OptionsThatExcludeEachOtherAreRefused) {
