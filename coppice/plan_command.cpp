@@ -63,15 +63,8 @@ PictureContent picture_of(const Scenario& scenario, const PathPlan& plan) {
   for (const TreeEdge& edge : plan.edges) content.edges.push_back({edge.from, edge.to, edge.robot});
   for (std::size_t i = 0; i < scenario.robots.size(); ++i) {
     const RobotTask& task = scenario.robots[i];
-    content.robots.push_back({.name = task.name,
-                              .radius = task.radius,
-                              .start = task.start,
-                              .goal = task.goal,
-                              .path = plan.robots[i].path,
-                              .footprint = task.footprint,
-                              .yaw = task.start_yaw,
-                              .goal_yaw = task.goal_yaw,
-                              .has_heading = is_differential(limits_of(task))});
+    content.robots.push_back(robot_of(task));
+    content.robots.back().path = plan.robots[i].path;
   }
   return content;
 }

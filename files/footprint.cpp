@@ -16,12 +16,6 @@ namespace coppice {
 
 namespace geometry = boost::geometry;
 
-namespace {
-
-constexpr std::size_t most_corners = 64;  // idl/fleet.idl
-
-}  // namespace
-
 double radius_of_footprint(const std::vector<Point2>& footprint, const std::string& field) {
   const auto fail = [&](const std::string& problem) {
     throw InputError(fmt::format("{}: {}", field, problem));

@@ -130,6 +130,17 @@ void add_heading(Svg& svg, const PictureContent::Robot& robot, const Point2& pla
 
 }  // namespace
 
+PictureContent::Robot robot_of(const RobotTask& task) {
+  return {.name = task.name,
+          .radius = task.radius,
+          .start = task.start,
+          .goal = task.goal,
+          .footprint = task.footprint,
+          .yaw = task.start_yaw,
+          .goal_yaw = task.goal_yaw,
+          .has_heading = is_differential(limits_of(task))};
+}
+
 std::string picture_svg(const PictureContent& content) {
   Svg svg(content.map);
   // Line widths are the same in the picture for maps of all sizes.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "coppice/files/scenario.h"
 #include "coppice/planning/geometry.h"
 #include "coppice/planning/occupancy_map.h"
 
@@ -36,6 +37,9 @@ struct PictureContent {
   std::vector<Edge> edges;
   std::vector<Robot> robots;
 };
+
+/// The robot of a task as it stands at its start, without a path.
+PictureContent::Robot robot_of(const RobotTask& task);
 
 std::string picture_svg(const PictureContent& content);
 

@@ -15,14 +15,14 @@ namespace coppice {
 
 namespace {
 
-// Of the room wished for. Robots get no less, or none.
 constexpr double rounding = 1e-6;  // metres
+// A robot gets the largest of these shares of what was wished for that fits.
 constexpr std::array shares{1.0, 0.75, 0.5, 0.25, 0.1};
 
-bool ends_fit(const std::vector<RobotTask>& robots, const ClearanceField& field) {
+bool ends_fit(const std::vector<RobotTask>& robots, const ClearanceField& field, double margin) {
   return std::ranges::all_of(robots, [&](const RobotTask& robot) {
-    return field.is_free(robot.start, driving_radius(robot)) &&
-           field.is_free(robot.goal, driving_radius(robot));
+    const double radius = driving_radius(robot) + margin;
+    return field.is_free(robot.start, radius) && field.is_free(robot.goal, radius);
   });
 }
 
@@ -66,7 +66,7 @@ void fit_margin(Scenario& scenario, double wished) {
   const ClearanceField field(scenario.map);
   for (const double share : shares) {
     scenario.margin = share * wished;
-    if (ends_fit(scenario.robots, ClearanceField(scenario.map, scenario.margin)) &&
+    if (ends_fit(scenario.robots, field, scenario.margin) &&
         all_passages_stay(scenario.robots, field, scenario.margin))
       return;
   }
@@ -93,8 +93,7 @@ void fit_tracking_tolerances(Scenario& scenario, const std::vector<double>& wish
     if (robots[k].tracking_tolerance > 0) continue;
     throw InputError(
         fmt::format("robots[{}]: its start, goal or way leaves {} no room to follow its reference, expected "
-                    "{:.3g} m beyond "
-                    "the radius",
+                    "{:.3g} m beyond the radius",
                     k, robots[k].name, shares.back() * wished[k]));
   }
 }

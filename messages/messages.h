@@ -73,7 +73,7 @@ struct Mission {
   bool operator==(const Mission&) const = default;
 };
 
-/// Of the robot itself.
+/// The radius of the robot itself, metres.
 inline double own_radius(const Mission& mission) {
   return mission.radius - mission.tracking_tolerance;
 }

@@ -19,8 +19,6 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t most_corners = 64;  // of a footprint (idl/fleet.idl)
-
 using Problem = std::optional<std::string>;
 
 bool sane(const Point2& p) {

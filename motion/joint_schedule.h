@@ -58,9 +58,8 @@ class JointSchedule {
   const std::vector<Trajectory>& trajectories() const { return trajectories_; }
 
  private:
-  /// What robots of one size must keep apart from.
-  /// The trajectories so far, for a robot of some radius: as they are kept apart, with the margin, and
-  /// touching.
+  /// The trajectories from which robots of one size keep apart: first with room to pass at full speed, then
+  /// with the margin, then touching.
   using Taken = std::vector<SpaceTime>;
   Taken& taken_for(double radius);
   void begin_anew();

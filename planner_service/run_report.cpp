@@ -248,16 +248,9 @@ PictureContent PlannerService::picture() const {
   PictureContent content{.map = scenario_.map, .edges = forest_.edges(), .robots = {}};
   const std::vector<Path> driven = driven_ways(tracks(), robots_.size());
   for (const RobotRecord& robot : robots_) {
-    content.robots.push_back({.name = robot.task.name,
-                              .radius = robot.task.radius,
-                              .start = robot.task.start,
-                              .goal = robot.task.goal,
-                              .path = robot.path,
-                              .track = driven[robot.index],
-                              .footprint = robot.task.footprint,
-                              .yaw = robot.task.start_yaw,
-                              .goal_yaw = robot.task.goal_yaw,
-                              .has_heading = is_differential(limits_of(robot.task))});
+    PictureContent::Robot& drawn = content.robots.emplace_back(robot_of(robot.task));
+    drawn.path = robot.path;
+    drawn.track = driven[robot.index];
     for (const RootNodes::Node& node : robot.root_nodes) {
       if (node.parent < 0 || static_cast<std::size_t>(node.parent) >= robot.root_nodes.size()) continue;
       content.edges.push_back({robot.root_nodes[static_cast<std::size_t>(node.parent)].position,

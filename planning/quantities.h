@@ -23,6 +23,8 @@ inline constexpr double largest_time_scale = 1000;
 inline constexpr double latest_run = 1e10;
 /// Robots of a fleet: as many as a joint plan may have members (idl/fleet.idl).
 inline constexpr std::size_t most_robots = 4096;
+/// Corners of a robot's footprint (idl/fleet.idl).
+inline constexpr std::size_t most_corners = 64;
 
 /// Whether the value is within the bounds. False for NaN.
 inline bool is_sane(double x) {

@@ -311,8 +311,8 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
       stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
     last_executed_ = now;
   }
-  const double full_turn = time_to_turn(2 * std::numbers::pi, body_.limits());
-  if (body_.turns_on_the_spot()) progress_.turns(control_period, full_turn, now);
+  if (body_.turns_on_the_spot())
+    progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
   // Several robots may keep clear of each other's next moves: one of them must go.
   if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
   if (!is_bound && now - last_executed_ > waiting_lease && held.gives_way(self(), fleet_)) {

@@ -204,9 +204,7 @@ DriveCommand Run::command(WallTime now) {
       scale * ((is_next ? next.next_angular_velocity : next.angular_velocity) + turns_faster_by)};
   const double faster = scale / Tracking::share_of_speed;
   const Limits limits{.max_speed = faster * mission_.max_speed,
-                      .max_acceleration = scale * scale * mission_.max_acceleration,
-                      .max_angular_speed = faster * mission_.max_angular_speed,
-                      .max_angular_acceleration = scale * scale * mission_.max_angular_acceleration};
+                      .max_angular_speed = faster * mission_.max_angular_speed};
   const bool is_there = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
   constexpr double while_driving = 0.4;   // of the tolerance
   constexpr double while_arriving = 0.8;  // of the distance within which it arrives

@@ -1,5 +1,6 @@
 // A real robot that follows the body that this agent drives. The body is the robot's reference, and is as
-// safe as ever. It takes as much more room as the robot may be off the reference: the margin of its mission.
+// safe as ever. It takes as much more room as the robot may be off the reference: the tracking
+// tolerance of its mission.
 // Where the robot falls behind, or is not seen, the reference waits. The argument and its assumptions are in
 // docs/ros.md.
 //
@@ -55,7 +56,6 @@ class Tracking {
         tolerance_(tolerance),
         farthest_(tolerance + std::max(tolerance, drives_on * max_speed)) {}
 
-  const TrackingSettings& settings() const { return settings_; }
   double tolerance() const { return tolerance_; }
 
   /// The robot was seen. `reference`, `reference_yaw`: where the body was then.
@@ -68,14 +68,13 @@ class Tracking {
            std::abs(yaw_error_) <= largest_yaw_lag;
   }
   bool is_recent(WallTime now) const { return last_ && now - last_->at <= settings_.patience; }
-  /// Metres, and radians, from the robot to its reference when the robot was last seen.
+  /// Metres from the robot to its reference when the robot was last seen.
   double error() const { return error_.norm(); }
-  double yaw_error() const { return yaw_error_; }
   /// The robot has been so close to its reference for a while, and headed as it did.
   bool rests_within(double metres, double radians, WallTime now);
 
-  /// How the robot is to drive while its reference drives as `reference` says. A reference that stands waits
-  /// for its robot within `settles` metres.
+  /// How the robot is to drive while its reference drives as `reference` says. `limits`: its speeds. A
+  /// reference that stands waits for its robot within `settles` metres.
   DriveCommand command(const Twist& reference, const Limits& limits, double settles, WallTime now) {
     command_ = chosen(reference, limits, settles, now);
     return command_;

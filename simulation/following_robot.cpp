@@ -68,8 +68,10 @@ double FollowingRobot::noise() {
 }
 
 OdometrySample FollowingRobot::odometry(WallTime now) {
+  const double aside = noise();  // in turn: the order of arguments is the compiler's
+  const double ahead = noise();
   return {.at = now,
-          .position = at_.position + Point2(noise(), noise()),
+          .position = at_.position + Point2(ahead, aside),
           .velocity = at_.velocity,
           .yaw = wrapped(at_.yaw + yaw_noise * noise()),
           .angular_velocity = at_.angular_velocity};

@@ -154,6 +154,17 @@ static double noise(double largest) {
   return largest * (2.0 * rand() / RAND_MAX - 1);
 }
 
+// A message that has its header alone.
+static nav_msgs_msg_dds__Odometry_ odometry_at(double t) {
+  nav_msgs_msg_dds__Odometry_ odom;
+  memset(&odom, 0, sizeof odom);
+  odom.header.stamp.sec = (int32_t)t;
+  odom.header.stamp.nanosec = (uint32_t)((t - floor(t)) * 1e9);
+  odom.header.frame_id = "map";
+  odom.child_frame_id = "base_link";
+  return odom;
+}
+
 static int be_the_robot(const char* robot, double x, double y, double lag, double largest_noise,
                         double pause_at, double pause) {
   const dds_entity_t commands = reader_of(&geometry_msgs_msg_dds__Twist__desc, robot, "cmd_vel", 0);
@@ -181,12 +192,7 @@ static int be_the_robot(const char* robot, double x, double y, double lag, doubl
     printf("%.3f %.4f %.4f %.4f %d\n", t, x, y, hypot(vx, vy), silent);
     fflush(stdout);
     if (silent) continue;
-    nav_msgs_msg_dds__Odometry_ odom;
-    memset(&odom, 0, sizeof odom);
-    odom.header.stamp.sec = (int32_t)t;
-    odom.header.stamp.nanosec = (uint32_t)((t - floor(t)) * 1e9);
-    odom.header.frame_id = "map";
-    odom.child_frame_id = "base_link";
+    nav_msgs_msg_dds__Odometry_ odom = odometry_at(t);
     odom.pose.pose.position.x = x + noise(largest_noise);
     odom.pose.pose.position.y = y + noise(largest_noise);
     odom.pose.pose.orientation.z = sin(yaw / 2);
@@ -232,12 +238,7 @@ static void move_on(struct drive* d, double lag, double left_grip, double right_
 }
 
 static void say_by_odometry(dds_entity_t writer, const struct drive* d, double t, double deviation) {
-  nav_msgs_msg_dds__Odometry_ odom;
-  memset(&odom, 0, sizeof odom);
-  odom.header.stamp.sec = (int32_t)t;
-  odom.header.stamp.nanosec = (uint32_t)((t - floor(t)) * 1e9);
-  odom.header.frame_id = "map";
-  odom.child_frame_id = "base_link";
+  nav_msgs_msg_dds__Odometry_ odom = odometry_at(t);
   odom.pose.pose.position.x = d->x + normal(deviation);
   odom.pose.pose.position.y = d->y + normal(deviation);
   const double yaw = d->yaw + normal(deviation);

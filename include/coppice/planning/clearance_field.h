@@ -57,13 +57,12 @@ class ClearanceField {
   double segment_clearance(const Point2& a, const Point2& b) const;
 
   /// Calls fn(square) with a Box<2>, metres, for each blocked cell that has a free cell at its side and lies
-  /// within `distance` (metres) of p once it is inflated, and for some beyond. The squares are not inflated.
+  /// within `distance` (metres) of p, and for some beyond. The squares are not inflated.
   /// The outside of the grid has no cells.
   template <class Fn>
   void for_each_edge_near(const Point2& p, double distance, Fn&& fn) const {
     const Point2 q = to_cells(p);
     if (!contains(q) || !(distance >= 0)) return;
-    distance += inflation_;
     const Point2 last = extent_ - Point2::Ones();
     const Point2 from = (q.array() - distance * cells_per_metre_).max(0.0).min(last.array());
     const Point2 to = (q.array() + distance * cells_per_metre_).min(last.array());

@@ -33,7 +33,8 @@ struct BusFaults {
   std::vector<CutLink> cut_links{};
 };
 
-/// The robots follow their agents, as real ones do, and not exactly. Their tasks need margins for that.
+/// The robots follow their agents, as real ones do, and not exactly. Their tasks need tracking
+/// tolerances for that.
 struct DriveFaults {
   double odometry_noise = 0;  ///< metres; standard deviation. The yaw has as many radians
   double lag = 0;             ///< seconds; time constant of the drive
