@@ -10,10 +10,12 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -55,6 +57,21 @@ std::map<std::string, std::uint64_t> counts_of(const std::string& file) {
   for (TopicNumber topic = 0; topic < topic_count; ++topic)
     counts[channel_name(topic)] = recording.count(topic);
   return counts;
+}
+
+/// The least time between a state and its arrival, in fleet seconds. A busy machine delays most messages of a
+/// recording or a replay, and some message nevertheless arrives at once.
+double least_delay(const Recording& recording) {
+  FleetView view;
+  double least = std::numeric_limits<double>::infinity();
+  Playback playback(recording, recording.begin());
+  while (const auto next = playback.next()) {
+    view.on(next->message, next->at);
+    const auto* const state = std::get_if<RobotState>(next->message.get());
+    const auto time = view.fleet_time(next->at);
+    if (state != nullptr && !state->passed_on && time) least = std::min(least, *time - state->promise.stamp);
+  }
+  return least;
 }
 
 /// One run that is recorded once for all tests.
@@ -156,7 +173,7 @@ TEST_F(RecordedRun, TheRecordingIsReplayedForOthers) {
   // The fleet times are the same, and the fleet clock follows the present one.
   const Recording first(path("run.mcap"));
   const Recording again(path("second.mcap"));
-  EXPECT_NEAR(again.end() - again.begin(), (first.end() - first.begin()) / 2, 0.5);
+  EXPECT_NEAR(again.end() - again.begin(), (first.end() - first.begin()) / 2, 1.5);
   const auto view_of = [](const Recording& recording) {
     FleetView view;
     Playback playback(recording, recording.begin());
@@ -165,7 +182,7 @@ TEST_F(RecordedRun, TheRecordingIsReplayedForOthers) {
   };
   const FleetView one = view_of(first);
   const FleetView other = view_of(again);
-  EXPECT_NEAR(*one.fleet_time(first.end()), *other.fleet_time(again.end()), 1.0);
+  EXPECT_NEAR(least_delay(first), least_delay(again), 0.2);
   ASSERT_EQ(other.robots().size(), 4u);
   for (const SeenRobot& robot : other.robots()) {
     const SeenRobot& same = one.robots()[*one.find(robot.name)];
