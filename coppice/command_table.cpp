@@ -27,9 +27,7 @@ namespace coppice {
 
 namespace {
 
-void add_run(CLI::App& app, RunOptions& options, FleetOptions& fleet, ChosenCommand& chosen) {
-  auto* command = app.add_subcommand("run", "runs a fleet of processes over DDS on this machine");
-  add_run_options(*command, options, Progression::many_processes);
+void add_fleet_options(CLI::App* command, FleetOptions& fleet) {
   add_recording_options(*command, fleet.record, "records all messages of the fleet (MCAP)");
   command->add_flag("--watch", fleet.watch, "shows the fleet on a page, and opens a browser if there is one");
   command->option_defaults()->group("Network");
@@ -52,8 +50,7 @@ void add_run(CLI::App& app, RunOptions& options, FleetOptions& fleet, ChosenComm
   command->option_defaults()->group("Supervision");
   command->add_option("--state", fleet.state, "folder for the state with which restarted processes continue")
       ->check(a_folder_name())
-      ->default_str("nothing is kept, or with --restart a folder for this run");
-  command->add_flag("--restart", fleet.restart, "restarts processes that end early; they continue");
+      ->default_str("nothing is kept, or if processes are restarted a folder for this run");
   command->add_flag("--standby", fleet.standby,
                     "starts a second broker that takes over if the first one fails");
   add_log_options(*command, fleet.log);
@@ -62,7 +59,25 @@ void add_run(CLI::App& app, RunOptions& options, FleetOptions& fleet, ChosenComm
       ->check(a_folder_name())
       ->default_str("not kept");
   add_ros_options(*command, fleet.ros, true, true);
-  command->callback([&] { chosen = [&] { return run_command(options, fleet, "/proc/self/exe"); }; });
+}
+
+void add_run(CLI::App& app, RunOptions& options, FleetOptions& fleet, ChosenCommand& chosen) {
+  auto* run = app.add_subcommand("run", "runs a fleet of processes over DDS on this machine");
+  add_run_options(*run, options, Progression::many_processes);
+  add_fleet_options(run, fleet);
+  run->add_flag("--restart", fleet.restart, "restarts processes that end early; they continue");
+  run->callback([&] { chosen = [&] { return run_command(options, fleet, "/proc/self/exe"); }; });
+}
+
+void add_serve(CLI::App& app, RunOptions& options, FleetOptions& fleet, ChosenCommand& chosen) {
+  auto* serve = app.add_subcommand("serve", "runs a fleet that takes orders until it is told to stop");
+  add_run_options(*serve, options, Progression::standing);
+  add_fleet_options(serve, fleet);
+  serve->callback([&] {
+    options.serves = true;
+    fleet.restart = true;
+    chosen = [&] { return run_command(options, fleet, "/proc/self/exe"); };
+  });
 }
 
 void add_discovery(CLI::App& app, DiscoveryOptions& options, ChosenCommand& chosen) {
@@ -287,7 +302,9 @@ void add_commands(CLI::App& app, CommandOptions& options, ChosenCommand& chosen)
   set_up_command_line(app, "coppice", "Coppice: multi-robot path planning and driving");
   app.require_subcommand(1);
   add_run(app, options.run, options.fleet, chosen);
+  add_serve(app, options.run, options.fleet, chosen);
   add_watching_commands(app, options.watching, chosen);
+  add_order_commands(app, options.order, chosen);
   add_discovery(app, options.discovery, chosen);
   add_doctor(app, options.fleet_plan, chosen);
   add_simulate(app, options.run, options.faults, options.record, chosen);

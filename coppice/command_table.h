@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "coppice/commands.h"
+#include "coppice/order_options.h"
 #include "coppice/watching_options.h"
 
 namespace coppice {
@@ -17,6 +18,7 @@ struct CommandOptions {
   RunOptions run;  ///< for run, simulate and plan
   FleetOptions fleet;
   WatchingOptions watching;
+  OrderOptions order;
   DiscoveryOptions discovery;
   FleetPlan fleet_plan;
   Faults faults;

@@ -76,7 +76,7 @@ void add_trees(const RunOptions& options,
   add("--restarts", options.restarts);
 }
 
-Command service_command(const RunOptions& options, const std::string& program, bool serves) {
+Command service_command(const RunOptions& options, const std::string& program) {
   Command command{program, options.scenario};
   const auto add = [&](const std::string& name, const std::string& value) {
     command.push_back(name);
@@ -90,7 +90,7 @@ Command service_command(const RunOptions& options, const std::string& program, b
   if (options.overrides.margin) add("--margin", fmt::format("{}", *options.overrides.margin));
   if (options.overrides.seed) add("--seed", std::to_string(*options.overrides.seed));
   add("--time-scale", fmt::format("{}", options.time_scale.value()));
-  if (!serves) add("--timeout", fmt::format("{}", options.timeout));
+  if (!options.serves) add("--timeout", fmt::format("{}", options.timeout));
   if (!options.plan.empty()) add("--plan", options.plan);
   if (!options.report.empty()) add("--report", options.report);
   if (!options.trajectory.empty()) add("--trajectory", options.trajectory);
@@ -100,6 +100,7 @@ Command service_command(const RunOptions& options, const std::string& program, b
   add_trees(options, add);
   if (options.lifelong > 0) add("--lifelong", fmt::format("{}", options.lifelong));
   if (options.plan_budget) add("--plan-budget", fmt::format("{}", *options.plan_budget));
+  if (options.serves) command.emplace_back("--serve");
   if (options.quiet) command.emplace_back("--quiet");
   return command;
 }
@@ -265,9 +266,8 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
                    .command = with(agent, "agent", Role::agent, state),
                    .niceness = niceness_of_agents});
   }
-  Command service = joined(service_command(options, service_name, fleet.ros.waits_for_goals), ros);
+  Command service = joined(service_command(options, service_name), ros);
   service = joined(std::move(service), {"--black-boxes", black_boxes.string()});
-  if (fleet.ros.waits_for_goals) service.emplace_back("--serve");
   if (fleet.ros.tolerance)
     service = joined(std::move(service), {"--tracking-tolerance", fmt::format("{}", *fleet.ros.tolerance)});
   all.push_back(

@@ -20,21 +20,6 @@ namespace {
 
 constexpr double highest_frame_rate = 120;
 
-/// `domain`: the default, as text for the help.
-void add_network_options(CLI::App& command, DdsSettings& network, const std::string& role,
-                         const std::string& domain) {
-  command.option_defaults()->group("Network");
-  command.add_option("--domain", network.domain, "DDS domain")->check(a_domain())->default_str(domain);
-  command.add_option("--discovery", network.discovery, "as the fleet was told")
-      ->check(a_discovery())
-      ->default_str(default_discovery);
-  command.add_option("--security", network.security, "folder with the " + role + "'s credentials")
-      ->check(a_folder_name())
-      ->default_str("off");
-}
-
-constexpr const char* domain_of_fleet = "that of the fleet that is alive on this machine, or 0";
-
 /// The command as the user typed it, but for how to reach a fleet.
 std::string typed_command(const CLI::App& command) {
   std::vector<std::string> words{"coppice", command.get_name()};
@@ -47,12 +32,6 @@ std::string typed_command(const CLI::App& command) {
       words.insert(words.end(), option->results().begin(), option->results().end());
   }
   return shell_words(words);
-}
-
-/// If no domain was named, chooses the fleet that is alive on this machine.
-void find_fleet(const CLI::App& command, DdsSettings& network) {
-  if (command.count("--domain") == 0)
-    std::cerr << choose_fleet(network, local_fleets(), typed_command(command)) << std::endl;
 }
 
 void add_monitor(CLI::App& app, MonitorOptions& options, ChosenCommand& chosen) {
@@ -160,6 +139,23 @@ void add_picture(CLI::App& app, PictureOptions& options, ChosenCommand& chosen) 
 }
 
 }  // namespace
+
+void add_network_options(CLI::App& command, DdsSettings& network, const std::string& role,
+                         const std::string& domain) {
+  command.option_defaults()->group("Network");
+  command.add_option("--domain", network.domain, "DDS domain")->check(a_domain())->default_str(domain);
+  command.add_option("--discovery", network.discovery, "as the fleet was told")
+      ->check(a_discovery())
+      ->default_str(default_discovery);
+  command.add_option("--security", network.security, "folder with the " + role + "'s credentials")
+      ->check(a_folder_name())
+      ->default_str("off");
+}
+
+void find_fleet(const CLI::App& command, DdsSettings& network) {
+  if (command.count("--domain") == 0)
+    std::cerr << choose_fleet(network, local_fleets(), typed_command(command)) << std::endl;
+}
 
 CLI::Option* add_recording_options(CLI::App& command, NewRecording& record, const char* of_what) {
   auto* file =

@@ -24,11 +24,11 @@ void take(T& value, const InDds& field);
 template <class T, class Element>
 void take(std::vector<T>& values, const std::vector<Element>& field);
 
-void put(const RobotName& robot, idl::Missed& missed) {
-  missed.robot(robot);
+void put(const RobotName& robot, idl::RobotId& id) {
+  id.robot(robot);
 }
-void take(RobotName& robot, const idl::Missed& missed) {
-  robot = missed.robot().to_string();
+void take(RobotName& robot, const idl::RobotId& id) {
+  robot = id.robot().to_string();
 }
 
 template <class T, class Element>

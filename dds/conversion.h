@@ -28,7 +28,10 @@ struct DdsType;
   EACH(Claim, Claim)                       \
   EACH(Assignment, Assignment)             \
   EACH(ActiveTreesMessage, ActiveTrees)    \
-  EACH(ServiceStatus, ServiceStatus)
+  EACH(ServiceStatus, ServiceStatus)       \
+  EACH(OrderMessage, Order)                             \
+  EACH(OrderStatus, OrderStatus)           \
+  EACH(HaltMessage, Halt)
 // clang-format on
 
 #define COPPICE_DDS_TYPE(MESSAGE, TYPE)     \

@@ -136,7 +136,7 @@ struct DdsBus::Implementation {
   std::tuple<Ends<MapMessage>, Ends<Mission>, Ends<RootNodes>, Ends<InactiveTreesMessage>, Ends<RobotState>,
              Ends<JointPlanMessage>, Ends<ReservationMessage>, Ends<PathMessage>, Ends<TrackMessage>,
              Ends<AgentStatus>, Ends<BrokerStatus>, Ends<Claim>, Ends<Assignment>, Ends<ActiveTreesMessage>,
-             Ends<ServiceStatus>>
+             Ends<ServiceStatus>, Ends<OrderMessage>, Ends<OrderStatus>, Ends<HaltMessage>>
       topics;
   dds::WaitSet wait_set;
   struct Received {
@@ -294,7 +294,7 @@ struct DdsBus::Implementation {
   /// samples. All other roles refuse a recording.
   void hand_over_replayed(Received received, std::vector<Arrival>& out) {
     const bool own = received.from == participant->guid().guidPrefix;
-    const bool looks_on = role == Role::observer || role == Role::viewer;
+    const bool looks_on = role == Role::observer || role == Role::viewer || role == Role::dispatcher;
     if (looks_on || (role == Role::replayer && !own)) {
       out.push_back(std::move(received.arrival));
     } else if (role != Role::replayer) {

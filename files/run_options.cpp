@@ -57,6 +57,28 @@ void add_tree_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember(std::vector<std::string>(restarts_names.begin(), restarts_names.end())));
 }
 
+/// When the run ends, and what else a standing fleet does not have.
+void add_end_options(CLI::App& command, RunOptions& options, bool is_of_plan) {
+  command
+      .add_option("--timeout", options.timeout,
+                  is_of_plan ? "seconds until planning ends" : "fleet seconds until the run ends")
+      ->check(number_above_zero());
+  command
+      .add_option(
+          "--lifelong", options.lifelong,
+          "fleet seconds in which every robot that arrives gets a new goal that it can reach; 0: none; "
+          "plan gives none")
+      ->check(number_not_negative());
+  if (!is_of_plan) {
+    add_forest_option(command, options);
+    command
+        .add_option("--plan", options.plan,
+                    "joint plan of a grid planner that the robots are to carry out (docs/planning.md)")
+        ->type_name("FILE")
+        ->default_str("none");
+  }
+}
+
 }  // namespace
 
 void add_run_options(CLI::App& command, RunOptions& options, Progression progression) {
@@ -107,26 +129,13 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
       .add_option("--time-scale", options.time_scale,
                   "fleet seconds per wall-clock second; simulate and plan do not wait for the clock")
       ->check(number_between(least_quantity, largest_time_scale))
-      ->default_str(progression == Progression::many_processes
+      ->default_str(progression == Progression::many_processes || progression == Progression::standing
                         ? "1, or with more than 25 robots a processor (25 x processors / robots)^1.5"
                         : "1");
-  command
-      .add_option("--timeout", options.timeout,
-                  is_of_plan ? "seconds until planning ends" : "fleet seconds until the run ends")
-      ->check(number_above_zero());
-  command
-      .add_option(
-          "--lifelong", options.lifelong,
-          "fleet seconds in which every robot that arrives gets a new goal that it can reach; 0: none; "
-          "plan gives none")
-      ->check(number_not_negative());
-  if (!is_of_plan) {
+  if (progression == Progression::standing) {
     add_forest_option(command, options);
-    command
-        .add_option("--plan", options.plan,
-                    "joint plan of a grid planner that the robots are to carry out (docs/planning.md)")
-        ->type_name("FILE")
-        ->default_str("none");
+  } else {
+    add_end_options(command, options, is_of_plan);
   }
   add_tree_options(command, options);
   command.option_defaults()->group("Results");
@@ -145,6 +154,7 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
 ScenarioOptions scenario_options(const RunOptions& options) {
   ScenarioOptions read = options.overrides;
   if (!options.plan.empty() && !read.margin) read.margin = 0;
+  read.is_site = options.serves;
   return read;
 }
 

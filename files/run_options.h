@@ -37,11 +37,12 @@ struct RunOptions {
   std::string report;  ///< name of the file; empty: not written
   std::string trajectory;
   std::string picture;
-  bool quiet = false;  ///< neither progress nor the report is printed
+  bool serves = false;  ///< waits for orders when all robots have arrived, until it is stopped
+  bool quiet = false;   ///< neither progress nor the report is printed
 };
 
 /// How a command carries out a run. Default values depend on it.
-enum class Progression : unsigned char { paths_only, virtual_clock, one_process, many_processes };
+enum class Progression : unsigned char { paths_only, virtual_clock, one_process, many_processes, standing };
 
 /// Adds the options, and the explanation of the terms of the table, to a command. Values out of range are
 /// usage errors.

@@ -248,7 +248,9 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     RobotTask task = robot_on(map);
     task.name = robot.name();
     task.start = read_place(robot.has_start(), robot.start(), path, at + ".start");
-    task.goal = read_place(robot.has_goal(), robot.goal(), path, at + ".goal");
+    task.goal = options.is_site && !robot.has_goal()
+                    ? task.start
+                    : read_place(robot.has_goal(), robot.goal(), path, at + ".goal");
     task.radius = radius.value_or(task.radius);
     if (robot.has_radius() && !options.radius) task.radius = robot.radius();
     task.max_speed = speed.value_or(task.max_speed);

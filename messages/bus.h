@@ -16,8 +16,8 @@ namespace coppice {
 /// The role of a participant. It decides which topics the participant writes and reads (topics.h). A claimant
 /// is an agent that does not know yet which robot it has. A replayer sends recorded messages to observers and
 /// viewers. An observer receives all messages. A viewer receives those that show the present: no tracks, for
-/// a viewer that joins late would receive all of them.
-enum class Role : unsigned char { broker, agent, service, observer, claimant, replayer, viewer };
+/// a viewer that joins late would receive all of them. A dispatcher is a viewer that gives orders.
+enum class Role : unsigned char { broker, agent, service, observer, claimant, replayer, viewer, dispatcher };
 
 /// A received message. Other readers may share it.
 struct Arrival {

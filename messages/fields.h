@@ -83,9 +83,13 @@ RoundOfState(State&) -> RoundOfState<State>;
 COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_STAR");
 COPPICE_ENUMERATORS(Restarts, "Restarts", "EVEN", "RANDOM");
 COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
-COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP");
+COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP", "HALTED");
 COPPICE_ENUMERATORS(Stage, "Stage", "FREE", "WAITING_FOR_PLAN", "EXECUTING");
 COPPICE_ENUMERATORS(Turn, "Turn", "URGENT", "WINDING", "USUAL", "LAST");
+
+COPPICE_ENUMERATORS(Action, "Action", "GO", "CANCEL", "PAUSE", "RESUME", "STOP", "RELEASE");
+COPPICE_ENUMERATORS(OrderState, "OrderState", "ACCEPTED", "ASSIGNED", "UNDER_WAY", "DONE", "CANCELLED", "FAILED");
+COPPICE_ENUMERATORS(Halt, "HaltKind", "NOT_HALTED", "HALT_PAUSED", "HALT_STOPPED");
 
 COPPICE_FIELDS(Point2, "Point", COPPICE_FIELD_AT(1, x, x(), x()), COPPICE_FIELD_AT(2, y, y(), y()));
 
@@ -344,6 +348,40 @@ COPPICE_FIELDS(Assignment, "Assignment",
   COPPICE_FIELD(1, robot),
   COPPICE_FIELD(2, claimant),
   COPPICE_FIELD(3, number));
+
+COPPICE_FIELDS(Visit, "Visit",
+  COPPICE_FIELD(1, position),
+  COPPICE_FIELD(2, has_yaw),
+  COPPICE_FIELD(3, yaw),
+  COPPICE_FIELD(4, wait));
+COPPICE_FIELDS(OrderMessage, "Order",
+  COPPICE_FIELD(1, id),
+  COPPICE_FIELD(2, action),
+  COPPICE_FIELD(3, robots),
+  COPPICE_FIELD(4, visits),
+  COPPICE_FIELD(5, cancels),
+  COPPICE_FIELD(6, priority),
+  COPPICE_FIELD(7, deadline),
+  COPPICE_FIELD(8, by));
+COPPICE_FIELDS(OrderStatus, "OrderStatus",
+  COPPICE_FIELD_AT(1, id, order.id, id()),
+  COPPICE_FIELD_AT(2, given, order, given()),
+  COPPICE_FIELD(3, state),
+  COPPICE_FIELD(4, robot),
+  COPPICE_FIELD(5, reason),
+  COPPICE_FIELD(6, visited),
+  COPPICE_FIELD(7, mission),
+  COPPICE_FIELD(8, accepted_at),
+  COPPICE_FIELD(9, begun_at),
+  COPPICE_FIELD(10, ended_at));
+
+COPPICE_FIELDS(HaltMessage::Robot, "HaltedRobot",
+  COPPICE_FIELD(1, robot),
+  COPPICE_FIELD(2, halt));
+COPPICE_FIELDS(HaltMessage, "Halt",
+  COPPICE_FIELD(1, number),
+  COPPICE_FIELD(2, everybody),
+  COPPICE_FIELD(3, robots));
 // clang-format on
 
 #undef COPPICE_PART

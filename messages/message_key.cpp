@@ -16,6 +16,9 @@ struct KeyOf {
   std::string operator()(const ServiceStatus& m) const { return std::to_string(m.service); }
   std::string operator()(const Claim& m) const { return std::to_string(m.claimant); }
   std::string operator()(const JointPlanMessage& m) const { return m.round.leader; }
+  std::string operator()(const OrderMessage& m) const { return m.id; }
+  std::string operator()(const OrderStatus& m) const { return m.order.id; }
+  std::string operator()(const HaltMessage&) const { return {}; }
   std::string operator()(const auto& m) const { return m.robot; }
 };
 

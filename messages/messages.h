@@ -18,6 +18,7 @@
 #include "coppice/planning/planner_kind.h"
 #include "coppice/planning/tree_parameters.h"
 #include "messages/fleet_clock.h"
+#include "messages/orders.h"
 #include "motion/promise.h"
 #include "planning/root.h"
 
@@ -144,11 +145,12 @@ enum class Phase : std::uint8_t {
   no_path,   ///< it is proved that no path exists; stands at its start
   stopped,   ///< the run has ended: stands
   gave_up,   ///< stands, and tries again when something has changed
+  halted,    ///< an operator paused or stopped it: brakes and stands until it may go on
 };
 
 /// The robot stands where it is and wants to go nowhere, though it has not arrived.
 constexpr bool has_no_way(Phase phase) {
-  return phase == Phase::no_path || phase == Phase::gave_up;
+  return phase == Phase::no_path || phase == Phase::gave_up || phase == Phase::halted;
 }
 
 /// Whether an epoch of a round is later than the other one. Epochs wrap around (RFC 1982, serial numbers):
@@ -441,8 +443,9 @@ struct Assignment {
 /// itself.
 inline constexpr WallTime claim_lease = 10;
 
-using Message = std::variant<MapMessage, Mission, RootNodes, InactiveTreesMessage, RobotState,
-                             JointPlanMessage, ReservationMessage, PathMessage, TrackMessage, AgentStatus,
-                             BrokerStatus, Claim, Assignment, ActiveTreesMessage, ServiceStatus>;
+using Message =
+    std::variant<MapMessage, Mission, RootNodes, InactiveTreesMessage, RobotState, JointPlanMessage,
+                 ReservationMessage, PathMessage, TrackMessage, AgentStatus, BrokerStatus, Claim, Assignment,
+                 ActiveTreesMessage, ServiceStatus, OrderMessage, OrderStatus, HaltMessage>;
 
 }  // namespace coppice

@@ -39,7 +39,8 @@ inline constexpr unsigned claimant = 1u << static_cast<unsigned>(Role::claimant)
 inline constexpr unsigned agent = (1u << static_cast<unsigned>(Role::agent)) | claimant;  // it becomes one
 inline constexpr unsigned service = 1u << static_cast<unsigned>(Role::service);
 inline constexpr unsigned observer = 1u << static_cast<unsigned>(Role::observer);
-inline constexpr unsigned onlooker = observer | (1u << static_cast<unsigned>(Role::viewer));
+inline constexpr unsigned dispatcher = 1u << static_cast<unsigned>(Role::dispatcher);
+inline constexpr unsigned onlooker = observer | dispatcher | (1u << static_cast<unsigned>(Role::viewer));
 // A replayer writes every topic. It reads one topic of each role of a fleet, and stops if it hears one.
 inline constexpr unsigned replayer = 1u << static_cast<unsigned>(Role::replayer);
 }  // namespace topic_roles
@@ -61,6 +62,9 @@ COPPICE_TOPIC(Claim,               "claim",         reliable,    transient_local
 COPPICE_TOPIC(Assignment,          "assignment",    reliable,    transient_local, 1,     topic_roles::service, topic_roles::claimant | topic_roles::observer);
 COPPICE_TOPIC(ServiceStatus,       "service_status", reliable,   transient_local, 1,     topic_roles::service, topic_roles::service | topic_roles::onlooker);
 COPPICE_TOPIC(ActiveTreesMessage,  "active_trees",  reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::onlooker);
+COPPICE_TOPIC(OrderMessage,               "order",         reliable,    transient_local, 1,     topic_roles::dispatcher, topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(OrderStatus,         "order_status",  reliable,    transient_local, 1,     topic_roles::service, topic_roles::onlooker);
+COPPICE_TOPIC(HaltMessage,         "halt",          reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::onlooker);
 // clang-format on
 
 #undef COPPICE_TOPIC

@@ -61,7 +61,7 @@ bool named(const std::string& name) {
   return !name.empty() && named_or_empty(name);
 }
 bool known(Phase phase) {
-  return phase <= Phase::gave_up;
+  return phase <= Phase::halted;
 }
 
 Problem first_of(std::initializer_list<std::pair<bool, const char*>> checks) {
@@ -326,6 +326,48 @@ Problem check(const Claim& m) {
 
 Problem check(const Assignment& m) {
   return first_of({{named(m.robot), "robot name is empty or too long"}, {m.claimant != 0, "claimant is 0"}});
+}
+
+Problem check(const OrderMessage& m) {
+  const auto fine = [](const Visit& v) {
+    return sane(v.position) && is_sane(v.yaw) && v.wait >= 0 && v.wait <= longest_visit;
+  };
+  const bool goes = m.action == Action::go;
+  return first_of(
+      {{named(m.id), "id is empty, too long or not printable"},
+       {m.action <= Action::release, "unknown action"},
+       {m.robots.size() <= most_robots && std::ranges::all_of(m.robots, named),
+        "too many robots, or one whose name is empty, too long or not printable"},
+       {m.visits.size() <= most_visits && std::ranges::all_of(m.visits, fine),
+        "too many places, or one that is not finite, or where the robot is to stand for more than a day"},
+       {goes == !m.visits.empty(), "it says no place to go to, or one that its action does not need"},
+       {!goes || m.robots.size() <= 1, "it is for more than one robot"},
+       {named_or_empty(m.cancels) && (m.action == Action::cancel) == !m.cancels.empty(),
+        "it does not say which order to cancel, or says so and does not cancel"},
+       {m.action != Action::cancel || m.robots.empty(), "it cancels an order, and names a robot"},
+       {std::isfinite(m.deadline) && m.deadline >= 0 && m.deadline <= latest_run, "deadline is not a time"},
+       {named_or_empty(m.by), "name of the sender is too long or not printable"}});
+}
+
+bool is_time(WallTime at) {
+  return at >= 0 && at <= latest_run;
+}
+
+Problem check(const OrderStatus& m) {
+  if (auto problem = check(m.order)) return problem;
+  return first_of(
+      {{m.state <= OrderState::failed, "unknown state"},
+       {named_or_empty(m.robot), "robot name is too long or not printable"},
+       {m.reason.size() <= longest_reason && printable(m.reason), "reason is too long or not printable"},
+       {m.visited <= m.order.visits.size(), "more places were visited than it has"},
+       {is_time(m.accepted_at) && is_time(m.begun_at) && is_time(m.ended_at), "time is not a time"}});
+}
+
+Problem check(const HaltMessage& m) {
+  const auto fine = [](const HaltMessage::Robot& r) { return named(r.robot) && r.halt <= Halt::stopped; };
+  return first_of({{m.everybody <= Halt::stopped, "unknown halt"},
+                   {m.robots.size() <= most_robots && std::ranges::all_of(m.robots, fine),
+                    "too many robots, or one without a name or with an unknown halt"}});
 }
 
 }  // namespace

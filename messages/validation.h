@@ -18,6 +18,10 @@ inline constexpr std::size_t longest_reason = 256;
 inline constexpr std::size_t most_echoes = 32;
 inline constexpr std::size_t most_missed = 16;
 inline constexpr std::size_t most_known_reservations = 16;
+/// In one order.
+inline constexpr std::size_t most_visits = 256;
+/// Seconds that a robot may be told to stand at a place.
+inline constexpr double longest_visit = 86'400;
 /// Largest map, cells a side: 32 MiB packed, and about a gigabyte of clearance.
 inline constexpr int largest_map_side = 16384;
 /// The longest promise, seconds. A silent robot is not declared failed while its promise holds.

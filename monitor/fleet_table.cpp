@@ -11,8 +11,8 @@ namespace coppice {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> phases{"waiting", "planning", "driving", "arrived",
-                                                 "no path", "stopped",  "gave up"};
+constexpr std::array<std::string_view, 8> phases{"waiting", "planning", "driving", "arrived",
+                                                 "no path", "stopped",  "gave up", "halted"};
 constexpr std::size_t longest_shown_name = 16;
 
 /// The letters of a name and the number after them: r2 comes before r10.
@@ -31,6 +31,7 @@ int rank(Phase phase) {
   switch (phase) {
     case Phase::no_path:
     case Phase::gave_up:
+    case Phase::halted:
       return 0;
     case Phase::waiting:
       return 1;
@@ -64,7 +65,7 @@ Row row_of(const SeenRobot& robot, std::optional<double> time) {
 }
 
 bool is_before(const Row& a, const Row& b, RobotOrder order) {
-  const auto by_name = [&] { return natural(a.robot->name) < natural(b.robot->name); };
+  const auto by_name = [&] { return sorts_before(a.robot->name, b.robot->name); };
   const auto first_by = [&](auto of_a, auto of_b) { return of_a != of_b ? of_a < of_b : by_name(); };
   switch (order) {
     case RobotOrder::name:
@@ -132,6 +133,10 @@ std::vector<std::string> summary_of(const FleetView& view, WallTime now) {
 }
 
 }  // namespace
+
+bool sorts_before(const RobotName& a, const RobotName& b) {
+  return natural(a) < natural(b);
+}
 
 std::string_view name_of(Phase phase) {
   return phases.at(static_cast<std::size_t>(phase));

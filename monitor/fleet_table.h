@@ -35,4 +35,7 @@ FleetTable fleet_table(const FleetView& view, RobotOrder order, WallTime now);
 
 std::string_view name_of(Phase phase);
 
+/// The order by name: r2 before r10.
+bool sorts_before(const RobotName& a, const RobotName& b);
+
 }  // namespace coppice

@@ -111,6 +111,22 @@ std::optional<Wait> wait_of(const SeenRobot& robot, double time) {
                                      : fmt::format("it lets {} go first", first)};
 }
 
+std::string sentence_of(const SeenRobot& robot, double time) {
+  const Phase phase = phase_of(robot);
+  if (robot.status && (has_no_way(phase) || phase == Phase::waiting) && !robot.status->reason.empty())
+    return robot.status->reason;
+  if (phase == Phase::planning) return "it looks for a path";
+  const auto wait = wait_of(robot, time);
+  return wait ? fmt::format("{}, for {:.0f} s", wait->cause, wait->seconds) : std::string();
+}
+
+std::optional<double> time_left(const SeenRobot& robot, double time) {
+  constexpr double usual_share = 0.9;  // of the largest speed, on a way with corners
+  const auto way = way_left(robot, time);
+  const bool goes = phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0;
+  return way && goes ? std::optional(*way / (usual_share * robot.state->max_speed)) : std::nullopt;
+}
+
 void FleetView::on(const std::shared_ptr<const Message>& message, WallTime at) {
   if (const auto* tree = std::get_if<InactiveTreesMessage>(message.get())) {
     const bool of_this_map = !map_ || map_->map_id == tree->map_id;

@@ -17,6 +17,7 @@
 
 #include "messages/messages.h"
 #include "messages/name_index.h"
+#include "monitor/order_counts.h"
 #include "monitor/robot_progress.h"
 
 namespace coppice {
@@ -109,6 +110,11 @@ Point2 position_at(const RobotState& state, double time);
 /// The same for the yaw of a differential robot, radians.
 double yaw_at(const RobotState& state, double time);
 
+/// Why the robot stands, in one sentence for people; empty: it drives, or has arrived.
+std::string sentence_of(const SeenRobot& robot, double time);
+/// Fleet seconds until the robot arrives, if it drives on at its usual speed; none: it has nowhere to go.
+std::optional<double> time_left(const SeenRobot& robot, double time);
+
 class FleetView {
  public:
   void on(const std::shared_ptr<const Message>& message, WallTime at);
@@ -122,6 +128,7 @@ class FleetView {
   /// In the order of arrival. Each holds an InactiveTreesMessage.
   const std::vector<std::shared_ptr<const Message>>& inactive_trees() const { return trees_; }
   const std::map<std::uint64_t, SeenBroker>& brokers() const { return brokers_; }
+  const OrderCounts& orders() const { return orders_; }
   /// The trees that a broker is growing; null: none.
   const std::shared_ptr<const Message>& active_trees() const { return active_trees_; }
 
@@ -145,6 +152,7 @@ class FleetView {
   void receive(const PathMessage& path, WallTime at);
   void receive(const AgentStatus& status, WallTime at);
   void receive(const BrokerStatus& status, WallTime at);
+  void receive(const OrderStatus& status, WallTime) { orders_.on(status); }
   SeenRobot* robot(const RobotName& name);
   void begin_anew();
 
@@ -154,6 +162,7 @@ class FleetView {
   std::optional<FleetClock> clock_;
   NameIndex index_;
   std::vector<SeenRobot> robots_;
+  OrderCounts orders_;
   std::vector<std::shared_ptr<const Message>> trees_;
   std::set<TreesId> tree_ids_;
   std::shared_ptr<const Message> active_trees_;

@@ -44,6 +44,8 @@ Rgb colour_of(Phase phase) {
     case Phase::no_path:
     case Phase::gave_up:
       return {0.80, 0.20, 0.18};
+    case Phase::halted:
+      return {0.75, 0.35, 0.60};
     case Phase::stopped:
       return {0.40, 0.35, 0.55};
   }
@@ -51,8 +53,8 @@ Rgb colour_of(Phase phase) {
 }
 
 const char* text_of(const AgentStatus& status) {
-  constexpr std::array texts{"waits",       "plans",       "drives",      "has arrived",
-                             "has no path", "has stopped", "has given up"};
+  constexpr std::array texts{"waits",       "plans",       "drives",       "has arrived",
+                             "has no path", "has stopped", "has given up", "is halted"};
   // If a run ends with an arrival, "stopped" may be the only status that is received: only the last status of
   // a robot is kept.
   if (status.phase == Phase::stopped && status.arrival_time > 0) return "has stopped at its goal";

@@ -19,7 +19,7 @@ using Families = std::vector<prometheus::MetricFamily>;
 using Labels = std::vector<prometheus::ClientMetric::Label>;
 
 constexpr std::array phase_names{"waiting", "planning", "driving", "arrived",
-                                 "no_path", "stopped",  "gave_up"};
+                                 "no_path", "stopped",  "gave_up", "halted"};
 
 prometheus::MetricFamily& add_family(Families& all, std::string name, prometheus::MetricType type,
                                      std::string help) {
@@ -52,6 +52,33 @@ void add_phases(Families& all, const FleetView& view) {
     add(family, static_cast<double>(robots[k]), {{"phase", phase_names[k]}});
 }
 
+void add_orders(Families& all, const FleetView& view) {
+  const OrderCounts& orders = view.orders();
+  auto& open = add_family(all, "coppice_orders", prometheus::MetricType::Gauge,
+                          "Orders that have not ended, by state.");
+  auto& ended = add_family(all, "coppice_orders_ended_total", prometheus::MetricType::Counter,
+                           "Orders that have ended, by state.");
+  for (std::size_t k = 0; k < orders.by_state().size(); ++k) {
+    std::string state(order_state_names.at(k));
+    std::ranges::replace(state, ' ', '_');
+    add(is_ended(static_cast<OrderState>(k)) ? ended : open, static_cast<double>(orders.by_state().at(k)),
+        {{"state", state}});
+  }
+  add_counter(all, "coppice_orders_late_total", "Orders that were done after their deadlines.",
+              static_cast<double>(orders.late()));
+  add_counter(all, "coppice_orders_set_out_total", "Ended orders for which a robot set out.",
+              static_cast<double>(orders.set_out()));
+  add_counter(all, "coppice_order_waited_seconds_total",
+              "Time that these orders waited until their robots set out.", orders.waited());
+  add_counter(all, "coppice_order_under_way_seconds_total", "Time from then to their ends.",
+              orders.under_way());
+  const auto robots = static_cast<double>(view.robots().size());
+  const auto busy =
+      static_cast<double>(orders.by_state().at(static_cast<std::size_t>(OrderState::under_way)));
+  add_gauge(all, "coppice_utilisation", "Share of the robots whose orders are under way.",
+            robots > 0 ? busy / robots : 0);
+}
+
 void add_fleet(Families& all, const FleetView& view, WallTime now) {
   const FleetFigures figures = view.figures(now);
   const auto number = [](std::size_t n) { return static_cast<double>(n); };
@@ -65,6 +92,7 @@ void add_fleet(Families& all, const FleetView& view, WallTime now) {
   add_gauge(all, "coppice_robots", "Robots that the monitor has heard in this run.", number(figures.robots));
   add_gauge(all, "coppice_robots_planned", "Robots that have a path.", number(figures.planned));
   add_phases(all, view);
+  add_orders(all, view);
   add_counter(all, "coppice_missions_fulfilled_total", "Missions fulfilled by all robots.",
               number(figures.missions));
   add_counter(all, "coppice_trees_published_total", "Disjointed trees that brokers have published.",

@@ -16,18 +16,24 @@ std::optional<std::string> GoalSource::request(std::size_t robot, const NextGoal
                                                std::span<const RoomOfRobot> robots) {
   const double radius = driving_radius(*robots[robot].task);
   if (!field().is_free(goal.position, radius)) return "it is in an obstacle, or not on the map";
-  const std::string* first = nullptr;  // by name
+  if (const auto other = in_the_way(robot, goal.position, robots))
+    return "it is where another robot goes, " + robots[*other].task->name;
+  robots_[robot].request = goal;
+  return std::nullopt;
+}
+
+std::optional<std::size_t> GoalSource::in_the_way(std::size_t robot, const Point2& goal,
+                                                  std::span<const RoomOfRobot> robots) const {
+  const double radius = driving_radius(*robots[robot].task);
+  std::optional<std::size_t> first;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     const RobotTask& other = *robots[i].task;
     const double apart = radius + driving_radius(other);
-    if (i == robot ||
-        (robots_[i].request.value_or(NextGoal{other.goal}).position - goal.position).norm() >= apart)
+    if (i == robot || (robots_[i].request.value_or(NextGoal{other.goal}).position - goal).norm() >= apart)
       continue;
-    if (first == nullptr || other.name < *first) first = &other.name;
+    if (!first || other.name < robots[*first].task->name) first = i;
   }
-  if (first != nullptr) return "it is where another robot goes, " + *first;
-  robots_[robot].request = goal;
-  return std::nullopt;
+  return first;
 }
 
 std::optional<NextGoal> GoalSource::take_request(std::size_t robot) {

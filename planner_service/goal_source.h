@@ -42,6 +42,9 @@ class GoalSource {
   std::optional<std::string> request(std::size_t robot, const NextGoal& goal,
                                      std::span<const RoomOfRobot> robots);
   std::optional<NextGoal> take_request(std::size_t robot);
+  /// The robot whose goal leaves no room for this one; none: there is room. The first one by name.
+  std::optional<std::size_t> in_the_way(std::size_t robot, const Point2& goal,
+                                        std::span<const RoomOfRobot> robots) const;
 
   /// Draws again no sooner than `goal_draw_interval` after a draw without result.
   bool may_draw(std::size_t robot, WallTime now);
@@ -55,6 +58,9 @@ class GoalSource {
   /// Draws from here on other goals than the first `goals`, which a service before this one has drawn.
   void skip(std::uint64_t goals) { random_ = Random(scenario_.seed + goals); }
 
+  /// Of the map, with the margin.
+  const ClearanceField& field();
+
  private:
   struct Robot {
     std::optional<NextGoal> request;
@@ -62,7 +68,6 @@ class GoalSource {
     WallTime next_draw = 0;
   };
 
-  const ClearanceField& field();
   const ReachablePart& part_of(const RobotTask& task);
   std::vector<KeepOut> taken_by_others(std::size_t robot, std::span<const RoomOfRobot> robots,
                                        double spare) const;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -56,7 +57,7 @@ ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros,
           .forest = chosen_forest(options),
           .plan_budget = options.plan_budget.value_or(default_plan_budget),
           .lifelong = options.lifelong,
-          .waits_for_goals = in_ros.waits_for_goals,
+          .waits_for_goals = options.serves,
           .plan = chosen_plan(options, scenario),
           .robots_elsewhere = in_ros.drives(),
           .map_frame = in_ros.robot.names.map_frame};
@@ -97,13 +98,17 @@ bool run_succeeds(const ServiceOptions& options, const Scenario& scenario, Journ
   });
   heard = StartupBarrier();  // it may hold the tracks of the run before
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
-  loop.serve(service, keeper, ros.get(), options.run.quiet ? nullptr : &display);
+  std::optional<OrderHistory> history;
+  if (options.run.serves && !state.empty()) history.emplace(std::filesystem::path(state) / "orders.jsonl");
+  loop.serve(service, keeper, history ? &*history : nullptr, ros.get(),
+             options.run.quiet ? nullptr : &display);
   if (!options.black_boxes.empty()) complete_tracks(service, names, options.black_boxes);
   const proto::Report report = service.report();
   if (!options.run.quiet) std::cout << '\n' << report_table(report) << std::flush;
   write_results(options.run, report, service.tracks(), [&] { return service.picture(); });
   loop.check_precedence();
-  return service.succeeded();
+  // A fleet that takes orders ends when it is told to, and robots may be under way.
+  return options.run.serves || service.succeeded();
 }
 
 ScenarioOptions scenario_options(const ServiceOptions& options) {

@@ -10,6 +10,10 @@ void add_service_options(CLI::App& app, ServiceOptions& options) {
   set_up_command_line(app, "planner_service",
                       "Coppice planner service: missions in, progress and a report out");
   add_run_options(app, options.run, Progression::one_process);
+  app.add_flag("--serve", options.run.serves,
+               "continues when all robots have arrived, and waits for orders until it is stopped; robots of "
+               "the scenario need no goals")
+      ->excludes("--timeout");
   add_process_options(app, options.process);
   add_black_box_option(
       app, options.black_boxes,

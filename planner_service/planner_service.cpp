@@ -1,6 +1,7 @@
 #include "planner_service/planner_service.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -47,7 +48,10 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
       liveliness_(robots_.size(), now),
       tracks_(std::move(tracks)),
       goals_(scenario_),
-      phase_(WaitingForTrees{now}) {}
+      orders_(names_of(scenario_)),
+      phase_(WaitingForTrees{now}) {
+  if (settings_.waits_for_goals) roadmap_ = std::make_unique<const VoronoiRoadmap>(goals_.field());
+}
 
 std::optional<RunId> PlannerService::run() const {
   const FleetClock* const clock = clock_of(phase_);
@@ -218,8 +222,10 @@ std::vector<Message> PlannerService::step(WallTime now) {
     waiting->since = std::min(waiting->since, now);  // the clock may have been set back
     begin_when_ready(*waiting, now);
   }
-  if (BegunRun* const run = run_of(phase_); run != nullptr && std::exchange(run->missions_due, false))
+  if (BegunRun* const run = run_of(phase_); run != nullptr && std::exchange(run->missions_due, false)) {
     publish_missions(out);
+    orders_.publish_again();
+  }
   if (!has_ended(phase_)) {
     std::vector<AgentStage> stages;
     for (const RobotRecord& robot : robots_) stages.push_back(stage_of(robot));
@@ -247,10 +253,13 @@ bool PlannerService::every_agent_has(std::uint32_t trees) const {
 }
 
 void PlannerService::continue_run(std::vector<Message>& out, WallTime now) {
-  assign_requested_goals(out);
+  assign_requested_goals(out, now);
+  serve_orders(out, now);
   assign_drawn_goals(out, now);
   if (const auto end = end_of_run(now)) {
     phase_ = CollectingTracks{std::get<Running>(phase_).run, *end, now};
+    orders_.close("the fleet has ended", now);
+    std::ranges::move(orders_.take_news(), std::back_inserter(out));
     publish_missions(out);  // as cancelled
   }
 }
@@ -312,15 +321,18 @@ std::optional<std::string> PlannerService::on(const RosGoal& goal) {
 }
 
 /// A robot that is under way drives to the requested goal from its position.
-void PlannerService::assign_requested_goals(std::vector<Message>& out) {
+void PlannerService::assign_requested_goals(std::vector<Message>& out, WallTime now) {
   for (RobotRecord& robot : robots_) {
     const auto goal = goals_.take_request(robot.index);
     if (!goal) continue;
-    const auto last = tracks_.last(robot.index);
-    const Point2 here = last ? last->position : robot.task.start;
-    begin_next_mission(robot, robot.arrived() ? robot.task.goal : here, *goal);
-    out.emplace_back(mission_of(robot));
+    orders_.take_robot(robot.index, "a goal over ROS has replaced it", now);
+    send(robot, *goal, out);
   }
+}
+
+void PlannerService::send(RobotRecord& robot, const NextGoal& goal, std::vector<Message>& out) {
+  begin_next_mission(robot, robot.arrived() ? robot.task.goal : place_of(robot), goal);
+  out.emplace_back(mission_of(robot));
 }
 
 void PlannerService::assign_drawn_goals(std::vector<Message>& out, WallTime now) {
@@ -328,8 +340,7 @@ void PlannerService::assign_drawn_goals(std::vector<Message>& out, WallTime now)
   for (RobotRecord& robot : robots_) {
     if (!goals_.may_draw(robot.index, now) || !robot.arrived()) continue;
     if (const auto goal = goals_.draw(robot.index, rooms(), now)) {
-      begin_next_mission(robot, robot.task.goal, {*goal});
-      out.emplace_back(mission_of(robot));
+      send(robot, {*goal}, out);
     }
   }
 }
@@ -352,6 +363,10 @@ bool PlannerService::recall(std::span<const Message> saved, WallTime now) {
   for (const Message& message : saved) {
     if (const auto* mission = std::get_if<Mission>(&message)) {
       if (!recall_mission(*mission, now)) return false;
+    } else if (const auto* order = std::get_if<OrderStatus>(&message)) {
+      orders_.recall(*order);
+    } else if (const auto* halts = std::get_if<HaltMessage>(&message)) {
+      orders_.recall(*halts);
     } else {
       on(arrival_of(message, now));
       recall_silence(message, now);
@@ -433,7 +448,7 @@ bool PlannerService::is_done(const RobotRecord& robot, WallTime now) const {
   const bool gone = liveliness_.is_lost(robot.index) &&
                     (stage_of(robot) != AgentStage::active ||
                      liveliness_.silence(robot.index, now) > service_timing.longest_cut_off);
-  return gone || robot.track_lost() || robot.arrived() || robot.has_no_way();
+  return gone || robot.track_lost() || robot.arrived() || (robot.has_no_way() && !robot.halted());
 }
 
 AgentStage PlannerService::stage_of(const RobotRecord& robot) const {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,9 +19,11 @@
 #include "messages/messages.h"
 #include "planner_service/goal_source.h"
 #include "planner_service/liveliness.h"
+#include "planner_service/order_book.h"
 #include "planner_service/robot_record.h"
 #include "planner_service/run_phase.h"
 #include "planner_service/seen_forest.h"
+#include "planning/voronoi_roadmap.h"
 #include "report.pb.h"
 #include "ros2/conversion.h"
 
@@ -32,9 +35,10 @@ struct ServiceSettings {
   PlannerKind planner = PlannerKind::ma_rrdt_star;
   TreeParameters trees{};
   ForestStart forest = ForestStart::ahead;
-  double plan_budget = 1;        ///< wall seconds for a shorter path after the first one
-  double lifelong = 0;           ///< fleet seconds in which each robot that arrives gets a new goal
-  bool waits_for_goals = false;  ///< the run goes on when all have arrived, until it is interrupted
+  double plan_budget = 1;  ///< wall seconds for a shorter path after the first one
+  double lifelong = 0;     ///< fleet seconds in which each robot that arrives gets a new goal
+  /// The run goes on when all have arrived, until it is interrupted. It takes orders.
+  bool waits_for_goals = false;
   /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none.
   std::vector<Trajectory> plan{};
   bool robots_elsewhere = false;  ///< robots outside of Coppice follow (robot_agent/tracking.h)
@@ -107,6 +111,7 @@ class PlannerService {
   void receive(const TrackMessage& batch, WallTime now);
   void receive(const RootNodes& batch, WallTime now);
   void receive(const InactiveTreesMessage& trees, WallTime now);
+  void receive(const OrderMessage& order, WallTime now);
   template <class M>
   RobotRecord* find_in_run(const M& message);
   template <class M>
@@ -131,9 +136,22 @@ class PlannerService {
 
   // Goals.
   std::vector<RoomOfRobot> rooms() const;
-  void assign_requested_goals(std::vector<Message>& out);
+  void assign_requested_goals(std::vector<Message>& out, WallTime now);
+  void send(RobotRecord& robot, const NextGoal& goal, std::vector<Message>& out);
   void assign_drawn_goals(std::vector<Message>& out, WallTime now);
   void begin_next_mission(RobotRecord& robot, const Point2& start, const NextGoal& goal);
+
+  // Orders (serve_orders.cpp).
+  std::string why_never(const OrderMessage& order);
+  bool can_reach(const RobotTask& robot, const Point2& place);
+  std::vector<RobotAtWork> robots_at_work() const;
+  void serve_orders(std::vector<Message>& out, WallTime now);
+  void give_out_open_orders(std::span<const RobotAtWork> robots);
+  void carry_out(const DueOrder& due, std::vector<Message>& missions, WallTime now);
+  bool step_aside(std::size_t robot, std::size_t for_robot, const Point2& place,
+                  std::vector<Message>& missions, WallTime now);
+  void stop_on_the_way(std::size_t robot, std::vector<Message>& missions, WallTime now);
+  Point2 place_of(const RobotRecord& robot) const;
 
   // Going on with the run of another service.
   bool recall_mission(const Mission& mission, WallTime now);
@@ -162,6 +180,8 @@ class PlannerService {
   SeenForest forest_;
   GoalSource goals_;
   std::uint32_t goals_refused_ = 0;
+  OrderBook orders_;
+  std::unique_ptr<const VoronoiRoadmap> roadmap_;  ///< null: the run takes no orders
   RunPhase phase_;
   bool map_due_ = true;  ///< the next step publishes the map, in whatever phase
   WallTime next_wake_ = 0;

@@ -63,6 +63,7 @@ struct RobotRecord {
 
   bool arrived() const { return has_phase(Phase::arrived); }
   bool has_no_way() const { return status && coppice::has_no_way(status->phase); }
+  bool halted() const { return has_phase(Phase::halted); }
   /// The agent confirmed that its mission is cancelled.
   bool stopped() const { return has_phase(Phase::stopped); }
   bool track_lost() const { return std::holds_alternative<TrackLost>(track); }
@@ -90,6 +91,7 @@ class RobotRecords {
 
   RobotRecord* find(const RobotName& name);
   const RobotRecord& at(const RobotName& name) const { return records_[index_.at(name)]; }
+  RobotRecord& operator[](std::size_t index) { return records_[index]; }
   const RobotRecord& operator[](std::size_t index) const { return records_[index]; }
   std::size_t size() const { return records_.size(); }
   auto begin() { return records_.begin(); }

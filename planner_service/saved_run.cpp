@@ -43,6 +43,8 @@ Keep RunKeeper::choose(const AgentStatus& status) {
 }
 
 Keep RunKeeper::said(const Message& message) {
+  if (std::holds_alternative<OrderStatus>(message) || std::holds_alternative<HaltMessage>(message))
+    return Keep::append;
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr) return Keep::nothing;
   run_ = mission->clock.run();

@@ -1,5 +1,5 @@
 // Which messages of a run the service saves, so that a restarted service can go on with it: the missions that
-// it published, and what the agents said that the report is made of.
+// it published, with the orders that they serve, and what the agents said that the report is made of.
 #pragma once
 
 #include <cstddef>

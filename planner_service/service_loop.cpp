@@ -40,6 +40,17 @@ void take_goals(DdsRosFleet& ros, PlannerService& service) {
   }
 }
 
+/// What the service says is saved, and the history tells of orders.
+struct Record {
+  Keeper<RunKeeper, Journal>& saved;
+  OrderHistory* history;  ///< null: none is kept
+
+  void said(const Message& message) {
+    saved.said(message);
+    if (history != nullptr) history->said(message);
+  }
+};
+
 }  // namespace
 
 std::optional<Journal> open_journal(const std::string& folder) {
@@ -150,8 +161,9 @@ void ServiceLoop::log_missing_goals(const PlannerService& service) {
   without_goal_ = std::move(lines);
 }
 
-void ServiceLoop::serve(PlannerService& service, Keeper<RunKeeper, Journal>& keeper, DdsRosFleet* ros,
-                        ProgressDisplay* display) {
+void ServiceLoop::serve(PlannerService& service, Keeper<RunKeeper, Journal>& keeper, OrderHistory* history,
+                        DdsRosFleet* ros, ProgressDisplay* display) {
+  Record record{keeper, history};
   while (!service.finished()) {
     if (stop_requested()) service.interrupt();
     bus_.wait(std::clamp(std::min(service.next_wake(), next_wake()) - wall_now(), 0.0, longest_wait));
@@ -165,7 +177,7 @@ void ServiceLoop::serve(PlannerService& service, Keeper<RunKeeper, Journal>& kee
       service.interrupt();
     }
     if (ros != nullptr) take_goals(*ros, service);
-    step_role(bus_, service, keeper);
+    step_role(bus_, service, record);
     log_missing_goals(service);
     if (service.run()) sole_.begin(*service.run());
     step();

@@ -8,6 +8,7 @@
 
 #include "dds/dds_bus.h"
 #include "messages/keep.h"
+#include "planner_service/order_history.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
 #include "planner_service/robot_assignment.h"
@@ -44,10 +45,10 @@ class ServiceLoop {
   RunKeeper resume(PlannerService& service, const Journal& journal);
   /// Waits until no other service can have the fleet. Returns what was heard meanwhile.
   StartupBarrier wait_for_other_services();
-  /// Runs the service until the run has ended, or until another service has precedence. `ros`, `display`:
-  /// null for none.
-  void serve(PlannerService& service, Keeper<RunKeeper, Journal>& keeper, DdsRosFleet* ros,
-             ProgressDisplay* display);
+  /// Runs the service until the run has ended, or until another service has precedence. `history`, `ros`,
+  /// `display`: null for none.
+  void serve(PlannerService& service, Keeper<RunKeeper, Journal>& keeper, OrderHistory* history,
+             DdsRosFleet* ros, ProgressDisplay* display);
   /// Throws if another service has precedence.
   void check_precedence() const;
 

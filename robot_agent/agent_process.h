@@ -25,7 +25,8 @@ struct AgentProcess {
   std::uint32_t rejected_by_bus = 0;
   AgentLoad load{};
   AgeCount state_ages{};
-  bool retired = false;  ///< the process is to end
+  Halt halt = Halt::none;  ///< by an operator
+  bool retired = false;    ///< the process is to end
 };
 
 }  // namespace coppice

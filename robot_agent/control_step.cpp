@@ -113,7 +113,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   fleet_.detect_failures(now, body_.position(), waits ? round_.id() : RoundId{}, map_->field);
   connectivity_.observe(fleet_.cut_off(), now, now + listening_time());
   if (fleet_.out_of_touch()) asks_for_news_until_ = now + asks_for_news * fleet_.second();
-  if (joins(now) || waits_for_its_robot(now)) return;  // the body brakes
+  if (is_halted(now) || joins(now) || waits_for_its_robot(now)) return;  // the body brakes
   watch_isolation(now);
   const std::span<const Neighbour> others =
       body_.bound_to_stand() ? std::span<const Neighbour>() : neighbours(now);
@@ -199,7 +199,7 @@ bool Run::waits_for_its_robot(double now) {
 
 /// Nothing holds the robot, but that it may have to wait until it may set off.
 bool Run::is_at_large(double now) const {
-  return !stopped() && round_.stage() == Stage::free && !connectivity_.joining() &&
+  return !stopped() && !halted() && round_.stage() == Stage::free && !connectivity_.joining() &&
          !connectivity_.listens(now);
 }
 
@@ -232,7 +232,7 @@ Stage Run::stage() const {
 void Run::reserve(double now, std::vector<Outgoing>& out) {
   auto* const driving = std::get_if<Driving>(&task_);
   const bool serves_nobody = driving == nullptr && !is(Phase::arrived) && !reserver_.executes_plan();
-  const bool needs_none = stopped() || round_.stage() != Stage::free || serves_nobody;
+  const bool needs_none = stopped() || halted() || round_.stage() != Stage::free || serves_nobody;
   if (needs_none || (!reserver_.holds() && !reserver_.wants())) {
     if (body_.stands()) reserver_.drop(self(), fleet_, now, out);
   }
@@ -443,7 +443,7 @@ bool Run::stands_still(double now) const {
 /// Fleet::member tells the same of a peer.
 bool Run::takes_part() const {
   const bool may_not_drive = connectivity_.joining() || connectivity_.isolated();
-  return !stopped() && !(may_not_drive && has_no_way(phase()));
+  return !stopped() && !halted() && !(may_not_drive && has_no_way(phase()));
 }
 
 /// Metres within which the joint plans of others concern the robot.

@@ -80,6 +80,7 @@ inline void Fleet::take_up(std::shared_ptr<const RobotState>&& state, std::size_
   Peer& p = peers_[number];
   if (detector_.hear(p, *state, now)) all_known_ = false;
   if (state->is_new) p.exchange.handshakes = 0;
+  if (p.state && p.state->phase == Phase::halted && state->phase != Phase::halted) ++released_;
   p.state = std::move(state);
   p.place = p.state->promise.position;
   p.radius = p.state->radius;
@@ -241,8 +242,8 @@ FleetMember Fleet::member(const Peer& p, double now) const {
       .rests_until = stands ? s.promise.expiry + p.clock.estimate() : s.promise.stamp + p.clock.estimate(),
       .stands = stands,
       .failed = p.failed(),
-      .takes_no_part =
-          s.phase == Phase::stopped || ((s.is_new || p.exchange.misses_somebody) && has_given_up),
+      .takes_no_part = s.phase == Phase::stopped || s.phase == Phase::halted ||
+                       ((s.is_new || p.exchange.misses_somebody) && has_given_up),
       .round = s.round,
       .stage = s.stage,
       .reservation = s.reservation,

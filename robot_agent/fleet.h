@@ -120,7 +120,7 @@ class Fleet {
                           const std::function<bool(const RobotState&, double)>& passes = nullptr);
 
   /// How often a failed peer was heard again, or a suspected one was sure to have failed.
-  std::uint32_t recoveries() const { return detector_.recoveries(); }
+  std::uint32_t recoveries() const { return detector_.recoveries() + released_; }
   /// How often others got new goals: a robot that stood in the way may go.
   std::uint32_t new_goals() const { return new_goals_; }
   /// A suspected peer may be closer than `reach` to p.
@@ -217,6 +217,7 @@ class Fleet {
   FailureDetector detector_{own_, peers_};
   Dissemination dissemination_{own_, peers_, detector_};
   std::uint32_t new_goals_ = 0;
+  std::uint32_t released_ = 0;  ///< peers that were halted and go on
   double longest_braking_ = 0;
   std::size_t size_of_the_run_ = 0;
   bool all_known_ = false;  ///< nobody came since is_known() held for all peers

@@ -85,6 +85,12 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
   fleet_->hear(mission.robot == process_->name ? as_reference(mission) : mission, arrived);
 }
 
+void RobotAgent::receive(const HaltMessage& message, WallTime) {
+  if (message.number < halts_heard_) return;
+  halts_heard_ = message.number;
+  process_->halt = halt_of(message, process_->name);
+}
+
 /// For a body that a robot follows. A body drives on chords: a robot is beside them on its arcs.
 Mission RobotAgent::as_reference(Mission mission) const {
   mission.radius += off_the_chord(limits_of(mission), control_period);

@@ -33,7 +33,11 @@ class RobotAgent {
 
   /// Restores the state that the process before this one saved (saved_state.h), if that was killed in
   /// mid-run. To be called before anything else. It is of use if the mission that comes is of the same run.
-  void restore(std::optional<SavedState> saved) { process_->saved_state = std::move(saved); }
+  void restore(std::optional<SavedState> saved) {
+    // The service that halted the robot may be gone.
+    if (saved && saved->status.phase == Phase::halted) process_->halt = Halt::stopped;
+    process_->saved_state = std::move(saved);
+  }
 
   /// The robot is elsewhere and follows this body: the track is that of the robot. Before anything else.
   void lead(const TrackingSettings& settings) { process_->tracking = settings; }
@@ -68,6 +72,7 @@ class RobotAgent {
   void receive(const MapMessage& message, WallTime arrived);
   void receive(const Mission& mission, WallTime arrived);
   void receive(const InactiveTreesMessage& trees, WallTime arrived);
+  void receive(const HaltMessage& message, WallTime arrived);
 
   Mission as_reference(Mission mission) const;
   void begin_run();
@@ -83,7 +88,8 @@ class RobotAgent {
   std::optional<WallTime> run_heard_at_;  ///< the first mission of that run, whichever robot's
   /// A joint plan that came before the mission of its run; null: none.
   std::shared_ptr<const JointPlanMessage> early_plan_;
-  std::unique_ptr<Run> run_;  ///< null before the robot's own mission
+  std::unique_ptr<Run> run_;       ///< null before the robot's own mission
+  std::uint64_t halts_heard_ = 0;  ///< number of the last message about halts
   bool status_is_due_ = true;
   WallTime next_status_ = 0;
   WallTime next_wake_ = 0;

@@ -87,6 +87,7 @@ class Run {
   Phase phase() const { return phase_of(task_); }
   bool is(Phase phase) const { return phase_of(task_) == phase; }
   bool stopped() const { return std::holds_alternative<Stopped>(task_); }
+  bool halted() const { return std::holds_alternative<Halted>(task_); }
   bool driving() const { return std::holds_alternative<Driving>(task_); }
   template <class T>
   void enter(T task) {
@@ -122,6 +123,8 @@ class Run {
   bool is_too_long(double seconds) const;
   void decide(double now, std::vector<Outgoing>& out);
   bool joins(double now);
+  bool is_halted(double now);
+  void go_on(double now);
   bool waits_for_its_robot(double now);
   bool its_robot_is_there(double now);
   void watch_isolation(double now);

@@ -44,7 +44,13 @@ struct Stopped {
   bool has_said_that_it_stands = false;
 };
 
-using Task = std::variant<Planning, Driving, Arrived, Impossible, GaveUp, Stopped>;
+/// An operator told the robot to stand. It takes part in nothing until it may go on with its work.
+struct Halted {
+  std::variant<Planning, Driving, Arrived, Impossible, GaveUp> work;
+  Halt halt = Halt::none;  ///< that its status tells
+};
+
+using Task = std::variant<Planning, Driving, Arrived, Impossible, GaveUp, Stopped, Halted>;
 
 inline Phase phase_of(const Task& task) {
   struct ToPhase {
@@ -54,6 +60,7 @@ inline Phase phase_of(const Task& task) {
     Phase operator()(const Impossible&) const { return Phase::no_path; }
     Phase operator()(const GaveUp&) const { return Phase::gave_up; }
     Phase operator()(const Stopped&) const { return Phase::stopped; }
+    Phase operator()(const Halted&) const { return Phase::halted; }
   };
   return std::visit(ToPhase{}, task);
 }

@@ -138,10 +138,6 @@ void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of
         ->check(number_in(1e-3, 1e3))
         ->needs(drive)
         ->default_str("what it drives in a quarter of a second");
-    app.add_flag("--serve", options.waits_for_goals,
-                 "continues when all robots have arrived, and waits for goals until it is stopped")
-        ->needs(ros)
-        ->excludes("--timeout");
   }
 }
 

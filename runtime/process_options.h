@@ -37,7 +37,6 @@ struct RosOptions {
   RosRobotSettings robot{};
   std::optional<double> tolerance{};  ///< metres by which such a robot may be off its reference: its margin
   double patience = 0.5;              ///< seconds without odometry after which such a robot is stopped
-  bool waits_for_goals = false;
 
   /// The robots are outside of Coppice, and driven through ROS.
   bool drives() const { return robot.pose != PoseSource::none; }

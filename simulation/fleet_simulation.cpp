@@ -29,21 +29,20 @@ std::size_t points_foreseen(const SimulationSettings& settings) {
 
 FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSettings& settings)
     : scenario_(scenario),
+      settings_of_service_{.timeout = settings.timeout,
+                           .planner = settings.planner,
+                           .trees = settings.trees,
+                           .forest = settings.forest,
+                           .plan_budget = settings.plan_budget,
+                           .lifelong = settings.lifelong,
+                           .waits_for_goals = settings.takes_orders,
+                           .plan = settings.plan,
+                           .robots_elsewhere = is_any(settings.faults.drive)},
       drive_(settings.faults.drive),
       bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),
-      service_{PlannerService(scenario,
-                              {.timeout = settings.timeout,
-                               .planner = settings.planner,
-                               .trees = settings.trees,
-                               .forest = settings.forest,
-                               .plan_budget = settings.plan_budget,
-                               .lifelong = settings.lifelong,
-                               .plan = settings.plan,
-                               .robots_elsewhere = is_any(drive_)},
-                              0),
-               bus_.attach(Role::service)},
+      service_(started_service()),
       broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
-  bus_.keep_for(Role::agent);
+  if (!settings.takes_orders) bus_.keep_for(Role::agent);
   std::vector<AgentFaults> drawn = draw_faults(settings.faults, scenario, settings.timeout);
   for (const RobotTask& task : scenario.robots) {
     AgentFaults& faults = drawn[agents_.size()];
@@ -60,6 +59,27 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
     wakes_.emplace_back();
     set_wake(agents_.back());
   }
+}
+
+/// The service goes on with what one before it saved.
+std::unique_ptr<FleetSimulation::Participant<PlannerService>> FleetSimulation::started_service() {
+  auto service = std::unique_ptr<Participant<PlannerService>>(new Participant<PlannerService>{
+      .role = PlannerService(scenario_, settings_of_service_, now_), .port = bus_.attach(Role::service)});
+  RunKeeper keeper;
+  keeper.recall(kept_of_service_.messages);
+  service->role.recall(kept_of_service_.messages, now_);
+  const bool may_return = settings_of_service_.waits_for_goals;
+  keeper_of_service_.emplace(std::move(keeper), may_return ? &kept_of_service_ : nullptr);
+  return service;
+}
+
+void FleetSimulation::restart_service() {
+  service_->port.close();
+  service_ = started_service();
+}
+
+void FleetSimulation::give(OrderMessage order) {
+  service_->role.on(arrival_of(std::move(order), now_));
 }
 
 void FleetSimulation::start(Agent& agent) {
@@ -185,7 +205,7 @@ double FleetSimulation::next_event(const Wake& wake) const {
 }
 
 double FleetSimulation::next_event() const {
-  double next = std::min(service_.next_event(), broker_.next_event());
+  double next = std::min(service_->next_event(), broker_.next_event());
   for (const Wake& wake : wakes_) next = std::min(next, next_event(wake));
   return next;
 }
@@ -200,10 +220,10 @@ void FleetSimulation::set_wake(const Agent& agent) {
 
 void FleetSimulation::run(const std::function<bool(const PlannerService&, double)>& watch) {
   double next_watch = 0;
-  while (!service_.role.finished()) {
+  while (!service_->role.finished()) {
     now_ = std::max(now_, next_event());
     bus_.set_time(now_);
-    step(service_, KeepsNothing{});
+    step(*service_, *keeper_of_service_);
     step(broker_, KeepsNothing{});
     for (const Wake& wake : wakes_) {
       if (now_ < wake.kill && now_ < next_event(wake)) continue;  // nearly always
@@ -212,11 +232,11 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
     }
     if (now_ < next_watch) continue;
     next_watch = now_ + watch_period;
-    if (!watch(service_.role, now_)) service_.role.interrupt();
+    if (!watch(service_->role, now_)) service_->role.interrupt();
   }
   for (Agent& agent : agents_) {
-    if (agent.body) record(agent, service_.role.progress(now_).elapsed + agent.faults.clock_offset);
-    if (agent.follower) move_robot(agent, service_.role.progress(now_).elapsed);
+    if (agent.body) record(agent, service_->role.progress(now_).elapsed + agent.faults.clock_offset);
+    if (agent.follower) move_robot(agent, service_->role.progress(now_).elapsed);
   }
 }
 

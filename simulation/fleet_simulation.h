@@ -20,6 +20,7 @@
 #include "coppice/simulation/simulate.h"
 #include "messages/keep.h"
 #include "planner_service/planner_service.h"
+#include "planner_service/saved_run.h"
 #include "robot_agent/robot_agent.h"
 #include "simulation/fault_schedule.h"
 #include "simulation/following_robot.h"
@@ -43,7 +44,12 @@ class FleetSimulation {
   /// false.
   void run(const std::function<bool(const PlannerService&, double)>& watch);
 
-  const PlannerService& service() const { return service_.role; }
+  /// Gives an order, as a dispatcher does. Within run().
+  void give(OrderMessage order);
+  /// Kills the planner service of a fleet that takes orders. Another one goes on with what it saved.
+  void restart_service();
+
+  const PlannerService& service() const { return service_->role; }
 
   /// Positions of the bodies, in fleet time by the true clock.
   const std::vector<NamedTrack>& tracks() const { return tracks_; }
@@ -91,6 +97,7 @@ class FleetSimulation {
     const SimulatedBus::Port* port = nullptr;               ///< port of its process; null: killed
   };
 
+  std::unique_ptr<Participant<PlannerService>> started_service();
   template <class R, class K>
   void step(Participant<R>& participant, K&& keeper, double clock_offset = 0);
   void step(Agent& agent);
@@ -105,12 +112,15 @@ class FleetSimulation {
   double next_event() const;
 
   const Scenario& scenario_;
+  ServiceSettings settings_of_service_;
   DriveFaults drive_;
   SimulatedBus bus_;
   std::shared_ptr<MapContexts> map_contexts_ = std::make_shared<MapContexts>();
   std::function<void(const Message&, double)> listener_;  ///< empty: no listener
   double now_ = 0;
-  Participant<PlannerService> service_;
+  KeptInMemory kept_of_service_;
+  std::optional<Keeper<RunKeeper, KeptInMemory>> keeper_of_service_{};
+  std::unique_ptr<Participant<PlannerService>> service_;
   Participant<TreeBroker> broker_;
   std::vector<Agent> agents_;
   std::vector<Wake> wakes_;  ///< by agent

@@ -94,7 +94,7 @@ class SimulatedBus {
   std::size_t rejected_ = 0;
   std::optional<Role> late_;  ///< none: participants of any role may join
   std::vector<std::unique_ptr<Port>> ports_;
-  std::array<std::vector<Port*>, 7> by_role_;
+  std::array<std::vector<Port*>, 8> by_role_;
   NameIndex robots_;
   std::vector<Port*> port_of_robot_;  ///< by its number in `robots_`: its latest port
   struct Kept {

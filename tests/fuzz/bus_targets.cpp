@@ -262,6 +262,24 @@ std::vector<Input> topic_seeds<ServiceStatus>() {
   return {encoded(ServiceStatus{7, "host", 12, 1, 2})};
 }
 
+template <>
+std::vector<Input> topic_seeds<OrderMessage>() {
+  return {encoded(OrderMessage{"o1", Action::go, {"a"}, {{{6, 8}}, {{20, 4}, true, 1, 2}}}),
+          encoded(OrderMessage{.id = "o2", .action = Action::cancel, .cancels = "o1"}),
+          encoded(OrderMessage{.id = "o3", .action = Action::stop})};
+}
+
+template <>
+std::vector<Input> topic_seeds<OrderStatus>() {
+  return {encoded(
+      OrderStatus{{"o1", Action::go, {"a"}, {{{6, 8}}}}, OrderState::failed, "a", "why", 0, 2, 1, 2, 3})};
+}
+
+template <>
+std::vector<Input> topic_seeds<HaltMessage>() {
+  return {encoded(HaltMessage{3, Halt::stopped, {{"a", Halt::none}, {"b", Halt::paused}}})};
+}
+
 /// A record of a journal.
 void journal_record(Bytes data) {
   (void)deserialized(data);
@@ -371,6 +389,9 @@ constexpr std::array all{of_topic<MapMessage>(),
                          of_topic<Assignment>(),
                          of_topic<ActiveTreesMessage>(),
                          of_topic<ServiceStatus>(),
+                         of_topic<OrderMessage>(),
+                         of_topic<OrderStatus>(),
+                         of_topic<HaltMessage>(),
                          Target{"journal_record", journal_record, journal_record_seeds},
                          Target{"sequence", sequence, sequence_seeds},
                          Target{"user_data", user_data, user_data_seeds},

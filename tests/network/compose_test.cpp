@@ -24,6 +24,15 @@ TEST(Deploy, TheComposeFileIsValid) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
+TEST(Deploy, TheComposeFileOfAStandingFleetIsValid) {
+  const test::Outcome outcome =
+      test::shell("docker-compose -f '" + (deploy / "docker-compose.yml").string() + "' -f '" +
+                  (deploy / "docker-compose.standing.yml").string() + "' config");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("--serve"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("--control"), std::string::npos) << outcome.output;
+}
+
 TEST(Deploy, TheKubernetesManifestFitsThePrograms) {
   const std::filesystem::path check = std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/network/manifest.py";
   const test::Outcome outcome =
@@ -83,7 +92,7 @@ TEST(Deploy, TheSystemdUnitsAreValid) {
     EXPECT_EQ(outcome.output, "") << unit.path();
     ++units;
   }
-  EXPECT_GE(units, 4);
+  EXPECT_GE(units, 5);
 }
 
 // At boot the network may not be ready. That ends a program just as a wrong option does.
@@ -97,7 +106,7 @@ TEST(Deploy, UnitsOfABootAreAlwaysRestarted) {
     EXPECT_EQ(text.find("RestartPreventExitStatus"), std::string::npos) << unit.path();
     ++units;
   }
-  EXPECT_EQ(units, 3);
+  EXPECT_EQ(units, 4);
 }
 
 }  // namespace

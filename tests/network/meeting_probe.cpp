@@ -36,6 +36,7 @@ bool is_matched(const DdsBus& bus, Role role, std::size_t agents) {
     case Role::observer:
     case Role::claimant:
     case Role::viewer:
+    case Role::dispatcher:
     case Role::replayer:
       return true;
   }

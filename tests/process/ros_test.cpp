@@ -46,7 +46,8 @@ struct Robot {
 };
 
 struct FleetInRos {
-  FleetInRos(const std::vector<Robot>& robots, int on_domain, const std::vector<std::string>& options)
+  FleetInRos(const std::vector<Robot>& robots, int on_domain, const std::vector<std::string>& options,
+             const char* how = "run")
       : domain(std::to_string(on_domain)) {
     folder.write("rooms.map", two_rooms());
     std::string rows;
@@ -58,7 +59,7 @@ struct FleetInRos {
     const auto scenario =
         folder.write("s.json", R"({"map":"rooms.map","radius":0.5,"max_speed":2,"robots":[)" + rows + "]}");
     std::vector<std::string> command{test::program("coppice"),
-                                     "run",
+                                     how,
                                      scenario.string(),
                                      "--domain",
                                      domain,
@@ -80,7 +81,7 @@ struct FleetInRos {
 };
 
 TEST(RosFleet, ARosProgramReadsTheRobotsPositionAndSendsAGoal) {
-  FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, 165, {"--serve"});
+  FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, 165, {}, "serve");
   const auto ask = [&](const std::string& robot, const std::string& goal, const std::string& seconds) {
     return test::shell(peer + " " + fleet.domain + " " + robot + " goal " + goal + " " + seconds);
   };
@@ -292,8 +293,6 @@ TEST(RosFleet, OptionsThatExcludeEachOtherAreRefused) {
   refuses("--ros --security keys", "--ros goes without --security");
   refuses("--ros --discovery static", "--ros goes without --discovery static");
   refuses("--drive ros", "--drive requires --ros");
-  refuses("--serve", "--serve requires --ros");
-  refuses("--ros --serve --timeout 5", "--timeout excludes --serve");
   refuses("--ros --drive ros --tracking-tolerance 0", "--tracking-tolerance");
   refuses("--ros --drive elsewhere", "--drive");
 }

@@ -98,7 +98,7 @@ TEST(Coordination, GoalsMayTouch) {
 TEST(Coordination, ALifelongFleetKeepsGettingGoals) {
   for (const char* name : {"rooms", "maze"}) {
     const Scenario scenario = make_scenario(name, 20, 1);
-    FleetSimulation simulation(scenario, {.timeout = 3000, .lifelong = 400});
+    FleetSimulation simulation(scenario, {.timeout = 3000, .lifelong = 200});
     simulation.run([](const PlannerService&, double) { return true; });
     const proto::Report report = simulation.service().report();
     EXPECT_EQ(report.outcome(), "arrived") << name;

@@ -28,6 +28,7 @@ struct ScenarioOptions {
   bool follow = false;             ///< the robots follow references (robot_agent/tracking.h)
   /// Metres, of robots that follow. None: what a robot drives in a quarter of a second.
   std::optional<double> tracking_tolerance{};
+  bool is_site = false;  ///< robots may have no goals: they stay where they start until they get orders
 };
 
 /// Reads a scenario and its map, fills in defaults, and checks all that a run relies on. Robots of a `.scen`

@@ -30,6 +30,7 @@ struct SimulationSettings {
   /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none. Robots that are
   /// held up keep its order; robots that cannot go on plan for themselves.
   std::vector<Trajectory> plan{};
+  bool takes_orders = false;  ///< the run lasts until it is stopped (simulation/fleet_simulation.h)
 };
 
 struct SimulatedRun {

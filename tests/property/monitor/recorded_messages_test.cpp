@@ -221,6 +221,29 @@ ActiveTreesMessage any(const Any& a) {
   return {a.u64(), a.name(), a.some([&] { return ActiveTreesMessage::Edge{a.point(), a.point()}; })};
 }
 
+template <>
+OrderMessage any(const Any& a) {
+  return {a.name(),
+          a.one<Action>(),
+          a.some([&] { return a.name(); }),
+          a.some([&] {
+            return Visit{a.point(), a.flag(), a.number(), a.number()};
+          }),
+          a.name(),
+          a.i32(),
+          a.number(),
+          a.name()};
+}
+template <>
+OrderStatus any(const Any& a) {
+  return {any<OrderMessage>(a), a.one<OrderState>(), a.name(),  a.name(), a.u32(), a.u32(),
+          a.number(),           a.number(),          a.number()};
+}
+template <>
+HaltMessage any(const Any& a) {
+  return {a.u64(), a.one<Halt>(), a.some([&] { return HaltMessage::Robot{a.name(), a.one<Halt>()}; })};
+}
+
 template <class M>
 void expect_same_after_recording() {
   const Message message = any<M>({});

@@ -47,6 +47,33 @@ TEST(Metrics, TheMetricsDescribeTheFleet) {
   EXPECT_EQ(lines_of(text, "coppice_robot_speed_meters_per_second"), 2) << "c was not heard";
 }
 
+TEST(Metrics, OrdersAreCountedOnceByState) {
+  test::SeenFleet fleet;
+  fleet.mission("a");
+  fleet.state("a", {1, 1});
+  const auto hear = [&](const char* id, OrderState state, double begun, double ended) {
+    OrderStatus status{.order = {.id = id, .visits = {{{1, 2}}}, .deadline = 20}, .state = state};
+    status.accepted_at = 10;
+    status.begun_at = begun;
+    status.ended_at = ended;
+    fleet.hear(status);
+  };
+  hear("1", OrderState::accepted, 0, 0);
+  hear("1", OrderState::under_way, 12, 0);
+  hear("2", OrderState::under_way, 13, 0);
+  hear("2", OrderState::done, 13, 25);
+  hear("2", OrderState::done, 13, 25);
+  hear("3", OrderState::failed, 0, 11);
+  fleet.hear(OrderStatus{.order = {.id = "4", .action = Action::stop}});
+  const std::string text = metrics_text(fleet.view, {}, fleet.now);
+  for (const char* line : {"coppice_orders{state=\"accepted\"} 0", "coppice_orders{state=\"under_way\"} 1",
+                           "coppice_orders_ended_total{state=\"done\"} 1",
+                           "coppice_orders_ended_total{state=\"failed\"} 1", "coppice_orders_late_total 1",
+                           "coppice_orders_set_out_total 1", "coppice_order_waited_seconds_total 3",
+                           "coppice_order_under_way_seconds_total 12", "coppice_utilisation 1"})
+    EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
+}
+
 TEST(Metrics, UnknownValuesAreLeftOut) {
   const std::string text = metrics_text(FleetView(), {}, 0);
   EXPECT_TRUE(has_line(text, "coppice_robots 0"));

@@ -1,0 +1,233 @@
+// Tests of the order book, order by order.
+#include "planner_service/order_book.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/planner_service/roles.h"
+
+namespace coppice {
+namespace {
+
+OrderMessage go(const char* id, std::vector<RobotName> robots, int priority = 0) {
+  return {.id = id, .robots = std::move(robots), .visits = {{{1, 2}}}, .priority = priority};
+}
+OrderMessage action(const char* id, Action what, std::vector<RobotName> robots = {}) {
+  return {.id = id, .action = what, .robots = std::move(robots)};
+}
+
+/// A book of two robots. Both stand, and their agents answer.
+struct Orders {
+  OrderBook book{{"a", "b"}};
+  std::vector<RobotAtWork> robots{{.mission = 1, .arrived_at = 0}, {.mission = 1, .arrived_at = 0}};
+  double now = 0;
+
+  void give(const OrderMessage& order) { book.receive(order, "", ++now); }
+  void follow() { book.follow(robots, now, now); }
+  /// Sends out all robots whose orders are due.
+  std::vector<std::string> set_out() {
+    std::vector<std::string> ids;
+    for (const DueOrder& due : book.due(robots)) {
+      ids.push_back(due.id);
+      book.begin(due.id, ++robots[due.robot].mission, now);
+      robots[due.robot].arrived_at.reset();
+    }
+    return ids;
+  }
+  OrderStatus status(const std::string& id) {
+    for (const OrderStatus& status : of<OrderStatus>(book.take_news())) said[status.order.id] = status;
+    return said.at(id);
+  }
+  std::map<std::string, OrderStatus> said{};
+};
+
+using Ids = std::vector<std::string>;
+
+TEST(OrderBook, ARobotDoesItsOrdersInTurn) {
+  Orders orders;
+  orders.give(go("1", {"a"}));
+  orders.give(go("2", {"a"}));
+  orders.give(go("3", {"a"}, 5));
+  orders.follow();
+  EXPECT_EQ(orders.set_out(), Ids{"3"}) << "it has the highest priority";
+  EXPECT_EQ(orders.status("3").state, OrderState::under_way);
+  orders.follow();
+  EXPECT_EQ(orders.set_out(), Ids{});
+  EXPECT_EQ(orders.status("1").reason, "a has another order before, 3");
+  orders.robots[0].arrived_at = orders.now;
+  orders.follow();
+  EXPECT_EQ(orders.status("3").state, OrderState::done);
+  EXPECT_EQ(orders.set_out(), Ids{"1"});
+}
+
+TEST(OrderBook, AnOrderThatComesTwiceIsDoneOnce) {
+  Orders orders;
+  orders.give(go("1", {"a"}));
+  orders.follow();
+  orders.set_out();
+  orders.give(go("1", {"b"}));
+  orders.follow();
+  EXPECT_EQ(orders.set_out(), Ids{});
+  orders.robots[0].arrived_at = orders.now;
+  orders.follow();
+  orders.give(go("1", {"a"}));
+  orders.follow();
+  EXPECT_EQ(orders.set_out(), Ids{});
+  EXPECT_EQ(orders.status("1").state, OrderState::done);
+}
+
+TEST(OrderBook, ARobotStandsAtEachPlaceAsLongAsTheOrderSays) {
+  Orders orders;
+  OrderMessage order = go("1", {"a"});
+  order.visits = {{.position = {1, 2}, .wait = 3}, {{4, 5}}};
+  orders.give(order);
+  orders.follow();
+  orders.set_out();
+  orders.robots[0].arrived_at = 10;
+  orders.now = 12.9;
+  orders.follow();
+  EXPECT_EQ(orders.status("1").visited, 0u);
+  orders.now = 13;
+  orders.follow();
+  EXPECT_EQ(orders.status("1").visited, 1u);
+  EXPECT_EQ(orders.book.due(orders.robots).at(0).visit.position, Point2(4, 5));
+  orders.set_out();
+  orders.robots[0].arrived_at = 20;
+  orders.now = 20;
+  orders.follow();
+  EXPECT_EQ(orders.status("1").state, OrderState::done);
+}
+
+TEST(OrderBook, ACancelledOrderFreesItsRobotAndStopsIt) {
+  Orders orders;
+  orders.give(go("1", {"a"}));
+  orders.follow();
+  orders.set_out();
+  OrderMessage cancel = action("2", Action::cancel);
+  cancel.cancels = "1";
+  orders.give(cancel);
+  EXPECT_EQ(orders.status("1").state, OrderState::cancelled);
+  EXPECT_EQ(orders.status("2").state, OrderState::done);
+  EXPECT_EQ(orders.book.take_robots_to_stop(), std::vector<std::size_t>{0});
+  EXPECT_EQ(orders.book.order_of(0), nullptr);
+  cancel.id = "3";
+  orders.give(cancel);
+  EXPECT_EQ(orders.status("3").state, OrderState::failed);
+  EXPECT_EQ(orders.status("3").reason, "order 1 is cancelled already");
+}
+
+TEST(OrderBook, AnOrderThatCannotBeDoneFailsWithItsReason) {
+  Orders orders;
+  orders.give(go("1", {"c"}));
+  EXPECT_EQ(orders.status("1").reason, "c is no robot of this fleet");
+  orders.book.receive(go("2", {"a"}), "there is a wall", 1);
+  EXPECT_EQ(orders.status("2").reason, "there is a wall");
+  orders.give(go("3", {"a"}));
+  orders.follow();
+  orders.set_out();
+  orders.robots[0].no_way = "no path: walls are all around";
+  orders.follow();
+  EXPECT_EQ(orders.status("3").reason, "no path: walls are all around");
+  orders.give(go("4", {"b"}));
+  orders.robots[1].out_of_service = true;
+  orders.follow();
+  EXPECT_EQ(orders.status("4").state, OrderState::failed);
+}
+
+TEST(OrderBook, AHaltHoldsOrdersBackUntilItEnds) {
+  Orders orders;
+  orders.give(action("1", Action::stop));
+  const auto halts = of<HaltMessage>(orders.book.take_news());
+  ASSERT_EQ(halts.size(), 1u);
+  EXPECT_EQ(halts[0].everybody, Halt::stopped);
+  orders.follow();
+  orders.robots[0].halted = orders.robots[1].halted = true;
+  orders.follow();
+  EXPECT_EQ(orders.status("1").state, OrderState::done) << "all robots have confirmed that they stand";
+
+  orders.give(go("2", {"a"}));
+  orders.follow();
+  orders.follow();
+  EXPECT_EQ(orders.set_out(), Ids{});
+  EXPECT_EQ(orders.status("2").reason, "a is stopped by the operator");
+  orders.give(action("3", Action::resume));
+  orders.follow();
+  EXPECT_EQ(orders.set_out(), Ids{}) << "a stop is ended by a release only";
+  orders.give(action("4", Action::release, {"b"}));
+  EXPECT_EQ(orders.book.halt_of(0), Halt::stopped);
+  EXPECT_EQ(orders.book.halt_of(1), Halt::none);
+  orders.give(action("5", Action::release));
+  EXPECT_EQ(orders.set_out(), Ids{"2"});
+}
+
+TEST(OrderBook, APauseIsOfTheRobotsThatItNames) {
+  Orders orders;
+  orders.give(action("1", Action::pause, {"b"}));
+  const auto halts = of<HaltMessage>(orders.book.take_news()).at(0);
+  EXPECT_EQ(halt_of(halts, "a"), Halt::none);
+  EXPECT_EQ(halt_of(halts, "b"), Halt::paused);
+  orders.give(action("2", Action::stop));
+  orders.give(action("3", Action::resume));
+  EXPECT_EQ(orders.book.halt_of(1), Halt::stopped) << "the stop is stricter";
+  orders.give(action("4", Action::release));
+  EXPECT_EQ(orders.book.halt_of(1), Halt::none);
+}
+
+TEST(OrderBook, OrdersForAnyRobotGoToRobotsThatHaveNone) {
+  Orders orders;
+  orders.give(go("1", {"a"}));
+  orders.give(go("2", {}));
+  orders.give(go("3", {}, 1));
+  orders.follow();
+  ASSERT_EQ(orders.book.open_orders().size(), 2u);
+  EXPECT_EQ(orders.book.open_orders()[0]->id, "3");
+  EXPECT_EQ(orders.book.free_robots(orders.robots), std::vector<std::size_t>{1});
+  orders.book.assign("3", 1);
+  EXPECT_TRUE(orders.book.free_robots(orders.robots).empty());
+  EXPECT_EQ(orders.set_out(), (Ids{"1", "3"}));
+}
+
+/// Each status that was said is recalled. The newest one counts, whatever was said before.
+TEST(OrderBook, ARecalledBookGoesOnWhereItWas) {
+  Orders before;
+  before.give(go("1", {"a"}));
+  before.give(go("2", {}));
+  before.give(go("3", {"a"}));
+  before.follow();
+  before.book.assign("2", 1);
+  std::vector<Message> said = before.book.take_news();
+  before.set_out();
+  for (Message& news : before.book.take_news()) said.push_back(std::move(news));
+  before.robots[1].arrived_at = 3;
+  before.now = 4;
+  before.follow();
+  for (Message& news : before.book.take_news()) said.push_back(std::move(news));
+
+  Orders after;
+  for (const OrderStatus& status : of<OrderStatus>(said)) after.book.recall(status);
+  after.robots = before.robots;
+  after.follow();
+  EXPECT_EQ(after.set_out(), Ids{}) << "a is under way";
+  ASSERT_NE(after.book.order_of(0), nullptr);
+  EXPECT_EQ(after.book.order_of(0)->order.id, "1");
+  EXPECT_EQ(after.book.order_of(1), nullptr);
+  after.book.publish_again();
+  EXPECT_EQ(after.status("2").state, OrderState::done);
+  after.robots[0].arrived_at = 5;
+  after.now = 6;
+  after.follow();
+  EXPECT_EQ(after.set_out(), Ids{"3"});
+}
+
+TEST(OrderBook, ARobotThatNeverSetOutIsSentAgainAfterARestart) {
+  Orders before;
+  before.give(go("1", {"a"}));
+  before.follow();
+  before.book.begin("1", 2, 1);  // the service was killed before it saved the mission
+  Orders after;
+  for (const OrderStatus& status : of<OrderStatus>(before.book.take_news())) after.book.recall(status);
+  after.follow();
+  EXPECT_EQ(after.set_out(), Ids{"1"});
+}
+
+}  // namespace
+}  // namespace coppice

@@ -1,0 +1,226 @@
+// Tests of the planner service that carries out orders, message by message. The agents of these tests are at
+// their goals as soon as they hear of them.
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "planner_service/saved_run.h"
+#include "tests/unit/messages/kept.h"
+#include "tests/unit/planner_service/roles.h"
+
+namespace coppice {
+namespace {
+
+/// Robot a stands at {20, 60} on the left of the wall, and b at {20, 20}.
+Scenario site() {
+  Scenario scenario = two_robots();
+  for (RobotTask& robot : scenario.robots) robot.goal = robot.start;
+  return scenario;
+}
+
+const ServiceSettings serves{.waits_for_goals = true};
+
+struct Serving {
+  explicit Serving(const Scenario& scenario = site()) : service(scenario, serves, 0) {
+    for (const Message& message : map_and_missions(service)) save_and_obey(message);
+  }
+  /// Goes on after a service that left these messages.
+  explicit Serving(const std::vector<Message>& saved) : service(site(), serves, now) {
+    EXPECT_TRUE(service.recall(saved, now));
+    kept.keeper = Keeper(
+        [&] {
+          RunKeeper keeper;
+          keeper.recall(saved);
+          return keeper;
+        }(),
+        &kept.store);
+    kept.store.messages = saved;
+  }
+
+  void save_and_obey(const Message& message) {
+    kept.keeper.said(message);
+    if (const auto* status = std::get_if<OrderStatus>(&message)) orders[status->order.id] = *status;
+    const auto* const mission = std::get_if<Mission>(&message);
+    if (mission == nullptr) return;
+    missions[mission->robot] = *mission;
+    if (obeys) arrive(*mission);
+  }
+  void arrive(const Mission& mission) {
+    now += 0.1;
+    const std::uint32_t index = points[mission.robot]++;
+    hear(TrackMessage{
+        mission.robot, mission.number, index, {{now, mission.goal, {0, 0}}}, mission.clock.run()});
+    AgentStatus status{.robot = mission.robot, .mission = mission.number, .phase = Phase::arrived};
+    status.arrival_time = now;
+    status.run = mission.clock.run();
+    hear(status);
+  }
+  void hear(const Message& message) {
+    kept.keeper.heard(message);
+    service.on(arrival_of(message, now));
+  }
+  void give(const OrderMessage& order) { hear(order); }
+  void step(int times = 1) {
+    for (int k = 0; k < times; ++k) {
+      now += 0.1;
+      for (const Message& message : service.step(now)) save_and_obey(message);
+    }
+  }
+
+  double now = 0;
+  bool obeys = true;  ///< robots arrive at once; else they never do
+  PlannerService service;
+  Kept<RunKeeper> kept{};
+  std::map<std::string, OrderStatus> orders;
+  std::map<RobotName, Mission> missions;
+  std::map<RobotName, std::uint32_t> points;
+};
+
+OrderMessage go(const char* id, std::vector<RobotName> robots, const Point2& place) {
+  return {.id = id, .robots = std::move(robots), .visits = {{place}}};
+}
+
+TEST(ServiceOrders, AnOrderBecomesAMissionAndIsDone) {
+  Serving run;
+  run.give(go("1", {"a"}, {40, 60}));
+  run.step(3);
+  EXPECT_EQ(run.missions.at("a").goal, Point2(40, 60));
+  EXPECT_EQ(run.orders.at("1").state, OrderState::done);
+  EXPECT_EQ(run.orders.at("1").mission, 0u);
+  EXPECT_GT(run.orders.at("1").begun_at, 0);
+}
+
+TEST(ServiceOrders, PlacesThatNobodyCanReachAreRefused) {
+  Scenario closed = site();
+  for (int j = 0; j < 80; ++j) {
+    for (int i = 58; i < 62; ++i) closed.map.blocked[static_cast<std::size_t>(j * 120 + i)] = 1;
+  }
+  Serving run(closed);
+  run.give(go("wall", {"a"}, {60, 40}));
+  run.give(go("outside", {}, {-5, 3}));
+  run.give(go("beyond", {"a"}, {100, 60}));
+  run.give(go("one of two", {}, {40, 20}));
+  run.step(3);
+  for (const char* id : {"wall", "outside", "beyond"}) {
+    EXPECT_EQ(run.orders.at(id).state, OrderState::failed) << id;
+    EXPECT_NE(run.orders.at(id).reason.find("no way leads"), std::string::npos) << run.orders.at(id).reason;
+  }
+  EXPECT_EQ(run.orders.at("one of two").state, OrderState::done);
+}
+
+TEST(ServiceOrders, ARunThatEndsTakesNoOrders) {
+  PlannerService service(two_robots(), {}, 0);
+  map_and_missions(service);
+  service.on(arrival_of(go("1", {"a"}, {40, 60}), 1));
+  const auto said = of<OrderStatus>(service.step(1));
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].reason, "this run takes no orders: start the fleet with coppice serve");
+  service.on(arrival_of(OrderMessage{.id = "2", .action = Action::stop}, 2));
+  EXPECT_EQ(of<HaltMessage>(service.step(2)).at(0).everybody, Halt::stopped) << "everybody may be stopped";
+}
+
+TEST(ServiceOrders, TheFreeRobotsWithTheShortestWaysInAllGo) {
+  Serving run;
+  run.obeys = false;
+  // b is nearer to both places. The sum is least if a, which is not far from the first one, goes there.
+  run.give(go("1", {}, {40, 45}));
+  run.give(go("2", {}, {40, 10}));
+  run.step(2);
+  EXPECT_EQ(run.orders.at("1").robot, "a");
+  EXPECT_EQ(run.orders.at("2").robot, "b");
+  run.give(go("3", {}, {30, 30}));
+  run.step(2);
+  EXPECT_EQ(run.orders.at("3").state, OrderState::accepted);
+  EXPECT_EQ(run.orders.at("3").reason, "no robot is free");
+}
+
+TEST(ServiceOrders, ARobotWithoutWorkStepsAside) {
+  Serving run;
+  run.give(go("1", {"a"}, {20, 22}));  // where b stands
+  run.step(3);
+  EXPECT_EQ(run.orders.at("1").state, OrderState::done);
+  EXPECT_GE((run.missions.at("b").goal - Point2(20, 22)).norm(), 10);
+}
+
+TEST(ServiceOrders, TwoRobotsChangePlaces) {
+  Serving run;
+  run.give(go("1", {"a"}, {20, 20}));
+  run.give(go("2", {"b"}, {20, 60}));
+  run.step(6);
+  EXPECT_EQ(run.orders.at("1").state, OrderState::done) << run.orders.at("1").reason;
+  EXPECT_EQ(run.orders.at("2").state, OrderState::done) << run.orders.at("2").reason;
+}
+
+TEST(ServiceOrders, AnOrderWaitsForABusyRobotToLeaveItsPlace) {
+  Serving run;
+  run.obeys = false;
+  run.give(go("1", {"b"}, {40, 60}));
+  run.step(2);
+  run.give(go("2", {"a"}, {40, 62}));
+  run.step(2);
+  EXPECT_EQ(run.orders.at("2").state, OrderState::assigned);
+  EXPECT_EQ(run.orders.at("2").reason, "it waits until b has left");
+  run.obeys = true;
+  run.arrive(run.missions.at("b"));
+  run.step(3);
+  EXPECT_EQ(run.orders.at("1").state, OrderState::done);
+  EXPECT_EQ(run.orders.at("2").state, OrderState::done) << "b has stepped aside";
+}
+
+TEST(ServiceOrders, ACancelledOrderStopsItsRobotWhereItCanBrake) {
+  Serving run;
+  run.obeys = false;
+  run.give(go("1", {"a"}, {40, 60}));
+  run.step(2);
+  run.hear(TrackMessage{"a", 2, run.points["a"]++, {{run.now, {30, 60}, {10, 0}}}});
+  run.give({.id = "2", .action = Action::cancel, .cancels = "1"});
+  run.step(2);
+  EXPECT_EQ(run.orders.at("1").state, OrderState::cancelled);
+  EXPECT_NEAR(run.service.task("a").goal.x(), 30 + 10.0 * 10 / (2 * 40), 1e-9);
+}
+
+TEST(ServiceOrders, OrdersThatAreOpenWhenTheFleetEndsAreCancelled) {
+  Serving run;
+  run.obeys = false;
+  run.give(go("1", {"a"}, {40, 60}));
+  run.give(go("2", {"a"}, {20, 40}));
+  run.step(2);
+  run.service.interrupt();
+  run.step();
+  for (const char* id : {"1", "2"}) {
+    EXPECT_EQ(run.orders.at(id).state, OrderState::cancelled);
+    EXPECT_EQ(run.orders.at(id).reason, "the fleet has ended");
+  }
+}
+
+/// Whatever the service had saved when it was killed: the next one does each order once.
+TEST(ServiceOrders, AServiceThatIsKilledAtAnyInstantDoesEachOrderOnce) {
+  Serving whole;
+  whole.give(go("1", {"a"}, {40, 60}));
+  whole.give(go("2", {}, {40, 20}));
+  whole.give(go("3", {"a"}, {20, 40}));
+  whole.step(8);
+  const std::vector<Message> saved = whole.kept.store.messages;
+  ASSERT_EQ(whole.orders.size(), 3u);
+  std::size_t begins = 0;
+  while (!std::holds_alternative<OrderStatus>(saved[begins])) ++begins;
+  for (std::size_t cut = begins; cut <= saved.size(); ++cut) {
+    Serving after(std::vector<Message>(saved.begin(), saved.begin() + static_cast<std::ptrdiff_t>(cut)));
+    after.now = whole.now + 1;
+    after.points = whole.points;  // the agents were not killed
+    // The senders of orders repeat what was not answered. The agents say again where they are.
+    after.step();
+    after.give(go("1", {"a"}, {40, 60}));
+    after.give(go("2", {}, {40, 20}));
+    after.give(go("3", {"a"}, {20, 40}));
+    after.step(10);
+    std::size_t missions = 0;
+    for (const RobotName robot : {"a", "b"}) missions += after.missions[robot].number - 1;
+    for (const char* id : {"1", "2", "3"})
+      EXPECT_EQ(after.orders.at(id).state, OrderState::done) << id << " " << cut;
+    EXPECT_EQ(missions, 3u) << "a mission for each order, after message " << cut;
+  }
+}
+
+}  // namespace
+}  // namespace coppice
