@@ -44,7 +44,8 @@ function whyNoProgress(fleet: Fleet, robot: number): string {
   const idle = fleet.frame?.idle[robot] ?? 0;
   const wait = fleet.waitOf(robot);
   if (wait && wait.seconds > longWait) return `Has waited for ${fixed(wait.seconds, 0, 's')}: ${wait.cause}.`;
-  return idle > longWait ? `Has come no nearer to its goal for ${fixed(idle, 0, 's')}.` : '';
+  const halted = fleet.frame?.phase?.[robot] === Phase.HALTED;
+  return idle > longWait && !halted ? `Has come no nearer to its goal for ${fixed(idle, 0, 's')}.` : '';
 }
 
 function whyRejected({statuses}: Fleet, robot: number): string {

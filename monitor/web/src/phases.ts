@@ -9,12 +9,14 @@ export const phaseNames: Readonly<Record<Phase, string>> = {
   [Phase.NO_PATH]: 'no path',
   [Phase.STOPPED]: 'stopped',
   [Phase.GAVE_UP]: 'gave up',
+  [Phase.HALTED]: 'halted',
 };
 
 /// The order of phases in a table: robots that need attention come first.
 export const phaseOrder: Readonly<Record<Phase, number>> = {
   [Phase.NO_PATH]: 0,
   [Phase.GAVE_UP]: 0,
+  [Phase.HALTED]: 0,
   [Phase.WAITING]: 1,
   [Phase.PLANNING]: 2,
   [Phase.DRIVING]: 3,
@@ -22,7 +24,7 @@ export const phaseOrder: Readonly<Record<Phase, number>> = {
   [Phase.STOPPED]: 5,
 };
 
-export const phaseCount = 7;
+export const phaseCount = 8;
 
 export enum Stage {
   FREE = 0,

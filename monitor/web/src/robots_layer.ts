@@ -148,6 +148,11 @@ export class RobotsLayer {
         context.lineTo(x + s, y + s);
         context.moveTo(x - s, y + s);
         context.lineTo(x + s, y - s);
+      } else if (phase === Phase.HALTED) {  // two bars
+        context.moveTo(x - 0.6 * s, y - 0.9 * s);
+        context.lineTo(x - 0.6 * s, y + 0.9 * s);
+        context.moveTo(x + 0.6 * s, y - 0.9 * s);
+        context.lineTo(x + 0.6 * s, y + 0.9 * s);
       } else {  // a square
         context.rect(x - 0.8 * s, y - 0.8 * s, 1.6 * s, 1.6 * s);
       }

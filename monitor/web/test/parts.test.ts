@@ -3,7 +3,7 @@ import {PbfReader, PbfWriter} from 'pbf';
 import {describe, expect, it} from 'vitest';
 
 import {Fleet, type Robot, figuresKept} from '../src/fleet.ts';
-import {EdgesKind, type FiguresPoint, type Frame, type FromPage, type ToPage, readFromPage, writeToPage} from '../src/live.js';
+import {EdgesKind, type FiguresPoint, type Frame, type FromPage, Phase, type ToPage, readFromPage, writeToPage} from '../src/live.js';
 import {alarmsOf} from '../src/alarms.ts';
 import {compact} from '../src/format.ts';
 import {Playhead} from '../src/playhead.ts';
@@ -201,6 +201,11 @@ describe('figures that alarm', () => {
     expect(about(status({}), {...waits, waiting: [0]})).toContain('no nearer');
     expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([2])})).toContain('Nothing has been heard');
     expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([3])})).toBe('');
+  });
+
+  it('do not wonder that a halted robot comes no nearer', () => {
+    const halted = {...frame(30, [0]), idle: [12], phase: new Uint8Array([Phase.HALTED])};
+    expect(about(status({reason: 'an operator stopped it'}), halted)).toBe('An operator stopped it.');
   });
 
   it('give the reason that the robot gives', () => {
