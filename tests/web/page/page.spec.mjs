@@ -6,36 +6,15 @@
 // COPPICE_PAGE_FPS: the least frame rate with 200 robots, 30 by default.
 
 import assert from 'node:assert/strict';
-import {mkdirSync} from 'node:fs';
-import {join} from 'node:path';
 
-import {chromium} from 'playwright-core';
-
-import {arguments_of_chromium, program_of_chromium} from './chromium.mjs';
+import {close, finish, large, open, openReady, pause, positionOf, run, shoot, small, state, until} from './in_browser.mjs';
 
 const given = process.env.COPPICE_PAGE_URL;
-const shots = process.env.COPPICE_PAGE_SHOTS;
 const leastFps = Number(process.env.COPPICE_PAGE_FPS ?? 30);
-const large = {width: 1440, height: 900};
-const small = {width: 390, height: 844};
 const viewports = [large, {width: 1024, height: 768}, small];
 
 const mocked = given ? undefined : await import('./mock-monitor.mjs');
-if (shots) mkdirSync(shots, {recursive: true});
 
-const browser = await chromium.launch({executablePath: program_of_chromium, args: arguments_of_chromium});
-
-async function shoot(page, name) {
-  if (shots) await page.screenshot({path: join(shots, `${name}.png`)});
-}
-
-const state = (page) => page.evaluate(() => {
-  const {ready, robots, frames, fps, time, following, selected, playing, scale, origin} = window.coppice;
-  return {ready, robots, frames, fps, time, following, selected, playing, scale, origin};
-});
-const positionOf = (page, name) => page.evaluate((robot) => window.coppice.positionOf(robot), name);
-const until = (page, check, argument) => page.waitForFunction(check, argument, {timeout: 10_000});
-const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 const apart = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
 /// The number of pixels of the map that differ from those kept under that name; keeps the new ones. All
@@ -99,30 +78,6 @@ async function pinch(page) {
   for (let half = 44; half <= 80; half += 4) await touch('touchMove', half);
   await touch('touchEnd');
   await pause(200);
-}
-
-async function open(url, options = {}) {
-  const context = await browser.newContext({viewport: large, ...options});
-  const page = await context.newPage();
-  page.said = [];
-  page.on('console', (message) => page.said.push(`${message.type()}: ${message.text()}`));
-  page.on('pageerror', (error) => page.said.push(`error: ${error.message}`));
-  page.asked = [];
-  page.on('request', (request) => page.asked.push(request.url()));
-  await page.goto(url);
-  return page;
-}
-
-async function openReady(url, options) {
-  const page = await open(url, options);
-  await until(page, () => window.coppice.ready && window.coppice.time !== null);
-  await pause(500);
-  return page;
-}
-
-async function close(page) {
-  assert.deepEqual(page.said, [], 'the console stays empty');
-  await page.context().close();
 }
 
 const checks = {
@@ -591,22 +546,9 @@ async function measure(page, what) {
 
 const atFirstSight = process.argv[2] === '--at-first-sight';
 const wanted = atFirstSight ? '' : process.argv[2] ?? '';
-let failed = 0;
-async function run(name, check) {
-  if (!name.includes(wanted)) return;
-  try {
-    await check();
-    console.log(`ok   ${name}`);
-  } catch (error) {
-    ++failed;
-    console.log(`FAIL ${name}\n${error.stack}`);
-  }
-}
-
 const shared = mocked && !atFirstSight ? await mocked.startMock({robots: 20}) : undefined;
-if (!atFirstSight) for (const [name, check] of Object.entries(checks)) await run(name, () => check(given ?? shared.url));
-if (mocked) for (const [name, check] of Object.entries(checksAtFirstSight)) await run(name, check);
-if (mocked && !atFirstSight) for (const [name, check] of Object.entries(mockChecks)) await run(name, check);
-await browser.close();
+if (!atFirstSight) for (const [name, check] of Object.entries(checks)) if (name.includes(wanted)) await run(name, () => check(given ?? shared.url));
+if (mocked) for (const [name, check] of Object.entries(checksAtFirstSight)) if (name.includes(wanted)) await run(name, check);
+if (mocked && !atFirstSight) for (const [name, check] of Object.entries(mockChecks)) if (name.includes(wanted)) await run(name, check);
 await shared?.close();
-process.exit(failed ? 1 : 0);
+await finish();

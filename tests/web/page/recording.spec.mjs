@@ -2,11 +2,8 @@
 
 import assert from 'node:assert/strict';
 
-import {chromium} from 'playwright-core';
+import {browser} from './in_browser.mjs';
 
-import {arguments_of_chromium, program_of_chromium} from './chromium.mjs';
-
-const browser = await chromium.launch({executablePath: program_of_chromium, args: arguments_of_chromium});
 const page = await browser.newPage({viewport: {width: 1440, height: 900}});
 const said = [];
 page.on('console', (message) => said.push(message.text()));
