@@ -256,7 +256,7 @@ const checks = {
 
   async 'the page works on a phone'(url) {
     const page = await openReady(url, {viewport: small, hasTouch: true, isMobile: true, deviceScaleFactor: 2});
-    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the screen');
+    assert(await page.evaluate((width) => document.documentElement.scrollWidth <= width, small.width), 'nothing is wider than the screen');
     await shoot(page, 'phone');
     const names = await page.locator('#table tbody tr:not(.spacer) td:first-child').allTextContents();
     for (let k = 0; k < 3 * names.length && (await state(page)).selected === null; ++k) {
