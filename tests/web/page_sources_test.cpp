@@ -48,6 +48,15 @@ TEST_F(PageSources, ThePageIsClearAtFirstSight) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
+/// Orders, pauses and stops, with a made-up fleet that takes them.
+TEST_F(PageSources, ThePageControlsAFleet) {
+  if (test::shell("command -v chromium").exit_code != 0 ||
+      !std::filesystem::exists(sources / "../../tests/web/node_modules/playwright-core"))
+    GTEST_SKIP() << "needs chromium, and `npm ci` in tests/web";
+  const test::Outcome outcome = there("npm run protocol && node ../../tests/web/page/control.spec.mjs 2>&1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
 /// What only a mock can play: recordings, a monitor that ends, invalid bytes, 200 robots.
 TEST_F(PageSources, ThePageWorksWithAMadeUpFleet) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;

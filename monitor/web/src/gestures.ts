@@ -1,4 +1,5 @@
-// Mouse, touch and pen on the map: drag pans, wheel and pinch zoom, a click or tap selects a robot.
+// Mouse, touch and pen on the map: drag pans, wheel and pinch zoom, a click or tap selects a robot. While a press shall
+// send a robot (aim.ts), the first finger or the main button aims instead.
 import type {MapView} from './map_view.ts';
 
 const clickSlack = 5;    // pixels that a click may move
@@ -11,11 +12,19 @@ interface Pointer {
   y: number;
 }
 
-export function listen(map: MapView, onPick: (robot: number) => void): void {
+export interface Aim {
+  begin(at: Pointer): boolean;  // whether the press aims
+  move(to: Pointer): void;
+  drop(queue: boolean): void;   // let go on the map
+  leave(): void;                // it was meant otherwise
+}
+
+export function listen(map: MapView, onPick: (robot: number) => void, aim: Aim): void {
   const {canvas} = map;
   const pointers = new Map<number, Pointer>();
   let travelled = 0;
   let pinched = false;
+  let aiming = false;
 
   const place = (event: MouseEvent): Pointer => ({x: event.offsetX, y: event.offsetY});
   const robotAt = ({x, y}: Pointer, event: PointerEvent) =>
@@ -26,6 +35,10 @@ export function listen(map: MapView, onPick: (robot: number) => void): void {
     if (pointers.size === 0) {
       travelled = 0;
       pinched = false;
+      aiming = event.button === 0 && aim.begin(place(event));
+    } else if (aiming) {
+      aiming = false;
+      aim.leave();
     }
     pointers.set(event.pointerId, place(event));
   });
@@ -42,12 +55,24 @@ export function listen(map: MapView, onPick: (robot: number) => void): void {
       return;
     }
     travelled += Math.hypot(now.x - before.x, now.y - before.y);
-    if (travelled > clickSlack) map.pan(now.x - before.x, now.y - before.y);
+    if (aiming) aim.move(now);
+    else if (travelled > clickSlack) map.pan(now.x - before.x, now.y - before.y);
   });
 
   const release = (event: PointerEvent) => {
     const held = pointers.delete(event.pointerId);
-    if (held && event.type === 'pointerup' && !pinched && travelled <= clickSlack) onPick(robotAt(place(event), event));
+    const at = place(event);
+    const clicked = held && event.type === 'pointerup' && !pinched && travelled <= clickSlack;
+    const robot = clicked ? robotAt(at, event) : -1;
+    if (!held || !aiming) {
+      if (clicked) onPick(robot);
+      return;
+    }
+    aiming = false;
+    const drops = event.type === 'pointerup' && robot < 0 && isWithin(canvas, at);
+    if (drops) aim.drop(event.shiftKey);
+    else aim.leave();
+    if (robot >= 0) onPick(robot);
   };
   canvas.addEventListener('pointerup', release);
   canvas.addEventListener('pointercancel', release);
@@ -70,4 +95,8 @@ export function listen(map: MapView, onPick: (robot: number) => void): void {
     map.zoom(factor, (now.x + other.x) / 2, (now.y + other.y) / 2);
     map.pan((now.x - before.x) / 2, (now.y - before.y) / 2);
   }
+}
+
+function isWithin({clientWidth, clientHeight}: HTMLElement, {x, y}: Pointer): boolean {
+  return x >= 0 && y >= 0 && x < clientWidth && y < clientHeight;
 }

@@ -8,13 +8,14 @@ export interface Key {
   act: (key: string) => void;
 }
 
-export function listenToKeys(table: readonly Key[]): void {
-  const list = byId('help-keys');
+/// Explains the keys in a list of the help. They have an effect while they are on.
+export function listenToKeys(table: readonly Key[], listId = 'help-keys', isOn = () => true): void {
+  const list = byId(listId);
   for (const {shown, does} of table)
     list.append(element('dt', {}, ...shown.split(' ').map((key) => element('kbd', {}, key))), element('dd', {}, does));
   const actions = new Map(table.flatMap((entry) => entry.keys.map((key) => [key, entry.act] as const)));
   document.addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || isTaken(event)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !isOn() || isTaken(event)) return;
     const act = actions.get(event.key);
     if (!act) return;
     event.preventDefault();

@@ -3,6 +3,7 @@ import './style.css';
 
 import {Charts} from './charts.ts';
 import {Connection, type ConnectionState} from './connection.ts';
+import {Control} from './control.ts';
 import {Details, figuresExplained} from './details.ts';
 import {byId, element} from './dom.ts';
 import {Fleet, sceneChanges} from './fleet.ts';
@@ -45,6 +46,7 @@ const table = new RobotTable(byId('table'), fleet, () => map.selected, (robot) =
 const phaseCounts = new PhaseCounts(byId('phases'), fleet);
 const charts = new Charts(byId('charts'), fleet);
 const legend = new Legend(map.layers, restyleMap);
+const control = new Control(fleet, map, () => { if (document.body.dataset.tab === 'orders') showTab('robots'); });
 
 function address(): string {
   const url = new URL('/live', location.href);
@@ -83,11 +85,13 @@ function onState(now: ConnectionState): void {
   state = now;
   if (now.kind === 'connecting') time.reset();
   statusLine.update(state, time.frozen, map.time);
+  control.onConnection(now);
 }
 
 function select(robot: number): void {
   map.select(robot);
   showFollowing();
+  control.onPick(robot);
   updatePanels();
 }
 
@@ -164,7 +168,7 @@ const keys: Key[] = [
   {keys: ['t'], shown: 'T', does: 'follow the selected robot', act: () => follow(!map.following)},
   {keys: ['[', ']'], shown: '[ ]', does: 'select the previous or next robot', act: (key) => step(key === '[' ? -1 : 1)},
   {keys: ['/'], shown: '/', does: 'find a robot', act: () => byId('find').focus()},
-  {keys: ['Escape'], shown: 'Esc', does: 'select nothing', act: () => pick(-1)},
+  {keys: ['Escape'], shown: 'Esc', does: 'select nothing', act: () => { if (!control.escape()) pick(-1); }},
   {keys: ['1', '2', '3', '4', '5', '6', '7', '8'], shown: '1 … 8', does: 'layers on and off', act: (key) => legend.toggle(Number(key) - 1)},
   {keys: ['k'], shown: 'K', does: 'legend', act: toggleLegend},
   {keys: ['c'], shown: 'C', does: 'charts', act: () => document.body.classList.toggle('no-charts')},
@@ -218,7 +222,7 @@ function showTab(name: string): void {
   updatePanels();
 }
 
-listen(map, pick);
+listen(map, pick, control);
 listenToKeys(keys);
 listenToButtons();
 explainFigures();
@@ -231,5 +235,7 @@ setInterval(() => {
   time.update();
   statusLine.update(state, time.frozen, map.time);
   showFollowing();
+  control.update();
 }, linePause);
 connection.open();
+control.start();

@@ -5,7 +5,7 @@ import {type Layers, allLayers} from './layers.ts';
 import {type Palette, readPalette} from './palette.ts';
 import type {Playhead, Shown} from './playhead.ts';
 import {RobotsLayer} from './robots_layer.ts';
-import {type View, filled, fitted, panned, toPageX, toPageY, within, zoomed} from './view.ts';
+import {type View, filled, fitted, panned, toMap, toPageX, toPageY, within, zoomed} from './view.ts';
 
 export class MapView {
   layers: Layers = {...allLayers};
@@ -14,6 +14,7 @@ export class MapView {
   following = false;
   drawn = 0;  // frames
   readonly robots = new RobotsLayer();
+  above: ((context: CanvasRenderingContext2D, view: View, palette: Palette) => void) | undefined;  // draws above the robots
   private view: View | undefined;
   private fits = true;  // also fits again when the page's size changes
   private mapFrame = '';  // identifies the map of the view
@@ -48,6 +49,16 @@ export class MapView {
   /// Pixels of the canvas.
   get origin(): {x: number; y: number} | undefined {
     return this.view && {x: toPageX(this.view, 0), y: toPageY(this.view, 0)};
+  }
+  /// The place in the map frame that is under a pixel of the canvas. Without a map there is none.
+  placeAt(pageX: number, pageY: number): {x: number; y: number} | undefined {
+    const {map} = this.fleet;
+    if (!this.view || !map) return undefined;
+    const {x, y} = toMap(this.view, pageX, pageY);
+    return {x: map.origin_x + x, y: map.origin_y + y};
+  }
+  get up(): boolean {
+    return this.view?.up ?? true;
   }
   fps(now: number): number {
     return this.recent.filter((at) => now - at < 1000).length;
@@ -181,5 +192,6 @@ export class MapView {
     if (!this.shown) return;
     this.robots.place(this.fleet.roster, this.shown, this.view);
     this.robots.draw(context, this.fleet.roster, this.shown.after, this.view, this.layers, this, this.palette);
+    this.above?.(context, this.view, this.palette);
   }
 }

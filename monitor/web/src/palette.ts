@@ -15,6 +15,7 @@ export interface Palette {
   mark: string;      // on robots
   text: string;
   halo: string;      // around text
+  aim: string;       // where a robot is sent
   selected: string;
   phases: string[];
   robots: string[];
@@ -35,6 +36,7 @@ export function readPalette(): Palette {
     mark: colour('mark'),
     text: colour('text'),
     halo: colour('map-halo'),
+    aim: colour('accent'),
     selected: colour('selected'),
     phases: Array.from({length: phaseCount}, (_, k) => colour(`phase-${k}`)),
     robots: Array.from({length: hues}, (_, k) => colour(`robot-${k}`)),

@@ -26,11 +26,16 @@ export const positionOf = (page, name) => page.evaluate((robot) => window.coppic
 export const until = (page, check, argument) => page.waitForFunction(check, argument, {timeout: 10_000});
 export const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
+/// Chromium itself notes each answer that is no success, so also that a monitor has no control.
+export function isOfControl(message) {
+  return message.text().startsWith('Failed to load resource') && new URL(message.location().url).pathname.startsWith('/api/');
+}
+
 export async function open(url, options = {}) {
   const context = await browser.newContext({viewport: large, ...options});
   const page = await context.newPage();
   page.said = [];
-  page.on('console', (message) => page.said.push(`${message.type()}: ${message.text()}`));
+  page.on('console', (message) => { if (!isOfControl(message)) page.said.push(`${message.type()}: ${message.text()}`); });
   page.on('pageerror', (error) => page.said.push(`error: ${error.message}`));
   page.asked = [];
   page.on('request', (request) => page.asked.push(request.url()));

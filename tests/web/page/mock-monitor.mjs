@@ -2,13 +2,15 @@
 // the real Content-Security-Policy, and sends on /live what idl/live.proto allows. Its robots neither plan
 // nor give way.
 //
-// node mock-monitor.mjs [--robots 20] [--port 8080] [--recorded] [--hz 20]
+// node mock-monitor.mjs [--robots 20] [--port 8080] [--recorded] [--hz 20] [--control]    (control: the token is "mock")
 
 import {readFile} from 'node:fs/promises';
 import {createServer} from 'node:http';
 import {createRequire} from 'node:module';
 import {extname} from 'node:path';
 import {fileURLToPath} from 'node:url';
+
+import {MockApi} from './mock-api.mjs';
 
 const web = new URL('../../../monitor/web/', import.meta.url);
 const need = createRequire(new URL('package.json', web));
@@ -77,8 +79,9 @@ function makeRobot(index, draw) {
 
 const hasPath = ({phase}) => phase === Phase.DRIVING || phase === Phase.ARRIVED;
 
-/// Back and forth along the path for ever.
+/// Back and forth along the path for ever, unless it is halted.
 function along(robot, time) {
+  if (robot.halted) return {...robot.halted, vx: 0, vy: 0};
   const length = robot.lengths.at(-1);
   if (robot.phase !== Phase.DRIVING) {
     const k = robot.phase === Phase.ARRIVED ? robot.path.length - 2 : 0;
@@ -152,7 +155,7 @@ function frameAt(fleet, time, life) {
   const each = (value) => fleet.robots.map((robot, k) => value(at[k], k, robot));
   return {
     time, x: each((p) => p.x), y: each((p) => p.y), vx: each((p) => p.vx), vy: each((p) => p.vy),
-    phase: Uint8Array.from(fleet.robots, ({phase}) => phase),
+    phase: Uint8Array.from(fleet.robots, ({phase, halted}) => (halted ? Phase.HALTED : phase)),
     stage: Uint8Array.from(fleet.robots, (_, k) => (k % 19 === 3 ? 1 : k % 19 === 4 ? 2 : 0)),
     waits_for: each((p, k) => (k % 3 === 2 ? at.findIndex((q, j) => j !== k && Math.hypot(q.x - p.x, q.y - p.y) < 20) : -1)),
     turn: each(() => 0.05), next_vx: each((p) => p.vx), next_vy: each((p) => p.vy), expiry: each(() => 0.1), age: each(() => 0.02),
@@ -163,7 +166,7 @@ function frameAt(fleet, time, life) {
 
 function statusesAt(fleet, time) {
   return fleet.robots.map((robot, k) => ({
-    robot: k, phase: robot.phase, reason: robot.phase === Phase.NO_PATH ? 'no way leads from its start to its goal' : '',
+    robot: k, phase: robot.halted ? Phase.HALTED : robot.phase, reason: robot.halted ? 'an operator halted it' : robot.phase === Phase.NO_PATH ? 'no way leads from its start to its goal' : '',
     plan_seconds: 0.1 + (k % 7) / 20, arrival_time: robot.phase === Phase.ARRIVED ? 12.5 : 0,
     driven_length: along(robot, time).driven, path_length: hasPath(robot) ? robot.lengths.at(-1) : 0, nodes_valid: 300 + k, nodes_invalid: 120 + k,
     trees_received: 48, trees_grafted: k % 5, rejected: 0, periods: Math.floor(time * 20), periods_missed: Math.floor(time * 10 * (k % 3) * fleet.late),
@@ -210,6 +213,7 @@ function serve(socket, fleet, {recorded, hz, history, seconds}, control) {
     if (playing) at += ((now - last) / 1000) * speed;
     last = now;
     if (recorded && at >= seconds) { at = seconds; playing = false; }
+    for (const robot of fleet.robots) robot.halted = robot.stands ? robot.halted ?? along(robot, at) : undefined;
     if (playing || beats % hz === 0) say({frame: frameAt(fleet, at, control.life)});
     if (++beats % Math.ceil(hz / 4) === 0) {
       say({statuses: {statuses: statusesAt(fleet, at)}});
@@ -233,8 +237,9 @@ function serve(socket, fleet, {recorded, hz, history, seconds}, control) {
   });
 }
 
-async function answer(request, response) {
+async function answer(request, response, api) {
   const path = new URL(request.url, 'http://mock').pathname;
+  if (api && path.startsWith('/api/')) return api.answer(request, response);
   const name = path === '/' ? 'index.html' : path.slice(1);
   if (!/^[a-z]+\.[a-z]+$/.test(name)) return response.writeHead(404).end();
   try {
@@ -245,19 +250,22 @@ async function answer(request, response) {
   }
 }
 
-export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest, late = 0.01, waiting = 4} = {}) {
+export async function startMock({robots = 20, port = 0, recorded = false, hz = 20, history = 30, seconds = 120, silent = false, origin = [0, 0], longest, late = 0.01, waiting = 4, token} = {}) {
   const fleet = makeFleet(robots, origin);
   fleet.late = late;  // share of control periods that some robots miss
   fleet.waiting = waiting;  // seconds for which every third robot has waited
   fleet.longest = longest;  // metres that each robot has to go, for table cells that must hold them
   const control = {life: {}};
-  const server = createServer(answer);
+  const stand = (names) => { for (const robot of fleet.robots) robot.stands = names.includes(robot.name); };
+  const api = token === undefined ? undefined : new MockApi(fleet.robots.map(({name}) => name), token, stand);
+  const server = createServer((request, response) => answer(request, response, api));
   const sockets = new WebSocketServer({server, path: '/live'});
   sockets.on('connection', (socket) => { if (!silent) serve(socket, fleet, {recorded, hz, history, seconds}, control); });
   await new Promise((resolve) => server.listen(port, '127.0.0.1', resolve));
   return {
     url: `http://127.0.0.1:${server.address().port}/`,
     port: server.address().port,
+    api,
     tell: (life) => { control.life = life; },  // in the form of lifeOf
     say: (bytes) => { for (const socket of sockets.clients) socket.send(bytes); },
     close: () => new Promise((resolve) => {
@@ -276,6 +284,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const mock = await startMock({
     robots: option('robots', 20), longest: process.argv.includes('--longest') ? 1255.04 : undefined,
     origin: process.argv.includes('--utm') ? [500000, 5400000] : [0, 0], port: option('port', 8080), hz: option('hz', 20), recorded: process.argv.includes('--recorded'),
+    token: process.argv.includes('--control') ? 'mock' : undefined,
   });
   console.log(mock.url);
 }

@@ -1,0 +1,113 @@
+// The HTTP interface of a made-up fleet (docs/monitor.md, "Control"). It keeps orders and halts; no robot drives by them.
+//
+// A goal with x < 0 is refused. A robot has at most one order under way; the others wait.
+
+const json = (response, status, body) => response.writeHead(status, {'Content-Type': 'application/json'}).end(JSON.stringify(body));
+const problem = (response, status, title, detail) =>
+  response.writeHead(status, {'Content-Type': 'application/problem+json'}).end(JSON.stringify({title, status, detail}));
+const now = () => Date.now() / 1000;
+const ended = ({state}) => ['done', 'cancelled', 'failed'].includes(state);
+
+async function bodyOf(request) {
+  const pieces = [];
+  for await (const piece of request) pieces.push(piece);
+  return pieces.length > 0 ? JSON.parse(Buffer.concat(pieces)) : {};
+}
+
+export class MockApi {
+  orders = new Map();
+  everybody = 'none';
+  halted = new Map();
+  asked = [];         // "POST /api/stop", and so on
+  broken = undefined;  // a text: orders and halts fail with it
+  #listeners = new Set();
+
+  constructor(robots, token, onHalt) {
+    this.robots = robots;  // names
+    this.token = token;
+    this.onHalt = onHalt;  // is told the names of robots that stand
+  }
+
+  get listeners() { return this.#listeners.size; }
+  haltOf(robot) { return this.halted.get(robot) ?? this.everybody; }
+
+  async answer(request, response) {
+    const path = new URL(request.url, 'http://mock').pathname;
+    if (request.headers.authorization !== `Bearer ${this.token}`) return problem(response, 401, 'Unauthorized', 'no such token');
+    this.asked.push(`${request.method} ${path}`);
+    if (path === '/api/events') return this.#stream(response);
+    if (path === '/api/robots') return json(response, 200, {robots: this.robots.map((name) => this.#robot(name))});
+    if (this.broken) return problem(response, 503, 'Service Unavailable', this.broken);
+    if (path === '/api/orders' && request.method === 'POST') return this.#take(await bodyOf(request), response);
+    if (path === '/api/orders') return json(response, 200, {orders: [...this.orders.values()]});
+    const [, id] = /^\/api\/orders\/(.+)$/.exec(path) ?? [];
+    if (id) return this.#cancel(this.orders.get(id), response);
+    const [, what] = /^\/api\/(stop|release|pause|resume)$/.exec(path) ?? [];
+    if (!what) return problem(response, 404, 'Not Found', `no ${path}`);
+    this.halt(what, (await bodyOf(request)).robots);
+    return json(response, 200, this.#halts());
+  }
+
+  /// Changes an order, as the fleet would.
+  change(id, changes) {
+    Object.assign(this.orders.get(id), changes);
+    this.#say('order', this.orders.get(id));
+  }
+  halt(what, robots) {
+    const halt = {stop: 'stopped', pause: 'paused', release: 'none', resume: 'none'}[what];
+    if (robots) for (const robot of robots) this.halted.set(robot, halt);
+    else {
+      this.everybody = halt;
+      this.halted.clear();
+    }
+    this.#say('halt', this.#halts());
+    this.onHalt(this.robots.filter((name) => this.haltOf(name) !== 'none'));
+  }
+  tell(robot, changes) { this.#say('robot', {...this.#robot(robot), ...changes}); }
+  endStreams() { for (const response of this.#listeners) response.destroy(); }
+
+  #say(kind, data) {
+    for (const response of this.#listeners) response.write(`event: ${kind}\ndata: ${JSON.stringify(data)}\n\n`);
+  }
+
+  #robot(name) {
+    const order = [...this.orders.values()].find((each) => each.robot === name && !ended(each));
+    return {name, phase: 'driving', x: 0, y: 0, yaw: null, order: order?.id ?? null, halt: this.haltOf(name), why: null, time_left: null};
+  }
+
+  #halts() { return {everybody: this.everybody, robots: [...this.halted].map(([robot, halt]) => ({robot, halt}))}; }
+
+  #stream(response) {
+    response.writeHead(200, {'Content-Type': 'text/event-stream'});
+    response.write(': hello\n\n');
+    this.#listeners.add(response);
+    response.on('close', () => this.#listeners.delete(response));
+    const only = (kind, data) => response.write(`event: ${kind}\r\ndata: ${JSON.stringify(data)}\r\n\r\n`);
+    only('halt', this.#halts());
+    for (const name of this.robots) only('robot', this.#robot(name));
+    for (const order of this.orders.values()) only('order', order);
+  }
+
+  #take({robot = null, goal, goals = [goal], by = null}, response) {
+    if (goals.some(({x}) => x < 0)) return problem(response, 422, 'Unprocessable Content', 'the goal is blocked by an obstacle');
+    const busy = [...this.orders.values()].some((each) => each.robot === robot && !ended(each));
+    const free = robot !== null && !busy;
+    const order = {
+      id: `o${this.orders.size + 1}`, action: 'go', state: free ? 'under way' : 'accepted', robot, for: robot ? [robot] : [], goals, visited: 0, cancels: null,
+      reason: free ? null : robot ? `waits for ${robot} to be free` : 'waits for a robot to be free', priority: 0, by, deadline: null,
+      accepted_at: now(), begun_at: null, ended_at: null,
+    };
+    this.orders.set(order.id, order);
+    this.#say('order', order);
+    json(response, 201, order);
+  }
+
+  #cancel(order, response) {
+    if (!order) return problem(response, 404, 'Not Found', 'no such order');
+    if (ended(order)) return problem(response, 409, 'Conflict', `it is ${order.state}`);
+    this.change(order.id, {state: 'cancelled', reason: null, ended_at: now()});
+    json(response, 200, order);
+    const next = [...this.orders.values()].find((each) => each.robot === order.robot && each.state === 'accepted');
+    if (next && order.robot) this.change(next.id, {state: 'under way', reason: null});
+  }
+}
