@@ -56,6 +56,9 @@ std::string expected_of(const FieldDescriptor& field, bool in_list) {
       return "a number";
     case FieldDescriptor::CPPTYPE_UINT32:
       return fmt::format("a whole number from 0 to {}", std::numeric_limits<std::uint32_t>::max());
+    case FieldDescriptor::CPPTYPE_INT32:
+      return fmt::format("a whole number from {} to {}", std::numeric_limits<std::int32_t>::min(),
+                         std::numeric_limits<std::int32_t>::max());
     case FieldDescriptor::CPPTYPE_BOOL:
       return "true or false";
     case FieldDescriptor::CPPTYPE_STRING:
@@ -67,11 +70,21 @@ std::string expected_of(const FieldDescriptor& field, bool in_list) {
   }
 }
 
+/// Whether a number is a value of this integer type.
+template <class Integer>
+bool is_one(double value) {
+  return value >= std::numeric_limits<Integer>::min() && value <= std::numeric_limits<Integer>::max() &&
+         value == std::floor(value);
+}
+
+/// Whether a field may be null.
+enum class NullMeaning : unsigned char { refused, absent };
+
 /// Fills a message from the parser's events. Each function returns false if the event does not fit the
 /// message; then problem() says why.
 class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, MessageBuilder> {
  public:
-  explicit MessageBuilder(Message& message) : root_(message) {}
+  MessageBuilder(Message& message, NullMeaning null) : root_(message), null_(null) {}
 
   const std::string& problem() const { return problem_; }
   /// The field that is being read: "robots[2].start.x: ". Empty outside of all fields.
@@ -80,7 +93,10 @@ class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, Me
     return text.empty() ? text : text + ": ";
   }
 
-  bool Null() { return refuse("null"); }
+  bool Null() {
+    const bool is_a_field = !levels_.empty() && !levels_.back().in_list;
+    return (is_a_field && null_ == NullMeaning::absent) || refuse("null");
+  }
   bool Bool(bool value) {
     if (!is_due(FieldDescriptor::CPPTYPE_BOOL)) return refuse(value ? "true" : "false");
     return set([&](Message& m, const FieldDescriptor* f) { m.GetReflection()->SetBool(&m, f, value); });
@@ -92,18 +108,25 @@ class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, Me
   bool Double(double value) {
     if (is_due(FieldDescriptor::CPPTYPE_DOUBLE))
       return set([&](Message& m, const FieldDescriptor* f) { m.GetReflection()->SetDouble(&m, f, value); });
-    const bool is_whole =
-        value >= 0 && value <= std::numeric_limits<std::uint32_t>::max() && value == std::floor(value);
-    if (!is_due(FieldDescriptor::CPPTYPE_UINT32) || !is_whole) return refuse(fmt::format("{}", value));
-    return set([&](Message& m, const FieldDescriptor* f) {
-      m.GetReflection()->SetUInt32(&m, f, static_cast<std::uint32_t>(value));
-    });
+    if (is_due(FieldDescriptor::CPPTYPE_UINT32) && is_one<std::uint32_t>(value))
+      return set([&](Message& m, const FieldDescriptor* f) {
+        m.GetReflection()->SetUInt32(&m, f, static_cast<std::uint32_t>(value));
+      });
+    if (is_due(FieldDescriptor::CPPTYPE_INT32) && is_one<std::int32_t>(value))
+      return set([&](Message& m, const FieldDescriptor* f) {
+        m.GetReflection()->SetInt32(&m, f, static_cast<std::int32_t>(value));
+      });
+    return refuse(fmt::format("{}", value));
   }
   bool String(const char* text, rapidjson::SizeType length, bool) {
     if (!is_due(FieldDescriptor::CPPTYPE_STRING)) return refuse("a text");
-    return set([&](Message& m, const FieldDescriptor* f) {
-      m.GetReflection()->SetString(&m, f, std::string(text, length));
+    set([&](Message& m, const FieldDescriptor* f) {
+      const std::string value(text, length);
+      f->is_repeated() ? m.GetReflection()->AddString(&m, f, value)
+                       : m.GetReflection()->SetString(&m, f, value);
     });
+    count_element();
+    return true;
   }
 
   bool StartObject() {
@@ -205,14 +228,15 @@ class MessageBuilder : public rapidjson::BaseReaderHandler<rapidjson::UTF8<>, Me
   }
 
   Message& root_;
+  NullMeaning null_;
   std::vector<Level> levels_;
   std::string problem_;
 };
 
-[[noreturn]] void fail(const std::filesystem::path& path, std::string_view text, std::size_t at,
+[[noreturn]] void fail(const std::string& name, std::string_view text, std::size_t at,
                        const std::string& problem) {
   const auto line = 1 + std::ranges::count(text.substr(0, at), '\n');
-  throw InputError(fmt::format("{}:{}: {}", path.string(), line, problem));
+  throw InputError(fmt::format("{}:{}: {}", name, line, problem));
 }
 
 std::string syntax_problem(const rapidjson::ParseResult& result, std::string_view text) {
@@ -224,20 +248,27 @@ std::string syntax_problem(const rapidjson::ParseResult& result, std::string_vie
   return rapidjson::GetParseError_En(result.Code());
 }
 
-}  // namespace
-
-void read_json(const std::filesystem::path& path, Message& message) {
-  const std::string text = read_text(path);
+void read(std::string_view text, const std::string& name, NullMeaning null, Message& message) {
   rapidjson::MemoryStream stream(text.data(), text.size());
-  MessageBuilder builder(message);
+  MessageBuilder builder(message, null);
   rapidjson::Reader reader;
   // The parser is iterative, because deeply nested brackets would overflow the stack of a recursive one.
   constexpr unsigned strict = rapidjson::kParseIterativeFlag | rapidjson::kParseFullPrecisionFlag |
                               rapidjson::kParseValidateEncodingFlag;
   const rapidjson::ParseResult result = reader.Parse<strict>(stream, builder);
-  if (!builder.problem().empty()) fail(path, text, stream.Tell(), builder.problem());
-  if (result.IsError()) fail(path, text, result.Offset(), builder.place() + syntax_problem(result, text));
-  if (stream.Tell() != text.size()) fail(path, text, stream.Tell(), "a zero byte");
+  if (!builder.problem().empty()) fail(name, text, stream.Tell(), builder.problem());
+  if (result.IsError()) fail(name, text, result.Offset(), builder.place() + syntax_problem(result, text));
+  if (stream.Tell() != text.size()) fail(name, text, stream.Tell(), "a zero byte");
+}
+
+}  // namespace
+
+void read_json(const std::filesystem::path& path, Message& message) {
+  read(read_text(path), path.string(), NullMeaning::refused, message);
+}
+
+void read_json_text(std::string_view text, const std::string& name, Message& message) {
+  read(text, name, NullMeaning::absent, message);
 }
 
 }  // namespace coppice
