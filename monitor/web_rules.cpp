@@ -27,6 +27,27 @@ bool is_address(const std::string& text, int family) {
   return inet_pton(family, text.c_str(), address.data()) == 1;
 }
 
+/// Looks at all characters, wherever the first difference is.
+bool is_same_secret(std::string_view given, std::string_view secret) {
+  unsigned difference = given.size() == secret.size() ? 0 : 1;
+  for (std::size_t k = 0; k < given.size(); ++k)
+    difference |=
+        static_cast<unsigned char>(given[k]) ^ static_cast<unsigned char>(secret[k % secret.size()]);
+  return difference == 0;
+}
+
+bool shows_token(std::string_view authorization, std::string_view token) {
+  constexpr std::string_view scheme = "Bearer ";  // RFC 6750, 2.1
+  return same_letters(authorization.substr(0, scheme.size()), scheme) &&
+         is_same_secret(authorization.substr(scheme.size()), token);
+}
+
+int value_of_hex(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
 }  // namespace
 
 bool is_fine_host(std::string_view host) {
@@ -76,8 +97,50 @@ bool may_connect(Channel channel, std::string_view origin, std::string_view host
          (origin == foxglove_origin || std::ranges::find(others, origin) != others.end());
 }
 
+bool is_of_api(std::string_view path) {
+  return path == "/api" || path.starts_with("/api/");
+}
+
+ApiAccess api_access(std::string_view authorization, std::string_view origin, std::string_view host,
+                     std::string_view token) {
+  if (token.empty()) return ApiAccess::absent;
+  if (!origin.empty() && !is_same_origin(origin, host)) return ApiAccess::foreign_origin;
+  return shows_token(authorization, token) ? ApiAccess::granted : ApiAccess::unauthorized;
+}
+
 std::string_view path_of(std::string_view target) {
   return target.substr(0, target.find_first_of("?#"));
+}
+
+std::string_view query_of(std::string_view target) {
+  target = target.substr(0, target.find('#'));
+  const std::size_t mark = target.find('?');
+  return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
+}
+
+std::string decoded(std::string_view text) {
+  std::string plain;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const bool is_escape = text[k] == '%' && k + 2 < text.size() && value_of_hex(text[k + 1]) >= 0 &&
+                           value_of_hex(text[k + 2]) >= 0;
+    plain +=
+        is_escape ? static_cast<char>(16 * value_of_hex(text[k + 1]) + value_of_hex(text[k + 2])) : text[k];
+    if (is_escape) k += 2;
+  }
+  return plain;
+}
+
+std::optional<std::string> query_value(std::string_view query, std::string_view name) {
+  while (!query.empty()) {
+    const std::string_view one = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(one.size() + 1, query.size()));
+    const std::size_t equals = std::min(one.find('='), one.size());
+    if (one.substr(0, equals) != name) continue;
+    std::string value(one.substr(std::min(equals + 1, one.size())));
+    std::ranges::replace(value, '+', ' ');
+    return decoded(value);
+  }
+  return std::nullopt;
 }
 
 std::string_view media_type(std::string_view path) {

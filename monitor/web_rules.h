@@ -1,8 +1,9 @@
 // The access rules of the web server, apart from any socket, so that they can be reviewed and tested.
 //
-// A monitor shows a fleet to everybody at this machine. It refuses requests that other sites cause in a
-// browser here: a site whose name points to this machine (DNS rebinding) is recognised by the Host, and a
-// connection across origins by the Origin (RFC 6455, 10.2), which pages cannot forge.
+// A monitor shows a fleet to everybody at this machine, and obeys those who show its token. It refuses
+// requests that other sites cause in a browser here: a site whose name points to this machine (DNS rebinding)
+// is recognised by the Host, and a connection across origins by the Origin (RFC 6455, 10.2), which pages
+// cannot forge.
 #pragma once
 
 #include <optional>
@@ -36,8 +37,31 @@ std::optional<Channel> channel_of(std::string_view path, std::string_view subpro
 bool may_connect(Channel channel, std::string_view origin, std::string_view host,
                  const std::vector<std::string>& others);
 
+/// Whether a path belongs to the HTTP API, which controls the fleet.
+bool is_of_api(std::string_view path);
+
+/// What a request to the API may do.
+enum class ApiAccess : unsigned char {
+  granted,
+  absent,          ///< this server has no API
+  foreign_origin,  ///< a page of another site sent it
+  unauthorized,    ///< it does not show the token
+};
+
+/// `authorization`, `origin`, `host`: the texts of these headers. `token`: the server's; empty: it has no
+/// API. The time for the comparison tells nothing of the token.
+ApiAccess api_access(std::string_view authorization, std::string_view origin, std::string_view host,
+                     std::string_view token);
+
 /// The path of a request's target, without the query.
 std::string_view path_of(std::string_view target);
+/// The query of a request's target, without the question mark.
+std::string_view query_of(std::string_view target);
+
+/// A part of a path, decoded (RFC 3986, 2.1).
+std::string decoded(std::string_view text);
+/// The decoded value of a parameter of a query: name=value, separated by &.
+std::optional<std::string> query_value(std::string_view query, std::string_view name);
 
 /// The media type of a file, by its extension.
 std::string_view media_type(std::string_view path);

@@ -5,56 +5,17 @@
 
 #include "monitor/web_server.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "coppice/files/input_error.h"
 #include "tests/processes.h"
+#include "tests/web/client.h"
 
 namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-
-class Client {
- public:
-  explicit Client(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(port);
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  }
-  ~Client() { close(socket_); }
-  Client(const Client&) = delete;
-  Client& operator=(const Client&) = delete;
-
-  void say(const std::string& bytes) const {
-    EXPECT_EQ(send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL), std::ssize(bytes));
-  }
-  void ask_for_web_socket() const {
-    say("GET /live HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
-        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
-  }
-  /// What has arrived so far.
-  std::string heard() const {
-    std::string all(1 << 16, '\0');
-    const ssize_t size = recv(socket_, all.data(), all.size(), MSG_DONTWAIT);
-    all.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-    return all;
-  }
-  bool is_closed() const {
-    pollfd look{.fd = socket_, .events = POLLRDHUP};
-    return poll(&look, 1, 0) == 1 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
-  }
-
- private:
-  int socket_;
-};
+using test::Client;
 
 struct WebServerTest : testing::Test {
   int asked = 0;

@@ -77,5 +77,37 @@ TEST(WebRules, FilesHaveMediaTypes) {
   EXPECT_EQ(media_type("/a"), "application/octet-stream");
 }
 
+TEST(WebRules, TheApiNeedsTheTokenAndNoForeignOrigin) {
+  constexpr const char* token = "0123456789abcdef";
+  const auto access = [&](const char* authorization, const char* origin = "") {
+    return api_access(authorization, origin, "127.0.0.1:8090", token);
+  };
+  EXPECT_EQ(access("Bearer 0123456789abcdef"), ApiAccess::granted);
+  EXPECT_EQ(access("bearer 0123456789abcdef", "http://127.0.0.1:8090"), ApiAccess::granted);
+  for (const char* wrong : {"", "Bearer", "Bearer ", "Bearer 0123456789abcdeg", "Bearer 0123456789abcde",
+                            "Bearer 0123456789abcdef0", "Bearer 0123456789ABCDEF", "Basic 0123456789abcdef",
+                            "0123456789abcdef", "Bearer 0123456789abcdef0123456789abcdef"})
+    EXPECT_EQ(access(wrong), ApiAccess::unauthorized) << wrong;
+  for (const char* origin : {"null", "http://evil.example", "https://app.foxglove.dev"})
+    EXPECT_EQ(access("Bearer 0123456789abcdef", origin), ApiAccess::foreign_origin) << origin;
+  EXPECT_EQ(api_access("Bearer ", "", "127.0.0.1", ""), ApiAccess::absent);
+}
+
+TEST(WebRules, TheApiHasPathsOfItsOwn) {
+  for (const char* path : {"/api", "/api/", "/api/orders"}) EXPECT_TRUE(is_of_api(path)) << path;
+  for (const char* path : {"", "/", "/apis", "/API", "/x/api"}) EXPECT_FALSE(is_of_api(path)) << path;
+}
+
+TEST(WebRules, QueriesAreDecoded) {
+  EXPECT_EQ(query_of("/a?b=c&d#e?f"), "b=c&d");
+  EXPECT_EQ(query_of("/a#b?c"), "");
+  EXPECT_EQ(query_of("/a"), "");
+  EXPECT_EQ(query_value("a=1&b=x%20y+z%2B&b=3", "b"), "x y z+");
+  EXPECT_EQ(query_value("ab=1&b", "b"), "");
+  EXPECT_EQ(query_value("&&ab=1&", "b"), std::nullopt);
+  EXPECT_EQ(decoded("%7a%7A+%"), "zz+%");
+  EXPECT_EQ(decoded("%4%g0%0"), "%4%g0%0");
+}
+
 }  // namespace
 }  // namespace coppice
