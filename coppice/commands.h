@@ -87,7 +87,9 @@ struct MonitorOptions {
   DdsSettings network;
   std::string recording;  ///< shows this file; empty: shows a live fleet
   WebSettings web;
-  bool open = false;  ///< opens a browser, too
+  bool open = false;       ///< opens a browser, too
+  bool control = false;    ///< takes orders over HTTP
+  std::string token_file;  ///< with the token that clients must show for that
   LogOptions log;
 };
 

@@ -16,9 +16,12 @@
 #include <unistd.h>
 
 #include "coppice/commands.h"
+#include "coppice/files/input_error.h"
+#include "files/text_file.h"
 #include "monitor/monitor.h"
 #include "monitor/player.h"
 #include "monitor/rhythm.h"
+#include "runtime/order_id.h"
 #include "runtime/process.h"
 
 namespace coppice {
@@ -26,9 +29,11 @@ namespace coppice {
 namespace {
 
 constexpr double turn_seconds = 0.01;  // seconds: the loop reads the bus and serves pages once in this time
-constexpr double count_period = 1;     // seconds
-constexpr double state_period = 0.25;  // seconds, for a recording that is played
-constexpr double last_words = 0.4;     // seconds in which open pages receive the end of a run
+constexpr double turn_with_debts = 0.001;   // seconds, while clients wait for what becomes of their orders
+constexpr std::size_t shortest_token = 16;  // characters: none that is shorter is hard to guess
+constexpr double count_period = 1;          // seconds
+constexpr double state_period = 0.25;       // seconds, for a recording that is played
+constexpr double last_words = 0.4;          // seconds in which open pages receive the end of a run
 
 std::uint64_t resident_bytes() {
   std::ifstream file("/proc/self/statm");  // in pages: proc(5)
@@ -75,11 +80,22 @@ double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-/// Shows the live fleet. Wishes of pages are ignored.
-void show_fleet(const MonitorOptions& options) {
-  give_way();
-  Monitor monitor(options.web, fmt::format("domain {}", options.network.domain));
-  DdsBus bus(options.network, Role::viewer, "monitor");
+/// The first line of the file.
+std::string token_in(const std::string& file) {
+  const std::string text = read_text(file);
+  const std::string token = text.substr(0, text.find_first_of("\r\n"));
+  if (token.size() < shortest_token)
+    throw InputError(fmt::format("{}:1: expected a token of at least {} characters, found {}", file,
+                                 shortest_token, token.size()));
+  return token;
+}
+
+/// Shows the live fleet. Wishes of pages are ignored. With a token, clients that show it give orders, which
+/// must not wait for other processes.
+void show_fleet(const MonitorOptions& options, const WebSettings& web) {
+  if (!options.control) give_way();
+  Monitor monitor(web, fmt::format("domain {}", options.network.domain), false, draw_order_id);
+  DdsBus bus(options.network, options.control ? Role::dispatcher : Role::viewer, "monitor");
   tell(monitor, options);
   Rhythm count_rhythm(count_period);
   std::optional<WallTime> asked_to_stop;
@@ -93,7 +109,8 @@ void show_fleet(const MonitorOptions& options) {
     if (count_rhythm.due(now)) {
       monitor.note(processor_seconds(), resident_bytes(), bus.counts().rejected);
     }
-    monitor.turn(now, now, turn_seconds);
+    monitor.turn(now, now, monitor.owes_replies() ? turn_with_debts : turn_seconds);
+    for (const OrderMessage& order : monitor.take_orders()) bus.publish(Message(order));
     monitor.wishes();
   }
 }
@@ -127,7 +144,9 @@ void show_recording(const MonitorOptions& options) {
 
 int monitor_command(const MonitorOptions& options) {
   install_stop_signals();
-  options.recording.empty() ? show_fleet(options) : show_recording(options);
+  WebSettings web = options.web;
+  if (options.control) web.token = token_in(options.token_file);
+  options.recording.empty() ? show_fleet(options, web) : show_recording(options);
   return 0;
 }
 

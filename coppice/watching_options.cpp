@@ -34,6 +34,20 @@ std::string typed_command(const CLI::App& command) {
   return shell_words(words);
 }
 
+void add_control_options(CLI::App& monitor, MonitorOptions& options, CLI::Option* recording) {
+  monitor.option_defaults()->group("Control");
+  auto* control =
+      monitor.add_flag("--control", options.control, "programs may give orders over HTTP, with a token")
+          ->excludes(recording);
+  auto* token = monitor
+                    .add_option("--token-file", options.token_file,
+                                "the token in its first line, of at least 16 characters")
+                    ->type_name("FILE")
+                    ->default_str("none")
+                    ->needs(control);
+  control->needs(token);
+}
+
 void add_monitor(CLI::App& app, MonitorOptions& options, ChosenCommand& chosen) {
   auto* monitor = app.add_subcommand("monitor", "shows a fleet: a page, Foxglove, Prometheus");
   auto* file =
@@ -55,7 +69,9 @@ void add_monitor(CLI::App& app, MonitorOptions& options, ChosenCommand& chosen) 
       ->type_name("ORIGIN")
       ->default_str("none");
   monitor->add_flag("--open", options.open, "opens the page in a browser");
-  add_network_options(*monitor, options.network, "observer", domain_of_fleet);
+  add_control_options(*monitor, options, file);
+  add_network_options(*monitor, options.network, "observer's, with --control the dispatcher",
+                      domain_of_fleet);
   for (const char* name : {"--domain", "--discovery", "--security"})
     monitor->get_option(name)->excludes(file);
   add_log_options(*monitor, options.log);

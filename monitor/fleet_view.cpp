@@ -11,7 +11,7 @@ namespace coppice {
 
 namespace {
 
-constexpr std::size_t most_robots = 10'000;       // names beyond that are forged
+constexpr std::size_t most_seen = 10'000;         // names beyond that are forged
 constexpr std::size_t most_root_nodes = 200'000;  // per robot
 constexpr WallTime share_period = 1;              // seconds over which a share is computed, at least
 constexpr std::uint32_t missed_period = 20;       // control periods over which a share is computed, at least
@@ -166,7 +166,7 @@ void FleetView::receive(const MapMessage& map, WallTime) {
 
 /// Null if there are so many names that some must be forged.
 SeenRobot* FleetView::robot(const RobotName& name) {
-  if (robots_.size() >= most_robots && !index_.find(name)) return nullptr;
+  if (robots_.size() >= most_seen && !index_.find(name)) return nullptr;
   const auto [number, fresh] = index_.insert(name);
   if (fresh) robots_.push_back({.name = name});
   return &robots_[number];

@@ -15,14 +15,21 @@ constexpr std::size_t most_wishes = 64;  // between two turns; further wishes of
 
 }  // namespace
 
-Monitor::Monitor(const WebSettings& settings, const std::string& source, bool recorded)
+Monitor::Monitor(const WebSettings& settings, const std::string& source, bool recorded,
+                 std::function<std::string()> draw_order_id)
     : live_(source, recorded),
       load_{.has_bus = !recorded},
       server_(settings, {.get = [this](std::string_view path) { return get(path); },
-                         .talk = [this](Channel channel) { return talk(channel); }}) {}
+                         .talk = [this](Channel channel) { return talk(channel); },
+                         .api = [this](const WebRequest& request) { return api_->answer(request, view_); }}) {
+  if (!settings.token.empty()) api_.emplace(std::move(draw_order_id));
+}
 
 void Monitor::take(const std::vector<Arrival>& arrivals) {
-  for (const Arrival& arrival : arrivals) view_.on(arrival.message, arrival.at);
+  for (const Arrival& arrival : arrivals) {
+    view_.on(arrival.message, arrival.at);
+    if (api_) api_->on(*arrival.message);
+  }
   load_.messages += arrivals.size();
 }
 
@@ -46,8 +53,13 @@ std::vector<live::FromPage> Monitor::wishes() {
   return std::exchange(wishes_, {});
 }
 
+std::vector<OrderMessage> Monitor::take_orders() {
+  return api_ ? api_->take_orders() : std::vector<OrderMessage>();
+}
+
 void Monitor::turn(WallTime now, WallTime present, double seconds) {
   live_.look(view_, now, present);
+  if (api_) api_->look(view_, now);
   server_.serve(seconds);
 }
 

@@ -1,4 +1,4 @@
-// Targets for what others send that are not part of the fleet: ROS 2 nodes and Foxglove.
+// Targets for what others send that are not part of the fleet: ROS 2 nodes, Foxglove, and clients of the API.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,9 +7,11 @@
 #include <string_view>
 #include <variant>
 
+#include "coppice/files/input_error.h"
 #include "messages/validation.h"
 #include "monitor/foxglove.h"
 #include "monitor/live_stream.h"
+#include "monitor/order_request.h"
 #include "planner_service/planner_service.h"
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_side.h"
@@ -167,10 +169,33 @@ std::vector<Input> foxglove_client_seeds() {
   return {Input(all.begin(), all.end())};
 }
 
+/// What a request asks for has a robot at most, some places to go to, and a deadline that is a time.
+void order_request(Bytes data) {
+  const std::string_view body(reinterpret_cast<const char*>(data.data()), data.size());
+  try {
+    const OrderMessage order = order_of(body, 100);
+    if (order.robots.size() > 1 || order.visits.empty() || order.visits.size() > most_visits) std::abort();
+    if (order.deadline != 0 && !(order.deadline > 100)) std::abort();
+  } catch (const InputError&) {
+  }
+  try {
+    if (!halt_order_of(body, Action::stop).visits.empty()) std::abort();
+  } catch (const InputError&) {
+  }
+}
+std::vector<Input> order_request_seeds() {
+  const auto input = [](std::string_view text) { return Input(text.begin(), text.end()); };
+  return {input(R"({"id": "a-1", "robot": "r2", "goal": {"x": 1.5, "y": -2, "yaw": 0.5, "wait": 3},
+ "priority": -7, "deadline": 60, "by": "me"})"),
+          input(R"({"robot": null, "goals": [{"x": 1, "y": 2}, {"x": 3e1, "y": 4}]})"),
+          input(R"({"robots": ["r1", "r2"], "by": "me"})")};
+}
+
 constexpr std::array all{Target{"ros_odometry", ros_odometry, ros_odometry_seeds},
                          Target{"ros_goal", ros_goal, ros_goal_seeds},
                          Target{"ros_transforms", ros_transforms, ros_transforms_seeds},
-                         Target{"foxglove_client", foxglove_client, foxglove_client_seeds}};
+                         Target{"foxglove_client", foxglove_client, foxglove_client_seeds},
+                         Target{"order_request", order_request, order_request_seeds}};
 
 }  // namespace
 
