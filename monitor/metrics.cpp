@@ -255,7 +255,7 @@ void add_monitor(Families& all, const MonitorLoad& load) {
   if (load.has_bus)
     add_counter(all, "coppice_monitor_rejected_messages_total",
                 "Samples that the monitor dropped as invalid.", number(load.rejected));
-  add_gauge(all, "coppice_monitor_connections", "Connected pages and Foxglove clients.",
+  add_gauge(all, "coppice_monitor_connections", "Connected pages, Foxglove clients and listeners to events.",
             static_cast<double>(load.connections));
   add_counter(all, "coppice_monitor_sent_bytes_total", "Bytes sent to pages and Foxglove clients.",
               number(load.bytes_sent));

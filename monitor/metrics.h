@@ -21,7 +21,7 @@ struct MonitorLoad {
   bool has_bus = true;          ///< false: it shows a recording, of which nothing can be rejected
   std::uint64_t messages = 0;   ///< received from its bus or its recording
   std::uint64_t rejected = 0;   ///< samples that were dropped as invalid
-  std::size_t connections = 0;  ///< open WebSockets
+  std::size_t connections = 0;  ///< open WebSockets and event streams
   std::uint64_t bytes_sent = 0;
   double processor_seconds = 0;
   std::uint64_t resident_bytes = 0;
