@@ -17,11 +17,11 @@
 
 #include "coppice/commands.h"
 #include "coppice/files/input_error.h"
+#include "coppice/order_id.h"
 #include "files/text_file.h"
 #include "monitor/monitor.h"
 #include "monitor/player.h"
 #include "monitor/rhythm.h"
-#include "runtime/order_id.h"
 #include "runtime/process.h"
 
 namespace coppice {

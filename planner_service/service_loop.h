@@ -8,7 +8,6 @@
 
 #include "dds/dds_bus.h"
 #include "messages/keep.h"
-#include "planner_service/order_history.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
 #include "planner_service/robot_assignment.h"
@@ -18,6 +17,7 @@
 #include "planner_service/startup_barrier.h"
 #include "ros2/dds_ros.h"
 #include "runtime/journal.h"
+#include "runtime/order_history.h"
 #include "runtime/process.h"
 
 namespace coppice {

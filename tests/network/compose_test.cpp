@@ -33,13 +33,14 @@ TEST(Deploy, TheComposeFileOfAStandingFleetIsValid) {
   EXPECT_NE(outcome.output.find("--control"), std::string::npos) << outcome.output;
 }
 
-TEST(Deploy, TheKubernetesManifestFitsThePrograms) {
+TEST(Deploy, TheKubernetesManifestsFitThePrograms) {
   const std::filesystem::path check = std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/network/manifest.py";
-  const test::Outcome outcome =
-      test::shell("/usr/bin/python3 '" + check.string() + "' '" + (deploy / "kubernetes.yaml").string() +
-                  "' '" + COPPICE_BIN_DIR + "'");
-  EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_EQ(outcome.output, "");
+  for (const char* manifest : {"kubernetes.yaml", "kubernetes-standing.yaml"}) {
+    const test::Outcome outcome = test::shell("/usr/bin/python3 '" + check.string() + "' '" +
+                                              (deploy / manifest).string() + "' '" + COPPICE_BIN_DIR + "'");
+    EXPECT_EQ(outcome.exit_code, 0) << manifest;
+    EXPECT_EQ(outcome.output, "") << manifest;
+  }
 }
 
 /// With the programs of this build on this machine's root file system; COPPICE_IMAGE_ROOT names the root of

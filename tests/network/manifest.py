@@ -27,7 +27,7 @@ for item in items:
             print(f"{app}: there is no volume {volume}")
         words = " ".join(container["args"]).split()
         program = next(word for word in words if os.path.exists(os.path.join(programs, word)))
-        command = [os.path.join(programs, program)] + (["discovery"] if program == "coppice" else [])
+        command = [os.path.join(programs, program)] + (words[1:2] if program == "coppice" else [])
         known = subprocess.run(command + ["--help"], stdout=subprocess.PIPE, text=True, check=True).stdout
         for option in re.findall(r"(?<=\s)--[a-z-]+", " ".join(words)):
             if not re.search(rf"{option}\b", known):

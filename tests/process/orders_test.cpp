@@ -1,6 +1,6 @@
 // Tests of a fleet that takes orders, as processes over DDS: commands, kills, and another vendor's DDS.
 //
-// CTest: RESOURCE_LOCK domains_156_and_157
+// CTest: RESOURCE_LOCK domains_190_and_191
 
 #include <chrono>
 #include <csignal>
@@ -25,7 +25,7 @@ using test::Background;
 using test::Outcome;
 using test::shell;
 
-constexpr int domain = 156;
+constexpr int domain = 190;
 
 /// Four robots in a hall of 40 m x 30 m with a wall in it. They have no goals.
 std::string hall() {
@@ -164,7 +164,7 @@ TEST(Orders, MistakesAreRefusedInOneLine) {
   const Outcome nobody =
       shell(test::program("coppice") + " stop --patience 0.5 --domain " + std::to_string(domain + 1));
   EXPECT_EQ(nobody.exit_code, 1);
-  EXPECT_NE(nobody.output.find("nobody on domain 157 has answered"), std::string::npos) << nobody.output;
+  EXPECT_NE(nobody.output.find("nobody on domain 191 has answered"), std::string::npos) << nobody.output;
 }
 
 TEST(Orders, AScenarioWithoutGoalsIsNoRun) {

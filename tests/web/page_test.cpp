@@ -79,6 +79,26 @@ TEST_F(Page, ThePageShowsADrivingFleet) {
   run->wait();
 }
 
+TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
+  const std::string number = std::to_string(domain + 4);
+  const std::string token = "0123456789abcdef";
+  folder.write("token", token);
+  const auto fleet = start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4",
+                            "--domain", number, "--quiet", "--time-scale", "2"},
+                           "fleet.log");
+  const auto monitor = start(
+      {"monitor", "--domain", number, "--port", "0", "--control", "--token-file", path("token").string()},
+      "monitor.log");
+  const char* const kept = std::getenv("COPPICE_PAGE_SHOTS");
+  const test::Outcome outcome = test::shell(
+      fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} COPPICE_PAGE_SHOTS='{}' node "
+                  "'{}/page/fleet_control.spec.mjs' 2>&1",
+                  url(), token, kept != nullptr ? std::string(kept) + "/control" : path("shots").string(),
+                  web().string()));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
+                                  << test::contents(path("fleet.log"));
+}
+
 TEST_F(Page, ThePageShowsARecording) {
   const std::string file = path("fleet.mcap").string();
   EXPECT_EQ(

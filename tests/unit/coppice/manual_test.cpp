@@ -63,7 +63,8 @@ TEST(Completion, CompletionOffersTheValuesOfAnOption) {
   EXPECT_EQ(offered("coppice", "run --log-level ="), levels);
   EXPECT_EQ(offered("tree_broker", "--discovery s"), (std::set<std::string>{"static"}));
   EXPECT_EQ(offered("coppice", "bench p"), (std::set<std::string>{"paper", "peers"}));
-  EXPECT_EQ(offered("coppice", "help r"), (std::set<std::string>{"record", "replay", "report", "run"}));
+  EXPECT_EQ(offered("coppice", "help r"),
+            (std::set<std::string>{"record", "release", "replay", "report", "resume", "run"}));
   EXPECT_EQ(offered("coppice", "map maz"), (std::set<std::string>{"maze", "maze-traffic"}));
   EXPECT_EQ(offered("coppice", "bench peers --maps ma"), (std::set<std::string>{"maze"}));
   EXPECT_EQ(offered("coppice", "run --robots \"\""), std::set<std::string>()) << "a number";

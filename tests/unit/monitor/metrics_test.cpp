@@ -158,7 +158,7 @@ TEST(Metrics, EachRobotReportsItsPhaseItsWayAndItsWaits) {
         "coppice_robot_without_progress_seconds{robot=\"a\"} 5", "coppice_fleet_alive 1",
         "coppice_run_ended 0"})
     EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
-  EXPECT_EQ(lines_of(text, "coppice_robot_phase"), 7);
+  EXPECT_EQ(lines_of(text, "coppice_robot_phase"), 8);
   fleet.end_of_run("a");
   const std::string ended = metrics_text(fleet.view, {}, fleet.now);
   EXPECT_TRUE(has_line(ended, "coppice_run_ended 1")) << ended;

@@ -92,10 +92,13 @@ const std::vector<Reserved> reserved = {
      "dds/.*|ros2/dds_.*|runtime/process.*|monitor/web_shared\\.h|python/core\\.cpp" + commands +
          tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
-    {"<random>", "((tree_broker|planner_service)/main|robot_agent/run_unnamed|coppice/order_id)\\.cpp" + tests_and_benches,
+    {"<random>",
+     "((tree_broker|planner_service)/main|robot_agent/run_unnamed|coppice/order_id)\\.cpp" +
+         tests_and_benches,
      "chance is passed in"},
     {"<(iostream|fstream|filesystem)>",
-     "(include/coppice/)?files/.*|runtime/(journal|command_line).*" + mains + commands + tests_and_benches,
+     "(include/coppice/)?files/.*|runtime/(journal|order_history|command_line).*" + mains + commands +
+         tests_and_benches,
      "what reads or writes is at the edges"},
 };
 

@@ -12,7 +12,8 @@ namespace coppice {
 
 class OrderHistory {
  public:
-  /// Appends to the file, or creates it. Throws InputError if it cannot be read or written.
+  /// Appends to the file, or creates it. Throws std::runtime_error, which names the file, if it cannot be
+  /// read or written.
   explicit OrderHistory(const std::filesystem::path& file);
 
   /// Writes the status of an order, unless the file has it already: a restarted service says again what the

@@ -1,10 +1,10 @@
-#include "planner_service/order_history.h"
+#include "runtime/order_history.h"
 
 #include <functional>
+#include <stdexcept>
 
 #include <spdlog/spdlog.h>
 
-#include "coppice/files/input_error.h"
 #include "messages/order_json.h"
 
 namespace coppice {
@@ -26,7 +26,7 @@ OrderHistory::OrderHistory(const std::filesystem::path& file) : file_(file.strin
   }
   out_.open(file, std::ios::app);
   if (is_cut) out_ << '\n';
-  if (!out_.flush()) throw InputError(file_ + ": cannot be written");
+  if (!out_.flush()) throw std::runtime_error(file_ + ": cannot be written");
 }
 
 void OrderHistory::said(const Message& message) {
