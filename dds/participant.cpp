@@ -28,7 +28,6 @@ constexpr std::uint32_t first_announcements = 100;  // one every 0.1 s
 // it, and the other ones take the acknowledgments that it numbers from one again for old ones.
 constexpr int lease = 120;
 constexpr int datagram_for_credentials = 8192;  // bytes
-constexpr int datagram_for_endpoints = 4096;    // bytes
 
 /// Static discovery: each process announces which endpoints of the table of topics it has.
 void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
@@ -36,6 +35,9 @@ void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
   discovery.use_STATIC_EndpointDiscoveryProtocol = true;
   discovery.static_edp_xml_config(("data://" + static_endpoints(role)).c_str());
+  // DDS does not cut the announcement of a participant, which lists its endpoints. In the usual format that of
+  // a service, an observer or a replayer would not fit into a datagram.
+  qos.properties().properties().emplace_back("dds.discovery.static_edp.exchange_format", "v1_Reduced");
   qos.name(static_participant);
 }
 
@@ -53,16 +55,11 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
   discovery.m_DiscoveryServers = std::move(list.found);
 }
 
-/// The size of a datagram that DDS may send. DDS does not cut two kinds of messages: a step of an
-/// authentication, which contains certificates; and the announcement of an observer or a replayer with static
-/// discovery, which lists nearly all endpoints. These must fit.
-int largest_datagram_of(const DdsSettings& settings, Role role) {
-  int largest = settings.largest_datagram;
-  if (!settings.security.empty()) largest = std::max(largest, datagram_for_credentials);
-  const bool has_most_endpoints = role == Role::observer || role == Role::replayer;
-  if (has_most_endpoints && discovery_of(settings) == static_discovery)
-    largest = std::max(largest, datagram_for_endpoints);
-  return largest;
+/// The size of a datagram that DDS may send. DDS does not cut a step of an authentication, which contains
+/// certificates.
+int largest_datagram_of(const DdsSettings& settings) {
+  const int largest = settings.largest_datagram;
+  return settings.security.empty() ? largest : std::max(largest, datagram_for_credentials);
 }
 
 }  // namespace
@@ -86,7 +83,7 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
       sparing_udp_transport({.recipients = recipients,
                              .announcements = by_servers ? nullptr : &announcements,
                              .traffic = traffic,
-                             .largest_datagram = largest_datagram_of(settings, role),
+                             .largest_datagram = largest_datagram_of(settings),
                              .is_secure = !settings.security.empty()}));
   // The default reserves ten buffers, each as long as a datagram.
   qos.allocation().send_buffers = {.preallocated_number = 1, .dynamic = true};

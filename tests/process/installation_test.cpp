@@ -34,7 +34,7 @@ TEST(Installation, TheInstallationHoldsTheProgramsAndTheirFiles) {
     EXPECT_EQ(text.find("/usr/local/bin"), std::string::npos) << text;
     ++units;
   }
-  EXPECT_EQ(units, 4);
+  EXPECT_EQ(units, 5);
 }
 
 }  // namespace

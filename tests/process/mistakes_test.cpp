@@ -48,8 +48,8 @@ TEST(Mistakes, AnUnknownOptionNamesTheNearest) {
 TEST(Mistakes, AnUnknownCommandNamesTheNearest) {
   expect_one_line("coppice", "simulat " + rooms(), {"simulat: unknown subcommand, did you mean simulate?"});
   expect_one_line("coppice", "rnu", {"did you mean run?"});
-  expect_one_line("coppice", "fly", {"fly: unknown subcommand, expected one of run, monitor,"});
-  expect_one_line("coppice", "", {"expected a subcommand: run, monitor,"});
+  expect_one_line("coppice", "fly", {"fly: unknown subcommand, expected one of run, serve,"});
+  expect_one_line("coppice", "", {"expected a subcommand: run, serve,"});
   expect_one_line("coppice", "help fyl", {"there is no fyl, expected one of report, run,"});
   expect_one_line("coppice", "help simualte", {"did you mean simulate?"});
 }

@@ -99,7 +99,7 @@ TEST_F(SecurityFiles, PrivateKeysBelongToTheirOwnersAndAuthorities) {
     for (const auto& [other, same] : files_in(ours()))
       EXPECT_TRUE(other == file || same != content) << other << " is " << file;
   }
-  EXPECT_EQ(keys, 2u + 5u) << "two authorities, five roles";
+  EXPECT_EQ(keys, 2u + 6u) << "two authorities, six roles";
 }
 
 TEST_F(SecurityFiles, MakeKeysLeavesExistingFilesUnchanged) {
