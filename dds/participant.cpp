@@ -35,8 +35,8 @@ void find_others_by_table(Role role, dds::DomainParticipantQos& qos) {
   discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
   discovery.use_STATIC_EndpointDiscoveryProtocol = true;
   discovery.static_edp_xml_config(("data://" + static_endpoints(role)).c_str());
-  // DDS does not cut the announcement of a participant, which lists its endpoints. In the usual format that of
-  // a service, an observer or a replayer would not fit into a datagram.
+  // DDS does not cut the announcement of a participant, which lists its endpoints. In the usual format that
+  // of a service, an observer or a replayer would not fit into a datagram.
   qos.properties().properties().emplace_back("dds.discovery.static_edp.exchange_format", "v1_Reduced");
   qos.name(static_participant);
 }

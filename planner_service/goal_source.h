@@ -58,7 +58,7 @@ class GoalSource {
   /// Draws from here on other goals than the first `goals`, which a service before this one has drawn.
   void skip(std::uint64_t goals) { random_ = Random(scenario_.seed + goals); }
 
-  /// Of the map, with the margin.
+  /// The clearance field of the map, with the margin.
   const ClearanceField& field();
 
  private:

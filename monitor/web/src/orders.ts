@@ -28,7 +28,7 @@ export interface Order {
   ended_at: number | null;
 }
 
-/// What is told of a robot beyond that which the map shows.
+/// The duty of a robot, as the API tells it.
 export interface Duty {
   name: string;
   order: string | null;
