@@ -277,10 +277,10 @@ TEST(Recorder, ARecorderWithoutRoomSaysSoAndLeavesWhatItHasWritten) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "full.mcap").string();
   Background run(run_of_four(domain + 4), folder.path() / "run.log");
-  // 300 blocks of 512 bytes hold the descriptions and some seconds. SIGXFSZ is ignored, as it would end the
+  // 480 blocks of 512 bytes hold the descriptions and some seconds. SIGXFSZ is ignored, as it would end the
   // recorder.
   const Outcome record =
-      shell("ulimit -f 300; exec " + test::program("coppice") + " record --duration 60 --domain 164 " + file);
+      shell("ulimit -f 480; exec " + test::program("coppice") + " record --duration 60 --domain 164 " + file);
   EXPECT_EQ(record.exit_code, 2) << record.output;
   EXPECT_NE(record.output.find("full.mcap: cannot be written"), std::string::npos) << record.output;
   const Recording recording(file);
