@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -60,11 +61,11 @@ class StandingFleet : public testing::Test {
   Outcome orders(const std::string& words = "") const {
     return shell(test::program("coppice") + " orders " + words + " --domain " + std::to_string(domain));
   }
-  pid_t process(const std::string& name) const {
+  std::optional<pid_t> process(const std::string& name) const {
     for (const test::ProcessInfo& child : test::children_of(fleet->pid())) {
       if (child.name == name && child.state != 'Z') return child.pid;
     }
-    return -1;
+    return std::nullopt;
   }
   proto::Report end() {
     fleet->send(SIGINT);
@@ -135,7 +136,9 @@ TEST_F(StandingFleet, EachOrderEndsOnceThoughServiceBrokerAndAgentsAreKilled) {
           file("sender" + std::to_string(k))));
     }
     std::this_thread::sleep_for(700ms);
-    kill(process(killed), SIGKILL);
+    // A process that was killed before may not be back yet.
+    ASSERT_TRUE(test::within(30s, [&] { return process(killed).has_value(); })) << killed;
+    kill(process(killed).value(), SIGKILL);
     std::this_thread::sleep_for(1500ms);
   }
   for (std::size_t n = 0; n < senders.size(); ++n) {
