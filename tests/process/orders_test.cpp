@@ -58,8 +58,13 @@ class StandingFleet : public testing::Test {
     return shell(test::program("coppice") + " " + words + " --patience 40 --domain " +
                  std::to_string(domain));
   }
-  Outcome orders(const std::string& words = "") const {
-    return shell(test::program("coppice") + " orders " + words + " --domain " + std::to_string(domain));
+  /// Whether `coppice orders` says that, by and by: on a busy machine it may not hear all within its time.
+  bool list_says(const std::string& text, const std::string& words = "") const {
+    return test::within(60s, [&] {
+      const Outcome list =
+          shell(test::program("coppice") + " orders " + words + " --domain " + std::to_string(domain));
+      return list.output.find(text) != std::string::npos;
+    });
   }
   std::optional<pid_t> process(const std::string& name) const {
     for (const test::ProcessInfo& child : test::children_of(fleet->pid())) {
@@ -104,20 +109,20 @@ TEST_F(StandingFleet, CommandsAndForeignProgramsGiveOrders) {
   EXPECT_EQ(order("stop --wait").exit_code, 0);
   const Outcome held = order("send r2 --to 3,25");
   EXPECT_EQ(held.exit_code, 0) << held.output;
-  EXPECT_NE(orders().output.find("r2 is stopped by the operator"), std::string::npos) << orders().output;
-  EXPECT_NE(orders().output.find("r3: stopped by the operator"), std::string::npos) << orders().output;
+  EXPECT_TRUE(list_says("r2 is stopped by the operator"));
+  EXPECT_TRUE(list_says("r3: stopped by the operator"));
   EXPECT_EQ(order("release --wait").exit_code, 0);
   const std::string id = held.output.substr(6, 16);
   const Outcome cancelled = order("cancel " + id);
   EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;
-  EXPECT_NE(orders("--all").output.find(id + ": cancelled"), std::string::npos) << orders("--all").output;
+  EXPECT_TRUE(list_says(id + ": cancelled", "--all"));
 
   // Another vendor's DDS, with the IDL alone.
   const Outcome seen = shell(std::string(COPPICE_TEST_BIN_DIR) + "/cyclone_dispatcher " +
                              std::to_string(domain) + " from-cyclone r3 30 20 60");
   EXPECT_EQ(seen.exit_code, 0) << seen.output << test::contents(file("log"));
   EXPECT_NE(seen.output.find("state 3 robot r3"), std::string::npos) << seen.output;
-  EXPECT_NE(orders("--all --json").output.find("\"by\":\"cyclone\""), std::string::npos);
+  EXPECT_TRUE(list_says("\"by\":\"cyclone\"", "--all --json"));
 
   EXPECT_EQ(end().collisions(), 0u);
 }
@@ -143,7 +148,7 @@ TEST_F(StandingFleet, EachOrderEndsOnceThoughServiceBrokerAndAgentsAreKilled) {
   }
   for (std::size_t n = 0; n < senders.size(); ++n) {
     ASSERT_TRUE(test::within(90s, [&] { return test::has_ended(senders[n]->pid()); }))
-        << test::contents(file("sender" + std::to_string(n))) << orders("--all").output;
+        << test::contents(file("sender" + std::to_string(n)));
     EXPECT_EQ(senders[n]->wait(), 0) << test::contents(file("sender" + std::to_string(n)));
   }
   for (const auto& [id, ends] : ends_in_history()) EXPECT_EQ(ends, 1) << id;

@@ -41,6 +41,8 @@ async function pixelsOf(page, place) {
 const robot = async (name) => (await api('robots')).robots.find((one) => one.name === name);
 const far = {x: 428, y: 300};
 
+await within(async () => (await api('robots')).robots.filter((one) => one.phase !== 'waiting').length === 4, 'the fleet drives');
+
 await run('a click sends a robot, which goes there', async () => {
   const page = await openControlled();
   await select(page, 'r1');
