@@ -47,6 +47,14 @@ std::string line_of(const OrderStatus& status) {
   return line;
 }
 
+/// ", about 12 s to go" if its robot is on its way to the next place; else empty.
+std::string rest_of(const OrderStatus& status, const FleetView& view, double fleet_now) {
+  const auto robot = view.find(status.robot);
+  if (status.state != OrderState::under_way || !robot) return {};
+  const auto left = time_left(view.robots()[*robot], fleet_now);
+  return left ? fmt::format(", about {:.0f} s to go", *left) : std::string();
+}
+
 std::vector<OrderMessage> orders_of(const OrderOptions& options) {
   OrderMessage order = options.order;
   if (options.deadline) order.deadline = wall_now() + *options.deadline;
@@ -145,17 +153,19 @@ int orders_command(const OrderOptions& options) {
     if (options.all || !is_ended(status.state)) listed.push_back(status);
   }
   std::ranges::sort(listed, {}, &OrderStatus::accepted_at);
+  const double fleet_now = view.fleet_time(wall_now()).value_or(0);
   for (const OrderStatus& status : listed) {
-    std::cout << (options.as_json ? json_of(status) : clock_time(status.accepted_at) + "  " + line_of(status))
+    std::cout << (options.as_json ? json_of(status)
+                                  : clock_time(status.accepted_at) + "  " + line_of(status) +
+                                        rest_of(status, view, fleet_now))
               << '\n';
   }
   if (options.as_json) return view.robots().empty() ? 1 : 0;
   if (listed.empty()) std::cout << "no orders\n";
-  const WallTime now = wall_now();
   std::vector<SeenRobot> robots(view.robots().begin(), view.robots().end());
   std::ranges::sort(robots, sorts_before, &SeenRobot::name);
   for (const SeenRobot& robot : robots) {
-    const std::string sentence = sentence_of(robot, view.fleet_time(now).value_or(0));
+    const std::string sentence = sentence_of(robot, fleet_now);
     if (!sentence.empty()) std::cout << fmt::format("{}: {}\n", robot.name, sentence);
   }
   return view.robots().empty() ? 1 : 0;
