@@ -109,7 +109,7 @@ void add_send(CLI::App& app, OrderOptions& options, ChosenCommand& chosen) {
 void add_cancel(CLI::App& app, OrderOptions& options, ChosenCommand& chosen) {
   auto* cancel = app.add_subcommand("cancel", "cancels an order; its robot stops");
   cancel->add_option("order", options.order.cancels, "id of the order")->required()->type_name("ID");
-  add_giving_options(*cancel, options, "no effect: a cancellation ends at once");
+  add_giving_options(*cancel, options, "waits until the order is cancelled, or its end has come first");
   give(*cancel, options, Action::cancel, chosen);
 }
 

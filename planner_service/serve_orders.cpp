@@ -107,7 +107,7 @@ void PlannerService::give_out_open_orders(std::span<const RobotAtWork> robots) {
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (!given[k]) continue;
     const bool has_way = ways(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(*given[k])) < no_way;
-    if (has_way) orders_.assign(std::string(open[k]->id), free[*given[k]]);
+    if (has_way) orders_.assign(open[k]->id, free[*given[k]]);
   }
 }
 
