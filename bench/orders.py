@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Keeps a standing fleet busy with orders of three clients, kills its processes, and judges the result.
 
-    bench/orders.py SITE [--minutes 10] [--time-scale 1] [--kill-every 20] [--stop-every 60] [--domain 110] [--seed 1]
+    bench/orders.py SITE [--minutes 10] [--time-scale 1] [--kill-every 20] [--stop-every 60] [--domain 60] [--seed 1]
 
 A site is a scenario without goals. The clients are the command, HTTP, and Cyclone DDS. Every order must end once, done,
 cancelled or failed. Nothing may touch, by the recorded trajectories. After a stop every robot must stand. Exit code 1 if
@@ -200,7 +200,7 @@ def main():
     parser.add_argument("site")
     for name, value in (("minutes", 10), ("time-scale", 1), ("kill-every", 20), ("stop-every", 60)):
         parser.add_argument(f"--{name}", type=float, default=value)
-    for name, value in (("domain", 110), ("seed", 1)):
+    for name, value in (("domain", 60), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=value)
     options = parser.parse_args()
     problems = []

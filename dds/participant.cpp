@@ -1,11 +1,16 @@
 #include "dds/participant.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
+#include <netinet/in.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "dds/discovery.h"
 #include "dds/discovery_server.h"
@@ -55,6 +60,29 @@ void find_others_through(const std::string& servers, dds::DomainParticipantQos& 
   discovery.m_DiscoveryServers = std::move(list.found);
 }
 
+/// Throws std::runtime_error if another program has the domain's multicast port to itself. DDS says nothing
+/// of it then, and this process would hear of no other. Participants share the port.
+void check_multicast_port(int domain) {
+  const int port = domain_port(domain);
+  const int udp = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (udp < 0) return;
+  const int shared = 1;
+  setsockopt(udp, SOL_SOCKET, SO_REUSEADDR, &shared, sizeof shared);
+  setsockopt(udp, SOL_SOCKET, SO_REUSEPORT, &shared, sizeof shared);
+  sockaddr_in any{};
+  any.sin_family = AF_INET;
+  any.sin_addr.s_addr = htonl(INADDR_ANY);
+  any.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool is_taken =
+      bind(udp, reinterpret_cast<const sockaddr*>(&any), sizeof any) != 0 && errno == EADDRINUSE;
+  close(udp);
+  if (is_taken)
+    throw std::runtime_error(
+        fmt::format("another program has UDP port {}, by which processes of DDS domain {} find each other: "
+                    "end it, or use another domain",
+                    port, domain));
+}
+
 /// The size of a datagram that DDS may send. DDS does not cut a step of an authentication, which contains
 /// certificates.
 int largest_datagram_of(const DdsSettings& settings) {
@@ -101,7 +129,10 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
         fmt::format("with --security processes find each other by multicast or static discovery, and not "
                     "through servers (\"{}\"): those of this Fast DDS authenticate nobody",
                     discovery));
-  if (by_servers) find_others_through(discovery, qos);
+  if (by_servers)
+    find_others_through(discovery, qos);
+  else
+    check_multicast_port(settings.domain);
   if (!settings.security.empty()) secure(settings.security, qos);
   return qos;
 }

@@ -18,7 +18,7 @@ namespace coppice {
 std::string discovery_of(const DdsSettings& settings);
 
 /// The last three arguments must outlive the participant. Throws std::runtime_error if the settings
-/// contradict each other, or name no discovery servers.
+/// contradict each other, name no discovery servers, or need a multicast port that another program has.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role,
                                                              const std::string& sender,
                                                              Recipients& recipients,

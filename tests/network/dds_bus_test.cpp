@@ -1,6 +1,6 @@
 // Tests of the bus over real Fast DDS, within this process and to another vendor's DDS.
 //
-// CTest: RESOURCE_LOCK domains_120_to_139
+// CTest: RESOURCE_LOCK lane_1
 
 #include "dds/dds_bus.h"
 
@@ -20,11 +20,16 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "dds/conversion.h"
+#include "dds/discovery.h"
 #include "dds/discovery_server.h"
 #include "dds/transport.h"
 #include "messages/topics.h"
+#include "tests/domains.h"
 #include "tests/network/samples.h"
 #include "tests/processes.h"
 #include "tests/support.h"
@@ -35,15 +40,12 @@ namespace {
 namespace dds = eprosima::fastdds::dds;
 using Clock = std::chrono::steady_clock;
 
-/// Domains of this test alone, because a fleet may run on the same machine.
-constexpr int domain = 121;
-
 TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
-  DdsBus service({.domain = domain}, Role::service, "service");
-  DdsBus agent({.domain = domain, .robot = "r1"}, Role::agent, "agent");
-  DdsBus broker({.domain = domain}, Role::broker, "broker");
-  DdsBus other({.domain = domain}, Role::agent, "other");
-  DdsBus claimant({.domain = domain}, Role::claimant, "claimant");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
+  DdsBus agent({.domain = test::own_domain(), .robot = "r1"}, Role::agent, "agent");
+  DdsBus broker({.domain = test::own_domain()}, Role::broker, "broker");
+  DdsBus other({.domain = test::own_domain()}, Role::agent, "other");
+  DdsBus claimant({.domain = test::own_domain()}, Role::claimant, "claimant");
 
   const Message map = some_map(100);
   const Message mission = some_mission();
@@ -116,13 +118,13 @@ TEST(DdsBus, EveryMessageArrivesAsItWasSent) {
 
 // Processes may live for months.
 TEST(DdsBus, ALateJoinerGetsAllOfThisRunAndNothingOfTheLast) {
-  DdsBus agent({.domain = domain + 2, .robot = "a"}, Role::agent, "agent");
+  DdsBus agent({.domain = test::own_domain(), .robot = "a"}, Role::agent, "agent");
   const auto track = [](std::uint32_t first, double run) {
     return Message(TrackMessage{"a", 1, first, {{first * 0.05, {1, 1}, {0, 0}}}, run});
   };
   for (std::uint32_t k = 0; k < 5; ++k) agent.publish(track(k, 100));
   for (std::uint32_t k = 0; k < 3; ++k) agent.publish(track(k, 200));
-  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
   const auto all = receive(service, [&](const auto& got) { return got.size() >= 3; });
   ASSERT_EQ(all.size(), 3u);
   for (std::uint32_t k = 0; k < 3; ++k) EXPECT_TRUE(all[k] == track(k, 200)) << k;
@@ -131,14 +133,13 @@ TEST(DdsBus, ALateJoinerGetsAllOfThisRunAndNothingOfTheLast) {
 // The processes use the same port one after the other. Each must be answered at once.
 TEST(DdsBus, ASuccessorFindsTheOtherParticipantsAtOnce) {
   const test::TemporaryFolder folder;
-  const test::Background agent(
-      {test::program("robot_agent"), "--name", "a", "--domain", std::to_string(domain + 2)},
-      folder.path() / "log");
+  const test::Background agent({test::program("robot_agent"), "--name", "a", "--domain", test::domain_name()},
+                               folder.path() / "log");
   std::this_thread::sleep_for(std::chrono::seconds(8));  // its frequent first announcements are over
   for (int k = 0; k < 4; ++k) {
     const std::filesystem::path log = folder.path() / ("probe-" + std::to_string(k));
     const test::Background probe({COPPICE_TEST_BIN_DIR "/meeting_probe", "agent", "b", "--agents", "2",
-                                  "--domain", std::to_string(domain + 2)},
+                                  "--domain", test::domain_name()},
                                  log);
     EXPECT_TRUE(test::within(std::chrono::milliseconds(1500), [&] {
       return test::contents(log).find("matched") != std::string::npos;
@@ -147,8 +148,8 @@ TEST(DdsBus, ASuccessorFindsTheOtherParticipantsAtOnce) {
 }
 
 TEST(DdsBus, AMapOf4096CellsIsCarried) {
-  DdsBus service({.domain = domain + 2}, Role::service, "service");
-  DdsBus agent({.domain = domain + 2}, Role::agent, "agent");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
+  DdsBus agent({.domain = test::own_domain()}, Role::agent, "agent");
   const Message map = some_map(4096);
   service.publish(map);
   const auto all = receive(
@@ -158,8 +159,8 @@ TEST(DdsBus, AMapOf4096CellsIsCarried) {
 }
 
 TEST(DdsBus, InvalidSamplesAreDroppedAndCounted) {
-  DdsBus broker({.domain = domain + 3}, Role::broker, "broker");
-  DdsBus agent({.domain = domain + 3}, Role::agent, "agent");
+  DdsBus broker({.domain = test::own_domain()}, Role::broker, "broker");
+  DdsBus agent({.domain = test::own_domain()}, Role::agent, "agent");
   InactiveTreesMessage forged = some_tree(1, 5);
   forged.nodes[3].parent = 900;
   broker.publish(forged);
@@ -237,8 +238,8 @@ std::vector<std::uint8_t> bytes_of(const M& message) {
 }
 
 TEST(DdsBus, BytesThatAreNoSampleAreDroppedAndCounted) {
-  DdsBus agent({.domain = domain + 15, .robot = "r2"}, Role::agent, "agent");
-  RawWriter<Mission> writer(domain + 15, "");
+  DdsBus agent({.domain = test::own_domain(), .robot = "r2"}, Role::agent, "agent");
+  RawWriter<Mission> writer(test::own_domain(), "");
   const Mission good = some_mission();
   std::vector<std::uint8_t> neither_true_nor_false = bytes_of(good);
   Mission cancelled = good;
@@ -269,8 +270,8 @@ TEST(DdsBus, TheBusUsesNoSharedMemory) {
   };
   const auto before = segments();
   {
-    DdsBus service({.domain = domain + 4}, Role::service, "service");
-    DdsBus agent({.domain = domain + 4}, Role::agent, "agent");
+    DdsBus service({.domain = test::own_domain()}, Role::service, "service");
+    DdsBus agent({.domain = test::own_domain()}, Role::agent, "agent");
     service.publish(some_mission());
     receive(agent, [](const auto& got) { return !got.empty(); });
     EXPECT_EQ(segments(), before);
@@ -279,16 +280,15 @@ TEST(DdsBus, TheBusUsesNoSharedMemory) {
 }
 
 TEST(DdsBus, TheBusRefusesTopicsThatTheRoleDoesNotWrite) {
-  DdsBus agent({.domain = domain + 5}, Role::agent, "agent");
+  DdsBus agent({.domain = test::own_domain()}, Role::agent, "agent");
   EXPECT_THROW(agent.publish(some_mission()), std::logic_error);
 }
 
 TEST(DdsBus, TheDdsOfAnotherVendorReceivesTheStates) {
   const std::string subscriber = std::string(COPPICE_TEST_BIN_DIR) + "/cyclone_subscriber";
-  auto heard = std::async(std::launch::async, [&] {
-    return test::shell(subscriber + " " + std::to_string(domain + 6) + " 20 20");
-  });
-  DdsBus agent({.domain = domain + 6}, Role::agent, "agent");
+  auto heard = std::async(std::launch::async,
+                          [&] { return test::shell(subscriber + " " + test::domain_name() + " 20 20"); });
+  DdsBus agent({.domain = test::own_domain()}, Role::agent, "agent");
   for (std::uint32_t k = 1; heard.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready; ++k) {
     agent.publish(some_state(k));
   }
@@ -309,10 +309,10 @@ TEST_P(DdsBusByDiscovery, AStateReachesItsRecipientsAndEveryObserver) {
   LibrarySettingsAttributes separate = usual;
   separate.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
   XMLProfileManager::library_settings(separate);
-  DdsBus sender({.domain = domain + 7, .robot = "a", .discovery = discovery}, Role::agent, "a");
-  DdsBus near({.domain = domain + 7, .robot = "b", .discovery = discovery}, Role::agent, "b");
-  DdsBus far({.domain = domain + 7, .robot = "c", .discovery = discovery}, Role::agent, "c");
-  DdsBus watcher({.domain = domain + 7, .discovery = discovery}, Role::observer, "watcher");
+  DdsBus sender({.domain = test::own_domain(), .robot = "a", .discovery = discovery}, Role::agent, "a");
+  DdsBus near({.domain = test::own_domain(), .robot = "b", .discovery = discovery}, Role::agent, "b");
+  DdsBus far({.domain = test::own_domain(), .robot = "c", .discovery = discovery}, Role::agent, "c");
+  DdsBus watcher({.domain = test::own_domain(), .discovery = discovery}, Role::observer, "watcher");
   std::set<std::uint32_t> at_near;
   std::set<std::uint32_t> at_far;
   std::set<std::uint32_t> at_watcher;
@@ -341,8 +341,8 @@ TEST_P(DdsBusByDiscovery, AStateReachesItsRecipientsAndEveryObserver) {
 
 TEST_P(DdsBusByDiscovery, ALateAgentReceivesMapMissionAndAllInactiveTrees) {
   const std::string discovery = GetParam();
-  DdsBus service({.domain = domain + 10, .discovery = discovery}, Role::service, "service");
-  DdsBus broker({.domain = domain + 10, .discovery = discovery}, Role::broker, "broker");
+  DdsBus service({.domain = test::own_domain(), .discovery = discovery}, Role::service, "service");
+  DdsBus broker({.domain = test::own_domain(), .discovery = discovery}, Role::broker, "broker");
   const Message map = some_map(512);
   service.publish(map);
   service.publish(some_mission());
@@ -350,7 +350,7 @@ TEST_P(DdsBusByDiscovery, ALateAgentReceivesMapMissionAndAllInactiveTrees) {
   for (std::uint32_t k = 0; k < trees; ++k) broker.publish(some_tree(k, k % 3 == 0 ? 1 : 40));
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
 
-  DdsBus agent({.domain = domain + 10, .discovery = discovery}, Role::agent, "late");
+  DdsBus agent({.domain = test::own_domain(), .discovery = discovery}, Role::agent, "late");
   const auto all = receive(agent, [&](const auto& got) { return got.size() >= trees + 2; });
   EXPECT_TRUE(holds(all, map));
   EXPECT_TRUE(holds(all, some_mission()));
@@ -359,9 +359,9 @@ TEST_P(DdsBusByDiscovery, ALateAgentReceivesMapMissionAndAllInactiveTrees) {
 }
 
 TEST(DdsBus, TheBusCountsTheBytesOfItsSockets) {
-  DdsBus service({.domain = domain + 14}, Role::service, "service");
-  DdsBus agent({.domain = domain + 14, .robot = "r1"}, Role::agent, "r1");
-  DdsBus other({.domain = domain + 14, .robot = "r2"}, Role::agent, "r2");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
+  DdsBus agent({.domain = test::own_domain(), .robot = "r1"}, Role::agent, "r1");
+  DdsBus other({.domain = test::own_domain(), .robot = "r2"}, Role::agent, "r2");
   const auto end = Clock::now() + std::chrono::seconds(10);
   while (agent.counts().agents < 1 && Clock::now() < end) agent.wait(0.05);
   EXPECT_EQ(agent.counts().agents, 1u);  // not counting itself
@@ -372,9 +372,9 @@ TEST(DdsBus, TheBusCountsTheBytesOfItsSockets) {
 INSTANTIATE_TEST_SUITE_P(DdsBus, DdsBusByDiscovery, testing::Values(multicast_discovery, static_discovery));
 
 TEST(DdsBus, CopiesAndRelayedStatesWaitForTheReader) {
-  DdsBus sender({.domain = domain + 8, .robot = "r1"}, Role::agent, "r1");
-  DdsBus other({.domain = domain + 8, .robot = "r2"}, Role::agent, "r2");
-  DdsBus listener({.domain = domain + 8, .robot = "r3"}, Role::agent, "r3");
+  DdsBus sender({.domain = test::own_domain(), .robot = "r1"}, Role::agent, "r1");
+  DdsBus other({.domain = test::own_domain(), .robot = "r2"}, Role::agent, "r2");
+  DdsBus listener({.domain = test::own_domain(), .robot = "r3"}, Role::agent, "r3");
   constexpr std::uint8_t copies = 3;
   std::map<std::uint32_t, std::vector<RobotState>> heard;
   const auto end = Clock::now() + std::chrono::seconds(20);
@@ -398,10 +398,11 @@ TEST(DdsBus, CopiesAndRelayedStatesWaitForTheReader) {
 TEST(DdsBus, ParticipantsOfADomainMeetThroughADiscoveryServer) {
   const DdsDiscoveryServer server("127.0.0.1", 23917, 0);
   const std::string known = "127.0.0.1:23917";
-  DdsBus service({.domain = domain + 9, .discovery = known}, Role::service, "service");
-  DdsBus agent({.domain = domain + 9, .discovery = known}, Role::agent, "agent");
-  DdsBus stranger({.domain = domain + 9}, Role::agent, "stranger");
-  DdsBus of_another_fleet({.domain = domain + 10, .discovery = known}, Role::agent, "of another fleet");
+  DdsBus service({.domain = test::own_domain(), .discovery = known}, Role::service, "service");
+  DdsBus agent({.domain = test::own_domain(), .discovery = known}, Role::agent, "agent");
+  DdsBus stranger({.domain = test::own_domain()}, Role::agent, "stranger");
+  DdsBus of_another_fleet({.domain = test::own_domain(1), .discovery = known}, Role::agent,
+                          "of another fleet");
   const Message mission = some_mission();
   service.publish(mission);
   EXPECT_TRUE(holds(receive(agent, [&](const auto& all) { return holds(all, mission); }), mission));
@@ -410,6 +411,27 @@ TEST(DdsBus, ParticipantsOfADomainMeetThroughADiscoveryServer) {
                     *other, [](const auto& all) { return !all.empty(); }, 1)
                     .empty());
   }
+}
+
+// Fast DDS itself would say nothing, and the process would hear of no other.
+TEST(DdsBus, AMulticastPortThatAnotherProgramHasIsAnError) {
+  const int alien = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<std::uint16_t>(domain_port(test::own_domain())));
+  ASSERT_EQ(bind(alien, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  for (const std::string discovery : {multicast_discovery, static_discovery}) {
+    const test::Outcome outcome =
+        test::shell("timeout 20 '" + test::program("robot_agent") + "' --name r1 --domain " +
+                    test::domain_name() + " --discovery " + discovery);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    EXPECT_NE(outcome.output.find("UDP port " + std::to_string(domain_port(test::own_domain()))),
+              std::string::npos)
+        << outcome.output;
+  }
+  EXPECT_NO_THROW(
+      DdsBus({.domain = test::own_domain(), .discovery = "127.0.0.1:23920"}, Role::agent, "agent"));
+  close(alien);
 }
 
 TEST(DdsBus, InvalidAddressesOfDiscoveryServersAreRefused) {

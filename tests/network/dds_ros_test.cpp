@@ -1,6 +1,6 @@
 // Tests of the ROS 2 topics over the bus's participant, from both ends.
 //
-// CTest: RESOURCE_LOCK other_domains
+// CTest: RESOURCE_LOCK lane_2
 
 #include "ros2/dds_ros.h"
 
@@ -18,6 +18,7 @@
 #include "ros2/topics.h"
 #include "ros2PubSubTypes.h"
 #include "runtime/process.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 
 namespace coppice {
@@ -26,11 +27,9 @@ namespace {
 using namespace std::chrono_literals;
 namespace dds = eprosima::fastdds::dds;
 
-constexpr int domain = 167;
-
 TEST(DdsRos, OdometryArrivesWithItsFrameAndTheArrivalTime) {
-  DdsBus here({.domain = domain, .robot = "a"}, Role::agent, "agent a");
-  DdsBus there({.domain = domain}, Role::observer, "robot a");
+  DdsBus here({.domain = test::own_domain(), .robot = "a"}, Role::agent, "agent a");
+  DdsBus there({.domain = test::own_domain()}, Role::observer, "robot a");
   DdsRosRobot reader(here, "a", {.pose = PoseSource::odom});
   DdsRosRobot writer(there, "a", {});
   std::vector<RosOdometry> heard;
@@ -55,10 +54,10 @@ class NoGoal final : public geometry_msgs::msg::dds_::Twist_PubSubType {
 };
 
 TEST(DdsRos, BytesThatAreNoGoalAreNotAGoalAtTheOrigin) {
-  DdsBus service({.domain = domain + 1}, Role::service, "service");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
   const std::vector<RobotName> robots{"a", "b"};
   DdsRosFleet fleet(service, {}, robots);
-  DdsBus other({.domain = domain + 1}, Role::observer, "other");
+  DdsBus other({.domain = test::own_domain()}, Role::observer, "other");
   dds::DomainParticipant& participant = other.participant();
   dds::TypeSupport type(new NoGoal());
   type->auto_fill_type_information(false);

@@ -1,7 +1,7 @@
 // Tests of DDS-Security: a participant exchanges messages only with valid credentials of its role. Each
 // refusal is compared with the same exchange with the right credentials, so that the test can fail.
 //
-// CTest: RESOURCE_LOCK other_domains
+// CTest: RESOURCE_LOCK lane_2
 
 #include <chrono>
 #include <cstdlib>
@@ -27,6 +27,7 @@
 #include "dds/security.h"
 #include "dds/static_endpoints.h"
 #include "messages/topics.h"
+#include "tests/domains.h"
 #include "tests/network/samples.h"
 #include "tests/support.h"
 
@@ -39,7 +40,6 @@ using namespace std::chrono_literals;
 using namespace std::string_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr int domain = 115;
 constexpr double long_enough = 20;  // seconds for messages that must come
 // Seconds for messages that must not come: the same exchange with good credentials takes a fraction of a
 // second.
@@ -123,26 +123,27 @@ Exchange exchange(const std::string& credentials_of_service, const std::string& 
 }
 
 TEST_F(Security, ValidCredentialsPass) {
-  const Exchange good = exchange(of("service"), of("agent"), domain, long_enough);
+  const Exchange good = exchange(of("service"), of("agent"), test::own_domain(), long_enough);
   EXPECT_TRUE(good.in);
   EXPECT_TRUE(good.out);
 }
 
 TEST_F(Security, ParticipantsWithoutSecurityAreCutOff) {
   for (const auto& [service, agent] : {std::pair{of("service"), ""s}, std::pair{""s, of("agent")}}) {
-    const Exchange bad = exchange(service, agent, domain, for_nothing);
+    const Exchange bad = exchange(service, agent, test::own_domain(), for_nothing);
     EXPECT_FALSE(bad.in) << service << agent;
     EXPECT_FALSE(bad.out) << service << agent;
   }
-  const Exchange open = exchange("", "", domain, long_enough);
+  const Exchange open = exchange("", "", test::own_domain(), long_enough);
   EXPECT_TRUE(open.in && open.out) << "without security on either side the messages pass";
 }
 
 TEST_F(Security, CredentialsOfAnotherAuthorityAreRefused) {
-  const Exchange bad = exchange(of("service"), of("agent", "theirs"), domain, for_nothing);
+  const Exchange bad = exchange(of("service"), of("agent", "theirs"), test::own_domain(), for_nothing);
   EXPECT_FALSE(bad.in);
   EXPECT_FALSE(bad.out);
-  const Exchange among_them = exchange(of("service", "theirs"), of("agent", "theirs"), domain, long_enough);
+  const Exchange among_them =
+      exchange(of("service", "theirs"), of("agent", "theirs"), test::own_domain(), long_enough);
   EXPECT_TRUE(among_them.in && among_them.out)
       << "the credentials are valid for participants that trust that authority";
 }
@@ -153,7 +154,7 @@ TEST_F(Security, SelfSignedPermissionsAreRefused) {
   for (const char* file : {"permissions_ca.cert.pem", "governance.p7s", "permissions.p7s"})
     fs::copy_file(of("agent", "theirs") + "/" + file, forged + "/" + file,
                   fs::copy_options::overwrite_existing);
-  const Exchange bad = exchange(of("service"), forged, domain, for_nothing);
+  const Exchange bad = exchange(of("service"), forged, test::own_domain(), for_nothing);
   EXPECT_FALSE(bad.in);
   EXPECT_FALSE(bad.out);
 }
@@ -174,17 +175,17 @@ TEST_F(Security, ExpiredCredentialsAreRefused) {
   const std::string short_lived = copy_of("agent", "short-lived");
   issue_for(valid_for, short_lived, of("ca"));
   const auto expired = Clock::now() + std::chrono::seconds(valid_for + 1);
-  DdsBus agent({.domain = domain + 1, .robot = "r1", .security = short_lived}, Role::agent, "agent");
+  DdsBus agent({.domain = test::own_domain(), .robot = "r1", .security = short_lived}, Role::agent, "agent");
   agent.publish(status(1));
   {
-    DdsBus service({.domain = domain + 1, .security = of("service")}, Role::service, "service");
+    DdsBus service({.domain = test::own_domain(), .security = of("service")}, Role::service, "service");
     service.publish(mission(1));
     EXPECT_TRUE(receives(agent, mission(1), valid_for)) << "while they are valid";
     EXPECT_TRUE(receives(service, status(1), valid_for)) << "while they are valid";
   }
   std::this_thread::sleep_until(expired);
   // A new participant does not trust the agent any more, though the agent still runs.
-  DdsBus service({.domain = domain + 1, .security = of("service")}, Role::service, "service");
+  DdsBus service({.domain = test::own_domain(), .security = of("service")}, Role::service, "service");
   service.publish(mission(2));
   EXPECT_FALSE(receives(agent, mission(2), for_nothing));
   EXPECT_FALSE(receives(service, status(1), 0.5));
@@ -197,23 +198,25 @@ TEST_F(Security, RevokedCredentialsAreRefused) {
   ASSERT_EQ(test::shell(make_keys("'" + keys + "'")).exit_code, 0);
   const std::string old = (folder->path() / "old-agent").string();
   fs::copy(keys + "/agent", old);
-  const Exchange before = exchange(keys + "/service", old, domain, long_enough);
+  const Exchange before = exchange(keys + "/service", old, test::own_domain(), long_enough);
   EXPECT_TRUE(before.in && before.out);
   ASSERT_EQ(test::shell(make_keys("'" + keys + "' --revoke agent")).exit_code, 0);
-  const Exchange after = exchange(keys + "/service", old, domain, for_nothing);
+  const Exchange after = exchange(keys + "/service", old, test::own_domain(), for_nothing);
   EXPECT_FALSE(after.in);
   EXPECT_FALSE(after.out);
-  const Exchange renewed = exchange(keys + "/service", keys + "/agent", domain, long_enough);
+  const Exchange renewed = exchange(keys + "/service", keys + "/agent", test::own_domain(), long_enough);
   EXPECT_TRUE(renewed.in && renewed.out);
 }
 
 TEST_F(Security, ARoleDoesNotStartWithCredentialsOfAnotherRole) {
-  EXPECT_NO_THROW(DdsBus({.domain = domain, .security = of("service")}, Role::service, "service"));
+  EXPECT_NO_THROW(
+      DdsBus({.domain = test::own_domain(), .security = of("service")}, Role::service, "service"));
   for (const auto& [credentials, role] : {std::pair{"agent", Role::service},
                                           {"agent", Role::broker},
                                           {"observer", Role::agent},
                                           {"broker", Role::observer}}) {
-    EXPECT_THROW(DdsBus({.domain = domain, .security = of(credentials)}, role, "other"), std::runtime_error)
+    EXPECT_THROW(DdsBus({.domain = test::own_domain(), .security = of(credentials)}, role, "other"),
+                 std::runtime_error)
         << credentials;
   }
 }
@@ -233,7 +236,7 @@ class Participant {
     discovery.use_SIMPLE_EndpointDiscoveryProtocol = false;
     discovery.use_STATIC_EndpointDiscoveryProtocol = true;
     discovery.static_edp_xml_config(("data://" + static_endpoints(Role::service)).c_str());
-    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(domain + 2, qos);
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(test::own_domain(), qos);
   }
   ~Participant() {
     participant_->delete_contained_entities();
@@ -311,8 +314,8 @@ TEST_F(Security, PeersRefuseWritesThatTheCredentialsForbid) {
   const std::string lax_service = copy_of("service", "lax-service");
   for (const std::string& lax : {lax_agent, lax_service})
     fs::copy_file(of("ca") + "/lax.p7s", lax + "/governance.p7s", fs::copy_options::overwrite_existing);
-  DdsBus robot({.domain = domain + 2, .discovery = static_discovery, .security = of("agent")}, Role::agent,
-               "robot");
+  DdsBus robot({.domain = test::own_domain(), .discovery = static_discovery, .security = of("agent")},
+               Role::agent, "robot");
   const auto write_mission = [](Participant& participant, int number) {
     dds::DataWriter* const writer = participant.writer<Mission>();
     ASSERT_NE(writer, nullptr) << "the process itself must not refuse the write";
@@ -334,7 +337,8 @@ class SecurityByDiscovery : public Security, public testing::WithParamInterface<
 
 TEST_P(SecurityByDiscovery, AStateReachesItsRecipientsAndEveryObserver) {
   const auto settings = [&](const RobotName& robot, const std::string& role) {
-    return DdsSettings{.domain = domain + 4, .robot = robot, .discovery = GetParam(), .security = of(role)};
+    return DdsSettings{
+        .domain = test::own_domain(), .robot = robot, .discovery = GetParam(), .security = of(role)};
   };
   DdsBus sender(settings("a", "agent"), Role::agent, "a");
   DdsBus near(settings("b", "agent"), Role::agent, "b");

@@ -1,6 +1,6 @@
 // Tests that only an agent itself may speak for its robot.
 //
-// CTest: RESOURCE_LOCK domains_120_to_139
+// CTest: RESOURCE_LOCK lane_1
 
 #include <chrono>
 #include <set>
@@ -11,15 +11,13 @@
 #include "dds/dds_bus.h"
 #include "dds/discovery_server.h"
 #include "dds/senders.h"
+#include "tests/domains.h"
 #include "tests/network/samples.h"
 
 namespace coppice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// Domains of this test alone.
-constexpr int domain = 132;
 
 /// From a participant that is nameless or speaks for another robot, only relayed states are accepted.
 void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on) {
@@ -69,20 +67,20 @@ void only_its_own_agent_speaks_for_a_robot(const std::string& discovery, int on)
 class SendersByDiscovery : public testing::TestWithParam<const char*> {};
 
 TEST_P(SendersByDiscovery, OnlyTheOwnAgentSpeaksForARobot) {
-  only_its_own_agent_speaks_for_a_robot(GetParam(), domain);
+  only_its_own_agent_speaks_for_a_robot(GetParam(), test::own_domain());
 }
 
 INSTANTIATE_TEST_SUITE_P(Senders, SendersByDiscovery, testing::Values(multicast_discovery, static_discovery));
 
 TEST(Senders, OnlyTheOwnAgentSpeaksForARobotWithADiscoveryServer) {
   const DdsDiscoveryServer server("127.0.0.1", 23919, 0);
-  only_its_own_agent_speaks_for_a_robot("127.0.0.1:23919", domain + 1);
+  only_its_own_agent_speaks_for_a_robot("127.0.0.1:23919", test::own_domain());
 }
 
 TEST(Senders, AMessageSentBeforeItsSenderLeftIsStillAccepted) {
-  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
   {
-    DdsBus agent({.domain = domain + 2, .robot = "r1"}, Role::agent, "r1");
+    DdsBus agent({.domain = test::own_domain(), .robot = "r1"}, Role::agent, "r1");
     const auto end = Clock::now() + std::chrono::seconds(10);
     agent.publish(TrackMessage{"r1", 1, 0, {}});
     while (!service.wait(0.1) && Clock::now() < end) {

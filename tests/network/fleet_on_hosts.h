@@ -22,7 +22,6 @@ namespace coppice::test {
 struct FleetOptions {
   std::string scenario;  ///< a name in scenarios/ without its ending
   std::size_t robots = 0;
-  int domain = 0;
   std::string discovery{};
   double time_scale = 1;
   double timeout = 300;  ///< fleet seconds
@@ -100,7 +99,6 @@ class FleetOnHosts {
  private:
   void start(const Hosts& hosts, std::size_t host, std::vector<std::string> command) {
     command[0] = program(command[0]);
-    command.insert(command.begin() + 1, {"--domain", std::to_string(options_.domain)});
     if (!options_.discovery.empty()) command.insert(command.begin() + 1, {"--discovery", options_.discovery});
     logs_.push_back(file("log" + std::to_string(logs_.size())));
     processes_.push_back(hosts.start(host, command, logs_.back()));

@@ -47,7 +47,7 @@ class FleetOnHostsTest : public testing::Test {
 
 TEST_F(FleetOnHostsTest, TheFleetMeetsByMulticastAndArrives) {
   const Hosts hosts(3);
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 160, .time_scale = 4});
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .time_scale = 4});
   fleet.expect_good_end();
 }
 
@@ -61,7 +61,7 @@ TEST_F(FleetOnHostsTest, HostsThatShareAddressesArrive) {
         ASSERT_EQ(shell("ip address add 172.17." + std::to_string(k) + ".1/24 dev lo").exit_code, 0);
     });
   }
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 182, .time_scale = 4});
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .time_scale = 4});
   fleet.expect_good_end();
 }
 
@@ -69,9 +69,8 @@ TEST_F(FleetOnHostsTest, TheFleetMeetsThroughADiscoveryServerWithoutMulticast) {
   Hosts hosts(3);
   hosts.links("multicast off");
   const auto server = discovery_server(hosts, 1, 0);
-  FleetOnHosts fleet(
-      hosts,
-      {.scenario = "rooms-20", .robots = 6, .domain = 161, .discovery = server_on(1), .time_scale = 4});
+  FleetOnHosts fleet(hosts,
+                     {.scenario = "rooms-20", .robots = 6, .discovery = server_on(1), .time_scale = 4});
   fleet.expect_good_end();
 }
 
@@ -80,7 +79,7 @@ TEST_F(FleetOnHostsTest, ServersMayBeNamedAsInRos) {
   hosts.links("multicast off");
   const auto server = discovery_server(hosts, 1, 0);
   ASSERT_EQ(setenv("ROS_DISCOVERY_SERVER", server_on(1).c_str(), 1), 0);
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 2, .domain = 162, .time_scale = 4});
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 2, .time_scale = 4});
   unsetenv("ROS_DISCOVERY_SERVER");
   fleet.expect_good_end();
 }
@@ -90,11 +89,9 @@ TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayFail) {
   hosts.links("multicast off");
   const auto first = discovery_server(hosts, 1, 0);
   const auto second = discovery_server(hosts, 2, 1);
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20",
-                             .robots = 6,
-                             .domain = 163,
-                             .discovery = server_on(1) + ";" + server_on(2),
-                             .time_scale = 2});
+  FleetOnHosts fleet(
+      hosts,
+      {.scenario = "rooms-20", .robots = 6, .discovery = server_on(1) + ";" + server_on(2), .time_scale = 2});
   ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.log_end();
   first->send(SIGKILL);
   EXPECT_EQ(first->wait(), 128 + SIGKILL);
@@ -104,7 +101,7 @@ TEST_F(FleetOnHostsTest, OneOfTwoDiscoveryServersMayFail) {
 
 TEST_F(FleetOnHostsTest, APartitionedNetworkHealsAndAllRobotsArrive) {
   Hosts hosts(3);
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 164});
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6});
   ASSERT_TRUE(fleet.all_have_paths(60s)) << fleet.log_end();
   std::this_thread::sleep_for(2s);
   for (const std::size_t other : {0u, 1u}) {
@@ -127,7 +124,7 @@ std::uint64_t seed() {
 TEST_F(FleetOnHostsTest, AFewRobotsArriveOverBadLinks) {
   Hosts hosts(3, seed());
   hosts.links(bad_links);
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6, .domain = 165});
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 6});
   fleet.expect_good_end();
 }
 
@@ -136,7 +133,7 @@ TEST_F(FleetOnHostsTest, TwentyRobotsArriveOverBadLinks) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   Hosts hosts(5, seed());
   hosts.links(bad_links);
-  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 20, .domain = 166});
+  FleetOnHosts fleet(hosts, {.scenario = "rooms-20", .robots = 20});
   fleet.expect_good_end();
 }
 
@@ -154,11 +151,10 @@ TEST_P(MeetingTest, ProcessesMeetOverBadLinks) {
   std::vector<std::unique_ptr<Background>> processes;
   const auto start = [&](std::size_t host, const std::string& role, const std::string& name) {
     logs.push_back(folder.path() / name);
-    processes.push_back(
-        hosts.start(host,
-                    {std::string(COPPICE_TEST_BIN_DIR) + "/meeting_probe", role, name, "--domain", "167",
-                     "--discovery", discovery, "--agents", std::to_string(agents)},
-                    logs.back()));
+    processes.push_back(hosts.start(host,
+                                    {std::string(COPPICE_TEST_BIN_DIR) + "/meeting_probe", role, name,
+                                     "--discovery", discovery, "--agents", std::to_string(agents)},
+                                    logs.back()));
   };
   start(2, "broker", "broker");
   for (std::size_t k = 0; k < agents; ++k) start(k % 3, "agent", "r" + std::to_string(k));

@@ -19,6 +19,7 @@
 #include "coppice/planning/random.h"
 #include "dds/dds_bus.h"
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/run_check.h"
 #include "tests/support.h"
@@ -28,9 +29,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-
-constexpr const char* domain_name = "153";
-constexpr int domain = 153;
 
 double chaos_seconds() {
   const char* const wanted = std::getenv("COPPICE_CHAOS_SECONDS");
@@ -47,7 +45,7 @@ struct ChaosRun {
                                  "run",
                                  (test::scenarios() / scenario).string(),
                                  "--domain",
-                                 domain_name,
+                                 test::domain_name(),
                                  "--restart",
                                  "--standby",
                                  "--report",
@@ -133,7 +131,7 @@ TEST(Chaos, EveryKilledProcessIsRestartedAndNothingIsLost) {
 #endif
   const double seconds = chaos_seconds();
   ChaosRun run("rooms-8.json", {"--lifelong", std::to_string(seconds)});
-  DdsBus observer({.domain = domain}, Role::observer, "chaos observer");
+  DdsBus observer({.domain = test::own_domain()}, Role::observer, "chaos observer");
   ASSERT_TRUE(test::within(20s, [&] { return run.log().find("paths found 8/8") != std::string::npos; }))
       << run.log();
   std::set<TreesId> trees = trees_within(observer, 1s);
@@ -167,7 +165,7 @@ TEST(Chaos, EveryKilledProcessIsRestartedAndNothingIsLost) {
   EXPECT_GT(kills["robot_agent"], 0);
 
   // A new participant finds every tree that was ever published.
-  DdsBus latecomer({.domain = domain}, Role::observer, "late chaos observer");
+  DdsBus latecomer({.domain = test::own_domain()}, Role::observer, "late chaos observer");
   std::set<TreesId> found;
   EXPECT_TRUE(test::within(10s,
                            [&] {

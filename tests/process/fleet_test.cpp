@@ -17,6 +17,7 @@
 
 #include "coppice/files/scenario_file.h"
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/run_expectations.h"
 #include "tests/support.h"
@@ -209,7 +210,7 @@ TEST(Fleet, ProcessesStartedByHandInAnyOrderFindEachOther) {
   const std::string scenario = (test::scenarios() / "blank-10.json").string();
   for (const bool service_first : {true, false}) {
     const test::TemporaryFolder folder;
-    const std::string domain = service_first ? "151" : "152";
+    const std::string domain = test::domain_name(service_first ? 0 : 1);
     const std::string report = (folder.path() / "report.json").string();
     std::vector<std::unique_ptr<test::Background>> roles;
     const auto start = [&](std::vector<std::string> command) {

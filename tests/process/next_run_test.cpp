@@ -1,7 +1,7 @@
 // Tests of agents and a broker that outlive runs, as systemd units do. Their messages of one run must not be
 // taken for those of the next.
 //
-// CTest: RESOURCE_LOCK domains_120_to_139
+// CTest: RESOURCE_LOCK lane_1
 
 #include <chrono>
 #include <csignal>
@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/run_check.h"
 #include "tests/support.h"
@@ -34,7 +35,7 @@ struct NextRun : testing::Test {
   }
   test::Background& start(const std::string& name, std::vector<std::string> command) {
     command[0] = test::program(command[0]);
-    command.insert(command.end(), {"--domain", "138"});
+    command.insert(command.end(), {"--domain", test::domain_name()});
     processes.push_back(std::make_unique<test::Background>(command, log(name)));
     return *processes.back();
   }
@@ -105,8 +106,8 @@ TEST_F(NextRun, ASecondServiceNamesTheFirstAndRefuses) {
   ASSERT_TRUE(test::within(30s, [&] { return logs("first", "paths found 3/3"); }));
   test::Background& second = start_run("second", "blank-10.json");
   EXPECT_EQ(second.wait(), 2);
-  EXPECT_TRUE(logs("second", "another planner service has the fleet on domain 138: process " +
-                                 std::to_string(first.pid()) + " on host "))
+  EXPECT_TRUE(logs("second", "another planner service has the fleet on domain " + test::domain_name() +
+                                 ": process " + std::to_string(first.pid()) + " on host "))
       << test::contents(log("second"));
   EXPECT_FALSE(std::filesystem::exists(file("second", ".json")));
   EXPECT_EQ(first.wait(), 0) << test::contents(log("first"));

@@ -1,6 +1,6 @@
 // Tests of a fleet that takes orders, as processes over DDS: commands, kills, and another vendor's DDS.
 //
-// CTest: RESOURCE_LOCK domains_190_and_191
+// CTest: RESOURCE_LOCK lane_3
 
 #include <chrono>
 #include <csignal>
@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -25,8 +26,6 @@ using namespace std::chrono_literals;
 using test::Background;
 using test::Outcome;
 using test::shell;
-
-constexpr int domain = 190;
 
 /// Four robots in a hall of 40 m x 30 m with a wall in it. They have no goals.
 std::string hall() {
@@ -48,21 +47,20 @@ class StandingFleet : public testing::Test {
     folder.write("site.json", site);
     fleet = std::make_unique<Background>(
         std::vector<std::string>{test::program("coppice"), "serve", file("site.json"), "--domain",
-                                 std::to_string(domain), "--time-scale", "2", "--state", file("state"),
+                                 test::domain_name(), "--time-scale", "2", "--state", file("state"),
                                  "--report", file("report.json")},
         file("log"));
   }
   std::string file(const std::string& name) const { return (folder.path() / name).string(); }
   /// Runs a command that gives or lists orders.
   Outcome order(const std::string& words) const {
-    return shell(test::program("coppice") + " " + words + " --patience 40 --domain " +
-                 std::to_string(domain));
+    return shell(test::program("coppice") + " " + words + " --patience 40 --domain " + test::domain_name());
   }
   /// Whether `coppice orders` says that, by and by: on a busy machine it may not hear all within its time.
   bool list_says(const std::string& text, const std::string& words = "") const {
     return test::within(60s, [&] {
       const Outcome list =
-          shell(test::program("coppice") + " orders " + words + " --domain " + std::to_string(domain));
+          shell(test::program("coppice") + " orders " + words + " --domain " + test::domain_name());
       return list.output.find(text) != std::string::npos;
     });
   }
@@ -119,7 +117,7 @@ TEST_F(StandingFleet, CommandsAndForeignProgramsGiveOrders) {
 
   // Another vendor's DDS, with the IDL alone.
   const Outcome seen = shell(std::string(COPPICE_TEST_BIN_DIR) + "/cyclone_dispatcher " +
-                             std::to_string(domain) + " from-cyclone r3 30 20 60");
+                             test::domain_name() + " from-cyclone r3 30 20 60");
   EXPECT_EQ(seen.exit_code, 0) << seen.output << test::contents(file("log"));
   EXPECT_NE(seen.output.find("state 3 robot r3"), std::string::npos) << seen.output;
   EXPECT_TRUE(list_says("\"by\":\"cyclone\"", "--all --json"));
@@ -137,7 +135,7 @@ TEST_F(StandingFleet, EachOrderEndsOnceThoughServiceBrokerAndAgentsAreKilled) {
       senders.push_back(std::make_unique<Background>(
           std::vector<std::string>{test::program("coppice"), "send", "--any", "--to",
                                    places.at(static_cast<std::size_t>(k)), "--wait", "--domain",
-                                   std::to_string(domain), "--patience", "60"},
+                                   test::domain_name(), "--patience", "60"},
           file("sender" + std::to_string(k))));
     }
     std::this_thread::sleep_for(700ms);
@@ -170,9 +168,11 @@ TEST(Orders, MistakesAreRefusedInOneLine) {
   refuses("send r1 --to 3,4 --each", "--each requires --any");
   refuses("cancel", "order");
   const Outcome nobody =
-      shell(test::program("coppice") + " stop --patience 0.5 --domain " + std::to_string(domain + 1));
+      shell(test::program("coppice") + " stop --patience 0.5 --domain " + test::domain_name());
   EXPECT_EQ(nobody.exit_code, 1);
-  EXPECT_NE(nobody.output.find("nobody on domain 191 has answered"), std::string::npos) << nobody.output;
+  EXPECT_NE(nobody.output.find("nobody on domain " + test::domain_name() + " has answered"),
+            std::string::npos)
+      << nobody.output;
 }
 
 TEST(Orders, AScenarioWithoutGoalsIsNoRun) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/run_check.h"
 #include "tests/run_expectations.h"
@@ -27,8 +28,8 @@ TEST_P(PausedProcess, APausedProcessReturnsAndTheRecordIsComplete) {
   const test::TemporaryFolder folder;
   const auto file = [&](const char* name) { return (folder.path() / name).string(); };
   test::Background run({test::program("coppice"), "run", (test::scenarios() / "rooms-8.json").string(),
-                        "--domain", "155", "--discovery", "multicast", "--time-scale", "0.3", "--report",
-                        file("report.json"), "--trajectory", file("t.csv")},
+                        "--domain", test::domain_name(), "--discovery", "multicast", "--time-scale", "0.3",
+                        "--report", file("report.json"), "--trajectory", file("t.csv")},
                        file("log"));
   ASSERT_TRUE(test::within(
       20s, [&] { return test::contents(file("log")).find("paths found 8/8") != std::string::npos; }));

@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -64,7 +65,7 @@ TEST(ProcessFleet, AProcessThatIsStoppedWhileItStartsEnds) {
   const test::TemporaryFolder folder;
   ProcessFleet fleet(folder.path());
   for (const int milliseconds : {0, 1, 2, 5, 10, 20, 40}) {
-    fleet.start("broker", {test::program("tree_broker"), "--domain", "141"}, Output::log);
+    fleet.start("broker", {test::program("tree_broker"), "--domain", test::domain_name()}, Output::log);
     std::this_thread::sleep_for(milliseconds * 1ms);
     fleet.terminate("broker");
     EXPECT_EQ(next_end(fleet).exit_code, 0) << milliseconds;

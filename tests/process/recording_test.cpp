@@ -1,7 +1,7 @@
 // Tests of a run that is recorded over DDS, described, and replayed; and of a recorder that is killed or
 // finds no room.
 //
-// CTest: RESOURCE_LOCK other_domains
+// CTest: RESOURCE_LOCK lane_2
 
 #include "monitor/recording.h"
 
@@ -25,6 +25,7 @@
 #include "messages/topics.h"
 #include "monitor/fleet_view.h"
 #include "runtime/process.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -35,8 +36,6 @@ using namespace std::chrono_literals;
 using test::Background;
 using test::Outcome;
 using test::shell;
-
-constexpr int domain = 160;
 
 std::vector<std::string> coppice(const std::vector<std::string>& arguments) {
   std::vector<std::string> command{test::program("coppice")};
@@ -79,8 +78,9 @@ class RecordedRun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder = new test::TemporaryFolder;
-    Background run(run_of_four(domain, {"--record", path("run.mcap"), "--trajectory", path("t.csv")}),
-                   path("run.log"));
+    Background run(
+        run_of_four(test::own_domain(), {"--record", path("run.mcap"), "--trajectory", path("t.csv")}),
+        path("run.log"));
     exit_code = run.wait();
   }
   static void TearDownTestSuite() {
@@ -135,23 +135,22 @@ TEST_F(RecordedRun, TheRecordingIsDescribed) {
 
 TEST_F(RecordedRun, TheRecordingIsNotReplaced) {
   const std::string before = test::contents(path("run.mcap"));
-  Background again(run_of_four(domain + 1, {"--record", path("run.mcap")}), path("again.log"));
+  Background again(run_of_four(test::own_domain(1), {"--record", path("run.mcap")}), path("again.log"));
   EXPECT_EQ(again.wait(), 2);
   EXPECT_NE(test::contents(path("again.log")).find("already exists"), std::string::npos);
-  const Outcome record =
-      shell(test::program("coppice") + " record --domain 161 --duration 0.1 " + path("run.mcap"));
+  const Outcome record = shell(test::program("coppice") + " record --domain " + test::domain_name(1) +
+                               " --duration 0.1 " + path("run.mcap"));
   EXPECT_EQ(record.exit_code, 2);
   EXPECT_NE(record.output.find("--force"), std::string::npos) << record.output;
   EXPECT_EQ(test::contents(path("run.mcap")), before);
 }
 
 TEST_F(RecordedRun, TheRecordingIsReplayedForOthers) {
-  Background second(coppice({"record", path("second.mcap"), "--domain", std::to_string(domain + 1)}),
+  Background second(coppice({"record", path("second.mcap"), "--domain", test::domain_name(1)}),
                     path("second.log"));
   ASSERT_TRUE(test::within(10s, [&] { return std::filesystem::exists(path("second.mcap")); }));
-  Background replay(
-      coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 1), "--speed", "2"}),
-      path("replay.log"));
+  Background replay(coppice({"replay", path("run.mcap"), "--domain", test::domain_name(1), "--speed", "2"}),
+                    path("replay.log"));
   EXPECT_EQ(replay.wait(), 0) << test::contents(path("replay.log"));
   second.send(SIGTERM);
   EXPECT_EQ(second.wait(), 0) << test::contents(path("second.log"));
@@ -197,8 +196,8 @@ TEST_F(RecordedRun, TheRecordingIsReplayedForOthers) {
 TEST_F(RecordedRun, TheRecordingIsReplayedFromAnyTime) {
   const Recording recording(path("run.mcap"));
   const double from = 0.6 * (recording.end() - recording.begin());
-  DdsBus watcher({.domain = domain + 1}, Role::observer, "watcher");
-  Background replay(coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 1), "--from",
+  DdsBus watcher({.domain = test::own_domain(1)}, Role::observer, "watcher");
+  Background replay(coppice({"replay", path("run.mcap"), "--domain", test::domain_name(1), "--from",
                              std::to_string(from), "--speed", "4"}),
                     path("replay.log"));
   FleetView view;
@@ -217,21 +216,22 @@ TEST_F(RecordedRun, TheRecordingIsReplayedFromAnyTime) {
 }
 
 TEST_F(RecordedRun, TheRecordingIsNotReplayedOnTheDomainOfAFleet) {
-  const DdsBus broker({.domain = domain + 2}, Role::broker, "broker");
-  DdsBus service({.domain = domain + 2}, Role::service, "service");
+  const DdsBus broker({.domain = test::own_domain(1)}, Role::broker, "broker");
+  DdsBus service({.domain = test::own_domain(1)}, Role::service, "service");
   MapMessage map{"m", {}, {1}};
   map.map.width = map.map.height = 2;
   map.map.blocked.assign(4, 0);
   service.publish(Message(map));
-  const Outcome replay = shell(test::program("coppice") + " replay --domain 162 " + path("run.mcap"));
+  const Outcome replay =
+      shell(test::program("coppice") + " replay --domain " + test::domain_name(1) + " " + path("run.mcap"));
   EXPECT_EQ(replay.exit_code, 2) << replay.output;
   EXPECT_NE(replay.output.find("a fleet or another replay is active"), std::string::npos) << replay.output;
 }
 
 TEST_F(RecordedRun, AFleetIgnoresTheRecording) {
-  DdsBus watcher({.domain = domain + 2}, Role::observer, "watcher");
-  DdsBus agent({.domain = domain + 2, .robot = "r9"}, Role::agent, "agent");
-  Background replay(coppice({"replay", path("run.mcap"), "--domain", std::to_string(domain + 2)}),
+  DdsBus watcher({.domain = test::own_domain(1)}, Role::observer, "watcher");
+  DdsBus agent({.domain = test::own_domain(1), .robot = "r9"}, Role::agent, "agent");
+  Background replay(coppice({"replay", path("run.mcap"), "--domain", test::domain_name(1)}),
                     path("replay.log"));
   std::size_t seen = 0;
   std::size_t taken = 0;
@@ -249,9 +249,8 @@ TEST_F(RecordedRun, AFleetIgnoresTheRecording) {
 TEST(Recorder, AKilledRecorderLeavesWhatItHasWritten) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "killed.mcap").string();
-  Background recorder(coppice({"record", file, "--domain", std::to_string(domain + 3)}),
-                      folder.path() / "log");
-  Background run(run_of_four(domain + 3), folder.path() / "run.log");
+  Background recorder(coppice({"record", file, "--domain", test::domain_name()}), folder.path() / "log");
+  Background run(run_of_four(test::own_domain()), folder.path() / "run.log");
   const auto holds_states = [&] {
     try {
       const Recording recording(file);
@@ -276,11 +275,11 @@ TEST(Recorder, AKilledRecorderLeavesWhatItHasWritten) {
 TEST(Recorder, ARecorderWithoutRoomSaysSoAndLeavesWhatItHasWritten) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "full.mcap").string();
-  Background run(run_of_four(domain + 4), folder.path() / "run.log");
+  Background run(run_of_four(test::own_domain()), folder.path() / "run.log");
   // 480 blocks of 512 bytes hold the descriptions and some seconds. SIGXFSZ is ignored, as it would end the
   // recorder.
-  const Outcome record =
-      shell("ulimit -f 480; exec " + test::program("coppice") + " record --duration 60 --domain 164 " + file);
+  const Outcome record = shell("ulimit -f 480; exec " + test::program("coppice") +
+                               " record --duration 60 --domain " + test::domain_name() + " " + file);
   EXPECT_EQ(record.exit_code, 2) << record.output;
   EXPECT_NE(record.output.find("full.mcap: cannot be written"), std::string::npos) << record.output;
   const Recording recording(file);

@@ -1,7 +1,7 @@
 // Tests of agents without a name over DDS. Each gets its own robot, and a successor gets the robot of an
 // agent that failed.
 //
-// CTest: RESOURCE_LOCK domains_120_to_139
+// CTest: RESOURCE_LOCK lane_1
 
 #include <csignal>
 #include <map>
@@ -14,6 +14,7 @@
 
 #include "files/report_file.h"
 #include "messages/messages.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -22,13 +23,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* domain = "130";
-
 /// The fleet's processes, each with a log.
 struct Roles {
   std::size_t start(std::vector<std::string> command) {
     command[0] = test::program(command[0]);
-    command.insert(command.end(), {"--domain", domain});
+    command.insert(command.end(), {"--domain", test::domain_name()});
     const std::size_t number = processes.size();
     processes.push_back(std::make_unique<test::Background>(command, log_file(number)));
     return number;

@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -46,9 +47,8 @@ struct Robot {
 };
 
 struct FleetInRos {
-  FleetInRos(const std::vector<Robot>& robots, int on_domain, const std::vector<std::string>& options,
-             const char* how = "run")
-      : domain(std::to_string(on_domain)) {
+  FleetInRos(const std::vector<Robot>& robots, const std::vector<std::string>& options,
+             const char* how = "run") {
     folder.write("rooms.map", two_rooms());
     std::string rows;
     for (const Robot& r : robots) {
@@ -76,12 +76,12 @@ struct FleetInRos {
   proto::Report report() const { return read_report(file("report.json")); }
 
   test::TemporaryFolder folder;
-  std::string domain;
+  std::string domain = test::domain_name();
   std::unique_ptr<test::Background> run;
 };
 
 TEST(RosFleet, ARosProgramReadsTheRobotsPositionAndSendsAGoal) {
-  FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, 165, {}, "serve");
+  FleetInRos fleet({{"r-1", 5, 10, 12, 10}, {"r2", 35, 20, 30, 20}}, {}, "serve");
   const auto ask = [&](const std::string& robot, const std::string& goal, const std::string& seconds) {
     return test::shell(peer + " " + fleet.domain + " " + robot + " goal " + goal + " " + seconds);
   };
@@ -132,7 +132,7 @@ double least_distance(const std::vector<Vertex>& a, const std::vector<Vertex>& b
 
 TEST(RosFleet, ExternalRobotsArriveAndStopIfTheirOdometryStops) {
   const std::vector<Robot> robots{{"r1", 5, 10, 35, 11}, {"r2", 35, 15, 5, 16}, {"r3", 20, 15, 30, 25}};
-  FleetInRos fleet(robots, 166, {"--drive", "ros", "--timeout", "120"});
+  FleetInRos fleet(robots, {"--drive", "ros", "--timeout", "120"});
   std::vector<std::unique_ptr<test::Background>> players;
   for (const Robot& r : robots) {
     const std::string pause_at = r.name == "r1" ? "2" : "1000";  // seconds after it started, for 3 s
@@ -198,8 +198,9 @@ std::string hall(const test::TemporaryFolder& folder) {
 
 /// Robots of 0.22 m, two in each row, change sides. They lag, slip, and see themselves with noise; the first
 /// one does not see itself for 2 s.
-void drive_differential_robots(int domain, int rows, double far, const std::string& source,
+void drive_differential_robots(int rows, double far, const std::string& source,
                                const std::vector<std::string>& options) {
+  const std::string domain = test::domain_name();
   test::TemporaryFolder folder;
   hall(folder);
   std::vector<TurningRobot> robots;
@@ -220,27 +221,16 @@ void drive_differential_robots(int domain, int rows, double far, const std::stri
                     "robots":[)" +
                     listed + "]}");
   const auto report_file = (folder.path() / "report.json").string();
-  std::vector<std::string> command{test::program("coppice"),
-                                   "run",
-                                   scenario.string(),
-                                   "--domain",
-                                   std::to_string(domain),
-                                   "--ros",
-                                   "--drive",
-                                   "ros",
-                                   "--time-scale",
-                                   "1",
-                                   "--report",
-                                   report_file,
-                                   "--timeout",
-                                   "150"};
+  std::vector<std::string> command{
+      test::program("coppice"), "run", scenario.string(), "--domain",  domain,      "--ros", "--drive", "ros",
+      "--time-scale",           "1",   "--report",        report_file, "--timeout", "150"};
   command.insert(command.end(), options.begin(), options.end());
   const auto log = folder.path() / "log";
   test::Background run(command, log);
   std::vector<std::unique_ptr<test::Background>> players;
   for (const TurningRobot& r : robots) {
     const std::vector<std::string> player{peer,
-                                          std::to_string(domain),
+                                          domain,
                                           r.name,
                                           "differential",
                                           std::to_string(r.x),
@@ -276,11 +266,11 @@ void drive_differential_robots(int domain, int rows, double far, const std::stri
 }
 
 TEST(RosFleet, DifferentialRobotsArriveWithTheirYaw) {
-  drive_differential_robots(197, 4, 11, "odom", {});
+  drive_differential_robots(4, 11, "odom", {});
 }
 
 TEST(RosFleet, RobotsAreFoundByTransformsAndTakeStampedCommands) {
-  drive_differential_robots(198, 1, 4, "tf", {"--pose", "tf", "--stamped"});
+  drive_differential_robots(1, 4, "tf", {"--pose", "tf", "--stamped"});
 }
 
 TEST(RosFleet, OptionsThatExcludeEachOtherAreRefused) {

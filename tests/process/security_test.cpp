@@ -1,7 +1,7 @@
 // Tests of deploy/security/make-keys, and of what the programs report for bad credentials: exit code 2 and
 // one line that names the file, before DDS starts.
 //
-// CTest: RESOURCE_LOCK other_domains
+// CTest: RESOURCE_LOCK lane_2
 
 #include "dds/security.h"
 
@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "dds/security.h"
+#include "tests/domains.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -233,8 +234,8 @@ TEST_F(SecurityFiles, BadCredentialsAreReportedInOneLineThatNamesTheFile) {
     const test::Outcome changed = test::shell("cd '" + keys.string() + "' && " + bad.change);
     ASSERT_EQ(changed.exit_code, 0) << changed.output;
     for (const std::string& command :
-         {"'" + test::program("robot_agent") + "' --name r1 --domain 118 --security '" +
-              (keys / "agent").string() + "'",
+         {"'" + test::program("robot_agent") + "' --name r1 --domain " + test::domain_name() +
+              " --security '" + (keys / "agent").string() + "'",
           "'" + test::program("coppice") + "' run '" + (test::scenarios() / "rooms-8.json").string() +
               "' --security '" + keys.string() + "'"}) {
       const test::Outcome outcome = test::shell("timeout 20 " + command);
@@ -247,7 +248,8 @@ TEST_F(SecurityFiles, BadCredentialsAreReportedInOneLineThatNamesTheFile) {
 }
 
 TEST_F(SecurityFiles, EveryRoleReportsBadCredentials) {
-  const std::string options = " --domain 118 --security '" + (folder->path() / "nowhere").string() + "'";
+  const std::string options =
+      " --domain " + test::domain_name() + " --security '" + (folder->path() / "nowhere").string() + "'";
   for (const std::string& command :
        {"'" + test::program("tree_broker") + "'", "'" + test::program("robot_agent") + "' --name r1",
         "'" + test::program("planner_service") + "' '" + (test::scenarios() / "rooms-8.json").string() +
@@ -259,9 +261,9 @@ TEST_F(SecurityFiles, EveryRoleReportsBadCredentials) {
 }
 
 TEST_F(SecurityFiles, DiscoveryServersAreRefused) {
-  const test::Outcome outcome = test::shell("timeout 20 '" + test::program("tree_broker") +
-                                            "' --domain 118 --discovery 127.0.0.1:11811 --security '" +
-                                            (ours() / "broker").string() + "'");
+  const test::Outcome outcome =
+      test::shell("timeout 20 '" + test::program("tree_broker") + "' --domain " + test::domain_name() +
+                  " --discovery 127.0.0.1:11811 --security '" + (ours() / "broker").string() + "'");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.output.find("not through servers"), std::string::npos) << outcome.output;
 }

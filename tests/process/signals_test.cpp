@@ -1,7 +1,7 @@
 // Tests of how programs end when they are stopped, and of how they show that they work. A robot brakes first,
 // and its track is complete.
 //
-// CTest: RESOURCE_LOCK domains_120_to_139
+// CTest: RESOURCE_LOCK lane_1
 
 #include <algorithm>
 #include <array>
@@ -24,6 +24,7 @@
 #include <unistd.h>
 
 #include "files/report_file.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/run_check.h"
 #include "tests/support.h"
@@ -56,9 +57,9 @@ TEST(Signals, AStoppedRobotBrakesAndItsTrackIsComplete) {
   const test::TemporaryFolder folder;
   const std::string report = (folder.path() / "report.json").string();
   const std::string trajectory = (folder.path() / "t.csv").string();
-  Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "133"});
+  Program agent(folder, {"robot_agent", "--name", "r1", "--domain", test::domain_name()});
   Program service(folder, {"planner_service", (test::scenarios() / "blank-10.json").string(), "--robots", "1",
-                           "--domain", "133", "--report", report, "--trajectory", trajectory});
+                           "--domain", test::domain_name(), "--report", report, "--trajectory", trajectory});
   ASSERT_TRUE(service.says("paths found 1/1")) << test::contents(service.log);
   std::this_thread::sleep_for(2s);
   EXPECT_EQ(agent.ends_by(SIGTERM), 0) << test::contents(agent.log);
@@ -73,14 +74,14 @@ TEST(Signals, AStoppedRobotBrakesAndItsTrackIsComplete) {
 
 TEST(Signals, SigtermEndsEveryOtherProgram) {
   const test::TemporaryFolder folder;
-  Program broker(folder, {"tree_broker", "--domain", "134"});
+  Program broker(folder, {"tree_broker", "--domain", test::domain_name()});
   Program discovery(folder, {"coppice", "discovery", "--port", "23934"});
-  Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "134"});
-  Program service(folder,
-                  {"planner_service", (test::scenarios() / "blank-10.json").string(), "--domain", "135"});
-  ASSERT_TRUE(broker.says("on domain 134"));
+  Program agent(folder, {"robot_agent", "--name", "r1", "--domain", test::domain_name()});
+  Program service(folder, {"planner_service", (test::scenarios() / "blank-10.json").string(), "--domain",
+                           test::domain_name(1)});
+  ASSERT_TRUE(broker.says("on domain " + test::domain_name()));
   ASSERT_TRUE(discovery.says("discovery server 0"));
-  ASSERT_TRUE(agent.says("on domain 134"));
+  ASSERT_TRUE(agent.says("on domain " + test::domain_name()));
   ASSERT_TRUE(service.says("paths found"));
   EXPECT_EQ(broker.ends_by(SIGTERM), 0);
   EXPECT_EQ(discovery.ends_by(SIGTERM), 0);
@@ -93,9 +94,9 @@ TEST(Signals, SigtermEndsEveryOtherProgram) {
 struct AgentWithHangup {
   AgentWithHangup(void (*hangup)(int), const test::TemporaryFolder& folder)
       : before(std::signal(SIGHUP, hangup)),
-        agent(folder, {"robot_agent", "--name", "r1", "--domain", "136"}) {
+        agent(folder, {"robot_agent", "--name", "r1", "--domain", test::domain_name()}) {
     std::signal(SIGHUP, before);
-    EXPECT_TRUE(agent.says("on domain 136"));
+    EXPECT_TRUE(agent.says("on domain " + test::domain_name()));
   }
   void (*before)(int);
   Program agent;
@@ -125,9 +126,9 @@ TEST(Signals, AClosedOutputEndsNoProgram) {
 TEST(Logs, AnAgentLogsThatAnotherProcessHasItsRobot) {
   const test::TemporaryFolder folder;
   const test::TemporaryFolder other_folder;
-  const Program agent(folder, {"robot_agent", "--name", "r1", "--domain", "139"});
-  ASSERT_TRUE(agent.says("on domain 139"));
-  const Program other(other_folder, {"robot_agent", "--name", "r1", "--domain", "139"});
+  const Program agent(folder, {"robot_agent", "--name", "r1", "--domain", test::domain_name()});
+  ASSERT_TRUE(agent.says("on domain " + test::domain_name()));
+  const Program other(other_folder, {"robot_agent", "--name", "r1", "--domain", test::domain_name()});
   EXPECT_TRUE(agent.says("another process is the agent of robot r1"));
   EXPECT_TRUE(other.says("another process is the agent of robot r1"));
 }
@@ -137,7 +138,8 @@ TEST(Signals, ClosedStreamsAreNotReusedForFiles) {
   const test::TemporaryFolder folder;
   const std::string log = (folder.path() / "log").string();
   const std::string once = "timeout --preserve-status -s TERM 2 '" + test::program("robot_agent") +
-                           "' --name r1 --domain 139 --state '" + folder.path().string() + "' ";
+                           "' --name r1 --domain " + test::domain_name() + " --state '" +
+                           folder.path().string() + "' ";
   for (const char* closed : {"2>&-", ">&-", "<&- >&- 2>&-"})
     EXPECT_EQ(std::system((once + closed).c_str()), 0) << closed;
   EXPECT_EQ(std::system((once + "2> '" + log + "'").c_str()), 0) << test::contents(log);
@@ -177,11 +179,12 @@ class NotifySocket {
 TEST(Heartbeat, EachProgramTouchesItsFileAndNotifiesSystemd) {
   const test::TemporaryFolder folder;
   const std::string scenario = (test::scenarios() / "blank-10.json").string();
-  const std::vector<std::vector<std::string>> commands{{"tree_broker", "--domain", "137"},
-                                                       {"robot_agent", "--domain", "137"},
-                                                       {"robot_agent", "--name", "r1", "--domain", "137"},
-                                                       {"planner_service", scenario, "--domain", "137"},
-                                                       {"coppice", "discovery", "--port", "23937"}};
+  const std::vector<std::vector<std::string>> commands{
+      {"tree_broker", "--domain", test::domain_name()},
+      {"robot_agent", "--domain", test::domain_name()},
+      {"robot_agent", "--name", "r1", "--domain", test::domain_name()},
+      {"planner_service", scenario, "--domain", test::domain_name()},
+      {"coppice", "discovery", "--port", "23937"}};
   for (std::vector<std::string> command : commands) {
     SCOPED_TRACE(command[0]);
     const NotifySocket systemd(folder.path() / "notify");
@@ -203,8 +206,8 @@ TEST(Heartbeat, EachProgramTouchesItsFileAndNotifiesSystemd) {
 TEST(Logs, LogsAreLinesOfJsonOnRequest) {
   const test::TemporaryFolder folder;
   const std::string name = "a_\\_name";  // which JSON escapes
-  Program agent(folder, {"robot_agent", "--name", name, "--domain", "138", "--log-json"});
-  ASSERT_TRUE(agent.says("on domain 138"));
+  Program agent(folder, {"robot_agent", "--name", name, "--domain", test::domain_name(), "--log-json"});
+  ASSERT_TRUE(agent.says("on domain " + test::domain_name()));
   EXPECT_EQ(agent.ends_by(SIGTERM), 0);
   std::istringstream lines(test::contents(agent.log));
   int count = 0;
@@ -213,7 +216,7 @@ TEST(Logs, LogsAreLinesOfJsonOnRequest) {
     ASSERT_TRUE(google::protobuf::util::JsonStringToMessage(line, &fields).ok()) << line;
     EXPECT_EQ(fields.fields().at("name").string_value(), "robot_agent " + name);
     EXPECT_EQ(fields.fields().at("level").string_value(), "info");
-    EXPECT_EQ(fields.fields().at("message").string_value(), "on domain 138");
+    EXPECT_EQ(fields.fields().at("message").string_value(), "on domain " + test::domain_name());
     EXPECT_EQ(fields.fields().at("time").string_value().size(),
               std::string("2026-01-01T00:00:00.000+00:00").size());
   }
@@ -233,8 +236,8 @@ TEST(Logs, TheDiscoveryServerLogsAsRequested) {
 }
 
 TEST(Heartbeat, AnAliveFileThatCannotBeWrittenIsAnError) {
-  const test::Outcome outcome =
-      test::shell("'" + test::program("robot_agent") + "' --name r1 --domain 137 --alive /nowhere/alive");
+  const test::Outcome outcome = test::shell("'" + test::program("robot_agent") + "' --name r1 --domain " +
+                                            test::domain_name() + " --alive /nowhere/alive");
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.output.find("/nowhere/alive"), std::string::npos) << outcome.output;
 }

@@ -13,6 +13,7 @@
 
 #include "coppice/planning/map_generator.h"
 #include "dds/dds_bus.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -20,8 +21,6 @@ namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr int domain = 154;
 
 struct Watch {
   void look() {
@@ -47,7 +46,7 @@ struct Watch {
       return condition();
     });
   }
-  DdsBus bus{{.domain = domain}, Role::observer, "watch"};
+  DdsBus bus{{.domain = test::own_domain()}, Role::observer, "watch"};
   std::map<std::uint64_t, BrokerStatus> statuses{};
   std::set<TreesId> trees{};
   std::uint64_t gone = 0;  ///< the broker that was killed
@@ -56,7 +55,7 @@ struct Watch {
 struct BrokerTakeover : testing::Test {
   std::unique_ptr<test::Background> broker(const std::string& name) const {
     return std::make_unique<test::Background>(
-        std::vector<std::string>{test::program("tree_broker"), "--domain", std::to_string(domain), "--state",
+        std::vector<std::string>{test::program("tree_broker"), "--domain", test::domain_name(), "--state",
                                  (folder.path() / name).string()},
         folder.path() / (name + ".log"));
   }
@@ -64,7 +63,7 @@ struct BrokerTakeover : testing::Test {
 };
 
 TEST_F(BrokerTakeover, TheStandbyBrokerTakesOverWithinTwoSecondsWithAllTrees) {
-  DdsBus service({.domain = domain}, Role::service, "service");
+  DdsBus service({.domain = test::own_domain()}, Role::service, "service");
   Random random(1);
   service.publish(MapMessage{"rooms", generate_map(MapKind::room, 300, 300, random), {5}});
   Watch watch;
@@ -102,8 +101,9 @@ TEST_F(BrokerTakeover, TwoBrokersDoNotShareAJournal) {
   const auto first = broker("shared");
   ASSERT_TRUE(test::within(5s, [&] { return std::filesystem::exists(folder.path() / "shared"); }));
   std::this_thread::sleep_for(500ms);
-  const test::Outcome outcome = test::shell(test::program("tree_broker") + " --domain 154 --state " +
-                                            (folder.path() / "shared").string());
+  const test::Outcome outcome =
+      test::shell(test::program("tree_broker") + " --domain " + test::domain_name() + " --state " +
+                  (folder.path() / "shared").string());
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.output.find("is in use by another process"), std::string::npos) << outcome.output;
 }
@@ -111,8 +111,8 @@ TEST_F(BrokerTakeover, TwoBrokersDoNotShareAJournal) {
 TEST_F(BrokerTakeover, AFolderThatCannotBeWrittenIsReported) {
   folder.write("file", "");
   for (const std::string role : {"tree_broker", "robot_agent --name r1"}) {
-    const test::Outcome outcome =
-        test::shell(test::program(role) + " --domain 154 --state " + (folder.path() / "file").string());
+    const test::Outcome outcome = test::shell(test::program(role) + " --domain " + test::domain_name() +
+                                              " --state " + (folder.path() / "file").string());
     EXPECT_EQ(outcome.exit_code, 2) << role;
     EXPECT_NE(outcome.output.find("file: cannot be made"), std::string::npos) << outcome.output;
   }

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "monitor/monitor.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 #include "tests/web/client.h"
@@ -19,7 +20,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int domain = 186;
 constexpr const char* token = "0123456789abcdef";
 constexpr const char* fine = "Authorization: Bearer 0123456789abcdef\r\n";
 constexpr const char* to_1_2 = R"({"goal": {"x": 1, "y": 2}})";
@@ -214,9 +214,9 @@ TEST_F(ServedFleetTest, AFleetObeysOrdersOverHttp) {
   folder.write("token", std::string(token) + "\n");
   const test::Background fleet(
       {test::program("coppice"), "serve", site(), "--map", (test::scenarios() / "rooms-8.map").string(),
-       "--robots", "4", "--time-scale", "4", "--quiet", "--domain", std::to_string(domain)},
+       "--robots", "4", "--time-scale", "4", "--quiet", "--domain", test::domain_name()},
       path("serve.log"));
-  const test::Background monitor({test::program("coppice"), "monitor", "--domain", std::to_string(domain),
+  const test::Background monitor({test::program("coppice"), "monitor", "--domain", test::domain_name(),
                                   "--port", "0", "--control", "--token-file", path("token")},
                                  path("monitor.log"));
   ASSERT_TRUE(test::within(20s, [&] { return said("monitor.log").starts_with("http://"); }));
@@ -260,7 +260,7 @@ TEST_F(ServedFleetTest, AFleetObeysOrdersOverHttp) {
 TEST_F(ServedFleetTest, ControlNeedsATokenThatIsHardToGuess) {
   const auto refusal = [&](const std::string& options) {
     return test::shell(fmt::format("timeout 20 '{}' monitor --domain {} --port 0 {} 2>&1",
-                                   test::program("coppice"), domain + 1, options));
+                                   test::program("coppice"), test::own_domain(), options));
   };
   folder.write("short", "0123456789abcde\n0123456789abcdef\n");
   const std::string file = path("short");

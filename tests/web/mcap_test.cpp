@@ -1,7 +1,7 @@
 // Test that other programs can read a recording: the reference reader of MCAP, run by node, and Protobuf with
 // only the schemas in the file.
 //
-// CTest: RESOURCE_LOCK other_domains
+// CTest: RESOURCE_LOCK lane_2
 
 #include <filesystem>
 #include <string>
@@ -33,7 +33,7 @@ TEST(RecordedMcap, TheReferenceReaderReadsTheRecording) {
   const std::string recording = (folder.path() / "run.mcap").string();
   const std::string trajectory = (folder.path() / "run.csv").string();
   const Outcome run = shell(fmt::format(
-      "'{}' run '{}' --robots 4 --time-scale 4 --domain 160 --quiet --record '{}' "
+      "'{}' run '{}' --robots 4 --time-scale 4 --quiet --record '{}' "
       "--trajectory '{}'",
       test::program("coppice"), (test::scenarios() / "rooms-8.json").string(), recording, trajectory));
   ASSERT_EQ(run.exit_code, 0) << run.output;

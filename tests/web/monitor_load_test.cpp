@@ -23,6 +23,7 @@
 #include "files/report_file.h"
 #include "monitor/monitor.h"
 #include "runtime/process.h"
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -242,13 +243,14 @@ double worst_share_missed(const std::filesystem::path& folder, int of_domain,
 TEST(MonitorsOfAFleet, TenCostNoRobotItsDeadlines) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;
   const test::TemporaryFolder folder;
-  const double alone = worst_share_missed(folder.path(), 176, [] {});
-  const double watched = worst_share_missed(folder.path(), 177, [&] {
+  const double alone = worst_share_missed(folder.path(), test::own_domain(), [] {});
+  const double watched = worst_share_missed(folder.path(), test::own_domain(1), [&] {
     for (int round = 0; round < 3; ++round) {
       std::vector<std::unique_ptr<test::Background>> ten;
       for (int k = 0; k < 10; ++k)
         ten.push_back(std::make_unique<test::Background>(
-            std::vector<std::string>{test::program("coppice"), "monitor", "--port", "0", "--domain", "177"},
+            std::vector<std::string>{test::program("coppice"), "monitor", "--port", "0", "--domain",
+                                     test::domain_name(1)},
             folder.path() / fmt::format("monitor{}.log", k)));
       std::this_thread::sleep_for(4s);
       for (const auto& watcher : ten) {

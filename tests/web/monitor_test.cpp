@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -21,8 +22,6 @@ namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr int domain = 170;
 
 std::filesystem::path web() {
   return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
@@ -83,8 +82,8 @@ struct MonitorTest : testing::Test {
 };
 
 TEST_F(MonitorTest, FoxgloveAndThePageShowWhatTheFleetDrives) {
-  const auto watcher = monitor(domain);
-  const auto run = fleet(domain);
+  const auto watcher = monitor(test::own_domain());
+  const auto run = fleet(test::own_domain());
   const test::Outcome outcome =
       node("monitor_fleet.js", fmt::format("{} '{}/idl/live.proto' '{}' 1", url(), COPPICE_SOURCE_DIR,
                                            path("trajectory.csv").string()));
@@ -96,7 +95,7 @@ TEST_F(MonitorTest, FoxgloveAndThePageShowWhatTheFleetDrives) {
 }
 
 TEST_F(MonitorTest, TheMonitorRefusesInvalidRequestsAndGoesOn) {
-  const auto watcher = monitor(domain + 1);
+  const auto watcher = monitor(test::own_domain());
   const test::Outcome outcome = node("monitor_refusals.js", url());
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_FALSE(test::has_ended(watcher->pid())) << test::contents(path("monitor.log"));
@@ -104,8 +103,8 @@ TEST_F(MonitorTest, TheMonitorRefusesInvalidRequestsAndGoesOn) {
 
 TEST_F(MonitorTest, PrometheusReadsTheMetrics) {
   ASSERT_FALSE(which("prometheus").empty()) << "needs prometheus: tests/run installs it";
-  const auto watcher = monitor(domain + 2);
-  const auto run = fleet(domain + 2);
+  const auto watcher = monitor(test::own_domain());
+  const auto run = fleet(test::own_domain());
   const auto value = [&](const std::string& base, const std::string& what) {
     return test::shell("curl -s '" + base + what + "'").output;
   };
@@ -140,21 +139,21 @@ TEST_F(MonitorTest, PrometheusReadsTheMetrics) {
 
 TEST_F(MonitorTest, TheMonitorIsNicerThanTheFleet) {
   constexpr int of_agents = 10;  // the niceness that `coppice run` gives them
-  const auto watcher = monitor(domain + 5);
+  const auto watcher = monitor(test::own_domain());
   EXPECT_GT(getpriority(PRIO_PROCESS, static_cast<id_t>(watcher->pid())), of_agents);
 }
 
 TEST_F(MonitorTest, TheMonitorListensOnlyAtTheLoopback) {
-  const auto watcher = monitor(domain + 3);
+  const auto watcher = monitor(test::own_domain());
   const test::Outcome listening = test::shell(fmt::format("ss -Htlnp | grep 'pid={},'", watcher->pid()));
   EXPECT_EQ(std::ranges::count(listening.output, '\n'), 1) << listening.output;
   EXPECT_NE(listening.output.find(" 127.0.0.1:" + port() + " "), std::string::npos) << listening.output;
 }
 
 TEST_F(MonitorTest, TheMonitorTakesAnotherPortOnRequestAndSaysSo) {
-  const auto first = monitor(domain + 4);
+  const auto first = monitor(test::own_domain());
   const std::string taken = port();
-  const test::Background second({test::program("coppice"), "monitor", "--domain", std::to_string(domain + 4),
+  const test::Background second({test::program("coppice"), "monitor", "--domain", test::domain_name(),
                                  "--port", taken, "--else-any-port"},
                                 path("second.log"));
   const auto said = [&] { return test::contents(path("second.log")); };
@@ -202,10 +201,10 @@ TEST_F(MonitorTest, TheMonitorOfARecordingReportsItsOwnFigures) {
 
 TEST_F(MonitorTest, TheMonitorSaysWhereItCannotListen) {
   const auto refused = [&](const std::string& options) {
-    return test::shell(
-        fmt::format("timeout 20 '{}' monitor --domain {} {}", test::program("coppice"), domain + 4, options));
+    return test::shell(fmt::format("timeout 20 '{}' monitor --domain {} {}", test::program("coppice"),
+                                   test::own_domain(), options));
   };
-  const auto watcher = monitor(domain + 4);
+  const auto watcher = monitor(test::own_domain());
   const test::Outcome taken = refused("--port " + port());
   EXPECT_EQ(taken.exit_code, 2);
   EXPECT_EQ(taken.output, "127.0.0.1:" + port() + ": cannot listen there: Address already in use\n");

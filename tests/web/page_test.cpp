@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
 
@@ -20,8 +21,6 @@ namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr int domain = 156;
 
 std::filesystem::path web() {
   return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
@@ -68,9 +67,9 @@ struct Page : testing::Test {
 };
 
 TEST_F(Page, ThePageShowsADrivingFleet) {
-  const auto monitor = start({"monitor", "--domain", std::to_string(domain), "--port", "0"}, "monitor.log");
+  const auto monitor = start({"monitor", "--domain", test::domain_name(), "--port", "0"}, "monitor.log");
   const auto run = start({"run", (test::scenarios() / "rooms-20.json").string(), "--domain",
-                          std::to_string(domain), "--quiet", "--time-scale", "1", "--lifelong", "200"},
+                          test::domain_name(), "--quiet", "--time-scale", "1", "--lifelong", "200"},
                          "run.log");
   use_page("fleet");
   EXPECT_FALSE(test::has_ended(run->pid()))
@@ -80,7 +79,7 @@ TEST_F(Page, ThePageShowsADrivingFleet) {
 }
 
 TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
-  const std::string number = std::to_string(domain + 4);
+  const std::string number = test::domain_name();
   const std::string token = "0123456789abcdef";
   folder.write("token", token);
   const auto fleet = start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4",
@@ -101,12 +100,11 @@ TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
 
 TEST_F(Page, ThePageShowsARecording) {
   const std::string file = path("fleet.mcap").string();
-  EXPECT_EQ(
-      start({"run", (test::scenarios() / "rooms-8.json").string(), "--domain", std::to_string(domain + 1),
-             "--quiet", "--time-scale", "1", "--lifelong", "15", "--record", file},
-            "run.log")
-          ->wait(),
-      0)
+  EXPECT_EQ(start({"run", (test::scenarios() / "rooms-8.json").string(), "--domain", test::domain_name(),
+                   "--quiet", "--time-scale", "1", "--lifelong", "15", "--record", file},
+                  "run.log")
+                ->wait(),
+            0)
       << test::contents(path("run.log"));
   const auto monitor = start({"monitor", file, "--port", "0"}, "monitor.log");
   run_spec("recording.spec.mjs");
@@ -114,7 +112,7 @@ TEST_F(Page, ThePageShowsARecording) {
 
 TEST_F(Page, ThePageShowsTheOutcomeAndTheRobotsThatArrived) {
   const auto run = start({"run", (test::scenarios() / "rooms-8.json").string(), "--robots", "2", "--domain",
-                          std::to_string(domain + 2), "--quiet", "--time-scale", "2", "--watch"},
+                          test::domain_name(), "--quiet", "--time-scale", "2", "--watch"},
                          "monitor.log");
   run_spec("end_of_run.spec.mjs", "2");
   EXPECT_EQ(run->wait(), 0) << test::contents(path("monitor.log"));
@@ -133,7 +131,7 @@ TEST_F(Page, ThePageNeverCallsAReplayLive) {
                 ->wait(),
             0)
       << test::contents(path("simulate.log"));
-  const std::string number = std::to_string(domain + 3);
+  const std::string number = test::domain_name();
   const auto monitor = start({"monitor", "--domain", number, "--port", "0"}, "monitor.log");
   test::Background spec({"/usr/bin/env", "COPPICE_PAGE_URL=" + url(), "node", web() / "page/badge.spec.mjs",
                          "waiting for a fleet", "replay", "fleet silent since "},
