@@ -177,8 +177,11 @@ bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
 /// From then on neither does.
 bool HeldReservation::may_be_confirmed(const Pair& pair, const RobotState& other) const {
   if (!pair.is_related || other.passed_on) return false;
-  if (progress() <= pair.apart_beyond && other.reservation_progress <= pair.they_beyond) return false;
   const double slack = gate_slack_radii * std::min(own_->radius, other.radius);
+  // Rounding must not put a robot beyond a place where it stands, and where the two come too close.
+  const double further = 2 * slack;
+  if (progress() <= pair.apart_beyond + further && other.reservation_progress <= pair.they_beyond + further)
+    return false;
   const double theirs =
       committed(other.reservation_progress, other.promise.next_velocity.norm(), limits_of(other));
   const double own = committed(progress(), own_speed_, own_limits_);

@@ -266,6 +266,25 @@ TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
   EXPECT_TRUE(a.reserver.passes(state, 0.05)) << "the parts of one plan were planned around each other";
 }
 
+// Rounding had put b beyond the place where it stood, and a strayed into it (crossing, --max-speed 19.9).
+TEST_F(ReserverTest, TheOrderDoesNotCountWhileTheOtherStandsWhereTheTwoComeTooClose) {
+  const JointPlanMessage plan{
+      .round = {4, "a", {100, 100}, 200},
+      .members = {{"a", 5, false, {{1, {20, 100}}, {10, {89.9, 100}}, {14, {20, 100}}}},
+                  {"b", 5, false, {{1, {100, 6}}, {5.7, {100, 100}}, {20, {100, 100}}, {25, {100, 190}}}}},
+      .basis = {},
+      .run = {}};
+  for (Robot* robot : {&a, &b}) robot->adopt(plan, 0.5);
+  tell(a, b);
+  tell(b, a);
+  a.look();
+  b.look();
+  tell_state(b, a, 0.6);
+  RobotState state = tell_state(a, b, 0.7);
+  state.reservation_progress = 94 + 1e-9;
+  EXPECT_FALSE(a.reserver.passes(state, 0.05));
+}
+
 // a was to stand at the beginning of its way for longer. It stands in the middle of b's way.
 TEST_F(ReserverTest, ARobotPlansAroundOneThatIsEarlyWhereThatIs) {
   b.path = {{100, 6}, {100, 190}};
