@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "coppice/planning/geometry.h"
 
@@ -28,6 +30,22 @@ inline double closest_approach(const Point2& a0, const Point2& a1, const Point2&
 /// The distance from p to the segment from a to b.
 inline double point_segment_distance(const Point2& p, const Point2& a, const Point2& b) {
   return closest_approach(p, p, a, b);
+}
+
+/// Metres from a along a segment.
+struct Chord {
+  double begin = 0;
+  double end = 0;
+};
+/// The part of the segment from a to b in a disc; none: it does not meet the disc.
+inline std::optional<Chord> chord_in_disc(const Point2& a, const Point2& b, const Point2& centre,
+                                          double radius) {
+  const double length = (b - a).norm();
+  const Point2 gap = centre - a;
+  const double middle = length == 0 ? 0 : gap.dot(b - a) / length;
+  const double half = std::sqrt(std::max(0.0, radius * radius - gap.squaredNorm() + middle * middle));
+  const Chord chord{std::max(0.0, middle - half), std::min(length, middle + half)};
+  return half > 0 && chord.begin <= chord.end ? std::optional(chord) : std::nullopt;
 }
 
 /// The distance from a point to the nearest of a path's segments. `path` must not be empty.

@@ -98,6 +98,27 @@ std::optional<double> WayFollower::along_strip(const Point2& a, const Point2& b,
   return (way_.at(along) - b).norm() <= stray_ + rounding ? std::optional(along) : std::nullopt;
 }
 
+double WayFollower::stop_before(const Point2& point, double touching, double kept, double ahead) const {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const double end = std::min(progress_ + ahead, way_.length());
+  const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), progress_);
+  double comes_near = never;
+  Point2 from = way_.at(progress_);
+  double along = progress_;
+  for (auto i = static_cast<std::size_t>(first - way_.along.begin()); i < way_.points.size() && along < end;
+       ++i) {
+    const Point2 to = way_.at(std::min(way_.along[i], end));
+    const std::optional<Chord> near = chord_in_disc(from, to, point, kept);
+    if (!near || near->begin > 0) comes_near = never;
+    if (near && comes_near == never) comes_near = along + near->begin;
+    if (chord_in_disc(from, to, point, touching)) return comes_near;
+    if (near && near->end < (to - from).norm()) comes_near = never;
+    from = to;
+    along = way_.along[i];
+  }
+  return never;
+}
+
 bool WayFollower::finished() const {
   return progress_ == way_.length();
 }

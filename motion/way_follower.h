@@ -27,6 +27,9 @@ class WayFollower {
   /// Where the robot comes to along the way if it drives straight from a to b and has come `from` metres by
   /// then; none if it strays too far meanwhile.
   std::optional<double> along_strip(const Point2& a, const Point2& b, double from) const;
+  /// Metres along the way, not behind the robot, to where it comes within `kept` of a point before it comes
+  /// within `touching` of it; infinite if it does not within the next `ahead` metres.
+  double stop_before(const Point2& point, double touching, double kept, double ahead) const;
   /// Tells whether the last preferred velocity was safe with respect to all that stands. If not, the robot
   /// heads for a nearer point.
   void led_past(bool everything);

@@ -113,12 +113,29 @@ bool HeldReservation::has_left(const Pair& pair, const FleetMember& m) const {
   return m.stage != Stage::waiting && m.reservation == 0;
 }
 
+double HeldReservation::open_before(std::span<const Neighbour> neighbours, double margin,
+                                    const Limits& limits) const {
+  if (margin == 0) return infinity;
+  const double own_radius = own_->radius;
+  const double braking =
+      limits.max_speed * control_period + braking_distance(limits.max_speed, limits, control_period);
+  double open = infinity;
+  for (const Neighbour& n : neighbours) {
+    if (!n.promise.stands()) continue;
+    // A way that passes the other robot leads no closer, even where the robot strays from it.
+    const double touching = own_radius + n.radius - reserved_stray_radii * own_radius;
+    const double kept = own_radius + n.radius + margin;
+    open = std::min(open, follower_.stop_before(n.promise.position, touching, kept, braking + kept));
+  }
+  return open;
+}
+
 Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet& fleet,
-                                           const Point2& position, const Limits& limits, double now) {
+                                           const Point2& position, const Limits& limits, double now,
+                                           double open) {
   look_at_others(fleet);
   const double slack = gate_slack_radii * self.radius;
   first_.clear();
-  double open = infinity;
   const RobotName* next = nullptr;
   for (auto& [robot, pair] : pairs_) {
     if (pair.gates.all_open()) continue;

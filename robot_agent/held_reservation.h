@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "messages/messages.h"
@@ -54,9 +55,13 @@ class HeldReservation {
   /// Others may have taken this robot for failed, and passed gates that were closed.
   void doubt_all();
 
-  /// To be called in each control period: the preferred velocity. `position`: where it takes effect.
+  /// Metres along the way up to which the robot keeps `margin` metres from the robots that stand in its way;
+  /// infinite without a margin. `limits`: of this robot.
+  double open_before(std::span<const Neighbour> neighbours, double margin, const Limits& limits) const;
+  /// To be called in each control period: the preferred velocity. `position`: where it takes effect. `open`:
+  /// metres along the way up to which the robot may come.
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
-                            const Limits& limits, double now);
+                            const Limits& limits, double now, double open);
   /// Whether the robot stays in its strip and heeds its gates if it takes a twist from the turn on, for one
   /// period, and then brakes. Valid after preferred_velocity() of the same period.
   bool allows(const Driver& body, const Twist& twist) const;

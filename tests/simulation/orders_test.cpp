@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +13,7 @@
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 #include "tests/support.h"
+#include "tests/unit/motion/plans.h"
 
 namespace coppice {
 namespace {
@@ -204,6 +206,40 @@ TEST(Orders, AfterStopAllEverybodyBrakesAtOnceAndStandsUntilReleased) {
   EXPECT_GT(all_stand_at(fleet.simulation, released_at), released_at + 1);
   const auto broken = broken_invariants(scenario, fleet.simulation.tracks(), control_period);
   EXPECT_TRUE(broken.empty()) << broken.front();
+}
+
+TEST(Orders, ARobotKeepsTheMarginFromOneThatIsPausedInItsWay) {
+  Scenario aisle{.map_name = "aisle", .map = test::open_map(300, 12), .seed = 1, .robots = {}};
+  aisle.margin = 0.5;
+  aisle.robots = {{"behind", {20, 6}, {20, 6}, 5, 20, 40, 1}, {"ahead", {60, 6}, {60, 6}, 5, 20, 40, 1}};
+  Standing fleet(aisle, {.takes_orders = true});
+  const auto give = [&](OrderMessage order) { fleet.simulation.give(std::move(order)); };
+  const auto place = [&](std::size_t robot) {
+    return fleet.simulation.tracks()[robot].track.points.back().position;
+  };
+  int phase = 0;
+  double apart = 0;
+  fleet.simulation.run([&](const PlannerService&, double now) {
+    if (phase == 0 && now > 3) {
+      give({.id = "far", .robots = {"ahead"}, .visits = {{{280, 6}}}});
+      give({.id = "near", .robots = {"behind"}, .visits = {{{240, 6}}}});
+      phase = 1;
+    } else if (phase == 1 && now > 7) {
+      give({.id = "pause", .action = Action::pause, .robots = {"ahead"}});
+      phase = 2;
+    } else if (phase == 2 && now > 30) {
+      apart = place(1).x() - place(0).x() - 10;
+      give({.id = "resume", .action = Action::resume, .robots = {"ahead"}});
+      phase = 3;
+    }
+    const bool all_ended =
+        std::ranges::all_of(fleet.said, [](const auto& entry) { return is_ended(entry.second.state); });
+    return now < 100 && !(phase == 3 && all_ended);
+  });
+  EXPECT_GT(apart, 0.49);
+  EXPECT_LT(apart, 1) << "the robot behind has come as close as it may";
+  EXPECT_EQ(fleet.state("far"), OrderState::done);
+  EXPECT_EQ(fleet.state("near"), OrderState::done);
 }
 
 }  // namespace

@@ -40,6 +40,17 @@ TEST(WayFollower, ARobotDoesNotDrivePastWhereTheWayIsOpen) {
   EXPECT_GT(position.x(), 29);
 }
 
+TEST(WayFollower, ARobotStopsBeforeWhatLiesInItsWay) {
+  const WayFollower follower(std::vector<Path>{{{0, 0}, {50, 0}}, {{50, 0}, {50, 50}}}, 5, 0.25);
+  EXPECT_NEAR(follower.stop_before({30, 0}, 10, 12, 100), 18, 1e-9);
+  EXPECT_NEAR(follower.stop_before({50, 30}, 10, 12, 100), 68, 1e-9);
+  EXPECT_NEAR(follower.stop_before({58, 8}, 10, 12, 100), 58 - std::sqrt(144 - 64), 1e-9)
+      << "around the corner";
+  EXPECT_NEAR(follower.stop_before({8, 0}, 10, 12, 100), 0, 1e-9) << "it is close already";
+  EXPECT_EQ(follower.stop_before({30, 11}, 10, 12, 100), open) << "the way passes it";
+  EXPECT_EQ(follower.stop_before({50, 30}, 10, 12, 65), open) << "it is far ahead";
+}
+
 // It does not creep for the last millimetres.
 TEST(WayFollower, ARobotComesToStandAtTheEndAsSoonAsItsLimitsAllow) {
   for (const Limits limits : {Limits{20, 40}, Limits{1, 2}, Limits{1, 10}}) {

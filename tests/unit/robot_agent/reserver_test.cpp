@@ -1,6 +1,7 @@
 // Tests of robots that reserve trajectories, message by message.
 #include "robot_agent/reserver.h"
 
+#include <limits>
 #include <memory>
 #include <tuple>
 #include <vector>
@@ -15,6 +16,7 @@ namespace coppice {
 namespace {
 
 constexpr Limits limits{20, 40};
+constexpr double open = std::numeric_limits<double>::infinity();
 
 /// Robots a and b, of which each knows the other by what the test hands over. a has the longer way.
 struct Robot {
@@ -48,7 +50,7 @@ struct Robot {
     reserver.held().look_at_others(fleet);
     return reserver.held().is_overridden();
   }
-  void look() { reserver.held().preferred_velocity(self, fleet, path.front(), limits, 0); }
+  void look() { reserver.held().preferred_velocity(self, fleet, path.front(), limits, 0, open); }
   RobotState state(double now) {
     RobotState state = state_of(self.robot, now, self.position);
     state.phase = Phase::driving;
@@ -96,7 +98,7 @@ class ReserverTest : public testing::Test {
   double speed_of_a_at(double x) {
     Point2 v = Point2::Zero();
     for (double at = 20; at <= x; at += 1)
-      v = a.reserver.held().preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6);
+      v = a.reserver.held().preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6, open);
     return v.norm();
   }
 
