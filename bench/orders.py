@@ -85,7 +85,7 @@ class Clients:
                                    str(self.fleet.options.domain), "--patience", "60"], capture_output=True, text=True)
             for line in done.stdout.splitlines():
                 self.given[json.loads(line)["id"]] = "command"
-            time.sleep(self.pace())
+            self.wait_for_capacity()
 
     def by_http(self):
         while time.time() < self.end:
@@ -102,7 +102,7 @@ class Clients:
                     self.fleet.http("DELETE", f"api/orders/{name}")
                 except (urllib.error.HTTPError, OSError):
                     pass  # it has ended already
-            time.sleep(self.pace())
+            self.wait_for_capacity()
 
     def by_dds(self):
         while time.time() < self.end:
@@ -111,8 +111,10 @@ class Clients:
             subprocess.run([CYCLONE, str(self.fleet.options.domain), name, robot or self.fleet.robots[0], str(x), str(y), "60"],
                            capture_output=True, check=False)
 
-    def pace(self):
-        return 0 if len(self.open()) < len(self.fleet.robots) else 2
+    def wait_for_capacity(self):
+        """The fleet always has a little more to do than it can."""
+        while len(self.open()) > 1.5 * len(self.fleet.robots) and time.time() < self.end:
+            time.sleep(1)
 
     def open(self):
         try:

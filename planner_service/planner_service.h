@@ -146,6 +146,14 @@ class PlannerService {
   bool can_reach(const RobotTask& robot, const Point2& place);
   std::vector<RobotAtWork> robots_at_work() const;
   void serve_orders(std::vector<Message>& out, WallTime now);
+  struct KeptPlace {
+    Point2 place;
+    double radius;  ///< metres
+    std::string by;
+  };
+  bool must_stay(std::size_t robot) const;
+  std::vector<KeptPlace> kept_places() const;
+  std::vector<const OrderMessage*> open_orders_for(std::span<const std::size_t> free);
   void give_out_open_orders(std::span<const RobotAtWork> robots);
   void carry_out(const DueOrder& due, std::vector<Message>& missions, WallTime now);
   bool step_aside(std::size_t robot, std::size_t for_robot, const Point2& place,

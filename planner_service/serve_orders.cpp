@@ -4,6 +4,7 @@
 // place is wanted.
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -84,13 +85,53 @@ void PlannerService::serve_orders(std::vector<Message>& out, WallTime now) {
   std::ranges::move(missions, std::back_inserter(out));
 }
 
+/// Nobody can make the robot leave for now.
+bool PlannerService::must_stay(std::size_t robot) const {
+  return liveliness_.is_lost(robot) || robots_[robot].track_lost() || orders_.halt_of(robot) != Halt::none;
+}
+
+/// The places that robots keep: by their orders, or because they must stay.
+std::vector<PlannerService::KeptPlace> PlannerService::kept_places() const {
+  std::vector<KeptPlace> all;
+  for (const RobotRecord& robot : robots_) {
+    const OrderStatus* const order = orders_.order_of(robot.index);
+    if (order == nullptr && !must_stay(robot.index)) continue;
+    const Point2 place = order != nullptr ? order->order.visits[order->visited].position : place_of(robot);
+    all.push_back({place, driving_radius(robot.task), robot.task.name});
+  }
+  return all;
+}
+
+/// Orders for any robot whose places can be had: as many as robots are free, the most urgent first. The
+/// others wait, and tie up no robot.
+std::vector<const OrderMessage*> PlannerService::open_orders_for(std::span<const std::size_t> free) {
+  std::vector<const OrderMessage*> chosen;
+  std::vector<KeptPlace> kept = kept_places();
+  double radius = std::numeric_limits<double>::infinity();
+  for (const std::size_t robot : free) radius = std::min(radius, driving_radius(robots_[robot].task));
+  for (const OrderMessage* const order : orders_.open_orders()) {
+    if (chosen.size() == free.size()) {
+      orders_.wait(order->id, "no robot is free");
+      continue;
+    }
+    const Point2& place = order->visits.front().position;
+    const auto keeper = std::ranges::find_if(
+        kept, [&](const KeptPlace& k) { return (k.place - place).norm() < radius + k.radius; });
+    if (keeper != kept.end()) {
+      orders_.wait(order->id, fmt::format("it waits until {} has left", keeper->by));
+      continue;
+    }
+    chosen.push_back(order);
+    kept.push_back({place, radius, "the robot of order " + order->id});
+  }
+  return chosen;
+}
+
 /// Orders for any robot go to the free robots that have the shortest ways in all.
 void PlannerService::give_out_open_orders(std::span<const RobotAtWork> robots) {
   const std::vector<std::size_t> free = orders_.free_robots(robots);
-  std::vector<const OrderMessage*> open = orders_.open_orders();
-  for (std::size_t k = free.size(); k < open.size(); ++k) orders_.wait(open[k]->id, "no robot is free");
-  if (free.empty() || open.empty()) return;
-  open.resize(std::min(open.size(), free.size()));
+  const std::vector<const OrderMessage*> open = open_orders_for(free);
+  if (open.empty()) return;
   Eigen::MatrixXd ways(open.size(), free.size());
   for (std::size_t k = 0; k < open.size(); ++k) {
     const Point2& place = open[k]->visits.front().position;
@@ -130,8 +171,7 @@ void PlannerService::carry_out(const DueOrder& due, std::vector<Message>& missio
 /// A robot leaves its place to another one: it goes home, or anywhere else. False: it cannot.
 bool PlannerService::step_aside(std::size_t robot, std::size_t for_robot, const Point2& place,
                                 std::vector<Message>& missions, WallTime now) {
-  if (liveliness_.is_lost(robot) || robots_[robot].track_lost() || orders_.halt_of(robot) != Halt::none)
-    return false;
+  if (must_stay(robot)) return false;
   std::vector<RoomOfRobot> rooms = this->rooms();
   const double apart = driving_radius(robots_[robot].task) + driving_radius(robots_[for_robot].task);
   const Point2& home = scenario_.robots[robot].start;

@@ -167,6 +167,24 @@ TEST(ServiceOrders, AnOrderWaitsForABusyRobotToLeaveItsPlace) {
   EXPECT_EQ(run.orders.at("2").state, OrderState::done) << "b has stepped aside";
 }
 
+TEST(ServiceOrders, AnOrderForAnyRobotTiesUpNoRobotWhileItsPlaceIsTaken) {
+  Serving run;
+  run.obeys = false;
+  run.give(go("1", {"b"}, {40, 60}));
+  run.give(go("2", {}, {40, 62}));
+  run.step(2);
+  EXPECT_EQ(run.orders.at("2").state, OrderState::accepted);
+  EXPECT_EQ(run.orders.at("2").reason, "it waits until b has left");
+  run.give(go("3", {}, {100, 20}));
+  run.step(2);
+  EXPECT_EQ(run.orders.at("3").robot, "a");
+  run.obeys = true;
+  for (const char* robot : {"a", "b"}) run.arrive(run.missions.at(robot));
+  run.step(3);
+  EXPECT_EQ(run.orders.at("2").state, OrderState::done);
+  EXPECT_EQ(run.orders.at("2").robot, "b") << "it stands nearest";
+}
+
 TEST(ServiceOrders, ACancelledOrderStopsItsRobotWhereItCanBrake) {
   Serving run;
   run.obeys = false;
