@@ -189,13 +189,14 @@ live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now) 
   return frame;
 }
 
-LiveStream::LiveStream(std::string source, bool recorded)
+LiveStream::LiveStream(std::string source, bool recorded, bool controlled)
     : frame_rhythm_(frame_period), slow_rhythm_(beat_period), figures_rhythm_(figures_period) {
   live::ToPage message;
   live::Begin& begin = *message.mutable_begin();
   begin.set_version(COPPICE_VERSION);
   begin.set_source(std::move(source));
   begin.set_recorded(recorded);
+  begin.set_controlled(controlled);
   begin_ = encoded(message);
 }
 

@@ -27,7 +27,8 @@ struct Edition {
 class LiveStream {
  public:
   /// `source`: where the messages come from, as text for people. `recorded`: the messages come from a file.
-  explicit LiveStream(std::string source, bool recorded = false);
+  /// `controlled`: the monitor takes orders.
+  explicit LiveStream(std::string source, bool recorded = false, bool controlled = false);
 
   /// Reads the view as of `now`. For a recording, `now` is the time that is shown, which may stand still, and
   /// `present` is the wall clock. Call it more often than pages need messages.

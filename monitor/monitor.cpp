@@ -17,7 +17,7 @@ constexpr std::size_t most_wishes = 64;  // between two turns; further wishes of
 
 Monitor::Monitor(const WebSettings& settings, const std::string& source, bool recorded,
                  std::function<std::string()> draw_order_id)
-    : live_(source, recorded),
+    : live_(source, recorded, !settings.token.empty()),
       load_{.has_bus = !recorded},
       server_(settings, {.get = [this](std::string_view path) { return get(path); },
                          .talk = [this](Channel channel) { return talk(channel); },

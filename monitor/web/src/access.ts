@@ -1,6 +1,5 @@
 // Whether this page may control the fleet: the monitor may let nobody do so, or only who has a token.
 import {type Api, ApiError, detail} from './api.ts';
-import type {ConnectionState} from './connection.ts';
 import {keepToken, takeToken} from './token.ts';
 import {TokenDialog} from './token_dialog.ts';
 
@@ -8,7 +7,7 @@ const retryAfter = 5_000;  // milliseconds
 
 export class Access {
   isOn = false;
-  isLost = false;  // the connection to the monitor
+  private isOffered = false;  // by the monitor
   private timer = 0;
   private readonly dialog = new TokenDialog((token) => this.unlock(token), () => this.leave());
 
@@ -20,20 +19,22 @@ export class Access {
 
   start(): void {
     this.api.token = takeToken();
-    void this.check();
   }
 
   /// A monitor that was started anew may allow what the earlier one did not.
-  onConnection({kind}: ConnectionState): void {
-    if (kind === 'open' && this.isLost && !this.isOn) void this.check();
-    if (kind !== 'connecting') this.isLost = kind === 'lost';
+  offer(isOffered: boolean): void {
+    if (isOffered === this.isOffered) return;
+    this.isOffered = isOffered;
+    if (!isOffered) this.hide();
+    else if (this.api.token === '') this.enter(false);
+    else void this.check();
   }
 
   /// The monitor does not take the token, or takes no orders any more.
   refuse(error: ApiError): void {
     if (error.status === 404) {
       this.fail('Control was switched off');
-      this.hide();
+      this.offer(false);
     } else {
       this.fail(`The token is not accepted: ${error.message}`);
       this.leave();
@@ -47,9 +48,8 @@ export class Access {
       this.enter(true);
     } catch (error) {
       const status = error instanceof ApiError ? error.status : 0;
-      if (status === 404) this.hide();
-      else if (status === 401 && this.api.token !== '') this.refuse(error as ApiError);
-      else if (status === 401) this.enter(false);
+      if (status === 404) this.offer(false);
+      else if (status === 401) this.refuse(error as ApiError);
       else this.retry(error);
     }
   }
@@ -78,6 +78,7 @@ export class Access {
   }
 
   private hide(): void {
+    clearTimeout(this.timer);
     this.isOn = false;
     this.dialog.hide();
     this.onChange();

@@ -27,6 +27,7 @@ export class Control implements Aim {
   private sends = true;
   private queues = false;
   private any = false;
+  private isLost = false;  // the connection to the monitor
   private draft: Draft | undefined;
   private failure = '';  // of the stream of events
   private readonly api = new Api();
@@ -70,9 +71,14 @@ export class Control implements Aim {
     this.access.start();
   }
 
-  onConnection(now: ConnectionState): void {
-    if (now.kind === 'lost' && !this.access.isLost) this.stream.restart();  // its connection may be dead, too, and not say so
-    this.access.onConnection(now);
+  /// The monitor says so on each connection.
+  offer(isOffered: boolean): void {
+    this.access.offer(isOffered);
+  }
+
+  onConnection({kind}: ConnectionState): void {
+    if (kind === 'lost' && !this.isLost) this.stream.restart();  // its connection may be dead, too, and not say so
+    if (kind !== 'connecting') this.isLost = kind === 'lost';
   }
 
   /// Whether the key had a meaning here.

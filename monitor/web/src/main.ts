@@ -56,6 +56,7 @@ function address(): string {
 
 function onBytes(bytes: ArrayBuffer): void {
   const message = decode(bytes);
+  if (message.begin) control.offer(message.begin.controlled);
   if (!time.holdsBack(message)) take(message);
 }
 

@@ -26,8 +26,8 @@ export const positionOf = (page, name) => page.evaluate((robot) => window.coppic
 export const until = (page, check, argument) => page.waitForFunction(check, argument, {timeout: 10_000});
 export const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
-/// Chromium itself notes each answer that is no success, so also that a monitor has no control.
-export function isOfControl(message) {
+/// Chromium itself notes each answer that is no success.
+function isOfControl(message) {
   return message.text().startsWith('Failed to load resource') && new URL(message.location().url).pathname.startsWith('/api/');
 }
 

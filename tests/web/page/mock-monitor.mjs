@@ -195,11 +195,11 @@ function pack(message) {
 }
 
 /// Serves one page: by wall time, or as a recording that the page may control.
-function serve(socket, fleet, {recorded, hz, history, seconds}, control) {
+function serve(socket, fleet, {recorded, controlled, hz, history, seconds}, control) {
   const say = (message) => { if (socket.bufferedAmount < 1 << 20) socket.send(pack(message)); };
   let playing = true, speed = 1, at = history, last = performance.now();
   const begin = () => {
-    say({begin: {version: '0', source: recorded ? 'mock.rec' : 'domain 0', recorded}});
+    say({begin: {version: '0', source: recorded ? 'mock.rec' : 'domain 0', recorded, controlled}});
     known(fleet).forEach(say);
     say({statuses: {statuses: statusesAt(fleet, at)}});
     say({figures: {points: Array.from({length: Math.ceil(2 * at)}, (_, k) => figuresAt(fleet, k / 2))}});
@@ -260,7 +260,7 @@ export async function startMock({robots = 20, port = 0, recorded = false, hz = 2
   const api = token === undefined ? undefined : new MockApi(fleet.robots.map(({name}) => name), token, stand);
   const server = createServer((request, response) => answer(request, response, api));
   const sockets = new WebSocketServer({server, path: '/live'});
-  sockets.on('connection', (socket) => { if (!silent) serve(socket, fleet, {recorded, hz, history, seconds}, control); });
+  sockets.on('connection', (socket) => { if (!silent) serve(socket, fleet, {recorded, controlled: api !== undefined, hz, history, seconds}, control); });
   await new Promise((resolve) => server.listen(port, '127.0.0.1', resolve));
   return {
     url: `http://127.0.0.1:${server.address().port}/`,

@@ -2,11 +2,11 @@
 
 import assert from 'node:assert/strict';
 
-import {browser, isOfControl} from './in_browser.mjs';
+import {browser} from './in_browser.mjs';
 
 const page = await browser.newPage({viewport: {width: 1440, height: 900}});
 const said = [];
-page.on('console', (message) => { if (!isOfControl(message)) said.push(message.text()); });
+page.on('console', (message) => said.push(message.text()));
 page.on('pageerror', (error) => said.push(error.message));
 await page.goto(process.env.COPPICE_PAGE_URL);
 
