@@ -94,6 +94,16 @@ class ReserverTest : public testing::Test {
     tell(a, b);
   }
 
+  /// Each knows the other's reservation, and a knows that b does: returns that state of b.
+  RobotState look_at_each_other() {
+    tell(a, b);
+    tell(b, a);
+    a.look();
+    b.look();
+    tell_state(b, a, 0.6);
+    return tell_state(a, b, 0.7);
+  }
+
   /// The speed that a wants at the point (x, 100) of its way.
   double speed_of_a_at(double x) {
     Point2 v = Point2::Zero();
@@ -258,12 +268,7 @@ TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
   EXPECT_EQ(a.last().plan.epoch, 4u);
   EXPECT_EQ(path_of(a.last().trajectory), a.path);
   b.adopt(plan_of_both(), 0.5);
-  tell(a, b);
-  tell(b, a);
-  a.look();
-  b.look();
-  tell_state(b, a, 0.6);
-  RobotState state = tell_state(a, b, 0.7);
+  const RobotState state = look_at_each_other();
   ASSERT_EQ(state.knows.size(), 1u);
   EXPECT_TRUE(a.reserver.passes(state, 0.05)) << "the parts of one plan were planned around each other";
 }
@@ -277,12 +282,7 @@ TEST_F(ReserverTest, TheOrderDoesNotCountWhileTheOtherStandsWhereTheTwoComeTooCl
       .basis = {},
       .run = {}};
   for (Robot* robot : {&a, &b}) robot->adopt(plan, 0.5);
-  tell(a, b);
-  tell(b, a);
-  a.look();
-  b.look();
-  tell_state(b, a, 0.6);
-  RobotState state = tell_state(a, b, 0.7);
+  RobotState state = look_at_each_other();
   state.reservation_progress = 94 + 1e-9;
   EXPECT_FALSE(a.reserver.passes(state, 0.05));
 }
