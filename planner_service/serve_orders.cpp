@@ -85,7 +85,7 @@ void PlannerService::serve_orders(std::vector<Message>& out, WallTime now) {
   std::ranges::move(missions, std::back_inserter(out));
 }
 
-/// Nobody can make the robot leave for now.
+/// Whether the service cannot send the robot away for now.
 bool PlannerService::must_stay(std::size_t robot) const {
   return liveliness_.is_lost(robot) || robots_[robot].track_lost() || orders_.halt_of(robot) != Halt::none;
 }
@@ -105,11 +105,13 @@ std::vector<PlannerService::KeptPlace> PlannerService::kept_places() const {
 /// Orders for any robot whose places can be had: as many as robots are free, the most urgent first. The
 /// others wait, and tie up no robot.
 std::vector<const OrderMessage*> PlannerService::open_orders_for(std::span<const std::size_t> free) {
+  const std::vector<const OrderMessage*> open = orders_.open_orders();
+  if (open.empty()) return {};
   std::vector<const OrderMessage*> chosen;
   std::vector<KeptPlace> kept = kept_places();
   double radius = std::numeric_limits<double>::infinity();
   for (const std::size_t robot : free) radius = std::min(radius, driving_radius(robots_[robot].task));
-  for (const OrderMessage* const order : orders_.open_orders()) {
+  for (const OrderMessage* const order : open) {
     if (chosen.size() == free.size()) {
       orders_.wait(order->id, "no robot is free");
       continue;
