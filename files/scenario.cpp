@@ -42,6 +42,11 @@ void check_place(const Point2& p, const ClearanceField& field, double radius, co
 void check_angles(const RobotTask& robot, const std::string& at) {
   check_size(robot.max_angular_speed, at + ".max_angular_speed");
   check_size(robot.max_angular_acceleration, at + ".max_angular_acceleration");
+  if (robot.max_angular_speed > fastest_turning) {
+    fail(at + ".max_angular_speed",
+         fmt::format("{} turns by more than half a turn in a control period, expected at most {:.2f}",
+                     robot.max_angular_speed, fastest_turning));
+  }
   if (!can_brake(robot.max_angular_speed, robot.max_angular_acceleration)) {
     fail(at + ".max_angular_acceleration",
          fmt::format("{} takes longer than {} s to come to rest from {}, expected at least {}",

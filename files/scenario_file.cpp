@@ -135,6 +135,11 @@ void add_room(const proto::Scenario& file, const ScenarioOptions& options, Scena
   if (margin > 0) fit_margin(scenario, margin);
 }
 
+/// Two wheels at the rim turn a robot so fast, in opposite directions at full speed.
+double usual_turning(const RobotTask& task) {
+  return std::min(task.max_speed / task.radius, fastest_turning);
+}
+
 /// The heading of a differential robot, and how fast it turns.
 void read_angles(const proto::Scenario& file, const proto::Scenario::Robot& robot, const std::string& at,
                  RobotTask& task) {
@@ -153,7 +158,7 @@ void read_angles(const proto::Scenario& file, const proto::Scenario::Robot& robo
   }
   task.max_angular_speed = robot.has_max_angular_speed()  ? robot.max_angular_speed()
                            : file.has_max_angular_speed() ? file.max_angular_speed()
-                                                          : task.max_speed / task.radius;
+                                                          : usual_turning(task);
   task.max_angular_acceleration = robot.has_max_angular_acceleration() ? robot.max_angular_acceleration()
                                   : file.has_max_angular_acceleration()
                                       ? file.max_angular_acceleration()

@@ -95,7 +95,8 @@ Problem check(const MapMessage& m) {
 template <class M>
 bool turns(const M& m) {
   if (m.max_angular_speed == 0 && m.max_angular_acceleration == 0) return true;
-  return is_sane_size(m.max_angular_speed) && is_sane_size(m.max_angular_acceleration) &&
+  return is_sane_size(m.max_angular_speed) && m.max_angular_speed <= fastest_turning &&
+         is_sane_size(m.max_angular_acceleration) &&
          can_brake(m.max_angular_speed, m.max_angular_acceleration);
 }
 

@@ -144,6 +144,11 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   next_ = first != candidates.end() ? *first : braked(twist_, limits_, period_);
 }
 
+bool Driver::is_blocked_by(const Neighbour& other, const Point2& wanted) const {
+  return first_in_the_way(turn_position(), nearest_to(wanted), time_ + period_, radius_, limits_, period_,
+                          {&other, 1}) == 0;
+}
+
 bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
                     const Allowed& allowed) {
   if (bound_to_stand()) return true;

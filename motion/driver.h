@@ -52,6 +52,12 @@ class Driver {
       const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
       const Allowed& allowed = [](const Twist&) { return true; });
 
+  /// Takes the choice of this period back: the robot brakes.
+  void brake() { next_ = braked(twist_, limits_, period_); }
+
+  /// Whether another robot alone keeps this one from driving towards `wanted` as fast as that.
+  bool is_blocked_by(const Neighbour& other, const Point2& wanted) const;
+
   /// A differential robot that stands turns on the spot, towards a yaw.
   void turn_to(double yaw);
 

@@ -99,6 +99,23 @@ bool look_at(const Point2& p, double begin, double end, const Part& other, doubl
   return over;
 }
 
+/// Metres along the own way at a time.
+double metres_at(const std::vector<Part>& parts, double time) {
+  const auto part = std::ranges::find_if(parts, [&](const Part& p) { return time <= p.end; });
+  return part->along + (part->length > 0 ? part->metres(time) : 0);
+}
+
+/// The other robot may go ahead of its trajectory by the room in time. So the two keep apart only up to where
+/// this one is that long before.
+void add_too_close(const std::vector<Part>& parts, double time, double end, std::vector<Stretch>& too_close) {
+  const double begin = metres_at(parts, time - room_in_time);
+  if (!too_close.empty() && begin <= too_close.back().end) {
+    too_close.back().end = end;
+  } else {
+    too_close.push_back({begin, end});
+  }
+}
+
 }  // namespace
 
 Order order_of(const Trajectory& own, double own_radius, const Trajectory& other, double other_radius,
@@ -110,7 +127,8 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
   std::vector<Close> close;
   Order order;
   double needed = 0;
-  for (const Part& part : parts_of(own, 0)) {
+  const std::vector<Part> parts = parts_of(own, 0);
+  for (const Part& part : parts) {
     close.clear();
     for (const Part& o : others) {
       if (const auto c = close_to(part, o, near)) close.push_back(*c);
@@ -128,9 +146,10 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
       const double before = needed;
       for (const Close& o : close) {
         if (to < o.begin || from > o.end) continue;
-        const bool apart = look_at(part.at((from + to) / 2), moves ? part.time(from) : part.begin,
-                                   moves ? part.time(to) : part.end, *o.other, near, needed);
-        if (!apart) order.apart_beyond = part.along + to;
+        const double since = moves ? part.time(from) : part.begin;
+        const bool apart = look_at(part.at((from + to) / 2), since, moves ? part.time(to) : part.end,
+                                   *o.other, near, needed);
+        if (!apart) add_too_close(parts, since, part.along + to, order.too_close);
       }
       if (needed > before) order.gates.push_back({part.along + from, needed});
     }

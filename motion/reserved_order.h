@@ -16,13 +16,25 @@
 
 namespace coppice {
 
+/// A part of a way, metres along it.
+struct Stretch {
+  double begin = 0;
+  double end = 0;
+};
+
 struct Order {
   std::vector<Gate> gates{};  ///< on the own way, before the other robot
-  /// Metres along the own way beyond which the trajectories keep apart: if both robots heed their gates they
-  /// cannot touch there. Below 0: everywhere. Robots that were closer than kept_apart() when they began do
-  /// not keep apart at first, and those that planned without knowing of each other may never do.
-  double apart_beyond = -1;
+  /// The parts of the own way, first to last, where the two trajectories do not keep apart. Elsewhere the
+  /// robots cannot touch if both heed their gates. Robots that are closer than kept_apart() where they begin
+  /// do not keep apart at first, and those whose goals are so close not in the end. Robots that planned
+  /// without knowing of each other may not keep apart anywhere.
+  std::vector<Stretch> too_close{};
 };
+
+/// Metres along the own way beyond which the trajectories keep apart. Below 0: everywhere.
+inline double apart_beyond(const Order& order) {
+  return order.too_close.empty() ? -1 : order.too_close.back().end;
+}
 
 /// The order of a robot and another one, as the first one must heed it. `offset`: seconds, to be added to the
 /// other's times.

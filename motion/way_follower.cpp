@@ -16,8 +16,9 @@ namespace {
 constexpr double look_ahead_radii = 0.25;   // radii to the point for which the robot heads, at least
 constexpr double turning_time = 0.35;       // seconds to that point, of a robot that turns
 constexpr double least_look_ahead = 0.001;  // share of the usual one
-constexpr double window_radii = 2;          // radii; window of the search for the nearest point of the way
-constexpr double there_radii = 0.01;        // radii within which a robot counts as having reached a point
+// Radii; window of the search for the nearest point of the way, beyond what the robot drives in a period.
+constexpr double window_radii = 2;
+constexpr double there_radii = 0.01;  // radii within which a robot counts as having reached a point
 
 /// Joins the legs to one way. Each must begin where the previous one ends.
 Path joined(std::span<const Path> legs) {
@@ -39,22 +40,29 @@ WayFollower::WayFollower(std::span<const Path> legs, double radius, double stray
   }
 }
 
+/// Metres along the way up to which the robot, at this position, may have come from `from`. A fast robot
+/// drives many radii in a period.
+double WayFollower::window_end(const Point2& position, double from) const {
+  const double driven = (position - way_.at(from)).norm();
+  return std::min(from + window_radii * radius_ + driven, leg_ends_[leg_]);
+}
+
 /// Metres along the way to the point of the leg, within the window, that is nearest to a position; never
 /// back.
 double WayFollower::nearest(const Point2& position, double from) const {
-  const double window_end = std::min(from + window_radii * radius_, leg_ends_[leg_]);
+  const double end = window_end(position, from);
   const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), from);
   double best = from;
   double best_distance = (way_.at(from) - position).norm();
   for (auto i = static_cast<std::size_t>(first - way_.along.begin());
-       i < way_.points.size() && way_.along[i - 1] < window_end; ++i) {
+       i < way_.points.size() && way_.along[i - 1] < end; ++i) {
     const Point2 edge = way_.points[i] - way_.points[i - 1];
     const double squared = edge.squaredNorm();
     if (squared == 0) continue;
     const double share = std::clamp((position - way_.points[i - 1]).dot(edge) / squared, 0.0, 1.0);
     const double along = way_.along[i - 1] + share * (way_.along[i] - way_.along[i - 1]);
     const double distance = (way_.points[i - 1] + share * edge - position).norm();
-    if (along > from && along <= window_end && distance < best_distance) {
+    if (along > from && along <= end && distance < best_distance) {
       best = along;
       best_distance = distance;
     }
@@ -63,10 +71,10 @@ double WayFollower::nearest(const Point2& position, double from) const {
 }
 
 /// The next leg begins when the end of this one is reached.
-void WayFollower::advance_progress(const Point2& position) {
+void WayFollower::come_to(const Point2& position) {
   const double before = progress_;
   progress_ = nearest(position, before);
-  if (std::min(before + window_radii * radius_, leg_ends_[leg_]) == leg_ends_[leg_] &&
+  if (window_end(position, before) == leg_ends_[leg_] &&
       (way_.at(leg_ends_[leg_]) - position).norm() <= there_radii * radius_) {
     progress_ = leg_ends_[leg_];
     if (leg_ + 1 < leg_ends_.size()) ++leg_;
@@ -77,7 +85,7 @@ void WayFollower::advance_progress(const Point2& position) {
 /// the same edge, or if that holds for each of its halves.
 bool WayFollower::in_strip(const Point2& a, const Point2& b, double from, int halvings) const {
   const double behind = std::max(0.0, from - radius_);
-  const double ahead = std::min(from + window_radii * radius_, leg_ends_[leg_]);
+  const double ahead = window_end(b, from);
   const auto first = std::upper_bound(way_.along.begin(), way_.along.end(), behind);
   for (auto i = static_cast<std::size_t>(first - way_.along.begin());
        i < way_.points.size() && way_.along[i - 1] <= ahead; ++i) {
@@ -184,8 +192,7 @@ double WayFollower::look_ahead_in_strip(const Point2& position, double usual) co
 }
 
 Point2 WayFollower::preferred_velocity(const Point2& position, const Limits& limits, double period,
-                                       double open) {
-  advance_progress(position);
+                                       double open) const {
   const double slack = there_radii * radius_;
   const double stop = std::min(open, leg_ends_[leg_]);
   // A robot drives no further in a period than to the point for which it heads. A robot that turns to it

@@ -22,8 +22,11 @@ class WayFollower {
   /// `stray`: metres by which the robot may stray from its way.
   WayFollower(std::span<const Path> legs, double radius, double stray);
 
-  /// `open`: metres along the way up to which the robot may drive.
-  Point2 preferred_velocity(const Point2& position, const Limits& limits, double period, double open);
+  /// To be called for each period, one after the other: where the robot is at the end of the period.
+  void come_to(const Point2& position);
+  /// `position`: the last one to which the robot came. `open`: metres along the way up to which the robot may
+  /// drive.
+  Point2 preferred_velocity(const Point2& position, const Limits& limits, double period, double open) const;
   /// Where the robot comes to along the way if it drives straight from a to b and has come `from` metres by
   /// then; none if it strays too far meanwhile.
   std::optional<double> along_strip(const Point2& a, const Point2& b, double from) const;
@@ -43,9 +46,9 @@ class WayFollower {
 
  private:
   double nearest(const Point2& position, double from) const;
+  double window_end(const Point2& position, double from) const;
   bool in_strip(const Point2& a, const Point2& b, double from, int halvings) const;
   double look_ahead_in_strip(const Point2& position, double usual) const;
-  void advance_progress(const Point2& position);
   /// The arc on which the robot drives around a corner, close to it.
   struct Arc {
     double radius = 0;   ///< metres; infinite where the way goes straight on

@@ -31,7 +31,6 @@ constexpr double decisions_counted = 16;  // of those that may be late: a pause 
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
 constexpr double around_radii = 16;
-constexpr double crawl = 0.05;  // of the largest speed: a slower robot is held up
 
 }  // namespace
 
@@ -54,6 +53,7 @@ void Run::control(double now, std::vector<Outgoing>& out) {
     if (!tracking_ && records(now)) track_.add(point_of(body_));
     status_.driven_length += control_period * body_.velocity().norm();
     body_.advance();
+    reserver_.come_to(body_);
     trail_.go_on(body_.position(), map_->field, body_.radius());
     counter_.count_period(body_.stands() || !due, next_heartbeat);
     due = true;
@@ -97,9 +97,9 @@ void Run::wake(double now) {
 /// Others may have driven on where this robot was not heard. They hear of it, and the line on which they
 /// brake then is over before it moves.
 double Run::listening_time() const {
-  constexpr double longest_way_of_a_state = 0.3;  // seconds
-  const double others_stand = fleet_.longest_braking() + 2 * control_period + longest_way_of_a_state;
-  return std::max(own_silence * std::max(1.0, mission_.clock.scale), others_stand);
+  const double others_stand =
+      fleet_.longest_braking() + 2 * control_period + Timing::longest_transit * fleet_.second();
+  return std::max(own_silence * fleet_.second(), others_stand);
 }
 
 /// Whether the robot has not known for too long where all peers are.
@@ -118,6 +118,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   const std::span<const Neighbour> others =
       body_.bound_to_stand() ? std::span<const Neighbour>() : neighbours(now);
   const bool listens = connectivity_.listens(now);
+  reserver_.note_who_heard(fleet_, now);
   if (reserver_.holds() && (listens || fleet_.recoveries() != recoveries_)) reserver_.held().doubt_all();
   if (!listens && !stopped()) {
     if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, reserver_, map_->roadmaps, now);
@@ -297,7 +298,6 @@ void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbo
 
 void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
   HeldReservation& held = reserver_.held();
-  const bool is_bound = body_.bound_to_stand();
   const Point2 next = body_.position() + control_period * body_.velocity();
   trail_.begin(next);
   const double open = held.open_before(neighbours, map_->field.inflation(), body_.limits());
@@ -316,11 +316,23 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
     progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
   // Several robots may keep clear of each other's next moves: one of them must go.
   if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
-  if (!is_bound && now - last_executed_ > waiting_lease && held.gives_way(self(), fleet_)) {
-    body_.follow(Point2::Zero(), neighbours, map_->field, allowed);
-    stand_for(now, waiting_lease);
-  }
+  if (now - last_executed_ > waiting_lease) give_way(held, wanted, now);
   progress_.comes_to(held.progress(), least_gain(body_.radius(), body_.limits()), now);
+}
+
+/// The robot is held up by others that are held up, too. Who goes is agreed at once, and kept to after
+/// `stall`.
+void Run::give_way(const HeldReservation& held, const Point2& wanted, double now) {
+  double lease = 0;
+  if (now - last_executed_ > stall) {
+    const double slowly = std::min(1.0, crawl * body_.limits().max_speed / std::max(wanted.norm(), 1e-9));
+    lease = held.lets_others_pass_for(body_, slowly * wanted, fleet_, now);
+  } else if (!body_.bound_to_stand() && held.gives_way(self(), fleet_)) {
+    lease = waiting_lease;
+  }
+  if (lease == 0) return;
+  body_.brake();
+  stand_for(now, lease);
 }
 
 /// From the robot to its goal, as far as it knows.

@@ -141,7 +141,7 @@ void FailureDetector::count(Peer& p, double now) {
 
 void FailureDetector::judge(double now, const ClearanceField& field, const LossCount& loss) {
   if (!all_settled(now)) count(now);
-  if (std::exchange(some_reported_, false)) adopt_reported_failures(now, field, loss);
+  if (std::exchange(some_reported_, false)) adopt_reported_failures(field, loss);
   if (count_.failed > 0 && now >= next_pruning_) prune_zones(now);
   if (some_suspected_) end_suspicions(now);
   if (count_.never_came + count_.absent > 0) declare_silent_failed(now, field, loss);
@@ -182,11 +182,10 @@ double FailureDetector::age_of_last_sign(const Peer& p, double now) const {
 }
 
 /// The first who told of these peers waited for them as long as it takes.
-void FailureDetector::adopt_reported_failures(double now, const ClearanceField& field,
-                                              const LossCount& loss) {
+void FailureDetector::adopt_reported_failures(const ClearanceField& field, const LossCount& loss) {
   for (Peer& p : peers_) {
     const auto* const alive = std::get_if<liveness::Alive>(&p.liveness);
-    if (alive != nullptr && alive->reported_failed) declare_failed(p, unheard_states_of(p, loss), field, now);
+    if (alive != nullptr && alive->reported_failed) declare_failed(p, unheard_states_of(p, loss), field);
   }
 }
 
@@ -223,7 +222,7 @@ void FailureDetector::declare_silent_failed(double now, const ClearanceField& fi
   const auto until_noticed =
       static_cast<int>(std::ceil(Timing::driven_cut_off * own_.second() / control_period));
   for (auto p = lost.begin(); p != lost.end(); ++p) {
-    declare_failed(**p, p < first_of_piece ? unheard_states_of(**p, loss) : until_noticed, field, now);
+    declare_failed(**p, p < first_of_piece ? unheard_states_of(**p, loss) : until_noticed, field);
     if ((*p)->state) suspect(**p, now);
   }
   for (Peer* p : missed) p->failure()->in_larger_piece = minority;
@@ -272,8 +271,8 @@ int FailureDetector::unheard_states_of(const Peer& p, const LossCount& loss) con
 }
 
 /// The peer stands where it braked to after the last decision that anybody may know of, and not in an
-/// obstacle or in another robot.
-void FailureDetector::declare_failed(Peer& p, int unheard, const ClearanceField& field, double now) {
+/// obstacle.
+void FailureDetector::declare_failed(Peer& p, int unheard, const ClearanceField& field) {
   p.settled_until = settled_until_ = 0;
   p.liveness = liveness::Failed{};
   Zone& zone = p.failure()->zone;
@@ -281,21 +280,22 @@ void FailureDetector::declare_failed(Peer& p, int unheard, const ClearanceField&
     zone.rests = {p.place};
     return;
   }
-  zone =
-      zone_after(*p.state, unheard, field, [&](const Point2& q) { return room_at(q, own_.position, now); });
+  zone = zone_after(*p.state, own_.clock().fleet_time(p.heard_at), unheard, field);
   p.place = zone.rests.front();
 }
 
 /// A peer that was just declared failed may only be cut off. Then it drives on until it notices that nobody
-/// hears it.
+/// hears it, and brakes, which may take it longer than a network is in pieces.
 void FailureDetector::suspect(Peer& p, double now) {
   const Limits limits = limits_of(*p.state);
   const double seconds = (Timing::longest_unheard + Timing::unheard_before) * own_.second() +
                          std::min(p.clock.error(now), Timing::largest_clock_error);
+  const double moves_for = (1 + clock_drift) * (seconds + 2 * control_period + braking_time(limits));
   liveness::Suspected suspected;
   *suspected.suspicion = {
       .failure = std::move(*p.failure()),
-      .until = own_.clock().fleet_time(p.heard_at) + Timing::longest_partition * own_.second(),
+      .until = own_.clock().fleet_time(p.heard_at) +
+               std::max(Timing::longest_partition * own_.second(), moves_for),
       .strays = limits.max_speed * seconds + braking_distance(limits.max_speed, limits, control_period)};
   p.liveness = std::move(suspected);
   some_suspected_ = true;
@@ -323,13 +323,14 @@ bool FailureDetector::is_suspected_near(const Point2& p, double reach) const {
          });
 }
 
-/// Where a robot that is alive has come to stand meanwhile, no failed one stands.
+/// Where a robot that is alive has been since a failed one came to rest, that one does not stand.
 void FailureDetector::prune_zones(double now) {
   next_pruning_ = now + Timing::count_interval;
   for (Peer& p : peers_) {
-    if (p.failed() && p.state)
-      prune(p.failure()->zone, p.state->radius,
-            [&](const Point2& q) { return room_at(q, own_.position, now); });
+    if (!p.failed() || !p.state) continue;
+    Zone& zone = p.failure()->zone;
+    prune(zone, p.state->radius,
+          [&](const Point2& q) { return room_at(q, own_.position, zone.at_rest_from, now); });
   }
 }
 
@@ -350,11 +351,14 @@ void FailureDetector::learn_from(const JointPlanMessage& plan) {
   }
 }
 
-double FailureDetector::room_at(const Point2& q, const Point2& position, double now) const {
-  double room = (q - position).norm() - own_.mission->radius;
+double FailureDetector::room_at(const Point2& q, const Point2& position, double since, double now) const {
+  double room = std::numeric_limits<double>::infinity();
+  if (now >= since) room = (q - position).norm() - own_.mission->radius;
   for (const Peer& p : peers_) {
     const bool is_heard = p.alive() && !is_missing(p, Timing::absence, now);
-    if (is_heard) room = std::min(room, (q - p.place).norm() - p.radius);
+    if (!is_heard) continue;
+    const double stamp = p.state->promise.stamp + p.clock.estimate() - p.clock.error(now);
+    if (stamp >= since) room = std::min(room, (q - p.place).norm() - p.radius);
   }
   return room;
 }

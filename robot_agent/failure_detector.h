@@ -80,8 +80,9 @@ class FailureDetector {
   double unheard(const Peer& peer, double now) const;
   /// A suspected peer may be closer than `reach` to p.
   bool is_suspected_near(const Point2& p, double reach) const;
-  /// Metres between q and the nearest edge of a robot that is alive; this one is at `position`.
-  double room_at(const Point2& q, const Point2& position, double now) const;
+  /// Metres between q and the nearest edge of a robot that is alive; this one is at `position`. Robots count
+  /// where they were `since` then, or later; infinite if nothing so new is known.
+  double room_at(const Point2& q, const Point2& position, double since, double now) const;
   /// A robot that is alive made this plan. Where it leads robots, no failed robot stands: that robot may have
   /// heard more of the last decisions of a failed one.
   void learn_from(const JointPlanMessage& plan);
@@ -124,14 +125,14 @@ class FailureDetector {
   bool is_alone() const;
   bool unheard_by_all(double now) const;
 
-  void adopt_reported_failures(double now, const ClearanceField& field, const LossCount& loss);
+  void adopt_reported_failures(const ClearanceField& field, const LossCount& loss);
   void declare_silent_failed(double now, const ClearanceField& field, const LossCount& loss);
   std::vector<Peer*> lost_peers(double now);
   std::vector<Peer*> with_those_who_never_came(std::vector<Peer*> lost, double now);
   bool is_minority(std::span<Peer* const> lost) const;
   void stand_as_minority(double now);
   int unheard_states_of(const Peer& peer, const LossCount& loss) const;
-  void declare_failed(Peer& peer, int unheard, const ClearanceField& field, double now);
+  void declare_failed(Peer& peer, int unheard, const ClearanceField& field);
   void suspect(Peer& lost, double now);
   void end_suspicions(double now);
   void prune_zones(double now);

@@ -168,6 +168,13 @@ std::optional<RobotName> Fleet::heard_by_others_only() const {
   return number ? std::optional(peers_[*number].robot) : std::nullopt;
 }
 
+/// The largest error of the peer's clock until the robot stands, if it decides something now: clocks drift
+/// meanwhile.
+double Fleet::error_in_window(const Peer& p, double now) const {
+  const double window = own_.mission ? braking_time(limits_of(*own_.mission)) + 3 * control_period : 0;
+  return p.clock.error(now + window);
+}
+
 void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
                            std::vector<Neighbour>& near) const {
   const Limits limits = p.state ? limits_of(*p.state) : limits_of(*p.mission);
@@ -180,7 +187,8 @@ void Fleet::add_neighbours(const Peer& p, const Point2& position, double now,
       near.push_back({standing_for_ever_at(rest), std::clamp(room, p.radius, covers), limits});
     }
   } else if (p.state) {
-    near.push_back({p.state->promise.shifted_by(p.clock.estimate()), p.radius, limits, p.clock.error(now)});
+    near.push_back(
+        {p.state->promise.shifted_by(p.clock.estimate()), p.radius, limits, error_in_window(p, now)});
   } else {  // it stands where its mission begins
     near.push_back({standing_for_ever_at(p.place), p.radius, limits});
   }
@@ -252,10 +260,11 @@ FleetMember Fleet::member(const Peer& p, double now) const {
       .promise = s.promise.shifted_by(p.clock.estimate()),
       .limits = limits_of(s),
       .clock_offset = p.clock.estimate(),
-      .clock_error = p.clock.error(now)};
+      .clock_error = error_in_window(p, now)};
 }
 
 std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) const {
+  constexpr double whenever = -std::numeric_limits<double>::infinity();
   std::vector<Disc> zones;
   for (const Peer& p : peers_) {
     const Failure* const failure = p.failure();
@@ -263,7 +272,7 @@ std::vector<Disc> Fleet::zones_of_failed(const Point2& position, double now) con
     const double covers = covering_radius(failure->zone, p.radius, own_.mission->radius);
     for (const Point2& rest : failure->zone.rests) {
       // A robot that stands closer than a plan would lead it must get away again.
-      const double room = detector_.room_at(rest, position, now) - standing_gap;
+      const double room = detector_.room_at(rest, position, whenever, now) - standing_gap;
       zones.push_back({rest, std::clamp(room, 0.0, covers)});
     }
   }
@@ -281,10 +290,10 @@ std::vector<FleetMember> Fleet::others() const {
   return all;
 }
 
-std::vector<FleetMember> Fleet::beside(const Point2& p, double radius, double sums) const {
+std::vector<FleetMember> Fleet::beside(const Point2& p, double radius, double sums, double now) const {
   std::vector<FleetMember> close;
   for (const Peer& peer : peers_) {
-    if ((peer.place - p).norm() <= sums * (radius + peer.radius)) close.push_back(member(peer));
+    if ((peer.place - p).norm() <= sums * (radius + peer.radius)) close.push_back(member(peer, now));
   }
   return close;
 }

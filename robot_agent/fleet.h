@@ -49,13 +49,19 @@ struct FleetMember {
   Promise promise{};
   Limits limits{};
   double clock_offset = 0;  ///< seconds, to be added to its times
-  double clock_error = 0;   ///< seconds
+  double clock_error = 0;   ///< seconds, until this robot stands, if it decides something now
 };
 
 /// Metres that a robot drives on from the turn of its promise, whatever it decides.
 inline double way_until_rest(const FleetMember& m) {
   const double speed = m.promise.next_velocity.norm();
   return (m.promise.expiry - m.promise.turn) * speed + braking_distance(speed, m.limits, control_period);
+}
+
+/// When a robot comes to rest by its promise, fleet time, if it decides nothing more.
+inline double rests_at(const FleetMember& m) {
+  return m.promise.expiry +
+         control_period * braking_periods(m.promise.next_velocity.norm(), m.limits, control_period);
 }
 
 /// The last state of a peer that fell silent, and when, at the latest, it was heard: fleet time.
@@ -128,11 +134,11 @@ class Fleet {
     return detector_.is_suspected_near(p, reach);
   }
 
-  /// With `now`, its clock's error at that time.
+  /// With `now`, its clock's error from that time on.
   std::optional<FleetMember> find(const RobotName& robot, double now = 0) const;
   std::vector<FleetMember> others() const;
   /// The robots within so many sums of radii of a robot at p.
-  std::vector<FleetMember> beside(const Point2& p, double radius, double sums) const;
+  std::vector<FleetMember> beside(const Point2& p, double radius, double sums, double now = 0) const;
   /// Where failed robots may stand. This robot is at `position`.
   std::vector<Disc> zones_of_failed(const Point2& position, double now) const;
   /// All robots that are not failed, and that are within the round's reach, are known to wait in it, and to
@@ -208,6 +214,7 @@ class Fleet {
   void take_up(std::shared_ptr<const RobotState>&& state, std::size_t number, double now);
   bool is_known(const Peer& peer) const;
   bool may_be_touched_soon(const Peer& peer) const;
+  double error_in_window(const Peer& peer, double now) const;
   void add_neighbours(const Peer& peer, const Point2& position, double now,
                       std::vector<Neighbour>& near) const;
   FleetMember member(const Peer& peer, double now = 0) const;

@@ -34,10 +34,18 @@ double committed(double progress, double speed, const Limits& limits) {
 
 }  // namespace
 
-HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, const Reservations& others)
+HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, const Limits& limits,
+                                 const Reservations& others)
     : own_(std::move(own)),
       others_(&others),
-      follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius) {}
+      follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius),
+      own_limits_(limits) {}
+
+void HeldReservation::come_to(const Driver& body) {
+  follower_.come_to(body.turn_position());
+  own_speed_ = body.velocity().norm();
+  own_limits_ = body.limits();
+}
 
 void HeldReservation::expect_members_of(const JointPlanMessage& plan) {
   round_ = plan.round;
@@ -79,8 +87,8 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   Order theirs = order_of(other.trajectory, other.radius, own.trajectory, own.radius, -offset);
   pair.gates = Gates(std::move(order.gates));
   pair.theirs = std::move(theirs.gates);
-  pair.apart_beyond = order.apart_beyond;
-  pair.they_beyond = theirs.apart_beyond;
+  pair.too_close = std::move(order.too_close);
+  pair.they_beyond = apart_beyond(theirs);
   pair.is_related = are_related(own, other);
   pair.overrides = !pair.is_related && overrides(other, own) &&
                    come_too_close(own.trajectory, shifted(other.trajectory, estimate),
@@ -157,11 +165,8 @@ Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet&
     next = &robot;
     waits_until_ = std::max(now, m->rests_until) + pair.gates.metres_until(until, certain) / m->max_speed;
   }
-  Point2 wanted = follower_.preferred_velocity(position, limits, control_period, open);
-  own_speed_ = std::min(limits.max_speed, self.velocity.norm() + limits.max_acceleration * control_period);
-  own_limits_ = limits;
   waits_for_ = next != nullptr && open - progress() < slack ? *next : RobotName();
-  return wanted;
+  return follower_.preferred_velocity(position, limits, control_period, open);
 }
 
 bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
@@ -195,15 +200,26 @@ bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
 bool HeldReservation::may_be_confirmed(const Pair& pair, const RobotState& other) const {
   if (!pair.is_related || other.passed_on) return false;
   const double slack = gate_slack_radii * std::min(own_->radius, other.radius);
-  // Rounding must not put a robot beyond a place where it stands, and where the two come too close.
-  const double further = 2 * slack;
-  if (progress() <= pair.apart_beyond + further && other.reservation_progress <= pair.they_beyond + further)
-    return false;
   const double theirs =
       committed(other.reservation_progress, other.promise.next_velocity.norm(), limits_of(other));
-  const double own = committed(progress(), own_speed_, own_limits_);
+  // What the robot chooses next heeds its gates.
+  const double own = progress() + braking_distance(own_speed_, own_limits_, control_period);
   return !passed_closed(pair.theirs, theirs, progress(), slack) &&
          !passed_closed(pair.gates.all(), own, other.reservation_progress, slack);
+}
+
+/// Whether the robot stays, until it has braked after whatever it chooses next, where the trajectories keep
+/// apart; or the other one is beyond all places where they do not.
+bool HeldReservation::keeps_apart(const Pair& pair, double others_progress) const {
+  // Rounding must not put a robot beyond a place where it stands, and where the two come too close.
+  const double further = 2 * gate_slack_radii * own_->radius;
+  if (others_progress > pair.they_beyond + further) return true;
+  const double fastest =
+      std::min(own_limits_.max_speed, own_speed_ + own_limits_.max_acceleration * control_period);
+  const double comes_to = committed(progress(), fastest, own_limits_);
+  return std::ranges::none_of(pair.too_close, [&](const Stretch& close) {
+    return progress() <= close.end + further && comes_to >= close.begin - further;
+  });
 }
 
 bool HeldReservation::passes(const RobotState& other, std::uint32_t heard) {
@@ -214,7 +230,7 @@ bool HeldReservation::passes(const RobotState& other, std::uint32_t heard) {
   if (!is_latest || known == pairs_.end() || known->second.number != other.reservation) return false;
   Pair& pair = known->second;
   pair.is_confirmed = pair.is_confirmed || (heard == own_->number && may_be_confirmed(pair, other));
-  return pair.is_confirmed;
+  return pair.is_confirmed && keeps_apart(pair, other.reservation_progress);
 }
 
 void HeldReservation::doubt_all() {
@@ -235,19 +251,45 @@ bool HeldReservation::is_worth_waiting(const Fleet& fleet, double now) {
   return now - awaited_.since < Timing::longest_wait_at_gate;
 }
 
+/// Whether only promises keep the robot apart from another one that goes first: the one that is less far in
+/// time. Times are compared in whole turns, seconds, and by the clock of the robot with the first name, so
+/// that both agree.
+bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
+  const ReservationMessage* const theirs = others_->find(m.robot, own_->run);
+  const bool drives = theirs != nullptr && !theirs->trajectory.empty() && m.reservation == theirs->number &&
+                      !m.failed && !m.wants_to_stay && m.waits_for.empty();
+  if (!drives) return false;
+  const auto pair = pairs_.find(m.robot);
+  if (pair != pairs_.end() && pair->second.is_confirmed && keeps_apart(pair->second, m.reservation_progress))
+    return false;
+  const double offset = offset_between(*own_, *theirs, m.clock_offset);
+  const bool is_first_by_name = m.robot < own_->robot;
+  const auto turn_at = [&](const Trajectory& trajectory, double progress, double later) {
+    return std::floor((rest_of(trajectory, progress).front().time + later) / turn);
+  };
+  const double own_turn = turn_at(own_->trajectory, progress(), is_first_by_name ? -offset : 0);
+  const double their_turn =
+      turn_at(theirs->trajectory, m.reservation_progress, is_first_by_name ? 0 : offset);
+  return their_turn < own_turn || (their_turn == own_turn && is_first_by_name);
+}
+
 bool HeldReservation::gives_way(const FleetMember& self, const Fleet& fleet) const {
-  const double own = rest_of(own_->trajectory, progress()).front().time;
-  for (const FleetMember& m : fleet.beside(self.position, self.radius, close_radii)) {
-    const ReservationMessage* const known = others_->find(m.robot, own_->run);
-    if (m.failed || known == nullptr || known->trajectory.empty() || m.reservation != known->number) continue;
-    const auto pair = pairs_.find(m.robot);
-    const bool is_confirmed = pair != pairs_.end() && pair->second.is_confirmed;
-    if (is_confirmed || m.wants_to_stay || !m.waits_for.empty()) continue;
-    const double later = rest_of(known->trajectory, m.reservation_progress).front().time +
-                         offset_between(*own_, *known, m.clock_offset) - own;
-    if (later < -same_time || (later < same_time && m.robot < own_->robot)) return true;
+  return std::ranges::any_of(fleet.beside(self.position, self.radius, close_radii),
+                             [&](const FleetMember& m) { return goes_first(m, same_time); });
+}
+
+/// Turns of a few seconds: or each robot would let the other one go as soon as it has moved a little.
+double HeldReservation::lets_others_pass_for(const Driver& body, const Point2& wanted, const Fleet& fleet,
+                                             double now) const {
+  double seconds = 0;
+  for (const FleetMember& m : fleet.beside(body.position(), body.radius(), close_radii, now)) {
+    if (!goes_first(m, Timing::turn_of_passing)) continue;
+    const bool is_held_up = m.promise.next_velocity.norm() <= crawl * m.max_speed;
+    if (!is_held_up || !body.is_blocked_by({m.promise, m.radius, m.limits, m.clock_error}, wanted)) continue;
+    const double passes = Timing::waiting_lease + braking_time(m.limits);
+    seconds = std::max(seconds, std::min(passes, Timing::longest_lease));
   }
-  return false;
+  return seconds;
 }
 
 }  // namespace coppice

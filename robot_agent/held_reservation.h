@@ -26,10 +26,14 @@
 
 namespace coppice {
 
+/// Of the largest speed: a robot that drives more slowly, and wants to go on, is held up.
+inline constexpr double crawl = 0.05;
+
 class HeldReservation {
  public:
-  /// `others` outlives it.
-  HeldReservation(std::shared_ptr<const ReservationMessage> own, const Reservations& others);
+  /// The robot stands. `limits`: of this robot. `others` outlives it.
+  HeldReservation(std::shared_ptr<const ReservationMessage> own, const Limits& limits,
+                  const Reservations& others);
 
   /// The reservation is the robot's part of a joint plan. Until another member has taken up its own part, it
   /// counts as standing at the beginning of its way.
@@ -58,6 +62,8 @@ class HeldReservation {
   /// Metres along the way up to which the robot keeps `margin` metres from the robots that stand in its way;
   /// infinite without a margin. `limits`: of this robot.
   double open_before(std::span<const Neighbour> neighbours, double margin, const Limits& limits) const;
+  /// To be called for each period of the body, whoever decides what it does.
+  void come_to(const Driver& body);
   /// To be called in each control period: the preferred velocity. `position`: where it takes effect. `open`:
   /// metres along the way up to which the robot may come.
   Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
@@ -73,20 +79,24 @@ class HeldReservation {
   double waits_until() const { return waits_until_; }
   /// The robots that wait for each other, one for the next: whether the last one of them comes on.
   bool is_worth_waiting(const Fleet& fleet, double now);
-  /// A robot close by is further behind its trajectory. A robot that is held up lets it go first.
+  /// Of two robots close by that only promises keep apart, the one that is further behind its trajectory goes
+  /// first. The other one, if it is held up, is to stand for a moment.
   bool gives_way(const FleetMember& self, const Fleet& fleet) const;
+  /// The same where that has not helped for long. Seconds for which the robot, which wants this velocity, is
+  /// to stand, so that a robot that blocks it can pass; 0: not at all.
+  double lets_others_pass_for(const Driver& body, const Point2& wanted, const Fleet& fleet, double now) const;
 
  private:
   struct Pair {                ///< this robot and another one
     std::uint32_t number = 0;  ///< of the other's reservation
     bool is_awaited = false;   ///< the other robot is to take up its part of the same joint plan
     Gates gates{};
-    std::vector<Gate> theirs{};  ///< before this robot
-    bool is_related = false;     ///< one was planned around the other
-    bool overrides = false;      ///< the other one: the two come too close, and this one plans anew
-    double apart_beyond = -1;    ///< metres along this robot's way, or
-    double they_beyond = -1;     ///< along the other's, beyond which the two keep apart
-    bool is_confirmed = false;   ///< both heed the order
+    std::vector<Gate> theirs{};        ///< before this robot
+    bool is_related = false;           ///< one was planned around the other
+    bool overrides = false;            ///< the other one: the two come too close, and this one plans anew
+    std::vector<Stretch> too_close{};  ///< of this robot's way, where the two do not keep apart
+    double they_beyond = -1;           ///< metres along the other's way beyond which the two keep apart
+    bool is_confirmed = false;         ///< both heed the order
   };
   /// A robot that goes first at the next gates: how far it has come, at least.
   struct First {
@@ -109,6 +119,8 @@ class HeldReservation {
   Pair pair_with(const ReservationMessage& other, const Fleet& fleet) const;
   bool has_left(const Pair& pair, const FleetMember& m) const;
   bool may_be_confirmed(const Pair& pair, const RobotState& other) const;
+  bool keeps_apart(const Pair& pair, double others_progress) const;
+  bool goes_first(const FleetMember& m, double turn) const;
 
   std::shared_ptr<const ReservationMessage> own_;
   const Reservations* others_;
@@ -121,8 +133,8 @@ class HeldReservation {
   RobotName waits_for_;
   double waits_until_ = 0;
   Awaited awaited_;
-  double own_speed_ = 0;
-  Limits own_limits_{};
+  double own_speed_ = 0;  ///< until the turn
+  Limits own_limits_;
 };
 
 }  // namespace coppice

@@ -18,6 +18,12 @@ constexpr double lead = 2 * control_period;  // between the plan and the departu
 constexpr double recent_state = Timing::recent_state;
 constexpr double same_place = 0.01;  // metres between where a plan begins and where the robot stands
 
+/// Seconds from a decision until the robot that made it stands, at most: it takes effect a period later, and
+/// the robot brakes a period after that.
+double longest_window(const Fleet& fleet) {
+  return fleet.longest_braking() + 2 * control_period;
+}
+
 bool may_plan(const FleetMember& m) {
   return !m.failed && !m.wants_to_stay && m.stage != Stage::waiting;
 }
@@ -53,14 +59,18 @@ void Reserver::want(const Path& path, const FleetMember& self, const ClearanceFi
   state_ = wanted;
 }
 
-/// Another robot may count on the strip if this robot has told it that it heeds its reservation.
+/// Another robot may leave this one out of its decisions, wherever its own way leads, once this robot has
+/// told it that it heeds its reservation. Its last such decision is made `recent_state` from now on, at the
+/// latest.
 void Reserver::leave_strip(const Fleet& fleet, double now) {
   if (!holds()) return;
+  std::erase_if(rely_on_strip_, [&](const Relies& other) { return now >= other.until; });
   for (const auto& [robot, told] : told_) {
     const ReservationMessage* const r = others_->find(robot, run_);
     const bool heeds = r != nullptr && told.number == r->number && !r->trajectory.empty();
-    if (heeds && come_near(held().message(), *r))
-      rely_on_strip_.push_back({robot, now + recent_state + fleet.longest_braking() + lead});
+    if (heeds)
+      rely_on_strip_.push_back(
+          {robot, number(), now + (1 + clock_drift) * (recent_state + longest_window(fleet))});
   }
 }
 
@@ -72,27 +82,37 @@ void Reserver::begin_anew(const Fleet& fleet, double last_state, double now) {
   rely_on_strip_.clear();
   if (fleet.size_of_the_run() < 2) return;
   // Without a name: it is not known who relies on it.
-  rely_on_strip_.push_back({RobotName(), last_state + recent_state + fleet.longest_braking() + lead});
+  rely_on_strip_.push_back(
+      {RobotName(), 0, last_state + (1 + clock_drift) * (recent_state + longest_window(fleet))});
 }
 
-/// A robot that says that it has heard may still brake on a line for which it relied on the strip. It does
-/// not matter if the two are too far apart to meet before that is over.
-bool Reserver::may_leave_strip(const FleetMember& self, const Fleet& fleet, double now) {
-  const auto concerns = [&](Relies& other) {
-    const auto m = fleet.find(other.robot, now);
-    if (now >= other.until || (m && m->failed)) return false;
-    if (!m || m->limits.max_speed == 0) return true;  // nothing is known of where it is
+/// A robot that says that it has heard may still brake on a line for which it relied on the strip: until it
+/// comes to rest by the promise of that state, at the latest.
+void Reserver::note_who_heard(const Fleet& fleet, double now) {
+  for (Relies& other : rely_on_strip_) {
     const auto knows = knows_this_.find(other.robot);
-    if (!other.has_heard && knows != knows_this_.end() && knows->second >= number_)
-      other = {other.robot, std::min(other.until, now + fleet.longest_braking() + lead), true};
-    const double age = now - m->promise.stamp + m->clock_error;
-    const double gap = (m->promise.position - self.position).norm() - self.radius - m->radius;
-    return gap <= m->max_speed * age + (m->max_speed + self.limits.max_speed) * (other.until - now);
-  };
-  // All are looked at: each notes when the other robot has heard.
-  const auto concerned = std::ranges::count_if(rely_on_strip_, concerns);
-  if (concerned == 0) rely_on_strip_.clear();
-  return concerned == 0;
+    if (other.has_heard || knows == knows_this_.end() || knows->second <= other.number) continue;
+    const auto m = fleet.find(other.robot, now);
+    if (!m) continue;
+    other.until = std::min(other.until, rests_at(*m) + m->clock_error);
+    other.has_heard = true;
+  }
+}
+
+/// It does not matter that the other robot relies on the strip if the two cannot meet before that is over.
+bool Reserver::may_be_met(const Relies& other, const FleetMember& self, const Fleet& fleet,
+                          double now) const {
+  const auto m = fleet.find(other.robot, now);
+  if (now >= other.until || (m && m->failed)) return false;
+  if (!m || m->limits.max_speed == 0) return true;  // nothing is known of where it is
+  const double age = now - m->promise.stamp + m->clock_error;
+  const double gap = (m->promise.position - self.position).norm() - self.radius - m->radius;
+  return gap <= m->max_speed * age + (m->max_speed + self.limits.max_speed) * (other.until - now);
+}
+
+bool Reserver::may_leave_strip(const FleetMember& self, const Fleet& fleet, double now) const {
+  return std::ranges::none_of(rely_on_strip_,
+                              [&](const Relies& other) { return may_be_met(other, self, fleet, now); });
 }
 
 void Reserver::hear(const RobotState& state) {
@@ -189,7 +209,7 @@ void Reserver::plan(const Path& path, double ready, const FleetMember& self, con
         .basis = planner.basis(),
         .turn = is_urgent_ ? Turn::urgent : wanted->turn,
         .run = run_},
-       now, out);
+       limits, now, out);
 }
 
 /// Those that wait for their turn set off one after the other: each reservation must reach the next one.
@@ -236,7 +256,8 @@ std::optional<KnownReservation> Reserver::reservation_of(const FleetMember& m) c
 }
 
 /// From now on the robot drives by this reservation. The message has all but its number.
-HeldReservation& Reserver::hold(ReservationMessage message, double now, std::vector<Outgoing>& out) {
+HeldReservation& Reserver::hold(ReservationMessage message, const Limits& limits, double now,
+                                std::vector<Outgoing>& out) {
   std::erase_if(message.basis, [&](const ReservationBasis& b) {
     const ReservationMessage* const r = others_->find(b.robot, run_);
     return r == nullptr || r->trajectory.empty() || !come_near(message, *r);
@@ -244,7 +265,7 @@ HeldReservation& Reserver::hold(ReservationMessage message, double now, std::vec
   message.number = next_number(now);
   auto own = std::make_shared<const ReservationMessage>(std::move(message));
   out.emplace_back(*own);
-  return state_.emplace<HeldReservation>(std::move(own), *others_);
+  return state_.emplace<HeldReservation>(std::move(own), limits, *others_);
 }
 
 void Reserver::adopt(const JointPlanMessage& plan, const FleetMember& self, const Fleet& fleet, double now,
@@ -254,6 +275,7 @@ void Reserver::adopt(const JointPlanMessage& plan, const FleetMember& self, cons
                         (part->trajectory.front().position - self.position).norm() < same_place;
   is_news_ = true;
   if (!has_part) return drop(self, fleet, now, out);
+  leave_strip(fleet, now);
   const auto leader = fleet.find(plan.round.leader);
   const double shift = leader ? leader->clock_offset : 0;
   ReservationMessage message{.robot = robot_,
@@ -264,7 +286,7 @@ void Reserver::adopt(const JointPlanMessage& plan, const FleetMember& self, cons
                              .plan = {plan.round.leader, plan.round.epoch, shift},
                              .run = run_};
   for (ReservationBasis& b : message.basis) b.offset += shift;
-  hold(std::move(message), now, out).expect_members_of(plan);
+  hold(std::move(message), self.limits, now, out).expect_members_of(plan);
 }
 
 bool Reserver::passes(const RobotState& other, double age) {

@@ -55,6 +55,10 @@ class Reserver {
   std::uint32_t number() const { return holds() ? held().message().number : 0; }
   /// Grows with each reservation of another robot that this robot heeds.
   std::uint32_t heeds() const { return holds() ? others_->news() : 0; }
+  /// To be called for each period of the body.
+  void come_to(const Driver& body) {
+    if (holds()) held().come_to(body);
+  }
   double progress() const { return holds() ? held().progress() : 0; }
   /// The robot for which this one waits at a gate; empty: none.
   const RobotName& waits_for() const { return holds() ? held().waits_for() : nobody_; }
@@ -90,9 +94,12 @@ class Reserver {
   /// The process was started in mid-run, or slept: others may rely on a reservation that it does not know.
   /// `last_state`: the stamp of the last state that was said before.
   void begin_anew(const Fleet& fleet, double last_state, double now);
+  /// Once in each control step. Robots that have heard that this one has given up its reservation rely on it
+  /// no longer than until they come to rest.
+  void note_who_heard(const Fleet& fleet, double now);
   /// Whether this robot, which stands, may move off the strip of its last reservation: no other robot counts
   /// on it to stay there any more, or meets it before it has ceased to.
-  bool may_leave_strip(const FleetMember& self, const Fleet& fleet, double now);
+  bool may_leave_strip(const FleetMember& self, const Fleet& fleet, double now) const;
   /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.
   /// `age`: of the other's state, at most, seconds.
   bool passes(const RobotState& other, double age);
@@ -109,11 +116,12 @@ class Reserver {
     std::optional<RobotName> next{};    ///< whose turn it is; an empty name: robots that were not heard
     std::set<RobotName> passed_over{};  ///< they took too long
   };
-  /// Another robot may rely on this one to stay in its strip.
+  /// Another robot may rely on this one to stay in the strip of a reservation that it has given up.
   struct Relies {
-    RobotName robot;
+    RobotName robot;         ///< empty: it is not known which one
+    std::uint32_t number;    ///< of the reservation
     double until;            ///< fleet time
-    bool has_heard = false;  ///< that this robot does not keep to the strip
+    bool has_heard = false;  ///< that it was given up
   };
 
   static constexpr None nothing{-1e9, 0};
@@ -122,9 +130,11 @@ class Reserver {
   void say(ReservationMessage message, const FleetMember& self, double now, std::vector<Outgoing>& out);
   RobotName next_to_plan(const Wanted& wanted, const Fleet& fleet) const;
   bool is_turn(Wanted& wanted, const Fleet& fleet, double now) const;
-  HeldReservation& hold(ReservationMessage message, double now, std::vector<Outgoing>& out);
+  HeldReservation& hold(ReservationMessage message, const Limits& limits, double now,
+                        std::vector<Outgoing>& out);
   std::vector<OtherRobot> others_to_reckon_with(const Fleet& fleet, double now) const;
   void leave_strip(const Fleet& fleet, double now);
+  bool may_be_met(const Relies& other, const FleetMember& self, const Fleet& fleet, double now) const;
 
   RobotName robot_;
   RobotName nobody_;  ///< empty
@@ -141,7 +151,7 @@ class Reserver {
   };
   std::map<RobotName, Told> told_;
   std::size_t next_told_ = 0;
-  std::vector<Relies> rely_on_strip_;  ///< on that of the last reservation
+  std::vector<Relies> rely_on_strip_;
 };
 
 }  // namespace coppice

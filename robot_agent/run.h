@@ -142,6 +142,7 @@ class Run {
   void evade(Driving& driving, double now, std::span<const Neighbour> neighbours);
   void follow_reservation(std::vector<Outgoing>& out);
   void keep_to_reservation(double now, std::span<const Neighbour> neighbours);
+  void give_way(const HeldReservation& held, const Point2& wanted, double now);
   void call_if_it_stalls(double now);
   Path way_ahead() const;
   void stand_for(double now, double seconds);

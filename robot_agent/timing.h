@@ -86,6 +86,9 @@ struct Timing {
   /// The most copies of one state. Network: enough where a single listener loses 42 % of the samples.
   static constexpr int most_copies = 16;
 
+  /// scaled s for which a state is under way, at the most. Network (docs/safety.md, A6).
+  static constexpr double longest_transit = 0.7;
+
   // ---- Comparing clocks
 
   /// Echoes to a peer whose clock is known, until the handshake is over. Network: the peer must have heard
@@ -208,6 +211,8 @@ struct Timing {
   static constexpr double reserve_again = 0.5;
   /// The same, if nobody has.
   static constexpr double reserve_again_without_news = 2;
+  /// fleet s of a trajectory in which a robot goes before one that is held up beside it.
+  static constexpr double turn_of_passing = 5;
   /// fleet s for which a robot waits at a gate although the robot at the end of the queue does not come on.
   static constexpr double longest_wait_at_gate = 30;
 

@@ -32,19 +32,18 @@ Point2 last_possible(Point2 position, Point2 impossible, Possible&& possible) {
 
 }  // namespace
 
-Zone zone_after(const RobotState& s, int unheard, const ClearanceField& field, const RoomAt& room_at) {
+Zone zone_after(const RobotState& s, double heard_at, int unheard, const ClearanceField& field) {
   const double furthest = s.max_speed * (unheard * control_period + longest_braking);
   const double step = std::max(rests_radii * s.radius, furthest / most_rests);
   std::vector<Point2> rests = rests_after(s.promise, limits_of(s), control_period, unheard, step);
-  const auto possible = [&](const Point2& q) {
-    return field.is_free(q, rests_clear * s.radius) && room_at(q) >= s.radius + standing_gap;
-  };
+  const auto possible = [&](const Point2& q) { return field.is_free(q, rests_clear * s.radius); };
   const auto end = std::find_if_not(rests.begin() + 1, rests.end(), possible);
   if (end != rests.end()) {
     *end = last_possible(*(end - 1), *end, possible);
     rests.erase(end + 1, rests.end());
   }
-  return {std::move(rests)};
+  const double moves_for = (2 + unheard) * control_period + braking_time(limits_of(s));
+  return {std::move(rests), heard_at + (1 + clock_drift) * moves_for};
 }
 
 void prune(Zone& zone, double radius, const RoomAt& room_at) {

@@ -16,14 +16,16 @@ struct Zone {
   /// Positions of the robot's centre, along its heading. The robot may stand at each one, and between two.
   /// The first one follows from the last decision that was heard. None: the robot is not failed.
   std::vector<Point2> rests{};
+  /// Fleet time from which on the robot is sure to stand at one of them.
+  double at_rest_from = 0;
 };
 
 /// Metres between a point and the nearest edge of a robot that is alive.
 using RoomAt = std::function<double(const Point2&)>;
 
-/// The zone after a robot's last state. `unheard`: so many later states may have reached nobody. The zone
-/// ends where an obstacle or another robot is.
-Zone zone_after(const RobotState& last, int unheard, const ClearanceField& field, const RoomAt& room_at);
+/// The zone after a robot's last state, which was heard at `heard_at`. `unheard`: so many later states may
+/// have reached nobody. The zone ends where an obstacle is.
+Zone zone_after(const RobotState& last, double heard_at, int unheard, const ClearanceField& field);
 
 /// Removes the positions at which a robot that is alive has come to stand meanwhile. `radius`: of the failed
 /// robot. The first position stays.

@@ -126,6 +126,7 @@ TEST(JointSchedule, RobotsKeepTheOrderAtAnySpeed) {
         for (std::size_t k = 0; k < runners.size(); ++k)
           open = std::min(open, runner.gates[k].open(runner.follower.progress(), gate_slack_radii * radius,
                                                      runners[k].follower.progress()));
+        runner.follower.come_to(runner.position);
         runner.position += period * runner.follower.preferred_velocity(
                                         runner.position, {runner.pace, 2 * runner.pace}, period, open);
       }

@@ -47,7 +47,7 @@ std::vector<Reserved> plan(const ClearanceField& field, std::span<const StartAnd
     for (const Reserved& other : robots) {
       const bool self = &own == &other;
       Order order = self ? Order{} : order_of(own.trajectory, radius, other.trajectory, radius, 0);
-      EXPECT_LT(order.apart_beyond, 0);
+      EXPECT_TRUE(order.too_close.empty());
       own.before.emplace_back(std::move(order.gates));
     }
   }
@@ -93,9 +93,9 @@ TEST(ReservedOrder, RobotsThatHeedItNeverTouchAndAllArriveAtAnySpeed) {
 TEST(ReservedOrder, RobotsThatPlannedWithoutEachOtherMayNotKeepApart) {
   const Trajectory own{{0, {0, 50}}, {5, {100, 50}}};
   const Trajectory crossing{{0, {50, 0}}, {5, {50, 100}}};
-  EXPECT_GT(order_of(own, radius, crossing, radius, 0).apart_beyond, 40);
+  EXPECT_GT(apart_beyond(order_of(own, radius, crossing, radius, 0)), 40);
   const Order later = order_of(own, radius, crossing, radius, -3);
-  EXPECT_LT(later.apart_beyond, 0);  // the other passes first by far
+  EXPECT_TRUE(later.too_close.empty());  // the other passes first by far
   ASSERT_FALSE(later.gates.empty());
   EXPECT_LT(later.gates.front().at, 50 - 2 * radius + 1);
   EXPECT_GT(later.gates.back().needed, 50 + 2 * radius);
@@ -105,9 +105,19 @@ TEST(ReservedOrder, RobotsThatPlannedWithoutEachOtherMayNotKeepApart) {
 TEST(ReservedOrder, RobotsThatBeganTooCloseKeepApartOnlyLater) {
   const Trajectory own{{0, {0, 50}}, {5, {100, 50}}};
   const Trajectory standing{{0, {0, 60.1}}, {2, {0, 60.1}}, {5, {0, 100}}};
-  const double beyond = order_of(own, radius, standing, radius, 0).apart_beyond;
+  const double beyond = apart_beyond(order_of(own, radius, standing, radius, 0));
   EXPECT_GT(beyond, 0);
   EXPECT_LT(beyond, 10);
+}
+
+TEST(ReservedOrder, RobotsWhoseGoalsAreTooCloseKeepApartUntilBothAreNearTheirGoals) {
+  const Trajectory own{{0, {0, 50}}, {5, {100, 50}}};
+  const Trajectory other{{0, {100, 160}}, {5, {100, 60.1}}};
+  const Order order = order_of(own, radius, other, radius, 0);
+  ASSERT_EQ(order.too_close.size(), 1u);
+  EXPECT_GT(order.too_close.front().begin, 90);
+  EXPECT_LT(order.too_close.front().begin, 100);
+  EXPECT_EQ(order.too_close.front().end, 100);
 }
 
 }  // namespace

@@ -28,14 +28,18 @@ TEST(WayFollower, ASmallFastRobotKeepsItsSpeed) {
   WayFollower follower(std::vector<Path>{{{0, 0}, {200, 0}}}, radius, 0.05 * radius);
   const Point2 wanted = follower.preferred_velocity({0, 0}, limits, period, open);
   EXPECT_NEAR(wanted.x(), limits.max_speed, 1e-6);
+  for (int k = 1; k <= 20; ++k) follower.come_to({k * limits.max_speed * period, 0});
+  EXPECT_NEAR(follower.progress(), 20, 1e-6);
 }
 
 TEST(WayFollower, ARobotDoesNotDrivePastWhereTheWayIsOpen) {
   const Limits limits{20, 40};
   WayFollower follower(std::vector<Path>{{{0, 0}, {200, 0}}}, 5, 0.25);
   Point2 position(0, 0);
-  for (int step = 0; step < 200; ++step)
+  for (int step = 0; step < 200; ++step) {
+    follower.come_to(position);
     position += period * follower.preferred_velocity(position, limits, period, 30);
+  }
   EXPECT_LE(position.x(), 30 + 1e-6);
   EXPECT_GT(position.x(), 29);
 }
@@ -61,6 +65,7 @@ TEST(WayFollower, ARobotComesToStandAtTheEndAsSoonAsItsLimitsAllow) {
       Point2 velocity(0, 0);
       int steps = 0;
       do {
+        follower.come_to(position);
         const Point2 wanted = follower.preferred_velocity(position, limits, period, open);
         velocity = within_limits(wanted, velocity, limits, period);
         position += period * velocity;
@@ -90,6 +95,7 @@ double driven(const Path& way, double radius, const Limits& limits) {
     return true;
   };
   while (!follower.finished() && body.time() < 100) {
+    follower.come_to(body.turn_position());
     const Point2 wanted = follower.preferred_velocity(body.turn_position(), limits, period, open);
     body.follow(wanted, {}, field, stays_in_strip);
     body.advance();

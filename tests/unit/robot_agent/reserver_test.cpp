@@ -107,8 +107,10 @@ class ReserverTest : public testing::Test {
   /// The speed that a wants at the point (x, 100) of its way.
   double speed_of_a_at(double x) {
     Point2 v = Point2::Zero();
-    for (double at = 20; at <= x; at += 1)
+    for (double at = 20; at <= x; at += 1) {
+      a.reserver.come_to(Driver({at, 100}, 0.6, 5, limits, control_period));
       v = a.reserver.held().preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6, open);
+    }
     return v.norm();
   }
 
@@ -381,7 +383,54 @@ TEST_F(ReserverTest, ARobotLeavesItsStripWhenThoseWhoRelyOnItHaveHeardAndCouldHa
   b.self.position = {50, 100};
   tell_state(a, b, 1.2);
   EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2)) << "b may still brake";
-  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.7));
+  a.reserver.note_who_heard(a.fleet, 1.2);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.2)) << "it stood when it said so";
+}
+
+// A robot that relies on an order leaves the other one out for its whole braking window, wherever that is.
+// Two robots overlapped by 2.85 m after a partition of 1.5 s.
+TEST_F(ReserverTest, ARobotStaysInItsStripForOneThatMayRelyOnItAlthoughTheirWaysAreFarFromEachOther) {
+  b.path = {{100, 6}, {100, 60}};
+  b.self.position = b.path.front();
+  reserve_both();
+  b.self.position = {100, 60};
+  tell_state(a, b, 0.25);
+  tell_state(b, a, 0.3);  // a says that it heeds b's reservation
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.7))
+      << "b heard no recent state, and has braked";
+}
+
+TEST_F(ReserverTest, ARobotThatBrakesSlowlyIsWaitedForUntilItStands) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  tell(b, a);
+  b.self.position = {50, 100};
+  RobotState drives = b.state(1.2);
+  drives.promise.velocity = drives.promise.next_velocity = {20, 0};
+  drives.echoes = {{"a", 1.199, 1.2}};
+  a.fleet.hear(std::make_shared<const RobotState>(drives), 1.201);
+  a.reserver.hear(drives);
+  a.reserver.note_who_heard(a.fleet, 1.21);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.62));
+}
+
+TEST_F(ReserverTest, TheOrderCountsUntilRobotsComeTooCloseAtTheirGoals) {
+  const JointPlanMessage plan{.round = {4, "a", {100, 100}, 200},
+                              .members = {{"a", 5, false, {{1, {20, 100}}, {9, {180, 100}}}},
+                                          {"b", 5, false, {{1, {180, 6}}, {9, {180, 89.9}}}}},
+                              .basis = {},
+                              .run = {}};
+  b.self.position = {180, 6};
+  for (Robot* robot : {&a, &b}) robot->adopt(plan, 0.5);
+  const RobotState state = look_at_each_other();
+  EXPECT_TRUE(a.reserver.passes(state, 0.05));
+  speed_of_a_at(178);
+  EXPECT_FALSE(a.reserver.passes(state, 0.05)) << "the two are to stand closer than trajectories keep apart";
 }
 
 TEST_F(ReserverTest, ARobotLeavesItsStripAtOnceIfThoseThatHaveHeardStandTooFarAwayToMeetIt) {
