@@ -29,6 +29,7 @@ void check_faults(const Faults& faults, const Scenario& scenario) {
   check_between("faults.pause_rate", faults.pause_rate, 0, most_an_hour);
   check_between("faults.pause", faults.pause, shortest_fault, longest_fault);
   check_between("faults.clock_skew", faults.clock_skew, 0, longest_fault);
+  check_between("faults.clock_drift", faults.clock_drift, 0, largest_drift);
   check_between("faults.restart_after", faults.restart_after, shortest_fault,
                 std::numeric_limits<double>::infinity());
   check_between("faults.drive.odometry_noise", faults.drive.odometry_noise, 0, most_noise);
