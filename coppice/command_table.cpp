@@ -134,7 +134,6 @@ void add_fuzz(CLI::App& app, FuzzOptions& options, ChosenCommand& chosen) {
       ->check(number_above_zero());
   command->add_option("--seed", options.first_seed, "the first seed")->check(a_seed());
   command->add_flag("--restarts", options.restarts, "also kills and restarts agents");
-  command->add_flag("--differential", options.differential, "all robots are differential");
   auto* again =
       command->add_option("--replay", options.replay, "runs only the case of this seed, and writes its files")
           ->check(a_seed())

@@ -154,7 +154,6 @@ struct FuzzOptions {
   double robot_hours = 1;  ///< fleet time of all robots together; cases are drawn until then
   std::uint32_t first_seed = 1;
   bool restarts = false;                ///< also kills and restarts agents
-  bool differential = false;            ///< all robots are
   std::optional<std::uint32_t> replay;  ///< runs only the case of this seed, and writes its files
   RunOptions files;                     ///< files that a replay writes
   NewRecording record;                  ///< recording of a replay

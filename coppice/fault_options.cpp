@@ -77,6 +77,9 @@ void add_fault_options(CLI::App& command, Faults& faults, std::optional<double>&
       ->check(number_between(shortest_fault, longest_fault));
   number("--clock-skew", faults.clock_skew, "greatest error of an agent's clock, seconds")
       ->check(number_between(0, longest_fault));
+  number("--clock-drift", faults.clock_drift,
+         "greatest difference of the rates of two agents' clocks, seconds per second")
+      ->check(number_between(0, largest_drift));
   number(
       "--odometry-noise", faults.drive.odometry_noise,
       "robots follow by odometry with that noise, metres (standard deviation; as many radians for the yaw)")

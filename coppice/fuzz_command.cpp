@@ -7,6 +7,7 @@
 #include "files/report_file.h"
 #include "runtime/process.h"
 #include "simulation/fuzz.h"
+#include "simulation/fuzz_judge.h"
 
 namespace coppice {
 
@@ -55,11 +56,11 @@ struct Sum {
 
 /// Runs one case, and writes its files.
 int replay(const FuzzOptions& options) {
-  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts, options.differential);
+  const FuzzCase fuzz_case = draw_fuzz_case(*options.replay, options.restarts);
   check_results(options.files, fuzz_case.scenario, options.record.file);
   FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
   SimulationRecording recording(simulation, options.record);
-  simulation.run(go_on);
+  run_fuzz_case(fuzz_case, simulation, go_on);
   recording.finish();
   const FuzzResult result = judge(fuzz_case, simulation);
   const std::vector<NamedTrack>& tracks = simulation.tracks();
@@ -78,17 +79,16 @@ int fuzz_command(const FuzzOptions& options) {
   Sum sum;
   WallTime next_line = wall_now() + progress_period;
   for (std::uint32_t seed = options.first_seed; sum.robot_hours < options.robot_hours; ++seed) {
-    const FuzzCase fuzz_case = draw_fuzz_case(seed, options.restarts, options.differential);
+    const FuzzCase fuzz_case = draw_fuzz_case(seed, options.restarts);
     FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
-    simulation.run(go_on);
+    run_fuzz_case(fuzz_case, simulation, go_on);
     if (stop_requested()) break;
     const FuzzResult result = judge(fuzz_case, simulation);
     sum.add(result);
     if (!result.failures.empty() || !result.shut_in.empty()) {
       tell_failures(fuzz_case, result);
-      std::cout << fmt::format("  repeat with: coppice fuzz --replay {}{}{}\n", seed,
-                               options.restarts ? " --restarts" : "",
-                               options.differential ? " --differential" : "")
+      std::cout << fmt::format("  repeat with: coppice fuzz --replay {}{}\n", seed,
+                               options.restarts ? " --restarts" : "")
                 << std::flush;
     }
     if (wall_now() < next_line) continue;

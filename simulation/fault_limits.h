@@ -1,6 +1,8 @@
 // The largest faults that a simulation can be asked for.
 #pragma once
 
+#include "messages/clock_offset.h"
+
 namespace coppice {
 
 /// Share of lost samples. With more, reliable samples take too long.
@@ -12,6 +14,8 @@ inline constexpr double most_an_hour = 3600;
 /// Durations of faults, seconds.
 inline constexpr double shortest_fault = 1e-3;
 inline constexpr double longest_fault = 1e5;
+/// Between two clocks. Agents count on no more (docs/safety.md, A3).
+inline constexpr double largest_drift = clock_drift;
 
 /// Of odometry, metres: robots that see no more than that cannot keep to a way.
 inline constexpr double most_noise = 1;

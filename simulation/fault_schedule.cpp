@@ -19,7 +19,7 @@ double gap(double rate, Random& random) {
 
 AgentFaults draw_faults_of(const std::string& robot, const Faults& faults, double horizon, Random& random) {
   AgentFaults drawn{.side = static_cast<int>(random.index(2)),
-                    .clock_offset = random.uniform(-faults.clock_skew, faults.clock_skew),
+                    .clock = {.offset = random.uniform(-faults.clock_skew, faults.clock_skew)},
                     .restart_after = faults.restart_after,
                     .pause = faults.pause};
   for (double t = gap(faults.kill_rate, random); t < horizon;
@@ -54,9 +54,12 @@ double AgentFaults::killed_after(double time) const {
 
 std::vector<AgentFaults> draw_faults(const Faults& faults, const Scenario& scenario, double horizon) {
   Random random(scenario.seed + 1);
+  Random of_drift(scenario.seed + 2);  // a source of its own, so that drift changes no other fault
   std::vector<AgentFaults> drawn;
-  for (const RobotTask& task : scenario.robots)
+  for (const RobotTask& task : scenario.robots) {
     drawn.push_back(draw_faults_of(task.name, faults, horizon, random));
+    drawn.back().clock.drift = of_drift.uniform(-faults.clock_drift / 2, faults.clock_drift / 2);
+  }
   return drawn;
 }
 

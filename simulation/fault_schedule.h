@@ -11,10 +11,21 @@
 
 namespace coppice {
 
+/// An agent's clock. It may be wrong, and too fast or too slow.
+struct AgentClock {
+  double offset = 0;  ///< seconds, of the local time at the true time 0
+  double drift = 0;   ///< seconds per second
+
+  double local(double time) const { return time + offset + drift * time; }
+  double true_time(double local) const { return (local - offset) / (1 + drift); }
+  /// The same clock, if both times are counted from `epoch`.
+  AgentClock counted_from(double epoch) const { return {offset + drift * epoch, drift}; }
+};
+
 /// The faults of one agent.
 struct AgentFaults {
   int side = 0;  ///< side of the partitions
-  double clock_offset = 0;
+  AgentClock clock{};
   std::vector<double> kills{};  ///< ascending
   double restart_after = std::numeric_limits<double>::infinity();
   std::vector<double> pauses{};  ///< beginnings of the pauses; ascending

@@ -100,33 +100,33 @@ void FleetSimulation::kill(Agent& agent) {
 }
 
 template <class R>
-double FleetSimulation::Participant<R>::next_event(double clock_offset) const {
-  return std::max(earliest, std::min(role.next_wake() - clock_offset, port.next_delivery()));
+double FleetSimulation::Participant<R>::next_event(const AgentClock& clock) const {
+  return std::max(earliest, std::min(clock.true_time(role.next_wake()), port.next_delivery()));
 }
 
 /// The next step if it comes before the next kill; otherwise the restart after that kill (infinity: none).
 double FleetSimulation::Agent::next_event() const {
   const double back = next_kill + faults.restart_after;
   if (!process) return back;
-  double awake = process->next_event(faults.clock_offset);
+  double awake = process->next_event(faults.clock);
   if (follower) awake = std::min(awake, follower->clock.wall_time(follower->robot.time() + control_period));
   const double next = faults.awake_from(awake);
   return next < next_kill ? next : back;
 }
 
 template <class R, class K>
-void FleetSimulation::step(Participant<R>& participant, K&& keeper, double clock_offset) {
-  if (participant.next_event(clock_offset) > now_) return;
-  const WallTime local = now_ + clock_offset;
+void FleetSimulation::step(Participant<R>& participant, K&& keeper, const AgentClock& clock) {
+  if (participant.next_event(clock) > now_) return;
+  const WallTime local = clock.local(now_);
   std::vector<Arrival> arrivals = participant.port.take();
   if constexpr (requires { participant.role.expect(arrivals); }) participant.role.expect(arrivals);
   for (Arrival& arrival : arrivals) {
-    arrival.at += clock_offset;
+    arrival.at = clock.local(arrival.at);
     keeper.heard(*arrival.message);
     participant.role.on(std::move(arrival));
   }
   // Exactly the same arithmetic as in next_event.
-  if (participant.role.next_wake() - clock_offset > now_) return;
+  if (clock.true_time(participant.role.next_wake()) > now_) return;
   for (auto& said : participant.role.step(local)) {
     Outgoing outgoing(std::move(said));
     keeper.said(outgoing.message);
@@ -146,12 +146,13 @@ void FleetSimulation::step(Agent& agent) {
   }
   if (agent.next_event() > now_) return;
   meet_robot(agent);
-  step(*agent.process, *agent.keeper, agent.faults.clock_offset);
+  step(*agent.process, *agent.keeper, agent.faults.clock);
   const Run* const run = agent.process->role.run();
   if (run == nullptr) return;
   if (is_any(drive_)) return command_robot(agent, *run);
   record(agent, run->body().time());
   agent.body = run->body();
+  agent.clock_of_run = agent.faults.clock.counted_from(run->mission().clock.epoch);
 }
 
 /// The robot drives on until now, and its agent sees where it is.
@@ -161,7 +162,7 @@ void FleetSimulation::meet_robot(Agent& agent) {
   const double before = follower.robot.time();
   move_robot(agent, follower.clock.fleet_time(now_));
   if (follower.robot.time() == before) return;
-  const WallTime seen_at = follower.clock.wall_time(follower.robot.time()) + agent.faults.clock_offset;
+  const WallTime seen_at = agent.faults.clock.local(follower.clock.wall_time(follower.robot.time()));
   agent.process->role.on(follower.robot.odometry(seen_at));
 }
 
@@ -175,7 +176,7 @@ void FleetSimulation::command_robot(Agent& agent, const Run& run) {
         Follower{.robot = FollowingRobot(scenario_.robots[agent.index], drive_, fleet_now, Random(seed)),
                  .clock = clock});
   }
-  agent.follower->command = agent.process->role.command(now_ + agent.faults.clock_offset);
+  agent.follower->command = agent.process->role.command(agent.faults.clock.local(now_));
   agent.follower->commanded_at = fleet_now;
 }
 
@@ -192,9 +193,12 @@ void FleetSimulation::move_robot(Agent& agent, double until) {
 void FleetSimulation::record(Agent& agent, double until) {
   if (!agent.body) return;
   Driver& body = *agent.body;
+  const AgentClock& clock = agent.clock_of_run;
+  const double rate = 1 + clock.drift;  // its periods are as much shorter by the true clock
   while (body.time() + body.period() / 2 < until) {
-    tracks_[agent.index].track.points.push_back({body.time() - agent.faults.clock_offset, body.position(),
-                                                 body.velocity(), body.yaw(), body.angular_velocity()});
+    tracks_[agent.index].track.points.push_back({clock.true_time(body.time()), body.position(),
+                                                 rate * body.velocity(), body.yaw(),
+                                                 rate * body.angular_velocity()});
     body.advance();
   }
 }
@@ -235,7 +239,7 @@ void FleetSimulation::run(const std::function<bool(const PlannerService&, double
     if (!watch(service_->role, now_)) service_->role.interrupt();
   }
   for (Agent& agent : agents_) {
-    if (agent.body) record(agent, service_->role.progress(now_).elapsed + agent.faults.clock_offset);
+    if (agent.body) record(agent, agent.clock_of_run.local(service_->role.progress(now_).elapsed));
     if (agent.follower) move_robot(agent, service_->role.progress(now_).elapsed);
   }
 }

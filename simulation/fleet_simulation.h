@@ -51,7 +51,7 @@ class FleetSimulation {
 
   const PlannerService& service() const { return service_->role; }
 
-  /// Positions of the bodies, in fleet time by the true clock.
+  /// Positions and velocities of the bodies, in fleet time by the true clock.
   const std::vector<NamedTrack>& tracks() const { return tracks_; }
   /// The faults that have occurred so far.
   SufferedFaults suffered() const;
@@ -64,7 +64,7 @@ class FleetSimulation {
     R role;
     SimulatedBus::Port& port;
     double earliest = 0;  ///< earliest time of its next step
-    double next_event(double clock_offset = 0) const;
+    double next_event(const AgentClock& clock = {}) const;
   };
 
   /// A robot that follows the body of its agent.
@@ -85,6 +85,7 @@ class FleetSimulation {
     std::unique_ptr<KeptInMemory> kept;  ///< saved state for a restart
     std::optional<Keeper<StateKeeper, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was after the agent's last step
+    AgentClock clock_of_run{};     ///< its clock, in fleet time
     std::optional<Follower> follower{};
     double next_event() const;
   };
@@ -99,7 +100,7 @@ class FleetSimulation {
 
   std::unique_ptr<Participant<PlannerService>> started_service();
   template <class R, class K>
-  void step(Participant<R>& participant, K&& keeper, double clock_offset = 0);
+  void step(Participant<R>& participant, K&& keeper, const AgentClock& clock = {});
   void step(Agent& agent);
   void kill(Agent& agent);
   void start(Agent& agent);

@@ -6,7 +6,6 @@
 
 #include "coppice/files/scenario_file.h"
 #include "simulation/fleet_simulation.h"
-#include "simulation/fuzz.h"
 #include "simulation/invariants.h"
 #include "tests/support.h"
 #include "tests/tracks.h"
@@ -126,16 +125,6 @@ TEST(DifferentialRobots, TheyDriveStraightWaysWithoutWeaving) {
   const Driven result = driven(scenario);
   EXPECT_EQ(result.report.outcome(), "arrived");
   EXPECT_LT(result.sum, 21.1 / 0.5 + 3) << "it turns once, speeds up and brakes";
-}
-
-TEST(DifferentialRobots, TheFirstSeedsOfTheFuzzPass) {
-  for (std::uint32_t seed = 1; seed <= 12; ++seed) {
-    const FuzzCase fuzz_case = draw_fuzz_case(seed, seed % 3 == 0, true);
-    FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
-    simulation.run([](const PlannerService&, double) { return true; });
-    for (const std::string& failure : judge(fuzz_case, simulation).failures)
-      ADD_FAILURE() << "seed " << seed << ": " << fuzz_case.what << ": " << failure;
-  }
 }
 
 }  // namespace

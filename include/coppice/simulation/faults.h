@@ -46,10 +46,11 @@ inline bool is_any(const DriveFaults& faults) {
 
 struct Faults {
   BusFaults bus{};  ///< each agent is on a random side of the partitions; service and broker are on side 0
-  double kill_rate = 0;   ///< agents killed per robot and hour
-  double pause_rate = 0;  ///< pauses per robot and hour
-  double pause = 1;       ///< duration of a pause, seconds
-  double clock_skew = 0;  ///< seconds by which an agent's clock may be wrong, in either direction
+  double kill_rate = 0;    ///< agents killed per robot and hour
+  double pause_rate = 0;   ///< pauses per robot and hour
+  double pause = 1;        ///< duration of a pause, seconds
+  double clock_skew = 0;   ///< seconds by which an agent's clock may be wrong, in either direction
+  double clock_drift = 0;  ///< seconds per second by which the rates of two agents' clocks differ at most
   struct Kill {
     std::string robot;
     double time = 0;

@@ -1,0 +1,85 @@
+#include "simulation/fuzz_judge.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "motion/joint_planner.h"
+#include "motion/route_finder.h"
+#include "simulation/invariants.h"
+
+namespace coppice {
+
+namespace {
+
+/// The robots' tasks from their final positions: failed robots do not move, and robots that arrived are at
+/// their goals.
+std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const FleetSimulation& simulation) {
+  std::vector<JointTask> ends;
+  for (const NamedTrack& track : tracks) {
+    const RobotTask& task = simulation.service().task(track.robot);
+    const auto& points = track.track.points;
+    // No points: killed before it had a body.
+    const Point2 end = points.empty() ? task.start : points.back().position;
+    const bool killed = simulation.killed(track.robot);
+    ends.push_back({end, killed ? std::nullopt : std::optional(task.goal), task.radius, !killed});
+  }
+  return ends;
+}
+
+/// Whether a living robot could have arrived from its position, past the failed robots.
+bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span<const JointTask> ends) {
+  std::vector<Disc> failed;
+  for (const JointTask& end : ends) {
+    if (!end.movable) failed.push_back({end.position, end.radius});
+  }
+  // A gap that only a finer lattice finds is too narrow to count.
+  RouteFinder finder(field, robot.radius, usual_spacing(robot.radius) / 2);
+  return !finder.route(robot.position, *robot.goal, failed).empty();
+}
+
+/// Whether each robot could have arrived, with other living robots in its way as well. Failed robots may
+/// close the only place where two robots could have exchanged their order.
+std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::vector<JointTask>& ends) {
+  MapRoadmaps places(field);
+  JointPlanner planner(places, ends, Random(1));
+  while (!planner.step()) {
+  }
+  std::vector<bool> could(ends.size(), true);
+  for (const std::size_t i : planner.plan().stranded) could[i] = false;
+  return could;
+}
+
+}  // namespace
+
+FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
+  const std::vector<NamedTrack>& tracks = simulation.tracks();
+  FuzzResult result{.failures = broken_invariants(fuzz_case.scenario, tracks, control_period),
+                    .suffered = simulation.suffered()};
+  if (result.suffered.rejected > 0)
+    result.failures.push_back(fmt::format("{} messages that no reader takes", result.suffered.rejected));
+  for (const NamedTrack& track : tracks)
+    result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
+  const proto::Report report = simulation.service().report(in_parts(tracks));
+  const std::vector<JointTask> ends = ends_of(tracks, simulation);
+  const ClearanceField field(fuzz_case.scenario.map);
+  const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);
+  std::optional<std::vector<bool>> sorted_out;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const auto& robot = report.robots(static_cast<int>(i));
+    if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
+    if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
+    const bool shut_in = somebody_died && !(*sorted_out)[i];
+    // What the robot knew of the failed robots was lost with its own process and with all others.
+    const bool ignorant =
+        somebody_died && simulation.suffered().restarts > 0 &&
+        robot.reason().find("its agent was started or woke in mid-run, and") != std::string::npos;
+    std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;
+    list.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
+  }
+  return result;
+}
+
+}  // namespace coppice
