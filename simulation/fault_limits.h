@@ -13,10 +13,11 @@ inline constexpr double most_an_hour = 3600;
 inline constexpr double shortest_fault = 1e-3;
 inline constexpr double longest_fault = 1e5;
 
-/// Of odometry, metres: robots that see no more than that cannot keep to a way.
+/// Of odometry, metres: robots that see no more than that cannot keep to a way. simulation/drive_limits.h
+/// says how much of this and the next ones a robot bears.
 inline constexpr double most_noise = 1;
-/// Of a drive, seconds.
-inline constexpr double longest_lag = 2;
+/// Of a drive, seconds. With three times that a robot that corrects its course begins to swing.
+inline constexpr double longest_lag = 0.3;
 /// Share of a wheel's speed.
 inline constexpr double most_slip = 0.5;
 
