@@ -9,6 +9,7 @@
 #include "files/report_file.h"
 #include "planner_service/progress.h"
 #include "runtime/process.h"
+#include "simulation/drive_limits.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 
@@ -17,12 +18,14 @@ namespace coppice {
 int simulate_command(const RunOptions& options, const Faults& faults, const NewRecording& record) {
   ScenarioOptions read = scenario_options(options);
   read.follow = is_any(faults.drive);
-  const Scenario scenario = read_scenario(options.scenario, read);
+  Scenario scenario = read_scenario(options.scenario, read);
+  if (read.follow && !read.tracking_tolerance) widen_tolerances(faults.drive, scenario);
   check_results(options, scenario, record.file);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)
       throw InputError(options.scenario + ": --kill: there is no robot " + kill.robot);
   }
+  check_drive(faults.drive, scenario);
   install_stop_signals();
   FleetSimulation simulation(scenario, {.timeout = options.timeout,
                                         .planner = chosen_planner(options),

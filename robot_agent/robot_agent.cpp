@@ -82,7 +82,7 @@ void RobotAgent::receive(const Mission& mission, WallTime arrived) {
   if (of_another_run && passes_over(mission, fleet_->run()->run(), fleet_->own_mission())) return;
   if (of_another_run) begin_run();
   if (!run_heard_at_) run_heard_at_ = arrived;
-  fleet_->hear(mission.robot == process_->name ? as_reference(mission) : mission, arrived);
+  fleet_->hear(as_reference(mission), arrived);
 }
 
 void RobotAgent::receive(const HaltMessage& message, WallTime) {
@@ -91,15 +91,16 @@ void RobotAgent::receive(const HaltMessage& message, WallTime) {
   process_->halt = halt_of(message, process_->name);
 }
 
-/// For a body that a robot follows. A body drives on chords: a robot is beside them on its arcs.
+/// For bodies that robots follow. The agent's own body drives on chords: a robot is beside them on its arcs.
 Mission RobotAgent::as_reference(Mission mission) const {
-  mission.radius += off_the_chord(limits_of(mission), control_period);
+  if (mission.robot == process_->name) mission.radius += off_the_chord(limits_of(mission), control_period);
   if (!process_->tracking) return mission;
-  const double keeps_up =
-      mission.tracking_tolerance / 2 / (Tracking::largest_lag_in_time * mission.clock.scale);
-  mission.max_speed *= Tracking::share_of_speed;
-  if (keeps_up > 0) mission.max_speed = std::min(mission.max_speed, keeps_up);
-  mission.max_angular_speed *= Tracking::share_of_speed;
+  const Limits limits =
+      Tracking::reference_limits(limits_of(mission), mission.tracking_tolerance, mission.clock.scale);
+  mission.max_speed = limits.max_speed;
+  mission.max_acceleration = limits.max_acceleration;
+  mission.max_angular_speed = limits.max_angular_speed;
+  mission.max_angular_acceleration = limits.max_angular_acceleration;
   return mission;
 }
 

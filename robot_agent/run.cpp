@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -203,23 +204,33 @@ DriveCommand Run::command(WallTime now) {
       scale * ((is_next ? next.next_velocity : next.velocity) + faster_by),
       scale * ((is_next ? next.next_angular_velocity : next.angular_velocity) + turns_faster_by)};
   const double faster = scale / Tracking::share_of_speed;
+  const double harder = scale * scale / Tracking::share_of_acceleration;
   const Limits limits{.max_speed = faster * mission_.max_speed,
-                      .max_angular_speed = faster * mission_.max_angular_speed};
-  const bool is_there = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
-  constexpr double while_driving = 0.4;   // of the tolerance
-  constexpr double while_arriving = 0.8;  // of the distance within which it arrives
+                      .max_acceleration = harder * mission_.max_acceleration,
+                      .max_angular_speed = faster * mission_.max_angular_speed,
+                      .max_angular_acceleration = harder * mission_.max_angular_acceleration};
+  return tracking_->command(reference, limits, rest_of_its_robot(), now);
+}
+
+/// Where the robot that follows the body is to rest while the body stands.
+Rest Run::rest_of_its_robot() const {
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  constexpr double while_arriving = 0.8;  // of where it has arrived
   constexpr double in_the_end = 1.4;      // the same: noise must not make it turn away
-  const double settles = is_there && driving() ? while_arriving * arrives_within(mission_)
-                         : is_under_way()      ? while_driving * tracking_->tolerance()
-                                               : in_the_end * arrives_within(mission_);
-  return tracking_->command(reference, limits, settles, now);
+  const bool is_there = (body_.position() - mission_.goal).norm() <= arrives_within(mission_);
+  if (is_under_way() && !(is_there && driving())) return {anywhere, anywhere};
+  const double share = is_under_way() ? while_arriving : in_the_end;
+  return {share * arrives_within(mission_), share * yaw_arrives_within()};
+}
+
+double Run::yaw_arrives_within() const {
+  return mission_.goal_yaw_tolerance > 0 ? mission_.goal_yaw_tolerance / 2 : std::numbers::pi;
 }
 
 /// The robot that follows the body is where the body is, and heads as it does.
 bool Run::its_robot_is_there(double now) {
-  const double half_turn = std::numbers::pi;
-  const double yaw = mission_.goal_yaw_tolerance > 0 ? mission_.goal_yaw_tolerance / 2 : half_turn;
-  return tracking_->rests_within(arrives_within(mission_), yaw, mission_.clock.wall_time(now));
+  return tracking_->rests_within(arrives_within(mission_), yaw_arrives_within(),
+                                 mission_.clock.wall_time(now));
 }
 
 void Run::step(WallTime now, std::vector<Outgoing>& out) {

@@ -127,6 +127,8 @@ class Run {
   void go_on(double now);
   bool waits_for_its_robot(double now);
   bool its_robot_is_there(double now);
+  Rest rest_of_its_robot() const;
+  double yaw_arrives_within() const;
   void watch_isolation(double now);
   bool is_at_large(double now) const;
   bool may_move(double now);

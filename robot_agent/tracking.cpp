@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "planning/quantities.h"
+
 namespace coppice {
 
 namespace {
@@ -11,6 +13,7 @@ namespace {
 // Speeds for each metre of error, and turns for each radian: slow in comparison with the lag of any drive.
 constexpr double gain = 1;
 constexpr double turning_gain = 2;
+constexpr double late = 0.3;  // seconds until an acceleration takes effect, at most
 // Shares of a new sample: odometry is noisy, and errors change slowly. A robot that stands off its reference
 // by its noise alone must not turn to it.
 struct Shares {
@@ -20,17 +23,49 @@ struct Shares {
 constexpr Shares while_driving{0.3, 0.5};
 constexpr Shares while_standing{0.1, 0.2};
 
-constexpr double heads_there = 0.3;    // radians, within which a robot drives while it turns
-constexpr double standing_yaw = 0.02;  // radians: a robot that stands does not turn for less
-constexpr double rest = 0.3;           // seconds
-constexpr double slow = 0.2;           // of the largest speed: a slower robot heads along with its reference
-constexpr double settled = 0.3;        // of the distance from which on it comes back
+constexpr double heads_there = 0.3;   // radians, within which a robot that turns to its reference drives
+constexpr double standing_yaw = 0.2;  // radians: a robot that stands turns for more in any case
+constexpr double rest = 0.3;          // seconds
+constexpr double settled = 0.3;       // of the error from which on it comes back or turns
 
 double at_most(double value, double most) {
   return std::clamp(value, -most, most);
 }
 
 }  // namespace
+
+double Correction::speed(double error) const {
+  const double stops = speed_to_stop_within(std::abs(error), {.max_acceleration = reserve}, late);
+  return std::copysign(std::min(gain * std::abs(error), stops), error);
+}
+
+double Correction::error(double speed) const {
+  return std::max(speed / gain, late * speed + speed * speed / (2 * reserve));
+}
+
+Limits Tracking::reference_limits(const Limits& robot, double tolerance, double scale) {
+  Limits limits = robot;
+  limits.max_acceleration *= share_of_acceleration;
+  limits.max_angular_acceleration *= share_of_acceleration;
+  limits.max_speed = std::min(share_of_speed * robot.max_speed, longest_braking * limits.max_acceleration);
+  limits.max_angular_speed =
+      std::min(share_of_speed * robot.max_angular_speed, longest_braking * limits.max_angular_acceleration);
+  if (tolerance > 0)
+    limits.max_speed = std::min(limits.max_speed, tolerance / 2 / (largest_lag_in_time * scale));
+  limits.max_acceleration = std::min(limits.max_acceleration, limits.max_speed / (least_speeding_up * scale));
+  return limits;
+}
+
+/// Of a differential robot beside its reference, too: it accelerates less to the side than it brakes.
+Correction Tracking::of_position(const Limits& limits) {
+  const double most = is_differential(limits) ? sideways_acceleration(limits) : limits.max_acceleration;
+  return {gain, (1 - share_of_acceleration) * most};
+}
+
+/// A reference seldom changes its turning while it turns.
+Correction Tracking::of_yaw(const Limits& limits) {
+  return {turning_gain, limits.max_angular_acceleration / 2};
+}
 
 void Tracking::see(const OdometrySample& robot, const Point2& reference, double reference_yaw) {
   samples_ = is_recent(robot.at) ? std::min(samples_ + 1, enough_samples) : 1;
@@ -40,7 +75,10 @@ void Tracking::see(const OdometrySample& robot, const Point2& reference, double 
   share.yaw = std::max(share.yaw, 1.0 / samples_);
   error_ += share.position * (reference - robot.position - error_);
   yaw_error_ = wrapped(yaw_error_ + share.yaw * wrapped(reference_yaw - robot.yaw - yaw_error_));
+  yaw_ = wrapped(yaw_ + share.yaw * wrapped(robot.yaw - yaw_));
   last_ = robot;
+  lags_ = error() > (lags_ ? returns_from : largest_lag) * tolerance_ ||
+          std::abs(yaw_error_) > (lags_ ? standing_yaw : largest_yaw_lag);
 }
 
 bool Tracking::rests_within(double metres, double radians, WallTime now) {
@@ -49,50 +87,66 @@ bool Tracking::rests_within(double metres, double radians, WallTime now) {
   return now - away_at_ >= rest || now < away_at_;  // the clock may have been set back
 }
 
-DriveCommand Tracking::chosen(const Twist& reference, const Limits& limits, double settles, WallTime now) {
+DriveCommand Tracking::chosen(const Twist& reference, const Limits& limits, const Rest& rest, WallTime now) {
   if (!in_reach(now) || samples_ < enough_samples) return {};
-  if (error() > tolerance_) return drive_back(limits);
-  if (!is_differential(limits)) {
-    const Point2 wanted = reference.velocity + gain * error_;
-    return {rotated(wanted * std::min(1.0, limits.max_speed / std::max(wanted.norm(), 1e-9)), -last_->yaw),
-            0};
-  }
-  if (reference.velocity.isZero(0)) return come_to(reference.angular_velocity, limits, settles);
+  if (!is_differential(limits)) return glide(reference, limits);
+  if (reference.velocity.isZero(0)) return come_to(reference.angular_velocity, limits, rest);
   comes_back_ = false;
+  turns_along_ = false;
   return follow(reference, limits);
 }
 
-/// The robot heads as its reference, and towards it if it is beside (Hoffmann et al., "Autonomous Automobile
-/// Trajectory Tracking for Off-Road Driving", 2007).
+/// A holonomic robot drives as its reference, and towards it.
+DriveCommand Tracking::glide(const Twist& reference, const Limits& limits) const {
+  const Point2 towards = error_ / std::max(error(), 1e-9);
+  const Point2 wanted = reference.velocity + of_position(limits).speed(error()) * towards;
+  return {rotated(wanted * std::min(1.0, limits.max_speed / std::max(wanted.norm(), 1e-9)), -yaw_), 0};
+}
+
+/// A differential robot heads as its reference, and towards it if it is beside (Hoffmann et al., "Autonomous
+/// Automobile Trajectory Tracking for Off-Road Driving", 2007).
 DriveCommand Tracking::follow(const Twist& reference, const Limits& limits) const {
-  const double speed = reference.velocity.norm();
+  const Correction correction = of_position(limits);
   const double reference_yaw = last_->yaw + yaw_error_;
-  const Point2 error = rotated(error_, -reference_yaw);  // ahead of the robot, and beside it
-  const double aside = std::atan2(gain * error.y(), speed + slow * limits.max_speed);
-  const double turning = reference.angular_velocity + turning_gain * wrapped(yaw_error_ + aside);
-  const double ahead = speed * std::cos(yaw_error_) + gain * error.x();
+  const double speed = rotated(reference.velocity, -reference_yaw).x();  // below 0 at the end of braking
+  const Point2 error = rotated(error_, -reference_yaw);                  // ahead of the robot, and beside it
+  const double aside =
+      std::atan2(correction.speed(error.y()), std::max(speed, 0.0) + slow * limits.max_speed);
+  const double turning = reference.angular_velocity + turning_by(yaw_error_ + aside, limits);
+  const double ahead = speed * std::cos(yaw_error_) + correction.speed(error.x());
   return {{std::clamp(ahead, 0.0, limits.max_speed), 0}, at_most(turning, limits.max_angular_speed)};
 }
 
-/// A robot that is off its reference, which stands, turns to it, drives there, and turns as it does.
-DriveCommand Tracking::come_to(double turning, const Limits& limits, double settles) {
-  const double distance = error();
-  comes_back_ = samples_ >= enough_samples && distance > (comes_back_ ? settled * settles : settles);
-  if (!comes_back_) {
-    const double left = std::abs(yaw_error_) < standing_yaw ? 0 : yaw_error_;
-    return {Point2::Zero(), at_most(turning + turning_gain * left, limits.max_angular_speed)};
-  }
-  return drive_back(limits);
+/// A robot that is off its reference, which stands, turns to it, drives there, and turns as it does. Each of
+/// these begins at a larger error than it ends at: neither noise nor slip makes the robot begin at once
+/// again.
+DriveCommand Tracking::come_to(double turning, const Limits& limits, const Rest& rest) {
+  comes_back_ = error() > (comes_back_ ? settled : 1) * std::min(rest.metres, returns_from * tolerance_);
+  if (comes_back_) return drive_back(limits);
+  const double off = (turns_along_ ? settled : 1) * std::min(rest.radians, standing_yaw);
+  turns_along_ = turning != 0 || std::abs(yaw_error_) > off;
+  if (!turns_along_) return {};
+  return {Point2::Zero(), at_most(turning + turning_by(yaw_error_, limits), limits.max_angular_speed)};
 }
 
 /// A robot drives straight to its reference, which stands. Beyond its tolerance it comes hardly closer to
-/// anything that keeps clear of the reference (docs/ros.md).
+/// anything that keeps clear of the reference (docs/ros.md). Its speed changes steadily with its bearing.
 DriveCommand Tracking::drive_back(const Limits& limits) const {
-  const double speed = std::min(gain * error(), limits.max_speed);
-  const double bearing = wrapped(std::atan2(error_.y(), error_.x()) - last_->yaw);
-  if (!is_differential(limits)) return {speed * Point2(std::cos(bearing), std::sin(bearing)), 0};
-  const double ahead = std::abs(bearing) < heads_there ? speed * std::cos(bearing) : 0;
-  return {{ahead, 0}, at_most(turning_gain * bearing, limits.max_angular_speed)};
+  const Correction correction{gain, sideways_acceleration(limits)};
+  const double speed = std::min(correction.speed(error()), limits.max_speed);
+  const double bearing = std::atan2(error_.y(), error_.x()) - last_->yaw;
+  const double ahead = speed * std::max(0.0, 1 - std::abs(wrapped(bearing)) / heads_there);
+  return {{ahead, 0}, at_most(turning_by(bearing, limits), limits.max_angular_speed)};
+}
+
+/// How the robot turns by an angle. A robot that turns already goes on to the same side unless the other way
+/// is less than a quarter turn: a robot with its back to where it should head would turn to and fro, and
+/// wheels that slip would carry it away.
+double Tracking::turning_by(double angle, const Limits& limits) const {
+  double left = wrapped(angle);
+  if (command_.angular * left < 0 && std::abs(left) > std::numbers::pi / 2)
+    left += std::copysign(2 * std::numbers::pi, command_.angular);
+  return of_yaw(limits).speed(left);
 }
 
 }  // namespace coppice

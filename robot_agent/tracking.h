@@ -36,10 +36,35 @@ struct TrackingSettings {
   double patience = 0.5;  ///< seconds without odometry after which the reference waits
 };
 
+/// How close a robot comes to its reference while that stands.
+struct Rest {
+  double metres = 0;
+  double radians = 0;
+};
+
+/// How fast a robot makes up for an error, in metres or radians. As fast as it can come to rest again: while
+/// its reference brakes, it brakes harder by its reserve at most.
+struct Correction {
+  double gain = 0;     ///< speed for each metre, and turning for each radian, of a small error
+  double reserve = 0;  ///< of acceleration
+
+  double speed(double error) const;
+  /// The error at which it makes up for a speed that it lacks.
+  double error(double speed) const;
+};
+
 class Tracking {
  public:
   /// The reference drives and turns at most at this share of the robot's speeds. The rest is for catching up.
   static constexpr double share_of_speed = 0.9;
+  /// The same of its accelerations. A robot that has caught up with a reference that brakes has to brake
+  /// harder than that.
+  static constexpr double share_of_acceleration = 0.8;
+  /// Seconds in which a reference comes to its full speed, at least. Commands that make up for the lag of a
+  /// quicker one would be beyond the robot's speeds.
+  static constexpr double least_speeding_up = 0.25;
+  /// Of the largest speed: a slower robot heads along with its reference.
+  static constexpr double slow = 0.2;
   /// Seconds by which a command is ahead, because it takes effect late.
   static constexpr double lead = 0.1;
   /// Seconds, of the drive of a usual robot (time constant). Commands make up for it.
@@ -56,6 +81,13 @@ class Tracking {
         tolerance_(tolerance),
         farthest_(tolerance + std::max(tolerance, drives_on * max_speed)) {}
 
+  /// What the reference of a robot may do. `tolerance`: metres; 0 if it is not known. `scale`: of the run's
+  /// clock.
+  static Limits reference_limits(const Limits& robot, double tolerance, double scale);
+  /// How a robot makes up for errors. `limits`: the robot's.
+  static Correction of_position(const Limits& limits);
+  static Correction of_yaw(const Limits& limits);
+
   double tolerance() const { return tolerance_; }
 
   /// The robot was seen. `reference`, `reference_yaw`: where the body was then.
@@ -63,20 +95,16 @@ class Tracking {
   /// The robot was seen of late, and is so close that it may drive.
   bool in_reach(WallTime now) const { return is_recent(now) && error() <= farthest_; }
   /// The robot is so close that its reference may drive, too.
-  bool keeps_up(WallTime now) const {
-    return is_recent(now) && samples_ >= enough_samples && error() <= largest_lag * tolerance_ &&
-           std::abs(yaw_error_) <= largest_yaw_lag;
-  }
+  bool keeps_up(WallTime now) const { return is_recent(now) && samples_ >= enough_samples && !lags_; }
   bool is_recent(WallTime now) const { return last_ && now - last_->at <= settings_.patience; }
   /// Metres from the robot to its reference when the robot was last seen.
   double error() const { return error_.norm(); }
   /// The robot has been so close to its reference for a while, and headed as it did.
   bool rests_within(double metres, double radians, WallTime now);
 
-  /// How the robot is to drive while its reference drives as `reference` says. `limits`: its speeds. A
-  /// reference that stands waits for its robot within `settles` metres.
-  DriveCommand command(const Twist& reference, const Limits& limits, double settles, WallTime now) {
-    command_ = chosen(reference, limits, settles, now);
+  /// How the robot is to drive while its reference drives as `reference` says. `limits`: the robot's.
+  DriveCommand command(const Twist& reference, const Limits& limits, const Rest& rest, WallTime now) {
+    command_ = chosen(reference, limits, rest, now);
     return command_;
   }
 
@@ -84,12 +112,15 @@ class Tracking {
   static constexpr double largest_lag =
       0.5;  // of the tolerance: room for what the robot drives until both stand
   static constexpr int enough_samples = 10;       // until the noise is known to be small
-  static constexpr double largest_yaw_lag = 0.4;  // radians: a robot that heads elsewhere does not follow
+  static constexpr double largest_yaw_lag = 0.3;  // radians: a robot that heads elsewhere leaves its line
+  static constexpr double returns_from = 0.4;     // of the tolerance: before the reference waits
 
-  DriveCommand chosen(const Twist& reference, const Limits& limits, double settles, WallTime now);
+  DriveCommand chosen(const Twist& reference, const Limits& limits, const Rest& rest, WallTime now);
+  DriveCommand glide(const Twist& reference, const Limits& limits) const;
   DriveCommand follow(const Twist& reference, const Limits& limits) const;
-  DriveCommand come_to(double turning, const Limits& limits, double settles);
+  DriveCommand come_to(double turning, const Limits& limits, const Rest& rest);
   DriveCommand drive_back(const Limits& limits) const;
+  double turning_by(double angle, const Limits& limits) const;
 
   TrackingSettings settings_;
   double tolerance_;
@@ -98,9 +129,12 @@ class Tracking {
   int samples_ = 0;                ///< in a row
   Point2 error_ = Point2::Zero();  ///< reference minus robot, smoothed
   double yaw_error_ = 0;           ///< the same
+  double yaw_ = 0;                 ///< of the robot, smoothed
   DriveCommand command_{};         ///< the last one
   WallTime away_at_ = 0;           ///< last
+  bool lags_ = true;               ///< the reference waits
   bool comes_back_ = false;        ///< to its reference, which stands
+  bool turns_along_ = false;       ///< to the yaw of its reference, which stands
 };
 
 }  // namespace coppice

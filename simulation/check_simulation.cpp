@@ -8,6 +8,7 @@
 
 #include "coppice/files/input_error.h"
 #include "planning/quantities.h"
+#include "simulation/drive_limits.h"
 #include "simulation/fault_limits.h"
 
 namespace coppice {
@@ -35,10 +36,7 @@ void check_faults(const Faults& faults, const Scenario& scenario) {
   check_between("faults.drive.odometry_noise", faults.drive.odometry_noise, 0, most_noise);
   check_between("faults.drive.lag", faults.drive.lag, 0, longest_lag);
   check_between("faults.drive.slip", faults.drive.slip, 0, most_slip);
-  const auto exact = std::ranges::find(scenario.robots, 0.0, &RobotTask::tracking_tolerance);
-  if (is_any(faults.drive) && exact != scenario.robots.end())
-    throw InputError(
-        fmt::format("faults.drive: {} has no tracking_tolerance to be off its reference", exact->name));
+  check_drive(faults.drive, scenario);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)
       throw InputError(fmt::format("faults.kills: there is no robot \"{}\"", kill.robot));

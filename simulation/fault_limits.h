@@ -17,10 +17,11 @@ inline constexpr double longest_fault = 1e5;
 /// Between two clocks. Agents count on no more (docs/safety.md, A3).
 inline constexpr double largest_drift = clock_drift;
 
-/// Of odometry, metres: robots that see no more than that cannot keep to a way.
+/// Of odometry, metres: robots that see no more than that cannot keep to a way. simulation/drive_limits.h
+/// says how much of this and the next ones a robot bears.
 inline constexpr double most_noise = 1;
-/// Of a drive, seconds.
-inline constexpr double longest_lag = 2;
+/// Of a drive, seconds. With three times that a robot that corrects its course begins to swing.
+inline constexpr double longest_lag = 0.3;
 /// Share of a wheel's speed.
 inline constexpr double most_slip = 0.5;
 

@@ -10,10 +10,7 @@ namespace coppice {
 
 namespace {
 
-constexpr double wheels_at = 0.8;    // of the radius
 constexpr double standstill = 1e-6;  // metres and radians a second: a drive does not turn more slowly
-/// Radians for each metre of noise: that of a position 1 m ahead of the robot.
-constexpr double yaw_noise = 1;
 
 /// A lag alone never comes to an end.
 Twist at_rest_if_slow(Twist twist) {

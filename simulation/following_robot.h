@@ -14,6 +14,10 @@ namespace coppice {
 
 class FollowingRobot {
  public:
+  static constexpr double wheels_at = 0.8;  ///< of the radius
+  /// Radians for each metre of noise: that of a position 1 m ahead of the robot.
+  static constexpr double yaw_noise = 1;
+
   /// Stands at the start of its task. `time`: fleet time.
   FollowingRobot(const RobotTask& task, const DriveFaults& faults, double time, Random random);
 

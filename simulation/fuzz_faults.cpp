@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "messages/clock_offset.h"
+#include "simulation/drive_limits.h"
 #include "simulation/fault_schedule.h"
 #include "simulation/fuzz_random.h"
 
@@ -168,20 +169,16 @@ Faults draw_faults_of_case(const Scenario& scenario, double driving, bool restar
 }
 
 DriveFaults draw_drive_faults(const Scenario& scenario, Random& random) {
-  constexpr double usual_lag = 0.1;    // seconds
-  constexpr double usual_slip = 0.05;  // share of a wheel's speed
-  constexpr double share_of_radius = 0.05;
-  constexpr double usual_noise = 0.05;  // radians, of the yaw, which has as much noise as the position
-  constexpr double share_of_tolerance = 0.25;
-  double lag = usual_lag;
-  double noise = usual_noise;
+  DriveFaults most = largest_drive_faults(scenario.robots.front());
   for (const RobotTask& robot : scenario.robots) {
-    lag = std::min(lag, share_of_tolerance * robot.tracking_tolerance / robot.max_speed);
-    noise = std::min(noise, share_of_radius * robot.radius);
+    const DriveFaults bears = largest_drive_faults(robot);
+    most.odometry_noise = std::min(most.odometry_noise, bears.odometry_noise);
+    most.lag = std::min(most.lag, bears.lag);
+    most.slip = std::min(most.slip, bears.slip);
   }
-  return {.odometry_noise = random.uniform(0, noise),
-          .lag = random.uniform(0, lag),
-          .slip = random.uniform(0, usual_slip)};
+  return {.odometry_noise = random.uniform(0, most.odometry_noise),
+          .lag = random.uniform(0, most.lag),
+          .slip = random.uniform(0, most.slip)};
 }
 
 }  // namespace coppice
