@@ -7,7 +7,6 @@
 
 #include "messages/validation.h"
 #include "planning/quantities.h"
-#include "robot_agent/limits.h"
 #include "robot_agent/words.h"
 
 namespace coppice {
@@ -91,9 +90,9 @@ void RobotAgent::receive(const HaltMessage& message, WallTime) {
   process_->halt = halt_of(message, process_->name);
 }
 
-/// For a body that a robot follows. A body drives on chords: a robot is beside them on its arcs.
+/// The mission as the body carries it out. A body that a robot follows is slower than that.
 Mission RobotAgent::as_reference(Mission mission) const {
-  mission.radius += off_the_chord(limits_of(mission), control_period);
+  mission.radius = driving_radius(mission);
   if (!process_->tracking) return mission;
   const double keeps_up =
       mission.tracking_tolerance / 2 / (Tracking::largest_lag_in_time * mission.clock.scale);
