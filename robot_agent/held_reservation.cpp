@@ -39,6 +39,12 @@ HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, 
       others_(&others),
       follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius) {}
 
+Path HeldReservation::way() const {
+  Path way = path_of(own_->trajectory);
+  if (!rest_.empty()) way.insert(way.end(), rest_.begin() + 1, rest_.end());
+  return way;
+}
+
 void HeldReservation::expect_members_of(const JointPlanMessage& plan) {
   round_ = plan.round;
   const auto part = std::ranges::find(plan.members, own_->robot, &JointPlanMessage::Member::robot);
