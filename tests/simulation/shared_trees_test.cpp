@@ -39,8 +39,9 @@ std::map<std::string, unsigned> grafted(const Scenario& scenario, ForestStart fo
                                         const Faults& faults = {}) {
   FleetSimulation simulation(scenario, {.timeout = 6, .faults = faults, .forest = forest});
   simulation.run([](const PlannerService&, double) { return true; });
+  const proto::Report report = simulation.service().report();
   std::map<std::string, unsigned> trees;
-  for (const auto& robot : simulation.service().report().robots())
+  for (const auto& robot : report.robots())
     trees[robot.name()] = static_cast<unsigned>(robot.grafted_trees());
   return trees;
 }
