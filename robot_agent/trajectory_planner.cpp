@@ -99,7 +99,7 @@ std::optional<Trajectory> TrajectoryPlanner::along_the_path(SpaceTime& taken) co
   path.erase(std::unique(path.begin(), path.end()), path.end());
   if (path.size() < 2) return std::nullopt;
   const double stray = reserved_stray_radii * radius_;
-  const double roomy = radius_ + stray;
+  const double roomy = radius_ + 2 * stray;  // a robot that has strayed must be able to turn
   const Path wide = with_wide_corners(off_walls(path, field_, radius_, roomy), field_, roomy, stray, limits_);
   return earliest_along(wide, taken, begin_, stray, limits_, stays());
 }
