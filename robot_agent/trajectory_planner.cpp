@@ -19,6 +19,8 @@ constexpr double longest_part = 16'000;
 constexpr std::size_t corners_of_part = 4'000;
 // Radii of a longer way that are searched, if somebody is met there. The lattice is that of a box around.
 constexpr double searched_part = 1'000;
+constexpr double corner_room =
+    0.5;                       // radii between a robot at a corner of its path and the wall, if possible
 constexpr double beside = 40;  // radii from the way to the border of that box
 // Seconds for which nobody comes to the end of a part: until the robot has had its turn to reserve the next
 // one.
@@ -100,7 +102,8 @@ std::optional<Trajectory> TrajectoryPlanner::along_the_path(SpaceTime& taken) co
   if (path.size() < 2) return std::nullopt;
   const double stray = reserved_stray_radii * radius_;
   const double roomy = radius_ + 2 * stray;  // a robot that has strayed must be able to turn
-  const Path wide = with_wide_corners(off_walls(path, field_, radius_, roomy), field_, roomy, stray, limits_);
+  const Path off = off_walls(path, field_, radius_, (1 + corner_room) * radius_);
+  const Path wide = with_wide_corners(off, field_, roomy, stray, limits_);
   return earliest_along(wide, taken, begin_, stray, limits_, stays());
 }
 
