@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/motion/kinematics.h"
 #include "coppice/motion/trajectory.h"
 #include "coppice/planning/geometry.h"
 #include "coppice/planning/occupancy_map.h"
@@ -77,6 +78,14 @@ struct Mission {
 /// The radius of the robot itself, metres.
 inline double own_radius(const Mission& mission) {
   return mission.radius - mission.tracking_tolerance;
+}
+inline Limits limits_of(const Mission& mission) {
+  return {mission.max_speed, mission.max_acceleration, mission.max_angular_speed,
+          mission.max_angular_acceleration};
+}
+/// The radius with which the robot is planned, metres.
+inline double driving_radius(const Mission& mission) {
+  return driving_radius(mission.radius, limits_of(mission));
 }
 
 /// root_nodes: agent -> broker. Nodes that joined a root tree since the last batch.

@@ -39,7 +39,7 @@ Arrival earliest_in(const Interval& safe, const Point2& a, const Point2& b,
 }  // namespace
 
 std::optional<Trajectory> earliest_along(const Path& path, SpaceTime& others, double begin, double stray,
-                                         const Limits& limits) {
+                                         const Limits& limits, double stays) {
   std::vector<std::vector<Arrival>> arrivals(path.size());
   for (const Interval& safe : others.safe_at(path.front())) {
     if (safe.begin <= begin && begin < safe.end) arrivals.front().push_back({begin, safe.end});
@@ -51,8 +51,10 @@ std::optional<Trajectory> earliest_along(const Path& path, SpaceTime& others, do
       if (arrival.time < SpaceTime::forever) arrivals[k].push_back(arrival);
     }
   }
-  if (arrivals.back().empty() || arrivals.back().back().safe_until < SpaceTime::forever) return std::nullopt;
-  const Arrival* at = &arrivals.back().back();
+  const auto last = std::ranges::find_if(
+      arrivals.back(), [&](const Arrival& arrival) { return arrival.safe_until >= arrival.time + stays; });
+  if (last == arrivals.back().end()) return std::nullopt;
+  const Arrival* at = &*last;
   Trajectory back{{at->time, path.back()}};
   for (std::size_t k = path.size() - 1; k > 0; --k) {
     const double departure = at->time - (path[k] - path[k - 1]).norm() / limits.max_speed;

@@ -15,8 +15,9 @@ namespace coppice {
 
 /// The trajectory along the path with the earliest arrival. It begins at `begin` and is at rest or at full
 /// speed; it stands where it slows down for a corner, for as long as it loses there, and so after each wait.
-/// `stray`: metres by which the robot may stray from the path. Nothing if it cannot stay at the end for ever.
+/// `stray`: metres by which the robot may stray from the path. Nothing if it cannot stay at the end for
+/// `stays` seconds.
 std::optional<Trajectory> earliest_along(const Path& path, SpaceTime& others, double begin, double stray,
-                                         const Limits& limits);
+                                         const Limits& limits, double stays = SpaceTime::forever);
 
 }  // namespace coppice

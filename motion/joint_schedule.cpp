@@ -195,7 +195,7 @@ double JointSchedule::departure(SpaceTime& taken, std::size_t k, const Trajector
 void JointSchedule::improve(std::size_t k) {
   const Robot& robot = robots_[k];
   Trajectory& own = trajectories_[k];
-  if (own.back().position == robot.start) return;
+  if (own.back().position == robot.start || !places_.has_lattice(robot.radius)) return;
   SpaceTime taken(places_.field().bounds(), robot.radius);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (i != k) taken.add(trajectories_[i], robots_[i].radius);

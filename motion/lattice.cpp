@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "motion/off_walls.h"
+
 namespace coppice {
 
 namespace {
@@ -24,29 +26,45 @@ double on_parts_of_cells(double wanted, double resolution) {
   return wanted < half ? half / std::round(half / wanted) : on_half_cells(wanted, resolution);
 }
 
+/// In a lattice of that spacing over a part of the map, about.
+double vertices(const Box<2>& part, double spacing) {
+  return (part.upper - part.lower).prod() / (spacing * spacing);
+}
+
 }  // namespace
 
 Lattice::Lattice(const ClearanceField& field, double radius, double spacing)
-    : Lattice(field, radius, on_half_cells(spacing, field.frame().resolution), infinity) {}
+    : Lattice(field, field.bounds(), radius, on_half_cells(spacing, field.frame().resolution), infinity) {}
 
-Lattice Lattice::of_walls(const ClearanceField& field, double radius, double spacing, double fine_within) {
-  const Point2 extent = field.bounds().upper - field.bounds().lower;
-  double exact = on_parts_of_cells(spacing, field.frame().resolution);
-  if (extent.prod() > most_vertices * exact * exact) {
-    exact = on_half_cells(2 * spacing, field.frame().resolution);
-    fine_within = infinity;
-  }
-  Lattice lattice(field, radius, exact, std::max(fine_within, radius + exact * std::numbers::sqrt2));
+Lattice Lattice::of_walls(const ClearanceField& field, const Box<2>& part, double radius, double spacing,
+                          double fine_within) {
+  const double resolution = field.frame().resolution;
+  const double fine = on_parts_of_cells(spacing, resolution);
+  const bool is_large = vertices(part, fine) > most_vertices;
+  const double exact = is_large ? on_half_cells(2 * spacing, resolution) : fine;
+  const double all = radius + exact * std::numbers::sqrt2;
+  Lattice lattice(field, part, radius, exact, is_large ? infinity : std::max(fine_within, all));
   lattice.shifts_.assign(lattice.size(), {0, 0});
   return lattice;
 }
 
-Lattice::Lattice(const ClearanceField& field, double radius, double spacing, double fine_within)
+double Lattice::size_of_walls(const ClearanceField& field, const Box<2>& part, double spacing) {
+  const double resolution = field.frame().resolution;
+  const double fine = vertices(part, on_parts_of_cells(spacing, resolution));
+  return fine > most_vertices ? vertices(part, on_half_cells(2 * spacing, resolution)) : fine;
+}
+
+/// The part begins at a multiple of half a cell.
+Lattice::Lattice(const ClearanceField& field, const Box<2>& part, double radius, double spacing,
+                 double fine_within)
     : field_(field), radius_(radius), spacing_(spacing), fine_within_(fine_within) {
   const Box<2> box = field.bounds();
-  origin_ = box.lower;
-  columns_ = static_cast<int>((box.upper.x() - box.lower.x()) / spacing_) + 1;
-  rows_ = static_cast<int>((box.upper.y() - box.lower.y()) / spacing_) + 1;
+  const double half = field.frame().resolution / 2;
+  const Point2 before = ((part.lower - box.lower) / half).array().floor().max(0) * half;
+  origin_ = box.lower + before;
+  const Point2 extent = part.upper.cwiseMin(box.upper) - origin_;
+  columns_ = static_cast<int>(extent.x() / spacing_) + 1;
+  rows_ = static_cast<int>(extent.y() / spacing_) + 1;
   known_vertex_.assign(size(), unknown);
 }
 
@@ -71,11 +89,9 @@ bool Lattice::shift_off_wall(Vertex v) {
   if (!field_.is_free(place, 0)) return false;
   Point2 p = place;
   for (int k = 0; k < steps_uphill; ++k) {
-    const double near = shift_unit();
-    const auto slope = [&](const Point2& d) { return field_.clearance(p + d) - field_.clearance(p - d); };
-    const Point2 uphill(slope({near, 0}), slope({0, near}));
-    if (uphill.isZero(0)) break;
-    p += uphill.normalized() * (radius_ + 2 * shift_unit() - field_.clearance(p));
+    const Point2 up = uphill(field_, p, shift_unit());
+    if (up.isZero(0)) break;
+    p += up * (radius_ + 2 * shift_unit() - field_.clearance(p));
     const Point2 units = (p - place) / shift_unit();
     if (units.cwiseAbs().maxCoeff() > most_shift) break;
     shifts_[v] = {static_cast<std::int8_t>(std::lround(units.x())),

@@ -32,11 +32,14 @@ class Lattice {
   /// The lattice of a disc of `radius` (metres) on `field`, which must outlive it. The spacing is `spacing`
   /// (metres) rounded down to a multiple of half a cell, but not below that.
   Lattice(const ClearanceField& field, double radius, double spacing);
-  /// The lattice of walls. Vertices further than `fine_within` (metres) from obstacles lie two spacings
-  /// apart, those that are twice as far four, and so on up to `coarsest`. Where half a cell is more than
-  /// `spacing`, the spacing is a part of half a cell. On a map that is too large for that, the spacing is
-  /// twice as large everywhere, and at least half a cell.
-  static Lattice of_walls(const ClearanceField& field, double radius, double spacing, double fine_within);
+  /// The lattice of walls over a part of the map. Vertices further than `fine_within` (metres) from obstacles
+  /// lie two spacings apart, those that are twice as far four, and so on up to `coarsest`. Where half a cell
+  /// is more than `spacing`, the spacing is a part of half a cell. On a part that is too large for that, the
+  /// spacing is twice as large everywhere, and at least half a cell.
+  static Lattice of_walls(const ClearanceField& field, const Box<2>& part, double radius, double spacing,
+                          double fine_within);
+  /// The number of its vertices, about.
+  static double size_of_walls(const ClearanceField& field, const Box<2>& part, double spacing);
 
   double spacing() const { return spacing_; }
   std::size_t size() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
@@ -161,7 +164,7 @@ class Lattice {
   static constexpr std::array<Step, 8> steps{
       {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
-  Lattice(const ClearanceField& field, double radius, double spacing, double fine_within);
+  Lattice(const ClearanceField& field, const Box<2>& part, double radius, double spacing, double fine_within);
   bool contains(int i, int j) const { return i >= 0 && i < columns_ && j >= 0 && j < rows_; }
   Vertex vertex(int i, int j) const { return static_cast<Vertex>(j * columns_ + i); }
   bool is_of_walls() const { return !shifts_.empty(); }

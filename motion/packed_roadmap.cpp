@@ -436,6 +436,13 @@ std::vector<Point2> PackedRoadmap::stacked(std::span<const Point2> centres) cons
   return result;
 }
 
+/// As if all of the map were free.
+bool MapRoadmaps::can_pack(double radius) const {
+  const Point2 extent = field_.bounds().upper - field_.bounds().lower;
+  const double apart = std::max((2 + comfort) * radius, field_.frame().resolution / 2);
+  return extent.prod() <= most_places * apart * apart;
+}
+
 PackedRoadmap& MapRoadmaps::packed(double radius, double spacing) {
   return packed_.try_emplace({radius, spacing}, field_, radius, spacing).first->second;
 }

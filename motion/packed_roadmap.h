@@ -99,8 +99,11 @@ class PackedRoadmap {
   std::vector<std::pair<Vertex, Vertex>> ways_;  ///< by such a point: the ends of its edge, the smaller first
 };
 
-/// The packed roadmaps of a map. Each is packed when it is first requested, because packing takes as long as
-/// many joint plans.
+/// The packed roadmaps and lattices of a map. Each is made when it is first requested, because packing takes
+/// as long as many joint plans.
+///
+/// A map may be too large for them. Then trajectories are searched on lattices of its parts, and no joint
+/// plans are made.
 class MapRoadmaps {
  public:
   /// `field` must outlive it.
@@ -109,17 +112,28 @@ class MapRoadmaps {
   const ClearanceField& field() const { return field_; }
   /// The roadmap for robots of `radius` on a lattice of `spacing` (metres).
   PackedRoadmap& packed(double radius, double spacing);
+  /// Whether the map is small enough for a packed roadmap.
+  bool can_pack(double radius) const;
+  /// Whether the map is small enough for a lattice.
+  bool has_lattice(double radius) const {
+    return Lattice::size_of_walls(field_, field_.bounds(), trajectory_spacing_radii * radius) <=
+           most_vertices;
+  }
   /// The lattice on which robots of `radius` search trajectories.
   Lattice& lattice(double radius) {
     const auto known = lattices_.find(radius);
     if (known != lattices_.end()) return known->second;
-    return lattices_
-        .emplace(radius, Lattice::of_walls(field_, (1 + reserved_stray_radii) * radius,
-                                           trajectory_spacing_radii * radius, fine_within_radii * radius))
-        .first->second;
+    return lattices_.emplace(radius, lattice_of(field_.bounds(), radius)).first->second;
+  }
+  /// The lattice of a part of the map.
+  Lattice lattice_of(const Box<2>& part, double radius) const {
+    return Lattice::of_walls(field_, part, (1 + reserved_stray_radii) * radius,
+                             trajectory_spacing_radii * radius, fine_within_radii * radius);
   }
 
  private:
+  static constexpr double most_vertices = 8e6;  ///< of a lattice: 4 bytes each, and 9 more in a search
+  static constexpr double most_places = 1.5e6;  ///< of a packed roadmap: about 1.7 kB each
   static constexpr double trajectory_spacing_radii = 0.5;
   static constexpr double fine_within_radii = 2.5;  ///< from obstacles
 

@@ -212,7 +212,7 @@ void SafeIntervalSearch::begin_at(double time, SpaceTime& others, const Limits& 
 }
 
 std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double begin, const Limits& limits,
-                                                     double before) {
+                                                     double before, double stays) {
   if (distance(start_) == std::numeric_limits<float>::infinity()) return std::nullopt;
   number_.assign(distance_.size(), none);
   known_.clear();
@@ -225,7 +225,7 @@ std::optional<Trajectory> SafeIntervalSearch::search(SpaceTime& others, double b
     if (states_[move->to].closed || !look_at(*move, others, limits)) continue;
     carry_out(*move, limits);
     const State here = states_[move->to];
-    if (here.vertex == goal_ && here.safe.end == infinity)
+    if (here.vertex == goal_ && here.safe.end >= here.time + stays)
       return trajectory_to(move->to, begin, limits.max_speed);
     if (++expanded > most_expansions || ++expanded_in_all_ > most_expansions_in_all) return std::nullopt;
     for_each_link(here.vertex, [&](Vertex w, double length) {

@@ -38,10 +38,10 @@ class SafeIntervalSearch {
 
   /// The trajectory with the earliest arrival that the vertices allow. It begins where the path begins, at
   /// `begin`, and is at rest or at full speed. It stands where it slows down for a corner, for as long as it
-  /// loses there, and so after each wait. Nothing if there is none that arrives before `before`, or if this
-  /// search or all together take too long.
+  /// loses there, and so after each wait. At the goal it can stay for `stays` seconds. Nothing if there is
+  /// none that arrives before `before`, or if this search or all together take too long.
   std::optional<Trajectory> search(SpaceTime& others, double begin, const Limits& limits,
-                                   double before = SpaceTime::forever);
+                                   double before = SpaceTime::forever, double stays = SpaceTime::forever);
 
  private:
   using Vertex = std::uint32_t;

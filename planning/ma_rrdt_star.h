@@ -192,6 +192,9 @@ class MaRrdtStar {
   static constexpr GroupIndex no_group = std::numeric_limits<GroupIndex>::max();
   // A tree of at most so many nodes is searched faster without the grid.
   static constexpr std::uint32_t few_nodes = 64;
+  // A tree for one group also serves another one whose radius is at most so many times as large. Differential
+  // robots of one size differ that little, by what they are beside their chords.
+  static constexpr double alike = 1.01;
   // If the map has less free space than that, the restart happens later.
   static constexpr int free_point_tries = 1000;
   // Consecutive points without anything new that end growing ahead, at least. The number of nodes counts too:

@@ -69,10 +69,18 @@ bool MaRrdtStar<S>::failing(const Arm& arm) const {
   return arm.group == no_group && trees_.tree(trees_.tree_of(arm.node)).kind != TreeKind::active;
 }
 
-/// The radius of a random group that still needs trees.
+/// The radius of a random group that still needs trees; a little more, if the tree then serves another one,
+/// too.
 template <Space S>
 double MaRrdtStar<S>::radius_of_new_tree() {
-  return open_.empty() ? ahead_radius_ : groups_[open_[random_.index(open_.size())]].radius;
+  if (open_.empty()) return ahead_radius_;
+  const double drawn = groups_[open_[random_.index(open_.size())]].radius;
+  double radius = drawn;
+  for (const GroupIndex g : open_) {
+    const double other = groups_[g].radius;
+    if (other <= alike * drawn) radius = std::max(radius, other);
+  }
+  return radius;
 }
 
 /// Starts a new disjointed tree at the next free point. If the point sees an active

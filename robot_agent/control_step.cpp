@@ -243,8 +243,10 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
     held.look_at_others(fleet_);
     const bool strayed = held.off_the_way(body_.position()) > body_.radius() / 2;
     const bool over = held.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
-    if (body_.stands() && (strayed || over || leads_elsewhere() || held.is_overridden()))
+    if (body_.stands() && (strayed || over || leads_elsewhere() || held.is_overridden())) {
+      if (over && driving != nullptr && !held.rest().empty()) follow(driving->route, held.rest(), out);
       reserver_.drop(self(), fleet_, now, out);
+    }
     return;
   }
   if (!may_reserve(now)) return;
@@ -269,11 +271,10 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
 /// The robot got a new goal on the way. A part of a joint plan may end elsewhere, and is carried out.
 bool Run::leads_elsewhere() const {
   if (!reserver_.holds() || reserver_.executes_plan()) return false;
-  const Point2& end = reserver_.held().message().trajectory.back().position;
-  return (end - mission_.goal).norm() > arrives_within(mission_);
+  return (reserver_.held().leads_to() - mission_.goal).norm() > arrives_within(mission_);
 }
 
-/// The way of a new reservation is the robot's path.
+/// The way of a new reservation, and the rest of the way, are the robot's path.
 void Run::follow_reservation(std::vector<Outgoing>& out) {
   auto* const driving = std::get_if<Driving>(&task_);
   if (!reserver_.holds()) return;
@@ -364,7 +365,7 @@ void Run::call_if_it_stalls(double now) {
   const bool stalls =
       progress_.stalled_for(now) > patience || progress_.without_progress_for(now) > longest_stall;
   if (stalls && (executes || all_free_around() || fleet_.is_awaited(body_.position(), around())))
-    round_.call(self(), way_ahead(), fleet_, now);
+    round_.call(self(), way_ahead(), fleet_, map_->roadmaps, now);
 }
 
 /// Within half of the tolerance, as for the position.

@@ -55,10 +55,13 @@ void CoordinationRound::hear(std::shared_ptr<const JointPlanMessage> plan) {
 }
 
 /// A cluster that was not sorted out, or that formed again, is wider than it seemed.
-void CoordinationRound::call(const FleetMember& self, const Path& way, const Fleet& fleet, double now) {
+void CoordinationRound::call(const FleetMember& self, const Path& way, const Fleet& fleet,
+                             const MapRoadmaps& places, double now) {
+  if (fleet.known() < 2 || !places.can_pack(self.radius)) return leave();
   const bool again = called_at_ && now - *called_at_ < soon;
   const double cluster = fleet.cluster_reach(self.position, way, cluster_radii * self.radius);
-  begin(self, std::min(everywhere, std::max(cluster, again ? 2 * id_.reach : 0)), now);
+  const double with_somebody = fleet.nearest(self.position) + self.radius;
+  begin(self, std::min(everywhere, std::max({cluster, with_somebody, again ? 2 * id_.reach : 0})), now);
 }
 
 void CoordinationRound::call_everybody(const FleetMember& self, double now) {
@@ -95,7 +98,7 @@ void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, const 
   if (planned && !planned_since_) planned_since_ = now;
   if ((leaderless && now - *waiting_since_ > fleet.second()) ||
       now - *waiting_since_ > std::max(longest_wait_for_plan, least_wait_for_plan * fleet.second())) {
-    call(self, {self.position}, fleet, now);
+    call(self, {self.position}, fleet, places, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     leave();  // it came too late for the plan
   }

@@ -62,8 +62,11 @@ class CoordinationRound {
   void leave();
 
   /// Begins a new round of the cluster around, or of the whole fleet, with this robot as its leader. The
-  /// robot is to drive along `way`.
-  void call(const FleetMember& self, const Path& way, const Fleet& fleet, double now);
+  /// robot is to drive along `way`. A round of one robot would sort out nothing: if nobody is near, the
+  /// nearest robot counts as one of the cluster. Without other robots, or on a map that is too large for
+  /// joint plans (MapRoadmaps), there is no round.
+  void call(const FleetMember& self, const Path& way, const Fleet& fleet, const MapRoadmaps& places,
+            double now);
   void call_everybody(const FleetMember& self, double now);
 
   /// To be called in each control period while the robot waits. take_own_plan() then returns a plan to

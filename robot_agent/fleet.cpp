@@ -354,6 +354,12 @@ double Fleet::cluster_reach(const Point2& p, const Path& way, double near) const
   return reach;
 }
 
+double Fleet::nearest(const Point2& p) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Peer& peer : peers_) least = std::min(least, (peer.place - p).norm());
+  return least;
+}
+
 bool Fleet::somebody_plans() const {
   return std::ranges::any_of(peers_,
                              [](const Peer& p) { return p.state && p.state->phase == Phase::planning; });

@@ -154,6 +154,8 @@ class Fleet {
   /// of a cluster is closer than `near` to another one, or stands in this robot's way and has no reservation.
   /// Failed ones aside.
   double cluster_reach(const Point2& p, const Path& way, double near) const;
+  /// Metres from p to the nearest other robot; infinite: there is none.
+  double nearest(const Point2& p) const;
   /// The largest error of the clock of a robot that is alive. About the time that a sample takes to come.
   double clock_error(double now) const { return detector_.clock_error(now); }
   /// Somebody still looks for its first path.

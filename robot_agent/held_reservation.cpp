@@ -47,6 +47,12 @@ void HeldReservation::come_to(const Driver& body) {
   own_limits_ = body.limits();
 }
 
+Path HeldReservation::way() const {
+  Path way = path_of(own_->trajectory);
+  if (!rest_.empty()) way.insert(way.end(), rest_.begin() + 1, rest_.end());
+  return way;
+}
+
 void HeldReservation::expect_members_of(const JointPlanMessage& plan) {
   round_ = plan.round;
   const auto part = std::ranges::find(plan.members, own_->robot, &JointPlanMessage::Member::robot);

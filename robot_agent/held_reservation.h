@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "messages/messages.h"
@@ -39,8 +40,16 @@ class HeldReservation {
   /// counts as standing at the beginning of its way.
   void expect_members_of(const JointPlanMessage& plan);
 
+  /// The robot's way goes on beyond the end of the reservation, where `rest` begins. It is to reserve anew
+  /// there.
+  void goes_on_along(Path rest) { rest_ = std::move(rest); }
+
   const ReservationMessage& message() const { return *own_; }
-  Path way() const { return path_of(own_->trajectory); }
+  /// The way of the reservation, and what lies beyond its end.
+  Path way() const;
+  const Path& rest() const { return rest_; }
+  /// The end of the way.
+  const Point2& leads_to() const { return rest_.empty() ? own_->trajectory.back().position : rest_.back(); }
   /// Metres along the way.
   double progress() const { return follower_.progress(); }
   bool finished() const { return follower_.finished(); }
@@ -123,6 +132,7 @@ class HeldReservation {
   bool goes_first(const FleetMember& m, double turn) const;
 
   std::shared_ptr<const ReservationMessage> own_;
+  Path rest_{};  ///< of the way, beyond the end of the reservation; empty: it leads to the end of the way
   const Reservations* others_;
   WayFollower follower_;
   RoundId round_{};  ///< of the joint plan that it is a part of

@@ -6,10 +6,6 @@
 
 namespace coppice {
 
-inline Limits limits_of(const Mission& mission) {
-  return {mission.max_speed, mission.max_acceleration, mission.max_angular_speed,
-          mission.max_angular_acceleration};
-}
 inline Limits limits_of(const RobotState& state) {
   return {state.max_speed, state.max_acceleration, state.max_angular_speed, state.max_angular_acceleration};
 }

@@ -209,7 +209,8 @@ void Reserver::plan(const Path& path, double ready, const FleetMember& self, con
         .basis = planner.basis(),
         .turn = is_urgent_ ? Turn::urgent : wanted->turn,
         .run = run_},
-       limits, now, out);
+       limits, now, out)
+      .goes_on_along(planner.rest());
 }
 
 /// Those that wait for their turn set off one after the other: each reservation must reach the next one.

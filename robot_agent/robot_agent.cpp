@@ -7,7 +7,6 @@
 
 #include "messages/validation.h"
 #include "planning/quantities.h"
-#include "robot_agent/limits.h"
 #include "robot_agent/words.h"
 
 namespace coppice {
@@ -91,9 +90,9 @@ void RobotAgent::receive(const HaltMessage& message, WallTime) {
   process_->halt = halt_of(message, process_->name);
 }
 
-/// For bodies that robots follow. The agent's own body drives on chords: a robot is beside them on its arcs.
+/// The missions as bodies carry them out. Bodies that robots follow are slower than the robots.
 Mission RobotAgent::as_reference(Mission mission) const {
-  if (mission.robot == process_->name) mission.radius += off_the_chord(limits_of(mission), control_period);
+  if (mission.robot == process_->name) mission.radius = driving_radius(mission);
   if (!process_->tracking) return mission;
   const Limits limits =
       Tracking::reference_limits(limits_of(mission), mission.tracking_tolerance, mission.clock.scale);

@@ -155,10 +155,10 @@ void TreeBroker::receive(const Mission& mission, WallTime arrived) {
   end_group(mission.robot);
   if (mission.cancelled || mission.planner != PlannerKind::ma_rrdt_star) return;
   if (!forest_) {
-    forest_ = std::make_unique<Forest>(*map_, mission.radius, mission.trees, Random(seed_));
+    forest_ = std::make_unique<Forest>(*map_, driving_radius(mission), mission.trees, Random(seed_));
     take_up_waiting_trees(arrived);
   }
-  const GroupIndex group = forest_->planner.add_remote_group(mission.radius);
+  const GroupIndex group = forest_->planner.add_remote_group(driving_radius(mission));
   groups_[mission.robot] = {run, mission.number, group, 0};
   // Both roots are known. If both see the forest, as the agent will find too, no tree need grow.
   forest_->planner.add_remote_node(group, Root::start, mission.start);

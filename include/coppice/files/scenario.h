@@ -55,9 +55,9 @@ inline double reference_radius(const RobotTask& task) {
   return task.radius + task.tracking_tolerance;
 }
 
-/// The radius that the robot needs where it drives. A differential robot is beside its chords on its arcs.
+/// The radius that the robot needs where it drives.
 inline double driving_radius(const RobotTask& task) {
-  return reference_radius(task) + off_the_chord(limits_of(task), control_period);
+  return driving_radius(reference_radius(task), limits_of(task));
 }
 
 /// A robot with the defaults on this map.

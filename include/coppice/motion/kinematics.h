@@ -80,6 +80,12 @@ inline double off_the_chord(const Limits& limits, double period) {
   return chord / 2 * std::tan(limits.max_angular_speed * period / 4);
 }
 
+/// The radius that a disc of `radius` needs where it drives: a differential robot is beside its chords on its
+/// arcs. All that plan for a robot take this radius, so that the trees of one serve the others.
+inline double driving_radius(double radius, const Limits& limits) {
+  return radius + off_the_chord(limits, control_period);
+}
+
 /// What follows after one period of braking: in a straight line, unless the robot turns.
 inline Twist braked(const Twist& twist, const Limits& limits, double period) {
   const double speed = twist.velocity.norm();

@@ -55,7 +55,7 @@ std::vector<Lattice::Vertex> reached_from(Lattice::Vertex v, Lattice& lattice) {
 TEST(LatticeOfWalls, LeadsThroughAnAisleThatLiesBetweenTwoRows) {
   for (int left = 30; left < 35; ++left) {
     const ClearanceField field(corridor(left, 12));
-    Lattice lattice = Lattice::of_walls(field, radius, spacing, fine_within);
+    Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
     const auto free = free_vertices(lattice);
     ASSERT_FALSE(free.empty()) << left;
     double farthest = 0;
@@ -69,7 +69,7 @@ TEST(LatticeOfWalls, HasTwoLanesWhereThereIsRoomForTwo) {
   constexpr int width = 24;
   for (int left = 30; left < 35; ++left) {
     const ClearanceField field(corridor(left, width));
-    Lattice lattice = Lattice::of_walls(field, radius, spacing, fine_within);
+    Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
     double least = 1000;
     double most = 0;
     for (const Lattice::Vertex v : free_vertices(lattice)) {
@@ -85,7 +85,7 @@ TEST(LatticeOfWalls, NoVertexAndNoEdgeTouchesAnObstacle) {
   Random random(3);
   for (const MapKind kind : {MapKind::room, MapKind::maze, MapKind::dense}) {
     const ClearanceField field(generate_map(kind, 200, 200, random));
-    Lattice lattice = Lattice::of_walls(field, radius, spacing, fine_within);
+    Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
     std::size_t moved = 0;
     for (const Lattice::Vertex v : free_vertices(lattice)) {
       EXPECT_TRUE(field.is_free(lattice.at(v), radius));
@@ -104,7 +104,7 @@ TEST(LatticeOfWalls, NoVertexAndNoEdgeTouchesAnObstacle) {
 
 TEST(LatticeOfWalls, IsCoarseFarFromObstacles) {
   const ClearanceField field(test::open_map(200, 200));
-  Lattice lattice = Lattice::of_walls(field, radius, spacing, fine_within);
+  Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
   const auto free = free_vertices(lattice);
   const Lattice::Vertex middle = *std::ranges::min_element(
       free, {}, [&](Lattice::Vertex v) { return (lattice.at(v) - Point2(100, 100)).norm(); });
@@ -120,20 +120,20 @@ TEST(LatticeOfWalls, IsCoarseFarFromObstacles) {
 
 TEST(LatticeOfWalls, IsConnectedWhereTheSpacingChanges) {
   const ClearanceField field(test::open_map(100, 100));
-  Lattice lattice = Lattice::of_walls(field, radius, spacing, fine_within);
+  Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
   const auto free = free_vertices(lattice);
   EXPECT_EQ(reached_from(free.front(), lattice).size(), free.size());
 }
 
 TEST(LatticeOfWalls, IsNotFinerThanALargeMapAllows) {
   const ClearanceField field(test::open_map(1000, 1000));
-  const Lattice lattice = Lattice::of_walls(field, 0.37, 0.175, 0.9);
+  const Lattice lattice = Lattice::of_walls(field, field.bounds(), 0.37, 0.175, 0.9);
   EXPECT_EQ(lattice.spacing(), 0.5);
 }
 
 TEST(LatticeOfWalls, DividesACellForASmallRobot) {
   const ClearanceField field(test::open_map(20, 20));
-  EXPECT_NEAR(Lattice::of_walls(field, 0.37, 0.175, 0.9).spacing(), 1.0 / 6, 1e-12);
+  EXPECT_NEAR(Lattice::of_walls(field, field.bounds(), 0.37, 0.175, 0.9).spacing(), 1.0 / 6, 1e-12);
   EXPECT_EQ(Lattice(field, 0.37, 0.175).spacing(), 0.5);
 }
 

@@ -297,5 +297,18 @@ TEST(MaRrdtStar, ThePlannerPlansInThreeDimensions) {
   }
 }
 
+TEST(MaRrdtStar, GroupsWhoseRadiiHardlyDifferShareTheirTrees) {
+  const ClearanceField field(two_rooms());
+  Planner planner(field, {.epsilon = 40, .disjointed_trees = 16}, Random(1));
+  for (const double radius : {5.0, 5.0002, 8.0}) planner.add_remote_group(radius);
+  for (int i = 0; i < 2'000; ++i) planner.step();
+  std::set<double> radii;
+  for (TreeIndex t = 0; t < planner.trees().tree_count(); ++t) {
+    if (planner.trees().is_tree(t) && planner.trees().tree(t).kind != TreeKind::root)
+      radii.insert(planner.trees().tree(t).radius);
+  }
+  EXPECT_EQ(radii, (std::set<double>{5.0002, 8.0}));
+}
+
 }  // namespace
 }  // namespace coppice

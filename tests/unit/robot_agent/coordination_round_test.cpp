@@ -75,5 +75,50 @@ TEST(CoordinationRound, AMemberIsGivenThePlanOnceAndIsFree) {
   EXPECT_EQ(round.take_up(), nullptr);
 }
 
+Mission mission_of(const char* robot, const Point2& start) {
+  return {.robot = robot, .number = 1, .fleet_size = 2, .map_id = "m", .start = start, .radius = 1};
+}
+
+TEST(CoordinationRound, ARobotWithoutOthersCallsNone) {
+  const ClearanceField field(test::open_map(100, 100));
+  const MapRoadmaps places(field);
+  Fleet fleet("a");
+  fleet.hear(mission_of("a", {5, 5}), 0);
+  CoordinationRound round("a");
+  round.call({.robot = "a", .position = {5, 5}, .radius = 1, .stands = true, .round = {}}, {{5, 5}, {9, 5}},
+             fleet, places, 0);
+  EXPECT_EQ(round.stage(), Stage::free);
+  EXPECT_EQ(round.id().epoch, 0u);
+}
+
+TEST(CoordinationRound, TheNearestRobotIsWithinReachHoweverFarItIs) {
+  const ClearanceField field(test::open_map(100, 100));
+  const MapRoadmaps places(field);
+  Fleet fleet("a");
+  fleet.hear(mission_of("a", {5, 5}), 0);
+  fleet.hear(mission_of("b", {90, 90}), 0);
+  CoordinationRound round("a");
+  round.call({.robot = "a", .position = {5, 5}, .radius = 1, .stands = true, .round = {}}, {{5, 5}, {9, 5}},
+             fleet, places, 0);
+  EXPECT_EQ(round.stage(), Stage::waiting);
+  EXPECT_TRUE(round.id().includes({90, 90}));
+}
+
+// A packed roadmap of the whole map would take gigabytes.
+TEST(CoordinationRound, OnAMapThatIsTooLargeThereIsNone) {
+  const ClearanceField field(test::open_map(2'000, 2'000));
+  const MapRoadmaps places(field);
+  Fleet fleet("a");
+  fleet.hear(mission_of("a", {5, 5}), 0);
+  fleet.hear(mission_of("b", {8, 5}), 0);
+  FleetMember a{.robot = "a", .position = {5, 5}, .radius = 0.5, .stands = true, .round = {}};
+  CoordinationRound round("a");
+  round.call(a, {{5, 5}, {9, 5}}, fleet, places, 0);
+  EXPECT_EQ(round.stage(), Stage::free);
+  a.radius = 1;
+  round.call(a, {{5, 5}, {9, 5}}, fleet, places, 0);
+  EXPECT_EQ(round.stage(), Stage::waiting);
+}
+
 }  // namespace
 }  // namespace coppice

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/motion/plans.h"
+#include "tests/winding_map.h"
 
 namespace coppice {
 namespace {
@@ -76,6 +77,90 @@ TEST_F(TrajectoryPlannerTest, ARobotThatGivesWayStandsForAWhile) {
   ASSERT_TRUE(found);
   EXPECT_TRUE(around.basis().empty());
   EXPECT_GT(found->back().time, 5 + 4);
+}
+
+/// A way of 20 km, which is 49,000 radii.
+class LongWay : public testing::Test {
+ protected:
+  static constexpr double small = 0.4;
+  static constexpr int side = 400;
+  static constexpr Limits slow{1, 2};
+
+  TrajectoryPlanner planner(std::vector<OtherRobot> others) {
+    return {places, way, small, slow, 0, std::move(others), {}};
+  }
+
+  ClearanceField field{test::winding_map(side)};
+  MapRoadmaps places{field};
+  Path way = test::way_through(side / 8, side);
+};
+
+TEST_F(LongWay, IsReservedInPartsThatFollowOnEachOther) {
+  Path left = way;
+  int parts = 0;
+  for (; left.size() > 1 && parts < 10; ++parts) {
+    TrajectoryPlanner alone(places, left, small, slow, 0, {}, {});
+    const auto found = alone.around_all();
+    ASSERT_TRUE(found);
+    EXPECT_LE(length_of(path_of(*found)), 1.01 * 16'000 * small);  // with wide corners
+    EXPECT_EQ(found->front().position, left.front());
+    EXPECT_EQ(found->back().position, alone.rest().empty() ? left.back() : alone.rest().front());
+    left = Path(alone.rest());
+  }
+  EXPECT_EQ(parts, 4);
+}
+
+TEST_F(LongWay, LeadsPastARobotThatStandsOnIt) {
+  OtherRobot stands{
+      .position = test::in_corridor(0, 100), .radius = small, .stands_until = SpaceTime::forever};
+  TrajectoryPlanner around = planner({stands});
+  const auto found = around.around_all();
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(come_too_close(*found, {{0, stands.position}}, kept_apart(small, small) - 1e-6, 0));
+  EXPECT_GT(length_of(path_of(*found)), 100);
+}
+
+TEST_F(LongWay, EndsBeforeAMeetingThatIsFarAway) {
+  OtherRobot stands{
+      .position = test::in_corridor(10, 200), .radius = small, .stands_until = SpaceTime::forever};
+  TrajectoryPlanner before = planner({stands});
+  const auto found = before.around_all();
+  ASSERT_TRUE(found);
+  const double length = length_of(path_of(*found));
+  EXPECT_GT(length, 1'600);
+  EXPECT_LT(length, 4'200);
+}
+
+TEST_F(LongWay, LeadsPastARobotThatComesTheOtherWay) {
+  Trajectory back;
+  double time = 0;
+  for (const Point2& p : Path(way.rend() - 4, way.rend())) {
+    if (!back.empty()) time += (p - back.back().position).norm() / slow.max_speed;
+    back.push_back({time, p});
+  }
+  OtherRobot comes{.position = back.front().position,
+                   .radius = small,
+                   .reservation = KnownReservation{{"comes", 1, 0}, back, small}};
+  way.front() = test::in_corridor(0, 50);
+  TrajectoryPlanner around = planner({comes});
+  const auto found = around.around_all();
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(come_too_close(*found, back, kept_apart(small, small) - 1e-6, 0));
+}
+
+TEST(LargeMap, IsSearchedInParts) {
+  constexpr double small = 0.4;
+  constexpr int side = 1'500;
+  const ClearanceField field(test::winding_map(side));
+  MapRoadmaps places(field);
+  ASSERT_FALSE(places.has_lattice(small));
+  const Path way{test::in_corridor(0, 10), test::in_corridor(0, 1'000)};
+  OtherRobot stands{
+      .position = test::in_corridor(0, 100), .radius = small, .stands_until = SpaceTime::forever};
+  TrajectoryPlanner around(places, way, small, {1, 2}, 0, {stands}, {});
+  const auto found = around.around_all();
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(come_too_close(*found, {{0, stands.position}}, kept_apart(small, small) - 1e-6, 0));
 }
 
 }  // namespace
