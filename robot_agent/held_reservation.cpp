@@ -96,10 +96,27 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   pair.too_close = std::move(order.too_close);
   pair.they_beyond = apart_beyond(theirs);
   pair.is_related = are_related(own, other);
-  pair.overrides = !pair.is_related && overrides(other, own) &&
-                   come_too_close(own.trajectory, shifted(other.trajectory, estimate),
+  if (pair.is_related || !overrides(other, own)) return pair;
+  pair.overrides = come_too_close(own.trajectory, shifted(other.trajectory, estimate),
                                   kept_apart(own.radius, other.radius), own.trajectory.front().time);
+  pair.is_to_be_named = !pair.overrides;
   return pair;
+}
+
+std::vector<ReservationBasis> HeldReservation::unnamed(const Fleet& fleet) const {
+  std::vector<ReservationBasis> basis;
+  for (const auto& [robot, pair] : pairs_) {
+    const auto m = fleet.find(robot);
+    if (pair.is_to_be_named && m) basis.push_back({robot, pair.number, m->clock_offset});
+  }
+  return basis;
+}
+
+void HeldReservation::renew(std::shared_ptr<const ReservationMessage> own) {
+  own_ = std::move(own);
+  std::erase_if(pairs_, [](const auto& known) { return known.second.is_to_be_named; });
+  doubt_all();
+  news_ = ~std::uint32_t{0};  // those that were dropped are taken up anew
 }
 
 /// Metres along its way that the robot has come at a time, at least. It may have begun to brake after its

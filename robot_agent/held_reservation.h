@@ -62,6 +62,13 @@ class HeldReservation {
   /// plan anew.
   bool is_overridden() const { return is_overridden_; }
 
+  /// Reservations that were planned without this one, and that it comes near without being too close: until
+  /// it names them in its basis, the two have no order.
+  std::vector<ReservationBasis> unnamed(const Fleet& fleet) const;
+  /// The same trajectory under a new number, with more in its basis. Others may take the old number for left:
+  /// so nothing is confirmed any more.
+  void renew(std::shared_ptr<const ReservationMessage> own);
+
   /// Whether the order keeps this robot and another one apart, whatever that does next. `heard`: the number
   /// of this robot of which the other one has heard.
   bool passes(const RobotState& other, std::uint32_t heard);
@@ -100,9 +107,11 @@ class HeldReservation {
     std::uint32_t number = 0;  ///< of the other's reservation
     bool is_awaited = false;   ///< the other robot is to take up its part of the same joint plan
     Gates gates{};
-    std::vector<Gate> theirs{};        ///< before this robot
-    bool is_related = false;           ///< one was planned around the other
-    bool overrides = false;            ///< the other one: the two come too close, and this one plans anew
+    std::vector<Gate> theirs{};  ///< before this robot
+    bool is_related = false;     ///< one was planned around the other
+    bool overrides = false;      ///< the other one: the two come too close, and this one plans anew
+    /// The two planned without each other and keep apart. This one is to name the other in its basis.
+    bool is_to_be_named = false;
     std::vector<Stretch> too_close{};  ///< of this robot's way, where the two do not keep apart
     double they_beyond = -1;           ///< metres along the other's way beyond which the two keep apart
     bool is_confirmed = false;         ///< both heed the order

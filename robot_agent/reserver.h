@@ -80,6 +80,9 @@ class Reserver {
   /// Takes up the part of this robot in a joint plan, if it has one that begins where the robot stands.
   void adopt(const JointPlanMessage& plan, const FleetMember& self, const Fleet& fleet, double now,
              std::vector<Outgoing>& out);
+  /// Once in each control step. Two robots may have planned without each other, and keep apart. The one that
+  /// planned second names the other in its basis: so both know in which order they pass.
+  void name_those_beside(const Fleet& fleet, double now, std::vector<Outgoing>& out);
   /// What another robot has reserved, if it keeps to that.
   std::optional<KnownReservation> reservation_of(const FleetMember& m) const;
   /// The robot may try anew: something has changed since the last attempt, or that was a while ago.
