@@ -81,7 +81,10 @@ class RvoAlone {
       if (&other == &robot || distance > 2 * self.radius + 2 * horizon * max_speed) continue;
       others.push_back(orca_half_plane(self, other.disc, horizon, control_period));
     }
-    const Point2 preferred = robot.follower.preferred_velocity(self.position, field_, limits, control_period);
+    const bool sees_its_path = robot.follower.look_from(self.position, field_, limits);
+    const Point2 preferred = sees_its_path
+                                 ? robot.follower.preferred_velocity(self.position, limits, control_period)
+                                 : Point2::Zero();
     return within_limits(safe_velocity(preferred, max_speed, obstacles, others), self.velocity, limits,
                          control_period);
   }

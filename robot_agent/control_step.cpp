@@ -284,10 +284,9 @@ void Run::follow_reservation(std::vector<Outgoing>& out) {
 
 /// The robot has no reservation. It stands, and evades where others want to pass.
 void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbours) {
-  PathFollower& follower = driving.route.follower;
-  const Point2 next = body_.position() + control_period * body_.velocity();
-  follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
-  if (follower.lost()) look_for_a_path(way_back_to_the_path(driving.route));
+  const Point2 next = body_.turn_position();
+  if (!driving.route.follower.look_from(next, map_->field, body_.limits()))
+    look_for_a_path(way_back_to_the_path(driving.route));
   body_.choose(Point2::Zero(), neighbours, map_->field);
   if (!reserver_.waits_for_its_turn()) return;
   progress_.excuse(now);

@@ -12,7 +12,7 @@ const OccupancyMap hall{.width = 120, .height = 40, .blocked = std::vector<std::
 TEST(PathFollower, TheRemainingWayIsMeasuredFromTheRobotsPosition) {
   const ClearanceField field(hall);
   PathFollower follower({{10, 20}, {110, 20}}, 1);
-  follower.preferred_velocity({10, 20}, field, {2, 2}, 0.05);
+  ASSERT_TRUE(follower.look_from({10, 20}, field, {2, 2}));
   EXPECT_DOUBLE_EQ(follower.way_left({10, 20}), 100);
   EXPECT_DOUBLE_EQ(follower.way_left({70, 23}), 43) << "a joint plan led the robot along its path";
   EXPECT_DOUBLE_EQ(follower.way_left({70, 23}), 43) << "the query does not move the follower";
