@@ -138,7 +138,8 @@ COPPICE_FIELDS(Mission, "Mission",
   COPPICE_NEW_FIELD(21, goal_yaw),
   COPPICE_NEW_FIELD(22, goal_yaw_tolerance),
   COPPICE_NEW_FIELD(23, tracking_tolerance),
-  COPPICE_FIELD(24, footprint));
+  COPPICE_FIELD(24, footprint),
+  COPPICE_NEW_FIELD(25, coordination));
 
 COPPICE_FIELDS(RootNodes::Node, "RootNode",
   COPPICE_FIELD(1, side),

@@ -67,6 +67,8 @@ SimulatedRun simulate(const Scenario& scenario, const SimulationSettings& settin
   if (!settings.plan.empty() && settings.plan.size() != scenario.robots.size())
     throw InputError(fmt::format("plan: has {} trajectories, expected {} or none", settings.plan.size(),
                                  scenario.robots.size()));
+  if (!settings.plan.empty() && !reserves(settings.coordination))
+    throw InputError("plan: goes with coordination by reservations only");
   FleetSimulation simulation(scenario, settings);
   simulation.run([&](const PlannerService&, double now) { return !stop || !stop(now); });
   const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));
