@@ -81,6 +81,7 @@ RoundOfState(State&) -> RoundOfState<State>;
 
 // clang-format off
 COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_STAR");
+COPPICE_ENUMERATORS(Coordination, "Coordination", "RESERVATIONS", "RVO", "RVO_WITHOUT_ROUNDS");
 COPPICE_ENUMERATORS(Restarts, "Restarts", "EVEN", "RANDOM");
 COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
 COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP", "HALTED");

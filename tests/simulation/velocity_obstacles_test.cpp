@@ -96,8 +96,7 @@ TEST(VelocityObstacles, DifferentialRobotsArriveToo) {
 }
 
 TEST(VelocityObstacles, ALifelongFleetKeepsGettingGoals) {
-  const Driven fleet =
-      driven(make_scenario("rooms", 10, 1), {.timeout = 1000, .lifelong = 60});
+  const Driven fleet = driven(make_scenario("rooms", 10, 1), {.timeout = 1000, .lifelong = 60});
   EXPECT_EQ(fleet.report.outcome(), "arrived");
   EXPECT_GE(fleet.report.missions(), 20u);
 }
@@ -137,9 +136,8 @@ TEST(VelocityObstacles, RobotsSetOffWhileOthersStillPlan) {
   Scenario scenario = on_map("maze", 1, 1);
   RobotTask& lost = scenario.robots.front();
   scenario.robots.push_back(task("near", lost.goal, lost.goal));
-  FleetSimulation simulation(scenario, {.timeout = 20,
-                                        .planner = PlannerKind::rrt_star,
-                                        .coordination = Coordination::rvo});
+  FleetSimulation simulation(
+      scenario, {.timeout = 20, .planner = PlannerKind::rrt_star, .coordination = Coordination::rvo});
   std::map<RobotName, Phase> phases;
   bool one_drives_while_another_plans = false;
   simulation.set_listener([&](const Message& message, double) {
