@@ -2,7 +2,6 @@
 // sort themselves out in coordination rounds where they get stuck.
 #include <algorithm>
 #include <map>
-#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -67,7 +66,7 @@ TEST(VelocityObstacles, AllRobotsArriveOnBlankMaps) {
   }
 }
 TEST(VelocityObstacles, AllRobotsArriveInRooms) {
-  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(seed);
     expect_all_arrive(on_map("room", 10, seed));
     expect_all_arrive(make_scenario("rooms", 10, seed));
@@ -101,12 +100,12 @@ TEST(VelocityObstacles, ALifelongFleetKeepsGettingGoals) {
   EXPECT_GE(fleet.report.missions(), 20u);
 }
 
-/// Two robots that want to pass each other where there is room for one, with a bay beside.
+/// Two robots that want to pass each other where there is room for one. They meet far from the only bay.
 Scenario corridor_with_bay() {
   OccupancyMap map = test::open_map(240, 60);
   test::block(map, 0, 0, 240, 60);
   test::block(map, 10, 10, 230, 24, false);
-  test::block(map, 110, 24, 140, 44, false);
+  test::block(map, 40, 24, 70, 44, false);
   return {.map_name = "bay",
           .map = map,
           .seed = 1,
@@ -131,18 +130,21 @@ TEST(VelocityObstacles, WithoutRoundsRobotsStayStuckAndTheReportSaysSo) {
       << fleet.report.robots(0).reason();
 }
 
-// RRT* finds the way through a maze late, and the straight way at once.
+// RRT* finds a way through a maze late, and one along a corridor at once.
 TEST(VelocityObstacles, RobotsSetOffWhileOthersStillPlan) {
-  Scenario scenario = on_map("maze", 1, 1);
-  RobotTask& lost = scenario.robots.front();
-  scenario.robots.push_back(task("near", lost.goal, lost.goal));
+  Scenario scenario = on_map("maze", 2, 1);
+  RobotTask& near = scenario.robots.back();
+  const ClearanceField field(scenario.map);
+  for (const Point2 step : {Point2(30, 0), Point2(0, 30), Point2(-30, 0), Point2(0, -30)}) {
+    if (field.segment_free(near.start, near.start + step, near.radius)) near.goal = near.start + step;
+  }
   FleetSimulation simulation(
       scenario, {.timeout = 20, .planner = PlannerKind::rrt_star, .coordination = Coordination::rvo});
   std::map<RobotName, Phase> phases;
   bool one_drives_while_another_plans = false;
   simulation.set_listener([&](const Message& message, double) {
     const auto* const state = std::get_if<RobotState>(&message);
-    if (state == nullptr || state->passed_on) return;
+    if (state == nullptr) return;
     phases[state->robot] = state->phase;
     const bool drives = state->phase == Phase::driving && !state->promise.next_velocity.isZero(0);
     one_drives_while_another_plans |=

@@ -21,11 +21,11 @@ TEST(PathFollower, TheRemainingWayIsMeasuredFromTheRobotsPosition) {
 TEST(PathFollower, TheRobotHeadsAlongItsPathAndSlowsDownForItsEnd) {
   const ClearanceField field(hall);
   const Limits limits{20, 40};
-  PathFollower follower({{10, 20}, {110, 20}}, 1);
-  ASSERT_TRUE(follower.look_from({50, 20}, field, limits));
-  EXPECT_TRUE(follower.preferred_velocity({50, 20}, limits, 0.05).isApprox(Point2(20, 0)));
-  ASSERT_TRUE(follower.look_from({109, 20}, field, limits));
-  const Point2 near_the_end = follower.preferred_velocity({109, 20}, limits, 0.05);
+  PathFollower follower({{10, 20}, {50, 20}}, 5);
+  ASSERT_TRUE(follower.look_from({15, 20}, field, limits));
+  EXPECT_TRUE(follower.preferred_velocity({15, 20}, limits, 0.05).isApprox(Point2(20, 0)));
+  ASSERT_TRUE(follower.look_from({49, 20}, field, limits));
+  const Point2 near_the_end = follower.preferred_velocity({49, 20}, limits, 0.05);
   EXPECT_GT(near_the_end.x(), 0);
   EXPECT_LT(near_the_end.x(), 10);
 }
