@@ -155,14 +155,14 @@ Simulated simulated(const TrialCase& trial, double radius, Coordination coordina
 Outcomes compared(const TrialCase& trial, double radius) {
   Outcomes outcomes;
   std::vector<Path> paths;
-  for (std::size_t c = 0; c < ways.size(); ++c) {
-    if (c == alone) {
-      outcomes[c] = RvoAlone(trial.field, paths, radius).run();
+  for (std::size_t w = 0; w < ways.size(); ++w) {
+    if (w == alone) {
+      outcomes[w] = RvoAlone(trial.field, paths, radius).run();
       continue;
     }
-    Simulated run = simulated(trial, radius, *ways[c].coordination);
-    outcomes[c] = run.outcome;
-    if (c == reserving) paths = std::move(run.paths);
+    Simulated run = simulated(trial, radius, *ways[w].coordination);
+    outcomes[w] = run.outcome;
+    if (w == reserving) paths = std::move(run.paths);
   }
   return outcomes;
 }
@@ -190,13 +190,9 @@ std::vector<double> ratios_to_alone(const std::vector<Outcomes>& trials) {
 }  // namespace
 
 void bench_avoidance(const ExperimentOptions& options) {
-  Table trials{{"map", "robots", "seed"}, {}};
+  Table trials{{"map", "robots", "seed", "driving", "succeeded", "mean_arrival_s", "last_arrival_s"}, {}};
   Table summary{{"map", "robots"}, {}};
-  for (const WayToDrive& way : ways) {
-    for (const char* value : {"succeeded", "mean s", "last s"})
-      trials.header.push_back(fmt::format("{}: {}", way.name, value));
-    summary.header.emplace_back(way.name);
-  }
+  for (const WayToDrive& way : ways) summary.header.emplace_back(way.name);
   summary.header.emplace_back("mean run time, reservations / RVO alone");
   std::vector<Plot> plots;
   for (const std::string& source : options.maps) {
@@ -206,13 +202,13 @@ void bench_avoidance(const ExperimentOptions& options) {
       const auto measure = [&](std::uint64_t seed) {
         runs.push_back(
             compared(make_case(source, options.side, robots, options.radius, seed), options.radius));
-        std::vector<std::string> row{map_title(source), std::to_string(robots), std::to_string(seed)};
-        for (const Outcome& outcome : runs.back()) {
-          row.push_back(std::to_string(outcome.succeeded));
-          row.push_back(fmt::format("{:.3f}", outcome.mean_arrival));
-          row.push_back(fmt::format("{:.3f}", outcome.last_arrival));
+        for (std::size_t w = 0; w < ways.size(); ++w) {
+          const Outcome& outcome = runs.back()[w];
+          trials.rows.push_back({map_title(source), std::to_string(robots), std::to_string(seed),
+                                 ways[w].name, std::to_string(outcome.succeeded),
+                                 fmt::format("{:.3f}", outcome.mean_arrival),
+                                 fmt::format("{:.3f}", outcome.last_arrival)});
         }
-        trials.rows.push_back(row);
         options.tell(fmt::format("{} {} robots, seed {}", map_title(source), robots, seed));
       };
       for (int k = 0; k < options.seeds && !options.stop(); ++k) {
@@ -221,7 +217,7 @@ void bench_avoidance(const ExperimentOptions& options) {
       }
       if (runs.empty()) continue;
       std::vector<std::string> row{map_title(source), std::to_string(robots)};
-      for (std::size_t c = 0; c < ways.size(); ++c) row.push_back(arrivals_and_times(runs, c));
+      for (std::size_t w = 0; w < ways.size(); ++w) row.push_back(arrivals_and_times(runs, w));
       const std::vector<double> ratios = ratios_to_alone(runs);
       row.push_back(ratios.empty() ? "-"
                                    : fmt::format("{:.3f} ({:.3f} to {:.3f})", median(ratios),

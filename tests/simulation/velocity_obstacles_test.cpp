@@ -135,7 +135,7 @@ TEST(VelocityObstacles, RobotsSetOffWhileOthersStillPlan) {
   Scenario scenario = on_map("maze", 2, 1);
   RobotTask& near = scenario.robots.back();
   const ClearanceField field(scenario.map);
-  for (const Point2 step : {Point2(30, 0), Point2(0, 30), Point2(-30, 0), Point2(0, -30)}) {
+  for (const Point2& step : {Point2(30, 0), Point2(0, 30), Point2(-30, 0), Point2(0, -30)}) {
     if (field.segment_free(near.start, near.start + step, near.radius)) near.goal = near.start + step;
   }
   FleetSimulation simulation(
