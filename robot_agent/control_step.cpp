@@ -314,11 +314,19 @@ void Run::drive_along_path(Driving& driving, double now, std::span<const Neighbo
   const bool is_bound = body_.bound_to_stand();
   const Point2 preferred = follower.preferred_velocity(next, body_.limits(), control_period);
   body_.choose(keeping_right(preferred, next, neighbours), neighbours, map_->field);
+  note_movement(now);
   // Several robots may keep clear of each other's next moves: one of them must go.
-  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_moved_ = now;
-  if (is_bound || now - last_moved_ <= waiting_lease || !lets_others_go_first()) return;
+  const bool is_held_up = now - last_moved_ > waiting_lease && !body_.turns_on_the_spot();
+  if (is_bound || !is_held_up || !lets_others_go_first()) return;
   body_.follow(Point2::Zero(), neighbours, map_->field);
   stand_for(now, waiting_lease);
+}
+
+/// A turn on the spot excuses the robot, for as long as a full turn takes.
+void Run::note_movement(double now) {
+  if (body_.turns_on_the_spot())
+    progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
+  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_moved_ = now;
 }
 
 /// Of robots that are held up close to each other, those go first that carry out a joint plan, and then the
@@ -347,10 +355,8 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
       stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
     last_moved_ = now;
   }
-  if (body_.turns_on_the_spot())
-    progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
+  note_movement(now);
   // Several robots may keep clear of each other's next moves: one of them must go.
-  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_moved_ = now;
   if (!is_bound && now - last_moved_ > waiting_lease && held.gives_way(self(), fleet_)) {
     body_.follow(Point2::Zero(), neighbours, map_->field, allowed);
     stand_for(now, waiting_lease);

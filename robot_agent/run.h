@@ -141,6 +141,7 @@ class Run {
   void reserve(double now, std::vector<Outgoing>& out);
   void evade(Driving& driving, double now, std::span<const Neighbour> neighbours);
   void drive_along_path(Driving& driving, double now, std::span<const Neighbour> neighbours);
+  void note_movement(double now);
   bool lets_others_go_first() const;
   void follow_reservation(std::vector<Outgoing>& out);
   void keep_to_reservation(double now, std::span<const Neighbour> neighbours);
