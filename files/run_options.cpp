@@ -178,7 +178,10 @@ ScenarioOptions scenario_options(const RunOptions& options) {
 }
 
 std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario) {
-  return options.plan.empty() ? std::vector<Trajectory>() : read_plan(options.plan, scenario);
+  if (options.plan.empty()) return {};
+  if (!reserves(chosen_coordination(options)))
+    throw InputError("--plan: goes with --coordination reservations only");
+  return read_plan(options.plan, scenario);
 }
 
 PlannerKind chosen_planner(const RunOptions& options) {
@@ -195,8 +198,6 @@ Coordination chosen_coordination(const RunOptions& options) {
       throw InputError(fmt::format("--rounds {}: goes with --coordination rvo only", *options.rounds));
     return Coordination::reservations;
   }
-  if (!options.plan.empty())
-    throw InputError("--plan: goes with --coordination reservations only, not with rvo");
   return options.rounds == rounds_names[1] ? Coordination::rvo_without_rounds : Coordination::rvo;
 }
 

@@ -59,12 +59,13 @@ ScenarioOptions scenario_options(const RunOptions& options);
 /// path.
 inline constexpr double default_plan_budget = 1;
 
-/// The joint plan; empty: none was named. Throws InputError if it is not one of this scenario.
+/// The joint plan; empty: none was named. Throws InputError if it is not one of this scenario, or if the
+/// robots are to make no reservations.
 std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario);
 PlannerKind chosen_planner(const RunOptions& options);
 ForestStart chosen_forest(const RunOptions& options);
 TreeParameters chosen_trees(const RunOptions& options);
-/// Throws InputError if another option does not go with it.
+/// Throws InputError if something is said of rounds that does not go with it.
 Coordination chosen_coordination(const RunOptions& options);
 
 /// Throws InputError if two output files are the same file, or if one is the scenario, its map or the
