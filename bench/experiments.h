@@ -55,7 +55,8 @@ struct ThroughputSettings {
 /// arrived and none touched anything.
 bool bench_throughput(const ExperimentOptions& options, const ThroughputSettings& settings);
 
-/// Fleets in the simulation against reciprocal velocity obstacles alone, on the same paths.
+/// Fleets in the simulation, with reservations and by reciprocal velocity obstacles, with and without
+/// coordination rounds; and RVO alone on the same paths.
 void bench_avoidance(const ExperimentOptions& options);
 
 }  // namespace coppice

@@ -97,6 +97,8 @@ Command service_command(const RunOptions& options, const std::string& program) {
   if (!options.picture.empty()) add("--picture", options.picture);
   add("--planner", options.planner);
   add("--forest", options.forest);
+  add("--coordination", options.coordination);
+  if (options.rounds) add("--rounds", *options.rounds);
   add_trees(options, add);
   if (options.lifelong > 0) add("--lifelong", fmt::format("{}", options.lifelong));
   if (options.plan_budget) add("--plan-budget", fmt::format("{}", *options.plan_budget));
@@ -441,6 +443,7 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
   overrides.warnings = MapWarnings::left_out;  // the service logs them
   const Scenario scenario = read_scenario(options.scenario, overrides);
   chosen_plan(options, scenario);
+  chosen_coordination(options);
   check_results(options, scenario, fleet_options.record.file);
   check_ros(fleet_options.ros, fleet_options.discovery, fleet_options.security);
   if (fleet_options.ros.on) check_ros_names(fleet_options.ros.robot.names, names_of(scenario));

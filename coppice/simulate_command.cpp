@@ -34,7 +34,8 @@ int simulate_command(const RunOptions& options, const Faults& faults, const NewR
                                         .faults = faults,
                                         .trees = chosen_trees(options),
                                         .forest = chosen_forest(options),
-                                        .plan = chosen_plan(options, scenario)});
+                                        .plan = chosen_plan(options, scenario),
+                                        .coordination = chosen_coordination(options)});
   SimulationRecording recording(simulation, record);
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;

@@ -1,8 +1,10 @@
 #include "files/run_options.h"
 
+#include <array>
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -19,6 +21,8 @@ namespace coppice {
 
 namespace {
 
+constexpr std::array<std::string_view, 2> rounds_names{"on", "off"};
+
 void add_forest_option(CLI::App& command, RunOptions& options) {
   command
       .add_option(
@@ -26,6 +30,20 @@ void add_forest_option(CLI::App& command, RunOptions& options) {
           "ahead: the shared trees cover the map before the missions go out; together: they grow while "
           "the robots plan, as in the paper")
       ->check(CLI::IsMember(std::vector<std::string>(forest_names.begin(), forest_names.end())));
+}
+
+void add_coordination_options(CLI::App& command, RunOptions& options) {
+  command
+      .add_option(
+          "--coordination", options.coordination,
+          "reservations: robots reserve trajectories around each other; rvo: they set off along their "
+          "paths, and avoid each other by reciprocal velocity obstacles, as in the paper")
+      ->check(CLI::IsMember(std::vector<std::string>(coordination_names.begin(), coordination_names.end())));
+  command
+      .add_option("--rounds", options.rounds,
+                  "with --coordination rvo: whether robots that get stuck make joint plans; on or off")
+      ->check(CLI::IsMember(std::vector<std::string>(rounds_names.begin(), rounds_names.end())))
+      ->default_str("on");
 }
 
 /// docs/planning.md explains them.
@@ -132,6 +150,7 @@ void add_run_options(CLI::App& command, RunOptions& options, Progression progres
       ->default_str(progression == Progression::many_processes || progression == Progression::standing
                         ? "1, or with more than 25 robots a processor (25 x processors / robots)^1.5"
                         : "1");
+  if (!is_of_plan) add_coordination_options(command, options);
   if (progression == Progression::standing) {
     add_forest_option(command, options);
   } else {
@@ -159,7 +178,10 @@ ScenarioOptions scenario_options(const RunOptions& options) {
 }
 
 std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario) {
-  return options.plan.empty() ? std::vector<Trajectory>() : read_plan(options.plan, scenario);
+  if (options.plan.empty()) return {};
+  if (!reserves(chosen_coordination(options)))
+    throw InputError("--plan: goes with --coordination reservations only");
+  return read_plan(options.plan, scenario);
 }
 
 PlannerKind chosen_planner(const RunOptions& options) {
@@ -168,6 +190,15 @@ PlannerKind chosen_planner(const RunOptions& options) {
 
 ForestStart chosen_forest(const RunOptions& options) {
   return options.forest == forest_names[0] ? ForestStart::ahead : ForestStart::together;
+}
+
+Coordination chosen_coordination(const RunOptions& options) {
+  if (options.coordination == coordination_names[0]) {
+    if (options.rounds)
+      throw InputError(fmt::format("--rounds {}: goes with --coordination rvo only", *options.rounds));
+    return Coordination::reservations;
+  }
+  return options.rounds == rounds_names[1] ? Coordination::rvo_without_rounds : Coordination::rvo;
 }
 
 TreeParameters chosen_trees(const RunOptions& options) {

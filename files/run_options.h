@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coppice/files/scenario_file.h"
+#include "coppice/motion/coordination.h"
 #include "coppice/motion/trajectory.h"
 #include "coppice/planning/planner_kind.h"
 #include "coppice/planning/tree_parameters.h"
@@ -30,7 +31,9 @@ struct RunOptions {
   std::string planner{planner_names[0]};
   std::string forest{forest_names[0]};
   std::string restarts{restarts_names[0]};
-  TreeParameters trees{};  ///< chosen_trees() adds the restarts
+  std::string coordination{coordination_names[0]};
+  std::optional<std::string> rounds;  ///< none: nothing is said of coordination rounds
+  TreeParameters trees{};             ///< chosen_trees() adds the restarts
   /// Wall seconds for shorter paths after the first ones; none: the command's default.
   std::optional<double> plan_budget;
   std::string plan;    ///< file of a joint plan that was made elsewhere; empty: none
@@ -56,11 +59,14 @@ ScenarioOptions scenario_options(const RunOptions& options);
 /// path.
 inline constexpr double default_plan_budget = 1;
 
-/// The joint plan; empty: none was named. Throws InputError if it is not one of this scenario.
+/// The joint plan; empty: none was named. Throws InputError if it is not one of this scenario, or if the
+/// robots are to make no reservations.
 std::vector<Trajectory> chosen_plan(const RunOptions& options, const Scenario& scenario);
 PlannerKind chosen_planner(const RunOptions& options);
 ForestStart chosen_forest(const RunOptions& options);
 TreeParameters chosen_trees(const RunOptions& options);
+/// Throws InputError if something is said of rounds that does not go with it.
+Coordination chosen_coordination(const RunOptions& options);
 
 /// Throws InputError if two output files are the same file, or if one is the scenario, its map or the
 /// recording.

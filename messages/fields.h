@@ -81,6 +81,7 @@ RoundOfState(State&) -> RoundOfState<State>;
 
 // clang-format off
 COPPICE_ENUMERATORS(PlannerKind, "Planner", "MA_RRDT_STAR", "RRDT_STAR", "RRT_STAR");
+COPPICE_ENUMERATORS(Coordination, "Coordination", "RESERVATIONS", "RVO", "RVO_WITHOUT_ROUNDS");
 COPPICE_ENUMERATORS(Restarts, "Restarts", "EVEN", "RANDOM");
 COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
 COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP", "HALTED");
@@ -138,7 +139,8 @@ COPPICE_FIELDS(Mission, "Mission",
   COPPICE_NEW_FIELD(21, goal_yaw),
   COPPICE_NEW_FIELD(22, goal_yaw_tolerance),
   COPPICE_NEW_FIELD(23, tracking_tolerance),
-  COPPICE_FIELD(24, footprint));
+  COPPICE_FIELD(24, footprint),
+  COPPICE_NEW_FIELD(25, coordination));
 
 COPPICE_FIELDS(RootNodes::Node, "RootNode",
   COPPICE_FIELD(1, side),

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "coppice/motion/coordination.h"
 #include "coppice/motion/kinematics.h"
 #include "coppice/motion/trajectory.h"
 #include "coppice/planning/geometry.h"
@@ -72,6 +73,7 @@ struct Mission {
   double goal_yaw_tolerance = 0;        ///< radians by which it may be off; 0: it may head anywhere
   double tracking_tolerance = 0;  ///< part of the radius: what a robot that follows may be off its reference
   std::vector<Point2> footprint{};  ///< corners in the robot's own frame, within its radius; empty: a disc
+  Coordination coordination = Coordination::reservations;  ///< the same in all missions of a run
   bool operator==(const Mission&) const = default;
 };
 

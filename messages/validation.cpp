@@ -121,6 +121,7 @@ Problem check(const Mission& m) {
         "footprint is larger than the radius"},
        {m.footprint.size() <= most_corners, "footprint has too many corners"},
        {m.planner <= PlannerKind::rrt_star, "unknown planner"},
+       {m.coordination <= Coordination::rvo_without_rounds, "unknown coordination"},
        {not_negative(m.plan_budget), "plan budget is negative or not finite"},
        {m.clock.epoch >= 0 && m.clock.epoch <= latest_run, "clock epoch is not a time"},
        {m.clock.scale >= least_quantity && m.clock.scale <= largest_time_scale,

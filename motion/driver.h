@@ -1,5 +1,7 @@
-// A robot's body and its control step: reciprocal velocity obstacles propose a velocity, and promises decide
-// whether it is safe.
+// A robot's body and its control step: a velocity is proposed, and promises decide whether it is safe. The
+// proposal is that of a way which a plan has cleared (follow), or that of reciprocal velocity obstacles for a
+// preferred velocity (choose): along the robot's path in a fleet without reservations, else to stand and
+// evade.
 //
 // Time runs in control periods. The velocity is constant during a period. It was chosen one period earlier,
 // so that all peers could receive it (promise.h). If no velocity is chosen in time, the body brakes on a line

@@ -52,28 +52,21 @@ double PathFollower::nearest(const Point2& position, double window_end) const {
   return best;
 }
 
-/// The point on the path for which the robot heads: the furthest one in sight. The distance ahead is halved
-/// until the robot sees the point.
-std::optional<Point2> PathFollower::furthest_in_sight(const Point2& position, const ClearanceField& field,
-                                                      double ahead) {
+/// The distance ahead is halved until the robot sees the point.
+bool PathFollower::look_from(const Point2& position, const ClearanceField& field, const Limits& limits) {
+  progress_ = nearest(position, progress_ + projection_window_radii * radius_);
+  double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
   for (int i = 0; i <= halvings + 1; ++i, ahead /= 2) {
     if (i > halvings) ahead = 0;
-    const Point2 target = path_.at(progress_ + ahead);
-    if (!way_free(field, position, target, radius_)) continue;
+    if (!way_free(field, position, path_.at(progress_ + ahead), radius_)) continue;
     seen_ = progress_ + ahead;
-    return target;
+    return true;
   }
-  return std::nullopt;
+  return false;
 }
 
-Point2 PathFollower::preferred_velocity(const Point2& position, const ClearanceField& field,
-                                        const Limits& limits, double period) {
-  progress_ = nearest(position, progress_ + projection_window_radii * radius_);
-  const double ahead = std::max(limits.max_speed * look_ahead_seconds, least_look_ahead_radii * radius_);
-  const auto seen = furthest_in_sight(position, field, ahead);
-  lost_ = !seen;
-  if (lost_) return Point2::Zero();
-  const Point2 gap = *seen - position;
+Point2 PathFollower::preferred_velocity(const Point2& position, const Limits& limits, double period) const {
+  const Point2 gap = path_.at(seen_) - position;
   const double distance = gap.norm();
   if (distance < 1e-9) return Point2::Zero();
   const double remaining = distance + std::max(0.0, path_.length() - seen_);

@@ -1,10 +1,9 @@
-// The preferred velocity of a robot on its path: straight towards the furthest visible point of the path
-// within a look-ahead distance.
+// A robot on its path: whether it sees the path, how far it has come, and its preferred velocity, which is
+// straight towards the furthest visible point of the path within a look-ahead distance.
 //
 // Metres in the map frame, seconds, metres per second.
 #pragma once
 
-#include <optional>
 #include <utility>
 
 #include "coppice/motion/kinematics.h"
@@ -19,13 +18,14 @@ class PathFollower {
   /// `path` must hold at least one point and keep `radius` (metres) clear of obstacles.
   PathFollower(Path path, double radius) : path_(std::move(path)), radius_(radius) {}
 
-  /// The velocity towards the path and along it, slowing down so as to stand at its end. Zero if the robot
-  /// sees no point of the path: then `lost()` holds, and a new path is needed.
-  Point2 preferred_velocity(const Point2& position, const ClearanceField& field, const Limits& limits,
-                            double period);
+  /// Looks from a position for the furthest visible point of the path within the look-ahead distance. False:
+  /// none is in sight, and a new path is needed.
+  bool look_from(const Point2& position, const ClearanceField& field, const Limits& limits);
+  /// The velocity from a position, from which the robot saw its path, towards the point that it saw, slowing
+  /// down so as to stand at the end of the path.
+  Point2 preferred_velocity(const Point2& position, const Limits& limits, double period) const;
 
-  bool lost() const { return lost_; }
-  /// The path from the point for which the robot last headed, or the point of the path that it last saw.
+  /// The path from the point that the robot last saw.
   Path rest() const;
   /// Metres left to drive from a position near the path.
   double remaining(const Point2& position) const {
@@ -37,14 +37,12 @@ class PathFollower {
   const Path& path() const { return path_.points; }
 
  private:
-  std::optional<Point2> furthest_in_sight(const Point2& position, const ClearanceField& field, double ahead);
   double nearest(const Point2& position, double window_end) const;
 
   Polyline path_;
   double radius_;
   double progress_ = 0;  ///< metres along the path that the robot has come
   double seen_ = 0;      ///< metres along the path to the point that the robot last saw
-  bool lost_ = false;
 };
 
 }  // namespace coppice

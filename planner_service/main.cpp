@@ -59,6 +59,7 @@ ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros,
           .lifelong = options.lifelong,
           .waits_for_goals = options.serves,
           .plan = chosen_plan(options, scenario),
+          .coordination = chosen_coordination(options),
           .robots_elsewhere = in_ros.drives(),
           .map_frame = in_ros.robot.names.map_frame};
 }

@@ -190,7 +190,8 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .goal_yaw = robot.task.goal_yaw,
           .goal_yaw_tolerance = robot.task.goal_yaw_tolerance,
           .tracking_tolerance = robot.task.tracking_tolerance,
-          .footprint = robot.task.footprint};
+          .footprint = robot.task.footprint,
+          .coordination = settings_.coordination};
 }
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
@@ -395,7 +396,7 @@ bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
                          mission.goal == task.goal && mission.radius == reference_radius(task) &&
                          mission.max_speed == task.max_speed;
   if (!same_task || mission.clock.scale != settings_.time_scale || mission.planner != settings_.planner ||
-      mission.trees != settings_.trees)
+      mission.trees != settings_.trees || mission.coordination != settings_.coordination)
     return false;
   if (std::holds_alternative<WaitingForTrees>(phase_)) phase_ = Running{};
   BegunRun& run = *run_of(phase_);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "coppice/files/scenario.h"
+#include "coppice/motion/coordination.h"
 #include "files/picture.h"
 #include "files/track_record.h"
 #include "messages/bus.h"
@@ -41,6 +42,7 @@ struct ServiceSettings {
   bool waits_for_goals = false;
   /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none.
   std::vector<Trajectory> plan{};
+  Coordination coordination = Coordination::reservations;
   bool robots_elsewhere = false;  ///< robots outside of Coppice follow (robot_agent/tracking.h)
   std::string map_frame{"map"};   ///< of goals over ROS
 };

@@ -317,10 +317,18 @@ Array values_of(const Scenario& self, double RobotTask::*value) {
   return values;
 }
 
+Coordination coordination_of(const std::string& name, bool rounds) {
+  const auto chosen = value_called<Coordination>(name, coordination_names, "coordination");
+  if (rounds) return chosen;
+  if (reserves(chosen)) throw InputError("rounds: false, goes with coordination \"rvo\" only");
+  return Coordination::rvo_without_rounds;
+}
+
 py::tuple simulate_with(const Scenario& scenario, const Faults& faults, double timeout,
                         const std::string& planner, double plan_budget, double lifelong,
                         const TreeParameters& trees, const std::string& forest,
-                        const std::optional<std::vector<GridCells>>& plan) {
+                        const std::optional<std::vector<GridCells>>& plan, const std::string& coordination,
+                        bool rounds) {
   const SimulationSettings settings{
       timeout,
       planner_of(planner),
@@ -329,7 +337,8 @@ py::tuple simulate_with(const Scenario& scenario, const Faults& faults, double t
       faults,
       trees,
       value_called<ForestStart>(forest, forest_names, "forest"),
-      plan ? trajectories_of(grid_plan_of(*plan), scenario) : std::vector<Trajectory>()};
+      plan ? trajectories_of(grid_plan_of(*plan), scenario) : std::vector<Trajectory>(),
+      coordination_of(coordination, rounds)};
   const SimulatedRun run = Work::result_of([&](Work& work) {
     return simulate(scenario, settings, [&](double) { return work.is_interrupted(); });
   });

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/keep_right.h"
 #include "robot_agent/limits.h"
 #include "robot_agent/run.h"
 
@@ -31,6 +32,7 @@ constexpr double decisions_counted = 16;  // of those that may be late: a pause 
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
 constexpr double around_radii = 16;
+constexpr double close_radii = 1.3;  // sums of radii between two of which one may let the other go first
 
 }  // namespace
 
@@ -143,7 +145,11 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     keep_to_reservation(now, others);
     call_if_it_stalls(now);
   } else if (may_drive(now)) {
-    evade(*driving, now, others);
+    if (reserves(mission_.coordination)) {
+      evade(*driving, now, others);
+    } else {
+      drive_along_path(*driving, now, others);
+    }
     call_if_it_stalls(now);
   } else {
     // A robot that the joint plan cannot help stands out of the others' way until they are done.
@@ -255,6 +261,7 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   // The robot's part of a joint plan may have ended elsewhere.
   const Point2 end = route.follower.path().back();
   if ((end - mission_.goal).norm() > arrives_within(mission_)) return look_for_a_path();
+  if (!reserves(mission_.coordination)) return;
   if (route.improvement && !route.improvement->is_taut()) {
     if (others_still_search(route, mission_.clock.wall_time(now))) return;
     follow(route, route.improvement->pull_taut(), out);
@@ -287,15 +294,51 @@ void Run::follow_reservation(std::vector<Outgoing>& out) {
 
 /// The robot has no reservation. It stands, and evades where others want to pass.
 void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbours) {
-  PathFollower& follower = driving.route.follower;
-  const Point2 next = body_.position() + control_period * body_.velocity();
-  follower.preferred_velocity(next, map_->field, body_.limits(), control_period);
-  if (follower.lost()) look_for_a_path(way_back_to_the_path(driving.route));
+  const Point2 next = body_.turn_position();
+  if (!driving.route.follower.look_from(next, map_->field, body_.limits()))
+    look_for_a_path(way_back_to_the_path(driving.route));
   body_.choose(Point2::Zero(), neighbours, map_->field);
   if (!reserver_.waits_for_its_turn()) return;
   progress_.excuse(now);
   // Others that set off before it may pass closely, however late its states reach them.
   if (body_.stands()) stand_for(now, 0);
+}
+
+/// The robot drives without a reservation, and keeps clear of the others by reciprocal velocity obstacles.
+void Run::drive_along_path(Driving& driving, double now, std::span<const Neighbour> neighbours) {
+  PathFollower& follower = driving.route.follower;
+  const Point2 next = body_.turn_position();
+  if (!follower.look_from(next, map_->field, body_.limits())) {
+    look_for_a_path(way_back_to_the_path(driving.route));
+    return body_.choose(Point2::Zero(), neighbours, map_->field);
+  }
+  trail_.begin(next);
+  progress_.comes_to(follower.progress(), least_gain(body_.radius(), body_.limits()), now);
+  const bool is_bound = body_.bound_to_stand();
+  const Point2 preferred = follower.preferred_velocity(next, body_.limits(), control_period);
+  body_.choose(keeping_right(preferred, next, neighbours), neighbours, map_->field);
+  note_movement(now);
+  // Several robots may keep clear of each other's next moves: one of them must go.
+  const bool is_held_up = now - last_moved_ > waiting_lease && !body_.turns_on_the_spot();
+  if (is_bound || !is_held_up || !lets_others_go_first()) return;
+  body_.follow(Point2::Zero(), neighbours, map_->field);
+  stand_for(now, waiting_lease);
+}
+
+/// A turn on the spot excuses the robot, for as long as a full turn takes.
+void Run::note_movement(double now) {
+  if (body_.turns_on_the_spot())
+    progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
+  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_moved_ = now;
+}
+
+/// Of robots that are held up close to each other, those go first that carry out a joint plan, and then the
+/// one with the lowest name.
+bool Run::lets_others_go_first() const {
+  const auto close = fleet_.beside(body_.position(), body_.radius(), close_radii);
+  return std::ranges::any_of(close, [&](const FleetMember& m) {
+    return !m.failed && !m.wants_to_stay && (m.reservation != 0 || m.robot < process_.name);
+  });
 }
 
 void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
@@ -312,13 +355,11 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
     if (held.is_worth_waiting(fleet_, now)) progress_.excuse(now);
     if (!neighbours.empty())
       stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
-    last_executed_ = now;
+    last_moved_ = now;
   }
-  if (body_.turns_on_the_spot())
-    progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
+  note_movement(now);
   // Several robots may keep clear of each other's next moves: one of them must go.
-  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_executed_ = now;
-  if (now - last_executed_ > waiting_lease) give_way(held, wanted, now);
+  if (now - last_moved_ > waiting_lease) give_way(held, wanted, now);
   progress_.comes_to(held.progress(), least_gain(body_.radius(), body_.limits()), now);
 }
 
@@ -326,7 +367,7 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
 /// `stall`.
 void Run::give_way(const HeldReservation& held, const Point2& wanted, double now) {
   double lease = 0;
-  if (now - last_executed_ > stall) {
+  if (now - last_moved_ > stall) {
     const double slowly = std::min(1.0, crawl * body_.limits().max_speed / std::max(wanted.norm(), 1e-9));
     lease = held.lets_others_pass_for(body_, slowly * wanted, fleet_, now);
   } else if (!body_.bound_to_stand() && held.gives_way(self(), fleet_)) {
@@ -358,7 +399,7 @@ double Run::time_to_face(const Path& way) const {
 void Run::call_if_it_stalls(double now) {
   if (body_.bound_to_stand()) progress_.is_bound(now);
   const bool executes = reserver_.executes_plan();
-  if (!driving() && !executes) return;
+  if ((!driving() && !executes) || !calls_rounds(mission_.coordination)) return;
   if (fleet_.is_suspected_near(body_.position(), around())) return progress_.excuse(now);
   const double patience = executes            ? Timing::plan_patience
                           : reserver_.holds() ? stall

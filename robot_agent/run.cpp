@@ -344,9 +344,9 @@ void Run::improve(Route& route, WallTime now, std::vector<Outgoing>& out) {
     const Path& path = finder.path();
     if (length_of(path) < (1 - worth_swapping) * length_of(route.follower.path())) {
       PathFollower candidate(path, mission_.radius);
-      candidate.preferred_velocity(body_.position(), map_->field, body_.limits(), control_period);
-      if (!candidate.lost() && candidate.remaining(body_.position()) <
-                                   (1 - worth_swapping) * route.follower.remaining(body_.position())) {
+      if (candidate.look_from(body_.position(), map_->field, body_.limits()) &&
+          candidate.remaining(body_.position()) <
+              (1 - worth_swapping) * route.follower.remaining(body_.position())) {
         follow(route, path, out);
         status_.improve_seconds = now - route.found_at;
         status_changed_ = true;

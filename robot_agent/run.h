@@ -142,6 +142,9 @@ class Run {
   Stage stage() const;
   void reserve(double now, std::vector<Outgoing>& out);
   void evade(Driving& driving, double now, std::span<const Neighbour> neighbours);
+  void drive_along_path(Driving& driving, double now, std::span<const Neighbour> neighbours);
+  void note_movement(double now);
+  bool lets_others_go_first() const;
   void follow_reservation(std::vector<Outgoing>& out);
   void keep_to_reservation(double now, std::span<const Neighbour> neighbours);
   void give_way(const HeldReservation& held, const Point2& wanted, double now);
@@ -199,7 +202,7 @@ class Run {
   double last_seen_ = -1;  ///< of the last point of the track, where a robot follows the body
   CoordinationRound round_;
   Reserver reserver_;
-  double last_executed_ = 0;  ///< when the robot last moved by a joint plan
+  double last_moved_ = 0;  ///< when the robot last moved by a joint plan, or along its path
   Connectivity connectivity_;
   double asks_for_news_until_ = 0;  ///< until then peers tell the robot which peers failed
   StateCounter counter_;

@@ -27,7 +27,7 @@ Run::WaitKind Run::wait_kind(double now) {
   if (!may_set_off()) return &W::startup;
   if (!reserver_.waits_for().empty()) return &W::gate;
   if (round_.stranded()) return &W::joint_plan;
-  return reserver_.holds() ? &W::promise : &W::reservation;
+  return reserver_.holds() || !reserves(mission_.coordination) ? &W::promise : &W::reservation;
 }
 
 std::string Run::wait_cause(double now) {

@@ -61,6 +61,8 @@ void check_simulation(const Scenario& scenario, const SimulationSettings& settin
   if (!settings.plan.empty() && settings.plan.size() != scenario.robots.size())
     throw InputError(fmt::format("plan: has {} trajectories, expected {} or none", settings.plan.size(),
                                  scenario.robots.size()));
+  if (!settings.plan.empty() && !reserves(settings.coordination))
+    throw InputError("plan: goes with coordination by reservations only");
 }
 
 }  // namespace coppice

@@ -37,6 +37,7 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
                            .lifelong = settings.lifelong,
                            .waits_for_goals = settings.takes_orders,
                            .plan = settings.plan,
+                           .coordination = settings.coordination,
                            .robots_elsewhere = is_any(settings.faults.drive)},
       drive_(settings.faults.drive),
       bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),

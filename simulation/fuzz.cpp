@@ -26,6 +26,7 @@ SimulationSettings draw_settings(std::uint32_t seed) {
   SimulationSettings settings{.timeout = longest_run};
   if (chance(0.25, random)) settings.lifelong = log_uniform(20, 300, random);
   // The search for shorter paths takes most of a simulation's time and has little to do with faults.
+  if (chance(0.15, random)) settings.coordination = Coordination::rvo;
   settings.plan_budget = chance(0.15, random) ? 1 : chance(0.2, random) ? 0 : 0.05;
   return settings;
 }
@@ -50,7 +51,10 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
   const double driving = time_of_driving(scenario, drawn.settings.lifelong);
   drawn.settings.faults = draw_faults_of_case(scenario, driving, restarts, seed);
   if (follow) drawn.settings.faults.drive = draw_drive_faults(scenario, of_drive);
-  if (tasks.plan) drawn.settings.plan = trajectories_of(*tasks.plan, scenario);
+  if (tasks.plan) {
+    drawn.settings.plan = trajectories_of(*tasks.plan, scenario);
+    drawn.settings.coordination = Coordination::reservations;
+  }
   drawn.halts = draw_halts(scenario, driving, seed);
   drawn.what = in_words(drawn);
   return drawn;

@@ -104,6 +104,7 @@ std::string in_words(const FuzzCase& fuzz_case) {
   for (const TimedOrder& halt : fuzz_case.halts) text += halt_in_words(halt);
   text += fmt::format(", plan budget {:g} s", settings.plan_budget);
   if (!settings.plan.empty()) text += ", a joint plan on the cells";
+  if (!reserves(settings.coordination)) text += ", by velocity obstacles";
   if (settings.lifelong > 0) text += fmt::format(", new goals for {:.0f} s", settings.lifelong);
   return text;
 }

@@ -149,4 +149,6 @@ def simulate(
     trees: TreeParameters,
     forest: str,
     plan: Optional[list[_Cells]],
+    coordination: str,
+    rounds: bool,
 ) -> tuple[str, list[_Array], list[str]]: ...

@@ -216,6 +216,8 @@ def simulate(
     trees: TreeParameters = TreeParameters(),
     forest: str = "ahead",
     plan: Optional[Sequence[ArrayLike]] = None,
+    coordination: str = "reservations",
+    rounds: bool = True,
 ) -> SimulatedRun:
     """Simulates service, broker and agents on a virtual clock. The same arguments give the same run, bit for bit.
 
@@ -230,6 +232,9 @@ def simulate(
     forest: ahead (disjointed trees cover the map before missions go out), or together (they grow with the root trees)
     plan: a joint plan on the cells, as of `plan_on_grid`, that the fleet is to drive; each robot then starts and ends in
         the middle of a cell
+    coordination: reservations (robots reserve trajectories around each other), or rvo (they set off along their paths, and
+        avoid each other by reciprocal velocity obstacles)
+    rounds: with coordination rvo, whether robots that get stuck make joint plans
 
     Raises
     ------
@@ -260,6 +265,8 @@ def simulate(
         trees._core(),
         forest,
         None if plan is None else _cells_of_robots(plan),
+        coordination,
+        rounds,
     )
     return SimulatedRun(Report.from_json(report), dict(zip(which.names, tracks)), broken)
 

@@ -86,7 +86,8 @@ inline Mission some_mission() {
           .planner = PlannerKind::rrdt_star,
           .plan_budget = 0.25,
           .cancelled = true,
-          .clock = {1.7e9 + 0.25, 10}};
+          .clock = {1.7e9 + 0.25, 10},
+          .coordination = Coordination::rvo};
 }
 
 inline bool holds(const std::vector<Message>& all, const Message& wanted) {

@@ -387,6 +387,15 @@ TEST(Fleet, EveryRobotFindsAPathWithoutABroker) {
   EXPECT_EQ(report.collisions(), 0u);
 }
 
+TEST(Fleet, AFleetWithoutReservationsArrives) {
+  FleetRun run(test::scenarios() / "rooms-8.json", {"--coordination", "rvo"}, "4");
+  EXPECT_EQ(run.process.wait(), 0) << run.log();
+  const proto::Report report = run.report();
+  EXPECT_EQ(report.outcome(), "arrived");
+  EXPECT_EQ(report.collisions(), 0u);
+  expect_good_motion(report, run.file("t.csv"), 5, test::PlainMap(test::scenarios() / "rooms-8.map"));
+}
+
 TEST(Fleet, TwoSimultaneousRunsDoNotMeet) {
   FleetRun first(test::scenarios() / "blank-10.json", {"--robots", "2"});
   FleetRun second(test::scenarios() / "blank-10.json", {"--robots", "3"});

@@ -54,6 +54,18 @@ TEST(Mistakes, AnUnknownCommandNamesTheNearest) {
   expect_one_line("coppice", "help simualte", {"did you mean simulate?"});
 }
 
+TEST(Mistakes, RoundsAndPlansGoWithOneCoordinationOnly) {
+  for (const char* rounds : {"on", "off"}) {
+    for (const char* coordination : {"", " --coordination reservations"})
+      expect_one_line("coppice", "simulate " + rooms() + coordination + " --rounds " + rounds,
+                      {std::string("--rounds ") + rounds + ": goes with --coordination rvo only"});
+  }
+  expect_one_line("coppice", "run " + rooms() + " --rounds off", {"--rounds off: goes with"});
+  expect_one_line("planner_service", rooms() + " --domain 99 --rounds off", {"--rounds off: goes with"});
+  expect_one_line("coppice", "simulate " + rooms() + " --plan p.txt --coordination rvo",
+                  {"--plan: goes with --coordination reservations only"});
+}
+
 TEST(Mistakes, AMissingOrAdditionalArgumentIsNamed) {
   expect_one_line("coppice", "run", {"scenario is missing, expected a scenario (.json)"});
   expect_one_line("planner_service", "--domain 3", {"scenario is missing"});
@@ -84,6 +96,7 @@ TEST(Mistakes, AValueOutOfRangeIsReportedWithTheRange) {
   expect_one_line("coppice", "plan " + rooms() + " --robots 2.5", {"--robots", "2.5", "1 to 100000"});
   expect_one_line("coppice", "plan " + rooms() + " --radius 0", {"--radius", "above 0"});
   expect_one_line("coppice", "plan " + rooms() + " --planner best", {"--planner", "best", "rrt-star"});
+  expect_one_line("coppice", "run " + rooms() + " --coordination orca", {"--coordination", "orca", "rvo"});
   expect_one_line("coppice", "monitor --port 65536", {"--port", "0 to 65535"});
   expect_one_line("coppice", "run --ros --drive ros --tracking-tolerance nan " + rooms(),
                   {"--tracking-tolerance", "nan", "0.001 to 1000"});

@@ -289,6 +289,18 @@ class Trees(unittest.TestCase):
         with self.assertRaisesRegex(coppice.InputError, '^forest: "later", expected ahead or together$'):
             coppice.simulate(scenario, forest="later")
 
+    def test_a_simulated_fleet_drives_without_reservations_too(self):
+        scenario = coppice.Scenario(self.map, self.starts, self.goals, radius=4)
+        by_default = coppice.simulate(scenario)
+        for rounds in (True, False):
+            run = coppice.simulate(scenario, coordination="rvo", rounds=rounds)
+            self.assertEqual(run.broken, [])
+            self.assertNotEqual(run.report.run_time, by_default.report.run_time)
+        with self.assertRaisesRegex(coppice.InputError, '^coordination: "none", expected reservations or rvo$'):
+            coppice.simulate(scenario, coordination="none")
+        with self.assertRaisesRegex(coppice.InputError, "^rounds: .* goes with"):
+            coppice.simulate(scenario, rounds=False)
+
 
 class GridPlans(unittest.TestCase):
     def setUp(self):

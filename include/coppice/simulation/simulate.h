@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "coppice/files/scenario.h"
+#include "coppice/motion/coordination.h"
 #include "coppice/motion/separation.h"
 #include "coppice/motion/trajectory.h"
 #include "coppice/planning/planner_kind.h"
@@ -30,6 +31,7 @@ struct SimulationSettings {
   /// A joint plan that was made elsewhere: by robot, from its start at time 0; empty: none. Robots that are
   /// held up keep its order; robots that cannot go on plan for themselves.
   std::vector<Trajectory> plan{};
+  Coordination coordination = Coordination::reservations;
   bool takes_orders = false;  ///< the run lasts until it is stopped (simulation/fleet_simulation.h)
 };
 

@@ -65,14 +65,23 @@ TEST(Validation, ValidMessagesPass) {
 TEST(Validation, InvalidMissionsAreRefused) {
   using M = Mission;
   const std::vector<std::function<void(M&)>> spoilers{
-      [](M& m) { m.robot.clear(); },      [](M& m) { m.robot = std::string(65, 'x'); },
-      [](M& m) { m.start.x() = nan; },    [](M& m) { m.goal.y() = infinity; },
-      [](M& m) { m.radius = 0; },         [](M& m) { m.radius = -1; },
-      [](M& m) { m.max_speed = nan; },    [](M& m) { m.max_acceleration = 0; },
-      [](M& m) { m.goal_tolerance = 0; }, [](M& m) { m.fleet_size = 0; },
-      [](M& m) { m.clock.scale = 0; },    [](M& m) { m.clock.epoch = nan; },
-      [](M& m) { m.clock.scale = 1e6; },  [](M& m) { m.radius = 1e-300; },
-      [](M& m) { m.max_speed = 1e6; },    [](M& m) { m.max_acceleration = 1e-3; }};
+      [](M& m) { m.robot.clear(); },
+      [](M& m) { m.robot = std::string(65, 'x'); },
+      [](M& m) { m.start.x() = nan; },
+      [](M& m) { m.goal.y() = infinity; },
+      [](M& m) { m.radius = 0; },
+      [](M& m) { m.radius = -1; },
+      [](M& m) { m.max_speed = nan; },
+      [](M& m) { m.max_acceleration = 0; },
+      [](M& m) { m.goal_tolerance = 0; },
+      [](M& m) { m.fleet_size = 0; },
+      [](M& m) { m.clock.scale = 0; },
+      [](M& m) { m.clock.epoch = nan; },
+      [](M& m) { m.clock.scale = 1e6; },
+      [](M& m) { m.radius = 1e-300; },
+      [](M& m) { m.max_speed = 1e6; },
+      [](M& m) { m.max_acceleration = 1e-3; },
+      [](M& m) { m.coordination = static_cast<Coordination>(3); }};
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(mission(), spoilers[k])) << k;
 }
 

@@ -23,6 +23,15 @@ TEST(ServiceSettings, TheParametersOfTheTreesGoToBrokersAndAgents) {
   for (const Mission& mission : of<Mission>(first)) EXPECT_EQ(mission.trees, trees);
 }
 
+TEST(ServiceSettings, TheCoordinationGoesToTheAgents) {
+  for (const Coordination c : {Coordination::reservations, Coordination::rvo}) {
+    PlannerService service(two_robots(), {.forest = ForestStart::together, .coordination = c}, 0);
+    const auto missions = of<Mission>(service.step(0));
+    ASSERT_EQ(missions.size(), 2u);
+    for (const Mission& mission : missions) EXPECT_EQ(mission.coordination, c);
+  }
+}
+
 TEST(ServiceSettings, AGivenPlanGoesOutWithTheMissionsAndEndsWithTheRun) {
   const std::vector<Trajectory> plan{{{0, {20, 60}}, {4, {100, 60}}}, {{0, {20, 20}}, {1, {20, 40}}}};
   PlannerService service(two_robots(), {.forest = ForestStart::together, .plan = plan}, 0);

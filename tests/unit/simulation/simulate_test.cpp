@@ -63,5 +63,12 @@ TEST(Simulate, FaultsThatMakeNoSenseNameTheirField) {
               }).starts_with("robots[2].max_acceleration: 0.01 takes longer"));
 }
 
+TEST(Simulate, APlanGoesWithReservationsOnly) {
+  const Scenario scenario = make_scenario("circle", 3, 1);
+  SimulationSettings settings{.coordination = Coordination::rvo};
+  settings.plan.resize(3);
+  EXPECT_THROW(simulate(scenario, settings), InputError);
+}
+
 }  // namespace
 }  // namespace coppice
