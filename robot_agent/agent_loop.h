@@ -62,21 +62,21 @@ inline RobotAgent& robot_of(NamelessAgent& agent) {
 
 /// Waits, hears, decides and says, once.
 template <class Agent>
-void turn(DdsBus& bus, Agent& agent, Listeners& listeners) {
-  run_role_once(bus, agent, listeners);
-  if (listeners.ros) listeners.ros->turn(robot_of(agent), wall_now());
+void turn(DdsBus& bus, Agent& agent, Listeners& listeners, DisciplinedClock& clock) {
+  run_role_once(bus, agent, listeners, clock);
+  if (listeners.ros) listeners.ros->turn(robot_of(agent), clock);
 }
 
 /// Brakes until the robot stands, and says all that is left to say. Ends after some seconds in any case.
 template <class Agent>
-void end(DdsBus& bus, Agent& agent, Listeners& listeners) {
-  constexpr WallTime longest_braking = 5;  // seconds
-  const WallTime latest = wall_now() + longest_braking;
+void end(DdsBus& bus, Agent& agent, Listeners& listeners, DisciplinedClock& clock) {
+  constexpr WallTime longest_end = 5;  // seconds
+  const WallTime latest = clock.now() + longest_end;
   agent.retire();
   do {
-    turn(bus, agent, listeners);
-  } while (!agent.stands() && wall_now() < latest);
-  for (const Outgoing& last : agent.final_messages(wall_now())) {
+    turn(bus, agent, listeners, clock);
+  } while (!agent.stands() && clock.now() < latest);
+  for (const Outgoing& last : agent.final_messages(clock.now())) {
     listeners.said(last.message);
     bus.publish(last);
   }

@@ -1,5 +1,8 @@
 #include "robot_agent/ros_link.h"
 
+#include <variant>
+#include <vector>
+
 #include <spdlog/spdlog.h>
 
 namespace coppice {
@@ -11,15 +14,22 @@ constexpr WallTime between_lines = 1;        // seconds
 
 }  // namespace
 
-void RosLink::turn(RobotAgent& agent, WallTime now) {
-  for (const RosOdometry& seen : topics_.take()) {
+/// Stamps of ROS are by the system's clock.
+void RosLink::turn(RobotAgent& agent, DisciplinedClock& clock) {
+  const std::vector<RosOdometry> sightings = topics_.take();
+  const WallTime now = clock.now();
+  for (RosOdometry seen : sightings) {
+    seen.stamp = clock.time_of(seen.stamp);
     if (const auto problem = problem_with(seen, map_frame_)) {
       refuse(*problem);
     } else {
       agent.on(side_.sighting(seen));
     }
   }
-  for (const RosMessage& message : side_.step(agent, now)) topics_.publish(message);
+  for (RosMessage& message : side_.step(agent, now)) {
+    std::visit([&](auto& m) { m.stamp = clock.by_system(m.stamp); }, message);
+    topics_.publish(message);
+  }
   if (agent.run() != nullptr && agent.run()->tracking()) tell(*agent.run()->tracking(), now);
 }
 

@@ -19,11 +19,12 @@ int run_named(const AgentOptions& options, Heartbeat& heart) {
   if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
   agent.restore(std::move(past.saved_state));
   spdlog::info("on domain {}", network.domain);
+  DisciplinedClock clock(DisciplinedClock::read());
   while (!stop_requested()) {
-    turn(bus, agent, listeners);
+    turn(bus, agent, listeners, clock);
     heart.beat(wall_now());
   }
-  end(bus, agent, listeners);
+  end(bus, agent, listeners, clock);
   return 0;
 }
 

@@ -21,17 +21,17 @@ constexpr WallTime patience = 5;      // seconds of waiting that are worth no li
 constexpr WallTime claim_period = 1;  // seconds
 
 /// Returns false if the process was told to stop before it got a robot.
-bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
+bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart, DisciplinedClock& clock) {
   KeepsNothing keeper;
-  const WallTime patience_ends = wall_now() + patience;
+  const WallTime patience_ends = clock.now() + patience;
   std::string_view noted;
   while (!agent.robot() && !stop_requested()) {
-    run_role_once(asking, agent, keeper);
+    run_role_once(asking, agent, keeper, clock);
     heart.beat(wall_now());
     const std::string_view note = asking.matched_readers<Claim>() > 0
                                       ? "waits: no robot is free"
                                       : "waits: no planner service has been found";
-    if (wall_now() < patience_ends || note == noted) continue;
+    if (clock.now() < patience_ends || note == noted) continue;
     noted = note;
     spdlog::info(note);
   }
@@ -42,7 +42,7 @@ bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart) {
 /// open. It ends when it continues, because its lease has ended. None: the process was told to stop before
 /// that, or another agent has the robot.
 std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& asking, NamelessAgent& agent,
-                                         const std::function<void()>& meanwhile) {
+                                         DisciplinedClock& clock, const std::function<void()>& meanwhile) {
   KeepsNothing keeper;
   for (bool told = false; !agent.lost() && !stop_requested(); told = true) {
     try {
@@ -50,7 +50,7 @@ std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& as
     } catch (const JournalInUse& problem) {
       if (!told) spdlog::warn("{}: waits for that one to end", problem.what());
     }
-    run_role_once(asking, agent, keeper);
+    run_role_once(asking, agent, keeper, clock);
     meanwhile();
   }
   return std::nullopt;
@@ -66,21 +66,22 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
       std::make_unique<DdsBus>(options.network, Role::claimant, fmt::format("robot_agent {:016x}", id));
   NamelessAgent agent(id);
   spdlog::info("claims a robot on domain {}", options.network.domain);
-  if (!wait_for_a_robot(*asking, agent, heart)) return 0;
+  DisciplinedClock clock(DisciplinedClock::read());
+  if (!wait_for_a_robot(*asking, agent, heart, clock)) return 0;
   const RobotName robot = *agent.robot();
   set_up_logging("robot_agent " + robot, options.log.level, options.log.json);
   spdlog::info("is {}", robot);
-  WallTime last_claim = wall_now();
+  WallTime last_claim = clock.now();
   const auto claim_again = [&](DdsBus& on) {
-    last_claim = wall_now();
+    last_claim = clock.now();
     const Claim claim = agent.claim(last_claim);
     if (!agent.lost()) on.publish(claim);
   };
   const auto keep_the_claim = [&] {
     heart.beat(wall_now());
-    if (asking && std::abs(wall_now() - last_claim) >= claim_period) claim_again(*asking);
+    if (asking && std::abs(clock.now() - last_claim) >= claim_period) claim_again(*asking);
   };
-  if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, keep_the_claim)) {
+  if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, clock, keep_the_claim)) {
     agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
     // The bus bears the robot's name, so that peers know from the beginning whose agent this is. Until it has
     // found the service, the other bus renews the lease.
@@ -92,10 +93,10 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
     while (!stop_requested()) {
       keep_the_claim();  // first: the process may have slept
       if (agent.lost()) break;
-      turn(bus, agent, listeners);
+      turn(bus, agent, listeners, clock);
       if (asking && bus.matched_readers<Claim>() > 0) asking.reset();
     }
-    if (!agent.lost()) end(bus, agent, listeners);
+    if (!agent.lost()) end(bus, agent, listeners, clock);
   }
   if (!agent.lost()) return 0;
   spdlog::error("was silent for too long: another agent may be {} by now", robot);

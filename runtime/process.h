@@ -3,19 +3,20 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "dds/dds_bus.h"
 #include "messages/fleet_clock.h"
+#include "runtime/disciplined_clock.h"
 
 namespace coppice {
 
 inline WallTime wall_now() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  return SystemClock::now();
 }
 
 /// Opens closed standard streams on /dev/null. Otherwise the next file to be opened would get the number of a
@@ -63,10 +64,10 @@ inline constexpr double longest_wait = 0.1;
 /// back.
 inline constexpr double longest_sleep_of_role = 2;
 
-/// Lets the role step if its wake-up time has come.
-template <class R, class K>
-void step_role(DdsBus& bus, R& role, K& keeper) {
-  const WallTime now = wall_now();
+/// Lets the role step if its wake-up time has come. `clock`: what time it is for the role.
+template <class R, class K, class Clock = const SystemClock>
+void step_role(DdsBus& bus, R& role, K& keeper, Clock&& clock = {}) {
+  const WallTime now = clock.now();
   if (role.next_wake() > now && role.next_wake() <= now + longest_sleep_of_role) return;
   if constexpr (requires { role.note(bus.counts(), now); }) role.note(bus.counts(), now);
   for (auto& said : role.step(now)) {
@@ -78,14 +79,17 @@ void step_role(DdsBus& bus, R& role, K& keeper) {
 
 /// One turn of the loop: waits until something arrives or the role must wake up, lets the role take the
 /// messages and step, and publishes. `keeper` (messages/keep.h) gets each message before it is published.
-template <class R, class K>
-void run_role_once(DdsBus& bus, R& role, K& keeper) {
-  bus.wait(std::clamp(role.next_wake() - wall_now(), 0.0, longest_wait));
-  for (Arrival& arrival : bus.take()) {
+template <class R, class K, class Clock = const SystemClock>
+void run_role_once(DdsBus& bus, R& role, K& keeper, Clock&& clock = {}) {
+  bus.wait(std::clamp(role.next_wake() - clock.now(), 0.0, longest_wait));
+  std::vector<Arrival> arrivals = bus.take();
+  clock.now();  // later than all arrivals
+  for (Arrival& arrival : arrivals) {
+    arrival.at = clock.time_of(arrival.at);
     keeper.heard(*arrival.message);
     role.on(std::move(arrival));
   }
-  step_role(bus, role, keeper);
+  step_role(bus, role, keeper, clock);
 }
 
 }  // namespace coppice
