@@ -99,24 +99,30 @@ bool look_at(const Point2& p, double begin, double end, const Part& other, doubl
   return over;
 }
 
-/// Metres along the own way at a time.
+/// Metres along a way at a time.
 double metres_at(const std::vector<Part>& parts, double time) {
   const auto part = std::ranges::find_if(parts, [&](const Part& p) { return time <= p.end; });
   return part->along + (part->length > 0 ? part->metres(time) : 0);
 }
 
-/// The other robot may go ahead of its trajectory by the room in time. So the two keep apart only up to where
-/// this one is that long before.
-void add_too_close(const std::vector<Part>& parts, double time, double end, std::vector<Stretch>& too_close) {
-  const double begin = metres_at(parts, time - room_in_time);
-  if (!too_close.empty() && begin <= too_close.back().end) {
-    too_close.back().end = end;
+/// Where a robot is from one time to another. Either robot may go ahead of its trajectory by the room in
+/// time: so the two keep apart only up to where it is that long before.
+void add_stretch(const std::vector<Part>& parts, double from, double until, std::vector<Stretch>& stretches) {
+  const Stretch stretch{metres_at(parts, from - room_in_time), metres_at(parts, until)};
+  if (!stretches.empty() && stretch.begin <= stretches.back().end) {
+    stretches.back().end = std::max(stretches.back().end, stretch.end);
   } else {
-    too_close.push_back({begin, end});
+    stretches.push_back(stretch);
   }
 }
 
 }  // namespace
+
+double beyond(std::span<const Stretch> parts) {
+  double end = -1;
+  for (const Stretch& part : parts) end = std::max(end, part.end);
+  return end;
+}
 
 Order order_of(const Trajectory& own, double own_radius, const Trajectory& other, double other_radius,
                double offset) {
@@ -147,9 +153,10 @@ Order order_of(const Trajectory& own, double own_radius, const Trajectory& other
       for (const Close& o : close) {
         if (to < o.begin || from > o.end) continue;
         const double since = moves ? part.time(from) : part.begin;
-        const bool apart = look_at(part.at((from + to) / 2), since, moves ? part.time(to) : part.end,
-                                   *o.other, near, needed);
-        if (!apart) add_too_close(parts, since, part.along + to, order.too_close);
+        const double until = moves ? part.time(to) : part.end;
+        if (look_at(part.at((from + to) / 2), since, until, *o.other, near, needed)) continue;
+        add_stretch(parts, since, until, order.too_close);
+        add_stretch(others, since, until, order.other_too_close);
       }
       if (needed > before) order.gates.push_back({part.along + from, needed});
     }

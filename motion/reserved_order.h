@@ -8,6 +8,7 @@
 // Metres in the map frame, seconds.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "coppice/motion/trajectory.h"
@@ -29,12 +30,12 @@ struct Order {
   /// do not keep apart at first, and those whose goals are so close not in the end. Robots that planned
   /// without knowing of each other may not keep apart anywhere.
   std::vector<Stretch> too_close{};
+  /// The parts of the other way where that robot is meanwhile.
+  std::vector<Stretch> other_too_close{};
 };
 
-/// Metres along the own way beyond which the trajectories keep apart. Below 0: everywhere.
-inline double apart_beyond(const Order& order) {
-  return order.too_close.empty() ? -1 : order.too_close.back().end;
-}
+/// Metres along a way beyond all of these parts. Below 0: there are none.
+double beyond(std::span<const Stretch> parts);
 
 /// The order of a robot and another one, as the first one must heed it. `offset`: seconds, to be added to the
 /// other's times.

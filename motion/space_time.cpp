@@ -334,4 +334,27 @@ double SpaceTime::end_of_block(const Cell& cell, const Point2& a, const Point2& 
   return departure;
 }
 
+bool keep_room(const Trajectory& own, double radius, const Trajectory& other, double other_radius) {
+  constexpr double rounding_of_time = 1e-6;
+  Box<2> box{own.front().position, own.front().position};
+  for (const TimedPoint& p : own) box = extended(box, p.position);
+  SpaceTime taken(box, radius);
+  taken.add(other, other_radius);
+  const auto may_stand = [&](const Point2& p, double from, double until) {
+    std::vector<Interval> blocked;
+    taken.blocked_at(p, blocked);
+    return std::ranges::none_of(blocked, [&](const Interval& i) { return i.begin < until && i.end > from; });
+  };
+  for (std::size_t k = 1; k < own.size(); ++k) {
+    const TimedPoint& a = own[k - 1];
+    const TimedPoint& b = own[k];
+    const bool clear = a.position == b.position
+                           ? may_stand(a.position, a.time, b.time)
+                           : taken.first_departure(a.position, b.position, b.time - a.time, a.time) <=
+                                 a.time + rounding_of_time;
+    if (!clear) return false;
+  }
+  return may_stand(own.back().position, own.back().time, SpaceTime::forever);
+}
+
 }  // namespace coppice

@@ -126,4 +126,8 @@ class SpaceTime {
   double longest_ = 0;                  ///< seconds that a moving piece lasts
 };
 
+/// Whether a disc that carries out a trajectory keeps apart from another one, also from where that is a room
+/// in time earlier and later.
+bool keep_room(const Trajectory& own, double radius, const Trajectory& other, double other_radius);
+
 }  // namespace coppice

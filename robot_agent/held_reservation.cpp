@@ -94,12 +94,14 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   pair.gates = Gates(std::move(order.gates));
   pair.theirs = std::move(theirs.gates);
   pair.too_close = std::move(order.too_close);
-  pair.they_beyond = apart_beyond(theirs);
+  pair.too_close.insert(pair.too_close.end(), theirs.other_too_close.begin(), theirs.other_too_close.end());
+  pair.they_beyond = std::max(beyond(theirs.too_close), beyond(order.other_too_close));
   pair.is_related = are_related(own, other);
   if (pair.is_related || !overrides(other, own)) return pair;
   pair.overrides = come_too_close(own.trajectory, shifted(other.trajectory, estimate),
                                   kept_apart(own.radius, other.radius), own.trajectory.front().time);
-  pair.is_to_be_named = !pair.overrides;
+  pair.is_to_be_named = !pair.overrides && keep_room(own.trajectory, own.radius,
+                                                     shifted(other.trajectory, estimate), other.radius);
   return pair;
 }
 

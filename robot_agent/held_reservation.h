@@ -110,7 +110,8 @@ class HeldReservation {
     std::vector<Gate> theirs{};  ///< before this robot
     bool is_related = false;     ///< one was planned around the other
     bool overrides = false;      ///< the other one: the two come too close, and this one plans anew
-    /// The two planned without each other and keep apart. This one is to name the other in its basis.
+    /// The two planned without each other and keep apart, with room in time. This one is to name the other in
+    /// its basis.
     bool is_to_be_named = false;
     std::vector<Stretch> too_close{};  ///< of this robot's way, where the two do not keep apart
     double they_beyond = -1;           ///< metres along the other's way beyond which the two keep apart

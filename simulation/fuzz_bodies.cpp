@@ -28,7 +28,7 @@ constexpr double rounding = 1e-9;
 constexpr double longest_stop_of_turning = 10;
 // Radians a second. Half a turn takes 15 s, and four control periods.
 constexpr double slowest_turning = 0.2;
-constexpr double fastest_turning = 15;
+constexpr std::size_t most_unlike = 12;  // robots
 constexpr double largest_margin = 0.4;  // of the least radius
 
 /// What is drawn of a body. Robots of a fleet may differ in each of it.
@@ -87,8 +87,9 @@ struct Unlike {
   bool turning = false;
 };
 
-Unlike draw_differences(Random& random) {
-  if (chance(0.4, random)) return {};
+/// Each robot of an own size has a lattice of its own: large fleets of unlike robots take minutes of processor time.
+Unlike draw_differences(std::size_t robots, Random& random) {
+  if (chance(0.4, random) || robots > most_unlike) return {};
   return {chance(0.6, random), chance(0.6, random), chance(0.6, random), chance(0.6, random)};
 }
 
@@ -140,7 +141,7 @@ void give_body(RobotTask& robot, const Body& body, bool follows, Random& random)
 void draw_bodies(Scenario& scenario, bool follow, std::uint32_t seed) {
   Random random = source_of(FuzzPart::bodies, seed);
   const Kinds kinds = draw_kinds(scenario, random);
-  const Unlike unlike = draw_differences(random);
+  const Unlike unlike = draw_differences(scenario.robots.size(), random);
   const Body common = draw_body(kinds, random);
   for (RobotTask& robot : scenario.robots)
     give_body(robot, mixed(common, draw_body(kinds, random), unlike), follow, random);

@@ -93,7 +93,7 @@ TEST(ReservedOrder, RobotsThatHeedItNeverTouchAndAllArriveAtAnySpeed) {
 TEST(ReservedOrder, RobotsThatPlannedWithoutEachOtherMayNotKeepApart) {
   const Trajectory own{{0, {0, 50}}, {5, {100, 50}}};
   const Trajectory crossing{{0, {50, 0}}, {5, {50, 100}}};
-  EXPECT_GT(apart_beyond(order_of(own, radius, crossing, radius, 0)), 40);
+  EXPECT_GT(beyond(order_of(own, radius, crossing, radius, 0).too_close), 40);
   const Order later = order_of(own, radius, crossing, radius, -3);
   EXPECT_TRUE(later.too_close.empty());  // the other passes first by far
   ASSERT_FALSE(later.gates.empty());
@@ -105,9 +105,9 @@ TEST(ReservedOrder, RobotsThatPlannedWithoutEachOtherMayNotKeepApart) {
 TEST(ReservedOrder, RobotsThatBeganTooCloseKeepApartOnlyLater) {
   const Trajectory own{{0, {0, 50}}, {5, {100, 50}}};
   const Trajectory standing{{0, {0, 60.1}}, {2, {0, 60.1}}, {5, {0, 100}}};
-  const double beyond = apart_beyond(order_of(own, radius, standing, radius, 0));
-  EXPECT_GT(beyond, 0);
-  EXPECT_LT(beyond, 10);
+  const double too_close_up_to = beyond(order_of(own, radius, standing, radius, 0).too_close);
+  EXPECT_GT(too_close_up_to, 0);
+  EXPECT_LT(too_close_up_to, 10);
 }
 
 TEST(ReservedOrder, RobotsWhoseGoalsAreTooCloseKeepApartUntilBothAreNearTheirGoals) {
