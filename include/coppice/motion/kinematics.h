@@ -20,8 +20,8 @@ namespace coppice {
 /// Seconds. The whole fleet decides at 20 Hz.
 inline constexpr double control_period = 0.05;
 
-/// Radians a second. A robot turns by at most half a turn in a period: from there on a chord says little of its
-/// arc.
+/// Radians a second. A robot turns by at most half a turn in a period: from there on a chord says little of
+/// its arc.
 inline constexpr double fastest_turning = std::numbers::pi / control_period;
 
 struct Limits {
@@ -71,9 +71,9 @@ inline double braking_time(const Limits& limits) {
   return limits.max_speed / deceleration(limits);
 }
 
-/// Metres between an arc of one period and its chord, at most. An arc that turns by an angle is c/2 tan(angle/4)
-/// off its chord of length c. The fastest turn has the largest distance, although it has the shortest chord. The
-/// robot turns by at most half a turn in a period (fastest_turning).
+/// Metres between an arc of one period and its chord, at most. An arc that turns by an angle is c/2
+/// tan(angle/4) off its chord of length c. The fastest turn has the largest distance, although it has the
+/// shortest chord. The robot turns by at most half a turn in a period (fastest_turning).
 inline double off_the_chord(const Limits& limits, double period) {
   if (!is_differential(limits)) return 0;
   const double chord = sideways_acceleration(limits) / limits.max_angular_speed * period;

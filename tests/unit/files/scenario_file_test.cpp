@@ -87,6 +87,31 @@ TEST(ScenarioFile, RobotsMayBeDifferentialAllOrSingly) {
   }
 }
 
+// From half a turn in a control period on, a chord says little of its arc.
+TEST(ScenarioFile, ARobotTurnsByAtMostHalfATurnInAControlPeriod) {
+  const auto fleet = [](const std::string& fields) {
+    return scenario(R"("kinematics": "differential", )" + fields + ", " + two_robots);
+  };
+  const TemporaryFolder folder;
+  folder.write("small.map", small_map);
+  const auto read = [&](const std::string& json) {
+    return read_scenario(folder.write("fleet.json", json), {}).robots[0];
+  };
+  EXPECT_EQ(read(fleet(R"("max_speed": 31)")).max_angular_speed, 62);
+  EXPECT_EQ(read(fleet(R"("max_speed": 40)")).max_angular_speed, fastest_turning) << "80 by its wheels";
+  EXPECT_EQ(read(fleet(R"("max_angular_speed": 62)")).max_angular_speed, 62);
+  EXPECT_NE(error_of(fleet(R"("max_angular_speed": 63)"))
+                .find("max_angular_speed: 63 turns by more than half a turn in a control period, expected at "
+                      "most 62.83"),
+            std::string::npos)
+      << error_of(fleet(R"("max_angular_speed": 63)"));
+  const std::string single = scenario(
+      R"("kinematics": "differential", "robots": [{"name": "a", "start": {"x": 1, "y": 1},
+         "goal": {"x": 5, "y": 1}, "max_angular_speed": 100}])");
+  EXPECT_NE(error_of(single).find("robots[0].max_angular_speed: 100 turns by more"), std::string::npos)
+      << error_of(single);
+}
+
 /// A hall of 30 x 20 cells with a wall in the middle that leaves `gap` cells.
 std::string hall(int gap) {
   std::string map = "type octile\nheight 20\nwidth 30\nmap\n";

@@ -117,6 +117,23 @@ TEST(Validation, InvalidStatesAreRefused) {
   for (std::size_t k = 0; k < spoilers.size(); ++k) EXPECT_TRUE(problem<M>(state(), spoilers[k])) << k;
 }
 
+TEST(Validation, RobotsThatTurnByMoreThanHalfATurnInAControlPeriodAreRefused) {
+  const auto turning_at = [](double rate) {
+    return [rate](auto& m) {
+      m.max_angular_speed = rate;
+      m.max_angular_acceleration = 100;
+    };
+  };
+  EXPECT_FALSE(problem<Mission>(mission(), turning_at(fastest_turning)));
+  EXPECT_FALSE(problem<RobotState>(state(), turning_at(fastest_turning)));
+  const auto refused_mission = problem<Mission>(mission(), turning_at(1.01 * fastest_turning));
+  const auto refused_state = problem<RobotState>(state(), turning_at(1.01 * fastest_turning));
+  ASSERT_TRUE(refused_mission);
+  ASSERT_TRUE(refused_state);
+  EXPECT_NE(refused_mission->find("angular limit"), std::string::npos) << *refused_mission;
+  EXPECT_NE(refused_state->find("angular limit"), std::string::npos) << *refused_state;
+}
+
 TEST(Validation, InvalidTreesAreRefused) {
   using M = InactiveTreesMessage;
   const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.nodes.clear(); },

@@ -93,5 +93,41 @@ TEST(DifferentialDrive, TheChordIsCloseToTheArc) {
   EXPECT_LT(off_the_chord(turtlebot, control_period), 0.001);
 }
 
+/// The largest distance of an arc from its chord among many twists that a robot with such limits can take.
+double furthest_off_a_chord(const Limits& limits) {
+  const double sideways = sideways_acceleration(limits);
+  double furthest = 0;
+  for (int i = 0; i <= 40; ++i) {
+    const double rate = limits.max_angular_speed * i / 40;
+    for (int k = 0; k <= 40; ++k) {
+      const double speed = std::min(limits.max_speed, sideways / std::max(rate, 1e-9)) * k / 40;
+      for (const double turning : {rate, limits.max_angular_speed * k / 40, limits.max_angular_speed}) {
+        for (const double wanted : {0.0, speed, limits.max_speed}) {
+          const Twist next = feasible_twist(wanted, turning, {{speed, 0}, rate}, 0, limits, control_period);
+          const double turned = std::abs(next.angular_velocity) * control_period;
+          furthest = std::max(furthest, next.velocity.norm() * control_period / 2 * std::tan(turned / 4));
+        }
+      }
+    }
+  }
+  return furthest;
+}
+
+// At 60 rad/s the arcs were further off than the robots reckoned with, by a quarter.
+TEST(DifferentialDrive, NoArcIsFurtherOffItsChordThanRobotsReckonWith) {
+  for (const double rate : {0.1, 0.5, 1.9, 6.0, 15.0, 30.0, 45.0, 60.0, 62.0}) {
+    const Limits limits{.max_speed = 20 / rate,
+                        .max_acceleration = 4,
+                        .max_angular_speed = rate,
+                        .max_angular_acceleration = rate};
+    const double furthest = furthest_off_a_chord(limits);
+    EXPECT_LE(furthest, off_the_chord(limits, control_period) + 1e-12) << rate;
+    EXPECT_GE(1.01 * furthest, off_the_chord(limits, control_period)) << rate;
+    Limits slow = limits;
+    slow.max_speed = 1 / rate;
+    EXPECT_LE(furthest_off_a_chord(slow), off_the_chord(slow, control_period) + 1e-12) << rate;
+  }
+}
+
 }  // namespace
 }  // namespace coppice

@@ -89,8 +89,8 @@ const std::vector<Reserved> reserved = {
      "(dds|runtime)/.*|ros2/dds_.*" + mains + commands + tests_and_benches,
      "only a main joins a role to the real bus"},
     {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
-     "dds/.*|ros2/dds_.*|runtime/process.*|monitor/web_shared\\.h|python/core\\.cpp" + commands +
-         tests_and_benches,
+     "dds/.*|ros2/dds_.*|runtime/(process|disciplined_clock).*|monitor/web_shared\\.h|python/core\\.cpp" +
+         commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
     {"<random>",
      "((tree_broker|planner_service)/main|robot_agent/run_unnamed|coppice/order_id)\\.cpp" +

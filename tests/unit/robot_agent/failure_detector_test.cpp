@@ -14,6 +14,11 @@
 namespace coppice {
 namespace {
 
+/// The sender has just heard "a". So "a" knows the clock of the sender, and how old its states are.
+std::vector<Echo> heard_a(double now) {
+  return {{"a", now - 0.01, now}};
+}
+
 TEST(FailureDetector, UnheardDecisionsExtendTheZoneAlongTheHeading) {
   const Limits limits{20, 40};
   const Promise c{.stamp = 0,
@@ -87,6 +92,57 @@ TEST(FailureDetector, TheReachableSetOfASinglySilentPeerIsKeptClearForAMinute) {
   }
 }
 
+/// A standing robot that takes so many seconds to brake from full speed.
+RobotState slow_to_brake(const RobotName& robot, double stamp, double braking) {
+  RobotState state = state_of(robot, stamp, {100, 100});
+  state.max_acceleration = state.max_speed / braking;
+  return state;
+}
+
+/// The robots `silent` are heard once. They are kept clear of until they must have braked, if they drove on
+/// for as long as it takes a robot to notice that nobody hears it, and count as failed only then. `from`:
+/// seconds after which they are suspected.
+void expect_kept_clear_until_braked(Listener& a, const std::vector<RobotName>& silent,
+                                    const std::vector<RobotName>& heard, double braking, double from) {
+  const double driven = Timing::longest_unheard + Timing::unheard_before;
+  for (const RobotName& robot : silent) a.hear(slow_to_brake(robot, 0, braking));
+  const double rests = driven + 2 * period + braking;
+  const double latest = std::max(Timing::longest_partition, rests + Timing::largest_clock_error) + 0.2;
+  const double strays = driven * 20 + 20 * braking / 2 - 20 * period;
+  for (double now = 0; now < latest + 5; now += period) {
+    for (const RobotName& robot : heard) a.hear(robot, now, {}, Point2::Zero(), {20, 20});
+    a.judge(now);
+    for (const RobotName& robot : silent) {
+      if (now > from && now < rests) {
+        ASSERT_TRUE(a.failed(robot)) << robot << " at " << now;
+        ASSERT_TRUE(a.is_suspected_near({100 + strays, 100})) << robot << " at " << now;
+        ASSERT_GT(a.kept_clear_around(robot, now), 5 + strays) << robot << " at " << now;
+        ASSERT_EQ(a.recoveries(), 0u) << robot << " at " << now;
+      } else if (now > latest + 0.1) {
+        ASSERT_TRUE(a.failed(robot)) << robot << " at " << now;
+        ASSERT_FALSE(a.is_suspected_near({100, 100})) << robot << " at " << now;
+        ASSERT_LT(a.kept_clear_around(robot, now), 5.01) << robot << " at " << now;
+        ASSERT_EQ(a.recoveries(), silent.size()) << robot << " at " << now;
+      }
+    }
+  }
+}
+
+// The peer may brake for longer than a network is in pieces. Its disc shrank to a point while it still drove.
+TEST(FailureDetector, ASuspectedPeerThatBrakesForLongIsKeptClearOfUntilItMustHaveBraked) {
+  for (const double braking : {60.0, 100.0}) {
+    Listener a;
+    expect_kept_clear_until_braked(a, {"b"}, {"c"}, braking, 3.2);
+  }
+}
+
+TEST(FailureDetector, SeveralSilentPeersThatBrakeForLongAreKeptClearOfUntilTheyMustHaveBraked) {
+  for (const double braking : {60.0, 100.0}) {
+    Listener a({"b", "c", "d", "e"});
+    expect_kept_clear_until_braked(a, {"d", "e"}, {"b", "c"}, braking, Timing::longest_partition + 0.2);
+  }
+}
+
 TEST(FailureDetector, APeerThatWasNeverHeardIsDeclaredFailedAfterTheBarrier) {
   Listener a;
   for (double now = 0; now < 9.5; now += period) {
@@ -116,7 +172,7 @@ TEST(FailureDetector, TheZoneExcludesLivingRobotsAndAPlanMayLeadOutOfIt) {
   Listener a;
   a.hear("b", 0, {}, {0, 10});
   for (double now = 0; now < 5; now += period) {
-    a.hear("c", now, {}, Point2::Zero(), {20, 100});
+    a.hear("c", now, heard_a(now), Point2::Zero(), {20, 100});
     a.judge(now);
   }
   ASSERT_TRUE(a.failed("b"));
@@ -129,10 +185,10 @@ TEST(FailureDetector, TheZoneExcludesLivingRobotsAndAPlanMayLeadOutOfIt) {
   ASSERT_EQ(close.size(), all.size());
   EXPECT_LT(close.back().radius, 5 - 0.0005);
   EXPECT_GT(close.back().radius, 4.999);
-  a.hear("c", 5, {}, Point2::Zero(), last + Point2(0, 9.99));
+  a.hear("c", 5, heard_a(5), Point2::Zero(), last + Point2(0, 9.99));
   for (double now = 5; now < 6; now += period) a.judge(now);
   const std::vector<Disc> left = a.failed_seen_from({20, 20}, 6);
-  EXPECT_NEAR((left.back().centre - (last + Point2(0, 9.99))).norm(), 10, 0.01) << "as near as it can stand";
+  EXPECT_NEAR((left.back().centre - (last + Point2(0, 9.99))).norm(), 10, 0.009) << "as near as it can stand";
 }
 
 /// The zone of "b", which failed while it drove upwards, while "c" stands at `c`.
@@ -140,7 +196,7 @@ std::vector<Disc> places_of_b(const Point2& c) {
   Listener a;
   a.hear("b", 0, {}, {0, 10});
   for (double now = 0; now < 5; now += period) {
-    a.hear("c", now, {}, Point2::Zero(), c);
+    a.hear("c", now, heard_a(now), Point2::Zero(), c);
     a.judge(now);
   }
   return a.failed_seen_from({20, 20}, 5);
@@ -171,11 +227,62 @@ TEST(FailureDetector, ARobotBesideAFailedOneAddsNoDiscsToItsZone) {
     a.hear("b", 0, {}, {0, 10});
     const Point2 beside = all.front().centre + Point2(9.9, along);
     for (double now = 0; now < 65; now += period) {
-      a.hear("c", now, {}, Point2::Zero(), now < 5 ? Point2(20, 100) : beside);
+      a.hear("c", now, heard_a(now), Point2::Zero(), now < 5 ? Point2(20, 100) : beside);
       a.judge(now);
     }
     EXPECT_LE(a.failed_seen_from({20, 20}, 65).size(), all.size() + 2) << along;
   }
+}
+
+/// "a" hears "b" once, and "c" for as long as the test says.
+struct ZoneOfB {
+  /// It brakes from full speed in 4 s, and from this one in 1 s.
+  static constexpr double speed = 5;
+  static constexpr double braking = 4;
+  /// So many decisions may have reached nobody: half of the states are lost, and two listen.
+  static constexpr int unheard = 9;
+
+  Listener a{};
+  double now = 0;
+
+  ZoneOfB() {
+    RobotState last = state_of("b", 0, {100, 100}, {0, speed});
+    last.max_acceleration = last.max_speed / braking;
+    a.hear(last);
+  }
+  /// "c" stands at `place` until `end`.
+  void go_on_until(double end, const Point2& place) {
+    for (; now < end; now += period) {
+      a.hear("c", now, heard_a(now), Point2::Zero(), place);
+      a.judge(now);
+    }
+  }
+  std::vector<Disc> zone() const { return a.failed_seen_from({20, 20}, now); }
+};
+
+constexpr double sure_to_stand = (2 + ZoneOfB::unheard) * period + ZoneOfB::braking;  // seconds
+const Point2 elsewhere{20, 100};
+
+// A robot may pass where a failed one comes to rest later.
+TEST(FailureDetector, ARobotThatWasThereBeforeTheFailedOneStoodDoesNotShortenTheZone) {
+  ZoneOfB undisturbed;
+  undisturbed.go_on_until(8, elsewhere);
+  const std::vector<Disc> all = undisturbed.zone();
+  ASSERT_GT(all.size(), 3u);
+  const Point2 there = all.back().centre + Point2(0, 9.5);
+  // Without the decisions that nobody heard the robot would stand half a second earlier.
+  for (const double until : {3.0, 4.0, braking_time({20, 5}) + 2 * period + 0.3, sure_to_stand - period}) {
+    ZoneOfB passed;
+    passed.go_on_until(until, there);
+    ASSERT_TRUE(passed.a.failed("b")) << until;
+    passed.go_on_until(8, elsewhere);
+    EXPECT_EQ(passed.zone().size(), all.size()) << until;
+    EXPECT_EQ(passed.zone().back().centre, all.back().centre) << until;
+  }
+  ZoneOfB stayed;
+  stayed.go_on_until(sure_to_stand + 1, there);
+  stayed.go_on_until(8, elsewhere);
+  EXPECT_NEAR((there - stayed.zone().back().centre).norm(), 10, 0.02) << "as near as it can stand";
 }
 
 // An agent that was started in mid-run had counted nothing, and took the loss for the largest possible. The

@@ -61,6 +61,7 @@ class Listener {
   }
   void judge(double now) { fleet_.detect_failures(now, {80, 80}, {}, field_); }
   bool failed(const RobotName& robot) const { return fleet_.find(robot)->failed; }
+  std::uint32_t recoveries() const { return fleet_.recoveries(); }
   bool is_suspected_near(const Point2& p) const { return fleet_.is_suspected_near(p, 0); }
   /// The distance around `robot` that is kept clear, in metres; 0 if none is.
   double kept_clear_around(const RobotName& robot, double now) {

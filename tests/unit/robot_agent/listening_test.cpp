@@ -1,0 +1,56 @@
+// Tests of how long a robot stands and listens once it is in contact again (docs/safety.md, A10).
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "robot_agent/timing.h"
+#include "tests/unit/robot_agent/agent_run.h"
+
+namespace coppice {
+namespace {
+
+/// Takes 3 s to brake.
+Scenario slow_to_brake() {
+  Scenario scenario = two_robots();
+  for (RobotTask& robot : scenario.robots) robot.max_acceleration = robot.max_speed / 3;
+  return scenario;
+}
+
+/// What "a" says. "b" stands, and is heard all the time. It does not hear "a" from `lost_at` until `back_at`.
+std::vector<RobotState> said_by_a(double lost_at, double back_at, double until) {
+  PlannerService service(slow_to_brake(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, 0));
+  std::vector<Message> said;
+  for (double now = 0; now < until; now = next_step(agent, now)) {
+    RobotState b = state_of("b", now, {20, 20});
+    b.max_acceleration = b.max_speed / 3;
+    b.sequence = static_cast<std::uint32_t>(now / control_period);
+    b.echoes = {{"a", now < back_at ? std::min(now, lost_at) : now, now}};
+    agent.on(arrival_of(b, now));
+    for (Message& message : messages(agent.step(now))) said.push_back(std::move(message));
+  }
+  return of<RobotState>(said);
+}
+
+// A state may be under way for 0.7 s. The robot counted on 0.3 s.
+TEST(Listening, ARobotThatWasCutOffStandsUntilAllThatCouldNotKnowHaveBraked) {
+  constexpr double lost_at = 2.5;
+  constexpr double back_at = 12;
+  const std::vector<RobotState> said = said_by_a(lost_at, back_at, 30);
+  const auto from = [&](double time) {
+    return std::ranges::find_if(said, [&](const RobotState& s) { return s.promise.stamp >= time; });
+  };
+  ASSERT_GT(from(lost_at)->promise.velocity.norm(), 1);
+  ASSERT_TRUE(from(back_at)->promise.stands());
+  const auto sets_off = std::find_if(from(back_at), said.end(),
+                                     [](const RobotState& s) { return !s.promise.next_velocity.isZero(0); });
+  ASSERT_NE(sets_off, said.end());
+  const double stood = sets_off->promise.turn - back_at;
+  EXPECT_GE(stood, 3 + 2 * control_period + Timing::longest_transit);
+  EXPECT_LT(stood, 3 + 2 * control_period + Timing::longest_transit + 2);
+}
+
+}  // namespace
+}  // namespace coppice
