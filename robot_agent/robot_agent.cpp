@@ -8,6 +8,7 @@
 #include "messages/validation.h"
 #include "planning/quantities.h"
 #include "robot_agent/limits.h"
+#include "robot_agent/reference_limits.h"
 #include "robot_agent/words.h"
 
 namespace coppice {
@@ -93,10 +94,10 @@ void RobotAgent::receive(const HaltMessage& message, WallTime) {
 
 /// For bodies that robots follow. The agent's own body drives on chords: a robot is beside them on its arcs.
 Mission RobotAgent::as_reference(Mission mission) const {
-  if (mission.robot == process_->name) mission.radius += off_the_chord(limits_of(mission), control_period);
+  const Follower robot{limits_of(mission), own_radius(mission), mission.tracking_tolerance};
+  if (mission.robot == process_->name) mission.radius += off_the_chord(robot.limits, control_period);
   if (!process_->tracking) return mission;
-  const Limits limits =
-      Tracking::reference_limits(limits_of(mission), mission.tracking_tolerance, mission.clock.scale);
+  const Limits limits = reference_limits(robot, mission.clock.scale);
   mission.max_speed = limits.max_speed;
   mission.max_acceleration = limits.max_acceleration;
   mission.max_angular_speed = limits.max_angular_speed;

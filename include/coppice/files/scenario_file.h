@@ -13,6 +13,8 @@ namespace coppice {
 
 /// Seconds. A robot that follows its reference is off it by about its lag.
 inline constexpr double tracking_time = 0.25;
+/// Of it: a robot with less room is refused.
+inline constexpr double least_share_of_tolerance = 0.1;
 
 /// Settings of the command line. They override those of the scenario file.
 struct ScenarioOptions {
