@@ -9,11 +9,11 @@ namespace coppice {
 
 namespace {
 
-// Shares of the tolerance that are for each fault. Noise seems to move a robot by 1.25 times its deviation,
-// with smoothing and three deviations. So the sum is 0.9.
+// Shares of the tolerance that are for each fault. That of noise is for its deviation, of which a robot does
+// not follow more than it has left (docs/ros.md).
 constexpr double for_lag = 1.0 / 3;
 constexpr double for_slip = 1.0 / 3;
-constexpr double for_noise = 0.45;
+constexpr double for_noise = 0.4;
 // Of the noise: the deviations of the error and the yaw that commands make up for.
 constexpr double smoothed = 0.4;
 constexpr double smoothed_yaw = 0.6;
@@ -26,16 +26,22 @@ constexpr double largest_heading = 0.3;    // radians, with which it steers agai
 /// along with it.
 constexpr double longest_spin_up = 10;
 
-/// `shorter`: old seconds in a new one.
-Limits in_other_time(const Limits& limits, double shorter) {
-  return {shorter * limits.max_speed, shorter * shorter * limits.max_acceleration,
-          shorter * limits.max_angular_speed, shorter * shorter * limits.max_angular_acceleration};
+/// `old_in_new`: old seconds in a new one.
+Limits in_other_time(const Limits& limits, double old_in_new) {
+  return {old_in_new * limits.max_speed, old_in_new * old_in_new * limits.max_acceleration,
+          old_in_new * limits.max_angular_speed, old_in_new * old_in_new * limits.max_angular_acceleration};
 }
 
 /// A limit of a reference that drives at most at this speed.
 double acceleration_at(double speed, const Limits& robot) {
   return std::min(Tracking::share_of_acceleration * robot.max_acceleration,
                   speed / Tracking::least_speeding_up);
+}
+
+/// How commands make up for errors of the position (Run::command).
+Correction correction_at(double speed, Limits robot) {
+  robot.max_acceleration = acceleration_at(speed, robot) / Tracking::share_of_acceleration;
+  return Tracking::of_position(robot);
 }
 
 /// Commands make up for the usual lag. For the rest of it a robot goes on as before while its reference
@@ -81,12 +87,6 @@ bool keeps_within(const Follower& robot, double speed, const Following& followin
 }
 
 }  // namespace
-
-/// As Run::command does.
-Correction correction_at(double speed, Limits robot) {
-  robot.max_acceleration = acceleration_at(speed, robot) / Tracking::share_of_acceleration;
-  return Tracking::of_position(robot);
-}
 
 double largest_reference_speed(const Follower& robot, const Following& following) {
   const double most = std::min(Tracking::share_of_speed * robot.limits.max_speed,

@@ -16,10 +16,13 @@ struct Follower {
   double tolerance = 0;  ///< that it may be off its reference; 0 if it is not known
 };
 
+/// Share of a wheel's speed that a usual robot loses at most.
+inline constexpr double usual_slip = 0.08;
+
 /// How badly a robot follows. By default as a usual robot, which all references allow for.
 struct Following {
   double lag = Tracking::usual_lag;  ///< of its drive: time constant
-  double slip = 0.08;                ///< share of a wheel's speed that is lost
+  double slip = usual_slip;          ///< share of a wheel's speed that is lost
   double noise = 0;                  ///< of its position: standard deviation
   double yaw_noise = 0;              ///< the same of its yaw
 };
@@ -38,9 +41,6 @@ Limits reference_limits(const Follower& robot, double scale);
 
 /// With which the robot keeps within its tolerance where its reference drives.
 double largest_reference_speed(const Follower& robot, const Following& following);
-
-/// How a robot makes up for errors of its position if its reference drives at most at this speed.
-Correction correction_at(double speed, Limits robot);
 
 /// The largest value up to `most` that is kept, if all smaller ones are.
 template <class Kept>

@@ -18,7 +18,9 @@ constexpr double driving_noise = 0.15;      // of the tolerance
 constexpr double standing_noise = 0.05;     // the same
 constexpr double driving_yaw_noise = 0.08;  // radians
 constexpr double standing_yaw_noise = 0.01;
-constexpr double deviations = 3;  // of an error that noise alone hardly ever makes
+constexpr double most_while_driving = 10;    // samples: with more, a robot swings
+constexpr double most_while_standing = 500;  // the same: they take 25 s
+constexpr double deviations = 3;             // of an error that noise alone hardly ever makes
 
 constexpr double heads_there = 0.3;   // radians, within which a robot that turns to its reference drives
 constexpr double standing_yaw = 0.2;  // radians: a robot that stands turns for more in any case
@@ -36,15 +38,16 @@ double at_most(double value, double most) {
 
 }  // namespace
 
-/// A robot that drives swings if its errors are of more than ten samples.
 Tracking::Samples Tracking::samples_of_error(const TrackingSettings& settings, double tolerance) {
-  return {std::clamp(samples_for(settings.noise, driving_noise * tolerance), 3.3, 10.0),
-          std::clamp(samples_for(settings.noise, standing_noise * tolerance), 10.0, 500.0)};
+  const double driving = samples_for(settings.noise, driving_noise * tolerance);
+  const double standing = samples_for(settings.noise, standing_noise * tolerance);
+  return {std::clamp(driving, 3.3, most_while_driving), std::clamp(standing, 10.0, most_while_standing)};
 }
 
 Tracking::Samples Tracking::samples_of_yaw_error(const TrackingSettings& settings) {
-  return {std::clamp(samples_for(settings.yaw_noise, driving_yaw_noise), 2.0, 10.0),
-          std::clamp(samples_for(settings.yaw_noise, standing_yaw_noise), 5.0, 500.0)};
+  const double driving = samples_for(settings.yaw_noise, driving_yaw_noise);
+  const double standing = samples_for(settings.yaw_noise, standing_yaw_noise);
+  return {std::clamp(driving, 2.0, most_while_driving), std::clamp(standing, 5.0, most_while_standing)};
 }
 
 double Correction::speed(double error) const {
@@ -71,9 +74,9 @@ void Tracking::see(const OdometrySample& robot, const Point2& reference, double 
   samples_ = is_recent(robot.at) ? std::min(samples_ + 1, enough_samples) : 1;
   if (samples_ == 1) of_error_ = of_yaw_error_ = 0;
   const bool stands = command_.linear.isZero(0) && command_.angular == 0;
-  of_error_ = std::min(of_error_ + 1, stands ? most_of_error_.while_standing : most_of_error_.while_driving);
-  of_yaw_error_ = std::min(of_yaw_error_ + 1,
-                           stands ? most_of_yaw_error_.while_standing : most_of_yaw_error_.while_driving);
+  const auto most = [&](const Samples& of) { return stands ? of.while_standing : of.while_driving; };
+  of_error_ = std::min(of_error_ + 1, most(most_of_error_));
+  of_yaw_error_ = std::min(of_yaw_error_ + 1, most(most_of_yaw_error_));
   error_ += (reference - robot.position - error_) / of_error_;
   yaw_error_ = wrapped(yaw_error_ + wrapped(reference_yaw - robot.yaw - yaw_error_) / of_yaw_error_);
   yaw_ = wrapped(yaw_ + wrapped(robot.yaw - yaw_) / of_yaw_error_);

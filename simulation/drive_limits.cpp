@@ -19,7 +19,7 @@ namespace coppice {
 namespace {
 
 // A robot knows where it is and heads well enough to arrive (Run::its_robot_is_there), and to drive on.
-constexpr double of_tolerance = 0.45;
+constexpr double of_tolerance = 0.4;
 constexpr double of_goal_tolerance = 0.75;
 constexpr double of_yaw_tolerance = 2.0;
 constexpr double most_yaw_noise = 0.3;  // radians

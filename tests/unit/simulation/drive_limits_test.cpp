@@ -192,7 +192,7 @@ TEST(DriveLimits, AFaultThatARobotDoesNotBearIsRefusedWithItsNameAndWhatIsAllowe
   EXPECT_EQ(
       error({.odometry_noise = 0.07}, scenario),
       "faults.drive.odometry_noise: 0.07 m takes r2 out of its tracking tolerance of 0.125 m, or it does "
-      "not come to rest at its goal, expected at most 0.0562 m");
+      "not come to rest at its goal, expected at most 0.05 m");
   EXPECT_TRUE(error({.lag = 0.25}, scenario).starts_with("faults.drive.lag: 0.25 s takes r2 out of"));
   EXPECT_TRUE(error({.slip = 0.2}, scenario).starts_with("faults.drive.slip: 0.2 takes r2 out of"));
 }
