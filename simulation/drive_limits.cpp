@@ -24,9 +24,8 @@ constexpr double of_goal_tolerance = 0.75;
 constexpr double of_yaw_tolerance = 2.0;
 constexpr double most_yaw_noise = 0.3;  // radians
 
-// Of tolerances that are widened.
-constexpr double most_times = 8;                                  // the usual one
-constexpr std::array shares_of_speed{1.0, 0.5, 0.25, 0.1, 0.05};  // that are tried, from the fastest on
+// That are tried in turn for a tolerance. With a smaller one a robot would hardly get on.
+constexpr std::array shares_of_speed{1.0, 0.5, 0.25, 0.1, 0.05};
 
 // A robot that turns on the spot must not drift from where it came to rest to where it comes back from.
 constexpr double of_tolerance_on_the_spot = 0.35;
@@ -93,10 +92,10 @@ void check_kept(std::string_view what, std::string_view unit, double DriveFaults
 }
 
 /// The least tolerance from the usual one on with which the robot bears the drive, as fast as it can. The
-/// usual one if none helps.
+/// usual one if none helps. One beyond the radius would leave fleets no room to pass each other.
 double tolerance_for(RobotTask task, const DriveFaults& drive) {
   const double usual = tracking_time * task.max_speed;
-  const double most = std::max(most_times * usual, task.radius);
+  const double most = std::max(usual, task.radius);
   const auto bears_with = [&](double tolerance) {
     task.tracking_tolerance = tolerance;
     return bears(task, drive);
