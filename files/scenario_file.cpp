@@ -125,7 +125,7 @@ void add_room(const proto::Scenario& file, const ScenarioOptions& options, Scena
   if (options.follow) {
     std::vector<WishedTolerance> tolerances;
     for (const RobotTask& robot : scenario.robots) {
-      const double most = options.tracking_tolerance.value_or(tracking_time * robot.max_speed);
+      const double most = options.tracking_tolerance.value_or(usual_tolerance(robot));
       tolerances.push_back({.most = most, .least = least_share_of_tolerance * most});
     }
     fit_tracking_tolerances(scenario, tolerances);

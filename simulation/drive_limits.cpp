@@ -25,7 +25,7 @@ constexpr double of_yaw_tolerance = 2.0;
 constexpr double most_yaw_noise = 0.3;  // radians
 
 // That are tried in turn for a tolerance. With a smaller one a robot would hardly get on.
-constexpr std::array shares_of_speed{1.0, 0.5, 0.25, 0.1, 0.05};
+constexpr std::array shares_of_speed{1.0, 0.5, 0.25, 0.1, 0.05, 0.02};
 
 // A robot that turns on the spot must not drift from where it came to rest to where it comes back from.
 constexpr double of_tolerance_on_the_spot = 0.35;
@@ -94,8 +94,8 @@ void check_kept(std::string_view what, std::string_view unit, double DriveFaults
 /// The least tolerance from the usual one on with which the robot bears the drive, as fast as it can. The
 /// usual one if none helps. One beyond the radius would leave fleets no room to pass each other.
 double tolerance_for(RobotTask task, const DriveFaults& drive) {
-  const double usual = tracking_time * task.max_speed;
-  const double most = std::max(usual, task.radius);
+  const double usual = usual_tolerance(task);
+  const double most = task.radius;
   const auto bears_with = [&](double tolerance) {
     task.tracking_tolerance = tolerance;
     return bears(task, drive);
@@ -146,8 +146,8 @@ void fit_to_drive(const DriveFaults& drive, Scenario& scenario) {
     return;
   std::vector<WishedTolerance> wished;
   for (const RobotTask& robot : scenario.robots)
-    wished.push_back({.most = tolerance_for(robot, drive),
-                      .least = least_share_of_tolerance * tracking_time * robot.max_speed});
+    wished.push_back(
+        {.most = tolerance_for(robot, drive), .least = least_share_of_tolerance * usual_tolerance(robot)});
   fit_tracking_tolerances(scenario, wished);
   for (RobotTask& robot : scenario.robots) robot.max_speed = speed_for(robot, drive);
   if (scenario.margin > 0) fit_margin(scenario, scenario.margin);

@@ -244,7 +244,7 @@ TEST(DriveLimits, RobotsWithLittleRoomGetLessSpeed) {
   for (const RobotTask& robot : scenario.robots) {
     EXPECT_LT(robot.tracking_tolerance, 0.6);
     EXPECT_LT(robot.max_speed, 5);
-    EXPECT_GT(robot.max_speed, 0.5);
+    EXPECT_GT(robot.max_speed, 0.2);
   }
 }
 
