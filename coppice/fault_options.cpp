@@ -92,7 +92,7 @@ void add_fault_options(CLI::App& command, Faults& faults, std::optional<double>&
       .add_option("--tracking-tolerance", tracking_tolerance,
                   "metres by which such robots may be off their references; less where there is less room")
       ->check(number_between(1e-3, 1e3))
-      ->default_str("what a robot drives in a quarter of a second")
+      ->default_str("what a robot drives in a quarter of a second, at most its radius")
       ->group(group);
   pairs("--partition", ':', "FROM:UNTIL", "a time in which the network is split in two, seconds",
         [&faults](const std::string& from, const std::string& until) {

@@ -19,7 +19,7 @@ int simulate_command(const RunOptions& options, const Faults& faults, const NewR
   ScenarioOptions read = scenario_options(options);
   read.follow = is_any(faults.drive);
   Scenario scenario = read_scenario(options.scenario, read);
-  if (read.follow && !read.tracking_tolerance) widen_tolerances(faults.drive, scenario);
+  if (read.follow && !read.tracking_tolerance) fit_to_drive(faults.drive, scenario);
   check_results(options, scenario, record.file);
   for (const Faults::Kill& kill : faults.kills) {
     if (std::ranges::count(scenario.robots, kill.robot, &RobotTask::name) == 0)

@@ -123,9 +123,11 @@ void read_footprint(const google::protobuf::RepeatedPtrField<proto::Position>& c
 /// Gives the scenario its margin, and robots that follow their tolerances.
 void add_room(const proto::Scenario& file, const ScenarioOptions& options, Scenario& scenario) {
   if (options.follow) {
-    std::vector<double> tolerances;
-    for (const RobotTask& robot : scenario.robots)
-      tolerances.push_back(options.tracking_tolerance.value_or(tracking_time * robot.max_speed));
+    std::vector<WishedTolerance> tolerances;
+    for (const RobotTask& robot : scenario.robots) {
+      const double most = options.tracking_tolerance.value_or(usual_tolerance(robot));
+      tolerances.push_back({.most = most, .least = least_share_of_tolerance * most});
+    }
     fit_tracking_tolerances(scenario, tolerances);
   }
   double least_radius = std::numeric_limits<double>::infinity();

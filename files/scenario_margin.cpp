@@ -18,6 +18,7 @@ namespace {
 constexpr double rounding = 1e-6;  // metres
 // A robot gets the largest of these shares of what was wished for that fits.
 constexpr std::array shares{1.0, 0.75, 0.5, 0.25, 0.1};
+constexpr std::array shares_of_tolerance{1.0, 0.75, 0.5, 0.25, 0.1, 0.05, 0.025, 0.01};
 
 bool ends_fit(const std::vector<RobotTask>& robots, const ClearanceField& field, double margin) {
   return std::ranges::all_of(robots, [&](const RobotTask& robot) {
@@ -73,19 +74,19 @@ void fit_margin(Scenario& scenario, double wished) {
   scenario.margin = 0;
 }
 
-void fit_tracking_tolerances(Scenario& scenario, const std::vector<double>& wished) {
+void fit_tracking_tolerances(Scenario& scenario, const std::vector<WishedTolerance>& wished) {
   const ClearanceField field(scenario.map);
   std::vector<RobotTask>& robots = scenario.robots;
   for (RobotTask& robot : robots) robot.tracking_tolerance = 0;
   std::vector<double> most;
   for (std::size_t k = 0; k < robots.size(); ++k)
-    most.push_back(std::min(wished[k], room_at_ends(robots, k, field)));
-  for (const double share : shares) {
+    most.push_back(std::min(wished[k].most, room_at_ends(robots, k, field)));
+  for (const double share : shares_of_tolerance) {
     for (std::size_t k = 0; k < robots.size(); ++k) {
       RobotTask& robot = robots[k];
       if (robot.tracking_tolerance > 0) continue;
       robot.tracking_tolerance = share * most[k];
-      if (robot.tracking_tolerance >= shares.back() * wished[k] && has_way(robot, field)) continue;
+      if (robot.tracking_tolerance >= wished[k].least && has_way(robot, field)) continue;
       robot.tracking_tolerance = 0;
     }
   }
@@ -94,7 +95,7 @@ void fit_tracking_tolerances(Scenario& scenario, const std::vector<double>& wish
     throw InputError(
         fmt::format("robots[{}]: its start, goal or way leaves {} no room to follow its reference, expected "
                     "{:.3g} m beyond the radius",
-                    k, robots[k].name, shares.back() * wished[k]));
+                    k, robots[k].name, wished[k].least));
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "messages/validation.h"
 #include "planning/quantities.h"
+#include "robot_agent/reference_limits.h"
 #include "robot_agent/words.h"
 
 namespace coppice {
@@ -92,10 +93,10 @@ void RobotAgent::receive(const HaltMessage& message, WallTime) {
 
 /// The missions as bodies carry them out. Bodies that robots follow are slower than the robots.
 Mission RobotAgent::as_reference(Mission mission) const {
+  const Follower robot{limits_of(mission), own_radius(mission), mission.tracking_tolerance};
   if (mission.robot == process_->name) mission.radius = driving_radius(mission);
   if (!process_->tracking) return mission;
-  const Limits limits =
-      Tracking::reference_limits(limits_of(mission), mission.tracking_tolerance, mission.clock.scale);
+  const Limits limits = reference_limits(robot, mission.clock.scale);
   mission.max_speed = limits.max_speed;
   mission.max_acceleration = limits.max_acceleration;
   mission.max_angular_speed = limits.max_angular_speed;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "planning/quantities.h"
-
 namespace coppice {
 
 namespace {
@@ -14,25 +12,43 @@ namespace {
 constexpr double gain = 1;
 constexpr double turning_gain = 2;
 constexpr double late = 0.3;  // seconds until an acceleration takes effect, at most
-// Shares of a new sample: odometry is noisy, and errors change slowly. A robot that stands off its reference
-// by its noise alone must not turn to it.
-struct Shares {
-  double position;
-  double yaw;
-};
-constexpr Shares while_driving{0.3, 0.5};
-constexpr Shares while_standing{0.1, 0.2};
+// Deviations of the smoothed errors: odometry is noisy, and errors change slowly. A robot that stands off its
+// reference by its noise alone must not turn to it.
+constexpr double driving_noise = 0.15;      // of the tolerance
+constexpr double standing_noise = 0.05;     // the same
+constexpr double driving_yaw_noise = 0.08;  // radians
+constexpr double standing_yaw_noise = 0.01;
+constexpr double most_while_driving = 10;    // samples: with more, a robot swings
+constexpr double most_while_standing = 500;  // the same: they take 25 s
+constexpr double deviations = 3;             // of an error that noise alone hardly ever makes
 
 constexpr double heads_there = 0.3;   // radians, within which a robot that turns to its reference drives
 constexpr double standing_yaw = 0.2;  // radians: a robot that stands turns for more in any case
 constexpr double rest = 0.3;          // seconds
 constexpr double settled = 0.3;       // of the error from which on it comes back or turns
 
+/// After which the noise of a smoothed error, with geometric weights, has become that small.
+double samples_for(double noise, double smoothed) {
+  return (1 + noise * noise / (smoothed * smoothed)) / 2;
+}
+
 double at_most(double value, double most) {
   return std::clamp(value, -most, most);
 }
 
 }  // namespace
+
+Tracking::Samples Tracking::samples_of_error(const TrackingSettings& settings, double tolerance) {
+  const double driving = samples_for(settings.noise, driving_noise * tolerance);
+  const double standing = samples_for(settings.noise, standing_noise * tolerance);
+  return {std::clamp(driving, 3.3, most_while_driving), std::clamp(standing, 10.0, most_while_standing)};
+}
+
+Tracking::Samples Tracking::samples_of_yaw_error(const TrackingSettings& settings) {
+  const double driving = samples_for(settings.yaw_noise, driving_yaw_noise);
+  const double standing = samples_for(settings.yaw_noise, standing_yaw_noise);
+  return {std::clamp(driving, 2.0, most_while_driving), std::clamp(standing, 5.0, most_while_standing)};
+}
 
 double Correction::speed(double error) const {
   const double stops = speed_to_stop_within(std::abs(error), {.max_acceleration = reserve}, late);
@@ -41,19 +57,6 @@ double Correction::speed(double error) const {
 
 double Correction::error(double speed) const {
   return std::max(speed / gain, late * speed + speed * speed / (2 * reserve));
-}
-
-Limits Tracking::reference_limits(const Limits& robot, double tolerance, double scale) {
-  Limits limits = robot;
-  limits.max_acceleration *= share_of_acceleration;
-  limits.max_angular_acceleration *= share_of_acceleration;
-  limits.max_speed = std::min(share_of_speed * robot.max_speed, longest_braking * limits.max_acceleration);
-  limits.max_angular_speed =
-      std::min(share_of_speed * robot.max_angular_speed, longest_braking * limits.max_angular_acceleration);
-  if (tolerance > 0)
-    limits.max_speed = std::min(limits.max_speed, tolerance / 2 / (largest_lag_in_time * scale));
-  limits.max_acceleration = std::min(limits.max_acceleration, limits.max_speed / (least_speeding_up * scale));
-  return limits;
 }
 
 /// Of a differential robot beside its reference, too: it accelerates less to the side than it brakes.
@@ -69,20 +72,22 @@ Correction Tracking::of_yaw(const Limits& limits) {
 
 void Tracking::see(const OdometrySample& robot, const Point2& reference, double reference_yaw) {
   samples_ = is_recent(robot.at) ? std::min(samples_ + 1, enough_samples) : 1;
+  if (samples_ == 1) of_error_ = of_yaw_error_ = 0;
   const bool stands = command_.linear.isZero(0) && command_.angular == 0;
-  Shares share = stands ? while_standing : while_driving;
-  share.position = std::max(share.position, 1.0 / samples_);  // the mean of the first ones
-  share.yaw = std::max(share.yaw, 1.0 / samples_);
-  error_ += share.position * (reference - robot.position - error_);
-  yaw_error_ = wrapped(yaw_error_ + share.yaw * wrapped(reference_yaw - robot.yaw - yaw_error_));
-  yaw_ = wrapped(yaw_ + share.yaw * wrapped(robot.yaw - yaw_));
+  const auto most = [&](const Samples& of) { return stands ? of.while_standing : of.while_driving; };
+  of_error_ = std::min(of_error_ + 1, most(most_of_error_));
+  of_yaw_error_ = std::min(of_yaw_error_ + 1, most(most_of_yaw_error_));
+  error_ += (reference - robot.position - error_) / of_error_;
+  yaw_error_ = wrapped(yaw_error_ + wrapped(reference_yaw - robot.yaw - yaw_error_) / of_yaw_error_);
+  yaw_ = wrapped(yaw_ + wrapped(robot.yaw - yaw_) / of_yaw_error_);
   last_ = robot;
   lags_ = error() > (lags_ ? returns_from : largest_lag) * tolerance_ ||
           std::abs(yaw_error_) > (lags_ ? standing_yaw : largest_yaw_lag);
 }
 
 bool Tracking::rests_within(double metres, double radians, WallTime now) {
-  if (error() > metres || std::abs(yaw_error_) > radians || comes_back_ || command_.angular != 0)
+  if (error() > metres || std::abs(yaw_error_) > radians || comes_back_ || command_.angular != 0 ||
+      !knows_yaw_error(radians))
     away_at_ = now;
   return now - away_at_ >= rest || now < away_at_;  // the clock may have been set back
 }
@@ -121,12 +126,25 @@ DriveCommand Tracking::follow(const Twist& reference, const Limits& limits) cons
 /// these begins at a larger error than it ends at: neither noise nor slip makes the robot begin at once
 /// again.
 DriveCommand Tracking::come_to(double turning, const Limits& limits, const Rest& rest) {
-  comes_back_ = error() > (comes_back_ ? settled : 1) * std::min(rest.metres, returns_from * tolerance_);
+  const double near = std::min(rest.metres, returns_from * tolerance_);
+  comes_back_ = comes_back_ ? error() > settled * near : error() > near && knows_error(near);
   if (comes_back_) return drive_back(limits);
-  const double off = (turns_along_ ? settled : 1) * std::min(rest.radians, standing_yaw);
-  turns_along_ = turning != 0 || std::abs(yaw_error_) > off;
+  const double off = std::min(rest.radians, standing_yaw);
+  turns_along_ = turning != 0 || (turns_along_ ? std::abs(yaw_error_) > settled * off
+                                               : std::abs(yaw_error_) > off && knows_yaw_error(off));
   if (!turns_along_) return {};
   return {Point2::Zero(), at_most(turning + turning_by(yaw_error_, limits), limits.max_angular_speed)};
+}
+
+/// Noise alone does not make such an error.
+bool Tracking::knows_error(double metres) const {
+  const double enough = samples_for(settings_.noise, metres / deviations);
+  return of_error_ >= std::min(enough, most_of_error_.while_standing);
+}
+
+bool Tracking::knows_yaw_error(double radians) const {
+  const double enough = samples_for(settings_.yaw_noise, radians / deviations);
+  return of_yaw_error_ >= std::min(enough, most_of_yaw_error_.while_standing);
 }
 
 /// A robot drives straight to its reference, which stands. Beyond its tolerance it comes hardly closer to

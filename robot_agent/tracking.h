@@ -34,6 +34,10 @@ struct DriveCommand {
 
 struct TrackingSettings {
   double patience = 0.5;  ///< seconds without odometry after which the reference waits
+  // Standard deviations of where the robot seems to be and head. The errors of noisier poses are smoothed
+  // more.
+  double noise = 0.02;      ///< metres
+  double yaw_noise = 0.02;  ///< radians
 };
 
 /// How close a robot comes to its reference while that stands.
@@ -79,11 +83,10 @@ class Tracking {
   Tracking(const TrackingSettings& settings, double tolerance, double max_speed)
       : settings_(settings),
         tolerance_(tolerance),
-        farthest_(tolerance + std::max(tolerance, drives_on * max_speed)) {}
+        farthest_(tolerance + std::max(tolerance, drives_on * max_speed)),
+        most_of_error_(samples_of_error(settings, tolerance)),
+        most_of_yaw_error_(samples_of_yaw_error(settings)) {}
 
-  /// What the reference of a robot may do. `tolerance`: metres; 0 if it is not known. `scale`: of the run's
-  /// clock.
-  static Limits reference_limits(const Limits& robot, double tolerance, double scale);
   /// How a robot makes up for errors. `limits`: the robot's.
   static Correction of_position(const Limits& limits);
   static Correction of_yaw(const Limits& limits);
@@ -120,21 +123,35 @@ class Tracking {
   DriveCommand follow(const Twist& reference, const Limits& limits) const;
   DriveCommand come_to(double turning, const Limits& limits, const Rest& rest);
   DriveCommand drive_back(const Limits& limits) const;
+  bool knows_error(double metres) const;
+  bool knows_yaw_error(double radians) const;
   double turning_by(double angle, const Limits& limits) const;
+
+  /// Of which a smoothed error is the mean, at most.
+  struct Samples {
+    double while_driving;
+    double while_standing;
+  };
+  static Samples samples_of_error(const TrackingSettings& settings, double tolerance);
+  static Samples samples_of_yaw_error(const TrackingSettings& settings);
 
   TrackingSettings settings_;
   double tolerance_;
   double farthest_;  ///< metres; a robot that is farther away is somewhere else
+  Samples most_of_error_;
+  Samples most_of_yaw_error_;
   std::optional<OdometrySample> last_{};
   int samples_ = 0;                ///< in a row
   Point2 error_ = Point2::Zero();  ///< reference minus robot, smoothed
   double yaw_error_ = 0;           ///< the same
-  double yaw_ = 0;                 ///< of the robot, smoothed
-  DriveCommand command_{};         ///< the last one
-  WallTime away_at_ = 0;           ///< last
-  bool lags_ = true;               ///< the reference waits
-  bool comes_back_ = false;        ///< to its reference, which stands
-  bool turns_along_ = false;       ///< to the yaw of its reference, which stands
+  double of_error_ = 0;            ///< samples of which that is the mean
+  double of_yaw_error_ = 0;
+  double yaw_ = 0;            ///< of the robot, smoothed
+  DriveCommand command_{};    ///< the last one
+  WallTime away_at_ = 0;      ///< last
+  bool lags_ = true;          ///< the reference waits
+  bool comes_back_ = false;   ///< to its reference, which stands
+  bool turns_along_ = false;  ///< to the yaw of its reference, which stands
 };
 
 }  // namespace coppice

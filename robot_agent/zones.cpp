@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "messages/clock_offset.h"
 #include "motion/promise.h"
 #include "motion/segments.h"
 #include "planning/quantities.h"

@@ -137,7 +137,7 @@ void add_ros_options(CLI::App& app, RosOptions& options, bool of_agents, bool of
                    "there is less room")
         ->check(number_in(1e-3, 1e3))
         ->needs(drive)
-        ->default_str("what it drives in a quarter of a second");
+        ->default_str("what it drives in a quarter of a second, at most its radius");
   }
 }
 

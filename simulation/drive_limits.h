@@ -9,10 +9,6 @@
 
 namespace coppice {
 
-/// Seconds in which a differential robot that follows comes to its largest angular speed, at most: slower
-/// ones cannot turn along with a reference.
-inline constexpr double longest_spin_up = 10;
-
 /// With each of these, and with all of them, a robot keeps within its tracking tolerance.
 DriveFaults largest_drive_faults(const RobotTask& task);
 
@@ -20,8 +16,8 @@ DriveFaults largest_drive_faults(const RobotTask& task);
 /// tolerance.
 void check_drive(const DriveFaults& drive, const Scenario& scenario);
 
-/// Gives the robots larger tolerances than the usual ones, as far as they need them for this drive. Throws
-/// InputError if there is no room for them.
-void widen_tolerances(const DriveFaults& drive, Scenario& scenario);
+/// Gives the robots larger tolerances than the usual ones, as far as they need them for this drive and there
+/// is room. Robots that do not bear it then get less speed. Throws InputError if there is no room at all.
+void fit_to_drive(const DriveFaults& drive, Scenario& scenario);
 
 }  // namespace coppice

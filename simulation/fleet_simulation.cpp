@@ -88,7 +88,9 @@ void FleetSimulation::start(Agent& agent) {
   auto& port = bus_.attach(Role::agent, agent.name, agent.faults.side);
   agent.process = std::make_unique<Participant<RobotAgent>>(
       Participant<RobotAgent>{.role = RobotAgent(agent.name, map_contexts_), .port = port});
-  if (is_any(drive_)) agent.process->role.lead({});
+  if (is_any(drive_))
+    agent.process->role.lead(
+        {.noise = drive_.odometry_noise, .yaw_noise = FollowingRobot::yaw_noise * drive_.odometry_noise});
   agent.process->role.restore(saved_state_of(agent.kept->messages));
   StateKeeper keeper(agent.name, is_any(drive_));
   keeper.restore(agent.kept->messages);

@@ -8,13 +8,13 @@
 #include "coppice/motion/separation.h"
 #include "coppice/planning/random.h"
 #include "coppice/simulation/faults.h"
+#include "robot_agent/reference_limits.h"
 #include "robot_agent/tracking.h"
 
 namespace coppice {
 
 class FollowingRobot {
  public:
-  static constexpr double wheels_at = 0.8;  ///< of the radius
   /// Radians for each metre of noise: that of a position 1 m ahead of the robot.
   static constexpr double yaw_noise = 1;
 

@@ -87,6 +87,18 @@ TEST(FollowingRobots, DifferentialRobotsArriveWithTheLargestFaults) {
   expect_to_keep_within_tolerances(opposite_rows(turtle, 2), largest_drive_faults(turtle));
 }
 
+/// Once such robots were refused: at full speed a wheel that slips turned them faster than they could steer.
+TEST(FollowingRobots, FastRobotsThatTurnSlowlyKeepWithinTheirTolerancesWithSlip) {
+  const RobotTask racer{.radius = 0.3,
+                        .max_speed = 15,
+                        .max_acceleration = 250,
+                        .goal_tolerance = 0.1,
+                        .max_angular_speed = 0.9,
+                        .max_angular_acceleration = 6,
+                        .tracking_tolerance = 1};
+  expect_to_keep_within_tolerances(opposite_rows(racer, 7), {.lag = 0.06, .slip = 0.08});
+}
+
 /// Once a robot that stands did not turn for less than 0.02 rad, and such a robot never arrived.
 TEST(FollowingRobots, ARobotComesToAYawThatIsAskedForExactly) {
   const RobotTask turtle{.radius = 0.3,

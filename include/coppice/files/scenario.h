@@ -90,9 +90,15 @@ void check_scenario(const Scenario& scenario);
 /// all passages stay open (planning/room_for_margin.h).
 void fit_margin(Scenario& scenario, double wished);
 
-/// Gives each robot the largest tolerance, up to that wished for (metres, by robot), with which its start and
-/// goal have room and it has a way. Throws InputError if there is no room for a tenth of it.
-void fit_tracking_tolerances(Scenario& scenario, const std::vector<double>& wished);
+/// Metres that a robot may be off its reference.
+struct WishedTolerance {
+  double most = 0;
+  double least = 0;
+};
+
+/// Gives each robot the largest tolerance, up to the most that is wished for (by robot), with which its start
+/// and goal have room and it has a way. Throws InputError if there is no room for the least one.
+void fit_tracking_tolerances(Scenario& scenario, const std::vector<WishedTolerance>& wished);
 
 inline std::vector<std::string> names_of(const Scenario& scenario) {
   std::vector<std::string> names;

@@ -1,6 +1,7 @@
 // Scenario files: JSON (idl/scenario.proto) and Moving AI `.scen`. Metres, seconds.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -13,6 +14,13 @@ namespace coppice {
 
 /// Seconds. A robot that follows its reference is off it by about its lag.
 inline constexpr double tracking_time = 0.25;
+/// Metres that a robot that follows may be off its reference, by default. More than its radius would leave
+/// fleets of fast robots no room to pass each other.
+inline double usual_tolerance(const RobotTask& robot) {
+  return std::min(tracking_time * robot.max_speed, robot.radius);
+}
+/// Of the tolerance that is wished for: a robot with less room is refused.
+inline constexpr double least_share_of_tolerance = 0.1;
 
 /// Settings of the command line. They override those of the scenario file.
 struct ScenarioOptions {

@@ -148,6 +148,14 @@ TEST(ScenarioFile, AStartWithoutRoomLimitsTheMargin) {
   EXPECT_DOUBLE_EQ(read_scenario(file, {}).margin, 0.5);
 }
 
+TEST(ScenarioFile, ARobotThatFollowsIsOffByItsRadiusAtMost) {
+  const TemporaryFolder folder;
+  folder.write("hall.map", hall(20));
+  const auto file = folder.write("fleet.json", R"({"map": "hall.map", "radius": 1, "max_speed": 20,
+      "robots": [{"name": "a", "start": {"x": 10, "y": 10}, "goal": {"x": 20, "y": 10}}]})");
+  EXPECT_DOUBLE_EQ(read_scenario(file, {.follow = true}).robots[0].tracking_tolerance, 1);
+}
+
 TEST(ScenarioFile, RobotsThatFollowGetAsMuchToleranceAsTheirEndsLeave) {
   const TemporaryFolder folder;
   folder.write("hall.map", hall(20));

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "coppice/planning/random.h"
+
 namespace coppice {
 namespace {
 
@@ -92,6 +94,28 @@ TEST(Tracking, TheReferenceWaitsForARobotThatHeadsElsewhereByMoreThanThreeTenths
   EXPECT_FALSE(robot.tracking.keeps_up(robot.now));
   robot.long_at({0.09, 0}, 0);
   EXPECT_FALSE(robot.tracking.keeps_up(robot.now));
+}
+
+/// Where the robot stands and heads as it should, with such noise. How often it did not stand still.
+int moves_with(const TrackingSettings& settings, double noise, const Rest& rest) {
+  Seen robot{.tracking = Tracking(settings, 0.2, 0.5)};
+  Random random(1);
+  int moves = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const double aside = random.uniform(-noise, noise);
+    const DriveCommand command =
+        robot.at({aside, random.uniform(-noise, noise)}, random.uniform(-noise, noise), rest);
+    if (!command.linear.isZero(0) || command.angular != 0) ++moves;
+  }
+  return moves;
+}
+
+TEST(Tracking, ARobotThatStandsWaitsUntilItKnowsWhereItIsWithItsNoise) {
+  constexpr double noise = 0.1;
+  constexpr double deviation = 0.577 * noise;  // of a uniform one
+  const Rest rest{.metres = 0.04, .radians = 0.04};
+  EXPECT_GT(moves_with({}, noise, rest), 100);
+  EXPECT_LT(moves_with({.noise = deviation, .yaw_noise = deviation}, noise, rest), 10);
 }
 
 TEST(Tracking, AReferenceThatComesToRestDoesNotSendItsRobotOn) {
