@@ -247,7 +247,7 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   if (reserver_.holds()) {
     HeldReservation& held = reserver_.held();
     held.look_at_others(fleet_);
-    reserver_.name_those_beside(fleet_, now, out);
+    reserver_.name_those_beside(now, out);
     const bool strayed = held.off_the_way(body_.position()) > body_.radius() / 2;
     const bool over = held.finished() && (body_.position() - mission_.goal).norm() > arrives_within(mission_);
     if (body_.stands() && (strayed || over || leads_elsewhere() || held.is_overridden())) {

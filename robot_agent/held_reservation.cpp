@@ -89,6 +89,7 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   const auto m = fleet.find(other.robot);
   const double estimate = m ? m->clock_offset : 0;
   const double offset = offset_between(own, other, estimate);
+  pair.offset = offset;
   Order order = order_of(own.trajectory, own.radius, other.trajectory, other.radius, offset);
   Order theirs = order_of(other.trajectory, other.radius, own.trajectory, own.radius, -offset);
   pair.gates = Gates(std::move(order.gates));
@@ -105,20 +106,27 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   return pair;
 }
 
-std::vector<ReservationBasis> HeldReservation::unnamed(const Fleet& fleet) const {
+bool HeldReservation::has_unnamed() const {
+  return std::ranges::any_of(pairs_, [](const auto& known) { return known.second.is_to_be_named; });
+}
+
+std::vector<ReservationBasis> HeldReservation::basis() const {
   std::vector<ReservationBasis> basis;
   for (const auto& [robot, pair] : pairs_) {
-    const auto m = fleet.find(robot);
-    if (pair.is_to_be_named && m) basis.push_back({robot, pair.number, m->clock_offset});
+    const ReservationMessage* const other = others_->find(robot, own_->run);
+    const bool is_known = other != nullptr && other->number == pair.number && !other->trajectory.empty();
+    if (!is_known || are_of_one_plan(*own_, *other) || !come_near(*own_, *other)) continue;
+    if (pair.is_related || pair.is_to_be_named) basis.push_back({robot, pair.number, pair.offset});
   }
   return basis;
 }
 
 void HeldReservation::renew(std::shared_ptr<const ReservationMessage> own) {
   own_ = std::move(own);
-  std::erase_if(pairs_, [](const auto& known) { return known.second.is_to_be_named; });
+  // All others are taken up anew: whether they are related depends on the number and the basis.
+  std::erase_if(pairs_, [](const auto& known) { return !known.second.is_awaited; });
   doubt_all();
-  news_ = ~std::uint32_t{0};  // those that were dropped are taken up anew
+  news_ = ~std::uint32_t{0};
 }
 
 /// Metres along its way that the robot has come at a time, at least. It may have begun to brake after its

@@ -62,11 +62,14 @@ class HeldReservation {
   /// plan anew.
   bool is_overridden() const { return is_overridden_; }
 
-  /// Reservations that were planned without this one, and that it comes near without being too close: until
-  /// it names them in its basis, the two have no order.
-  std::vector<ReservationBasis> unnamed(const Fleet& fleet) const;
-  /// The same trajectory under a new number, with more in its basis. Others may take the old number for left:
-  /// so nothing is confirmed any more.
+  /// Whether a reservation was planned without this one, keeps apart from it, and has no order with it until
+  /// this one names it in its basis.
+  bool has_unnamed() const;
+  /// The reservations with which this one has an order, or is to have one. Those of the same joint plan
+  /// aside.
+  std::vector<ReservationBasis> basis() const;
+  /// The same trajectory under a new number, with another basis. Others may take the old number for left: so
+  /// nothing is confirmed any more.
   void renew(std::shared_ptr<const ReservationMessage> own);
 
   /// Whether the order keeps this robot and another one apart, whatever that does next. `heard`: the number
@@ -113,6 +116,7 @@ class HeldReservation {
     /// The two planned without each other and keep apart, with room in time. This one is to name the other in
     /// its basis.
     bool is_to_be_named = false;
+    double offset = 0;                 ///< seconds, to be added to the other's times
     std::vector<Stretch> too_close{};  ///< of this robot's way, where the two do not keep apart
     double they_beyond = -1;           ///< metres along the other's way beyond which the two keep apart
     bool is_confirmed = false;         ///< both heed the order

@@ -269,15 +269,10 @@ HeldReservation& Reserver::hold(ReservationMessage message, const Limits& limits
   return state_.emplace<HeldReservation>(std::move(own), limits, *others_);
 }
 
-void Reserver::name_those_beside(const Fleet& fleet, double now, std::vector<Outgoing>& out) {
-  if (!holds()) return;
-  const std::vector<ReservationBasis> unnamed = held().unnamed(fleet);
-  if (unnamed.empty()) return;
+void Reserver::name_those_beside(double now, std::vector<Outgoing>& out) {
+  if (!holds() || !held().has_unnamed()) return;
   ReservationMessage message = held().message();
-  std::erase_if(message.basis, [&](const ReservationBasis& b) {
-    return std::ranges::find(unnamed, b.robot, &ReservationBasis::robot) != unnamed.end();
-  });
-  message.basis.insert(message.basis.end(), unnamed.begin(), unnamed.end());
+  message.basis = held().basis();
   message.number = next_number(now);
   auto own = std::make_shared<const ReservationMessage>(std::move(message));
   out.emplace_back(*own);

@@ -82,7 +82,7 @@ class Reserver {
              std::vector<Outgoing>& out);
   /// Once in each control step. Two robots may have planned without each other, and keep apart. The one that
   /// planned second names the other in its basis: so both know in which order they pass.
-  void name_those_beside(const Fleet& fleet, double now, std::vector<Outgoing>& out);
+  void name_those_beside(double now, std::vector<Outgoing>& out);
   /// What another robot has reserved, if it keeps to that.
   std::optional<KnownReservation> reservation_of(const FleetMember& m) const;
   /// The robot may try anew: something has changed since the last attempt, or that was a while ago.
