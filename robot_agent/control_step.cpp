@@ -16,7 +16,6 @@ namespace coppice {
 namespace {
 
 // Timeouts: see timing.h.
-constexpr WallTime own_silence = Timing::own_silence;
 constexpr double longest_ignorance = Timing::longest_ignorance;
 constexpr double least_ignorance = Timing::least_ignorance;
 constexpr double asks_for_news = Timing::asks_for_news;
@@ -96,12 +95,8 @@ void Run::wake(double now) {
   connectivity_.join(now + listening_time());
 }
 
-/// Others may have driven on where this robot was not heard. They hear of it, and the line on which they
-/// brake then is over before it moves.
 double Run::listening_time() const {
-  const double others_stand =
-      fleet_.longest_braking() + 2 * control_period + Timing::longest_transit * fleet_.second();
-  return std::max(own_silence * fleet_.second(), others_stand);
+  return coppice::listening_time(fleet_.longest_braking(), fleet_.second());
 }
 
 /// Whether the robot has not known for too long where all peers are.

@@ -6,9 +6,11 @@
 // "wall s": seconds of the wall's clock. "ticks": states, or control periods.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
+#include "coppice/motion/kinematics.h"
 #include "messages/messages.h"
 
 namespace coppice {
@@ -244,6 +246,14 @@ struct Timing {
   static_assert(2 * longest_nap <= longest_partition);
   static_assert(absence <= informs_for && failure_timeout < longest_partition);
 };
+
+/// Fleet seconds for which a robot stands after a silence: others may have driven on where it was not heard. They
+/// hear of it, and the line on which they brake then is over before it moves (docs/safety.md, A10). `braking`: the
+/// longest braking time of the run. `second`: a scaled second.
+inline double listening_time(double braking, double second) {
+  const double others_stand = braking + 2 * control_period + Timing::longest_transit * second;
+  return std::max(Timing::own_silence * second, others_stand);
+}
 
 // Short names of those that are used everywhere.
 inline constexpr double longest_sleep = Timing::longest_sleep;

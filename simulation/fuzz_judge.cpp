@@ -8,6 +8,7 @@
 
 #include "motion/joint_planner.h"
 #include "motion/route_finder.h"
+#include "simulation/arrival_bound.h"
 #include "simulation/invariants.h"
 
 namespace coppice {
@@ -63,12 +64,17 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
   const proto::Report report = simulation.service().report(in_parts(tracks));
+  const double bound = arrival_bound(fuzz_case, result.suffered, report);
   const std::vector<JointTask> ends = ends_of(tracks, simulation);
   const ClearanceField field(fuzz_case.scenario.map);
   const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);
   std::optional<std::vector<bool>> sorted_out;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const auto& robot = report.robots(static_cast<int>(i));
+    if (robot.arrived() && robot.run_time() > bound)
+      result.failures.push_back(
+          fmt::format("{} arrived after {:.0f} s, and all were to be there after {:.0f} s", robot.name(),
+                      robot.run_time(), bound));
     if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
     if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
     const bool shut_in = somebody_died && !(*sorted_out)[i];

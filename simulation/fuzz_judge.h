@@ -1,8 +1,9 @@
 // Judges the run of a fuzz case.
 //
-// A case fails if an invariant is broken (invariants.h), or if a robot is stuck. A robot is stuck if it was
-// not killed, has not arrived, has a way past the failed robots and, if a robot failed, a joint plan from the
-// final positions would bring it to its goal.
+// A case fails if an invariant is broken (invariants.h), if a robot arrives later than the bound
+// (arrival_bound.h), or if a robot is stuck. A robot is stuck if it was not killed, has not arrived, has a
+// way past the failed robots and, if a robot failed, a joint plan from the final positions would bring it to
+// its goal.
 #pragma once
 
 #include <string>

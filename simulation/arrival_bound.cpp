@@ -1,0 +1,51 @@
+#include "simulation/arrival_bound.h"
+
+#include <algorithm>
+
+#include "robot_agent/timing.h"
+
+namespace coppice {
+
+namespace {
+
+constexpr double at_once = 0.25;  // of its free speed: robots in each other's ways, one after the other
+constexpr double start = 30;      // seconds, of a fleet: missions, handshakes, first paths
+// Seconds for each robot, beside the time for which it listens: its turn, and a round.
+constexpr double turn_and_round = 2 * Timing::longest_turn + Timing::longest_stall;
+
+double longest_braking_of(const Scenario& scenario) {
+  double longest = 0;
+  for (const RobotTask& robot : scenario.robots) longest = std::max(longest, braking_time(limits_of(robot)));
+  return longest;
+}
+
+/// Robots stand while they are cut off, and listen afterwards.
+double outages(const Faults& faults, const SufferedFaults& suffered, double listening) {
+  double seconds = 0;
+  for (const Partition& cut : faults.bus.partitions) seconds += cut.until - cut.from + listening;
+  for (const CutLink& cut : faults.bus.cut_links) seconds += cut.until - cut.from + listening;
+  const auto times = [](std::size_t count) { return static_cast<double>(count); };
+  const std::size_t for_good = suffered.kills - suffered.restarts;
+  seconds += times(suffered.pauses) * (faults.pause + listening);
+  if (suffered.restarts > 0)
+    seconds += times(suffered.restarts) * (faults.restart_after + turn_and_round + listening);
+  return seconds + times(for_good) * (Timing::longest_partition + turn_and_round + listening);
+}
+
+}  // namespace
+
+double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, const proto::Report& report) {
+  const Faults& faults = fuzz_case.settings.faults;
+  const double listening = listening_time(longest_braking_of(fuzz_case.scenario), 1);
+  const double last_order = fuzz_case.halts.empty() ? 0 : fuzz_case.halts.back().time;
+  const auto robots = static_cast<double>(fuzz_case.scenario.robots.size());
+  double driving = 0;
+  for (const auto& robot : report.robots()) driving += robot.free_flow_time();
+  const double undisturbed = start + robots * (turn_and_round + listening) + driving / at_once;
+  // What is lost is said again, and what comes late is waited for.
+  const double slower = (1 + faults.bus.delay + faults.bus.jitter) / (1 - faults.bus.loss);
+  return std::max(fuzz_case.settings.lifelong, last_order) + slower * undisturbed +
+         outages(faults, suffered, listening);
+}
+
+}  // namespace coppice
