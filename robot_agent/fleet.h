@@ -116,8 +116,6 @@ class Fleet {
   bool echoed(double now) const { return detector_.echoed(now); }
   /// How often to send each state: several times where few listen or much is lost.
   int copies() const { return dissemination_.copies(); }
-  /// Enough samples were counted to know which share of them is lost.
-  bool has_counted_loss() const { return !dissemination_.loss().knows_little(); }
 
   /// The robots that could touch this robot, or that it must avoid, within `horizon` seconds. This robot is
   /// at `position` and stays within `reach` of it. They come into `near`. Counts in `ages` how old the states

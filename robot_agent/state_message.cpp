@@ -72,12 +72,12 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
 }
 
 /// How often to send each state. A robot that has stood since its mission began has decided nothing that its
-/// failure could hide: it sends several copies only where it knows that much is lost, so that the others do
-/// not take themselves to be cut off. A robot whose processor is too busy for its decisions sends everything
-/// once: more would not reach peers that are too busy to listen.
+/// failure could hide. In a small fleet it sends several copies all the same: where much is lost, the others
+/// would take themselves to be cut off. A robot whose processor is too busy for its decisions sends
+/// everything once: more would not reach peers that are too busy to listen.
 std::uint8_t Run::copies() const {
   const bool has_set_off = status_.driven_length > 0 || !body_.stands();
-  const bool needs_copies = has_set_off || fleet_.has_counted_loss();
+  const bool needs_copies = has_set_off || fleet_.known() <= witnesses + 1;
   return static_cast<std::uint8_t>(needs_copies && !connectivity_.joining() && !overloaded() ? fleet_.copies()
                                                                                              : 1);
 }
