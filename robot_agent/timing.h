@@ -247,9 +247,9 @@ struct Timing {
   static_assert(absence <= informs_for && failure_timeout < longest_partition);
 };
 
-/// Fleet seconds for which a robot stands after a silence: others may have driven on where it was not heard. They
-/// hear of it, and the line on which they brake then is over before it moves (docs/safety.md, A10). `braking`: the
-/// longest braking time of the run. `second`: a scaled second.
+/// Fleet seconds for which a robot stands after a silence: others may have driven on where it was not heard.
+/// They hear of it, and the line on which they brake then is over before it moves (docs/safety.md, A10).
+/// `braking`: the longest braking time of the run. `second`: a scaled second.
 inline double listening_time(double braking, double second) {
   const double others_stand = braking + 2 * control_period + Timing::longest_transit * second;
   return std::max(Timing::own_silence * second, others_stand);

@@ -34,14 +34,12 @@ double outages(const Faults& faults, const SufferedFaults& suffered, double list
 
 }  // namespace
 
-double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, const proto::Report& report) {
+double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, double free_flow) {
   const Faults& faults = fuzz_case.settings.faults;
   const double listening = listening_time(longest_braking_of(fuzz_case.scenario), 1);
   const double last_order = fuzz_case.halts.empty() ? 0 : fuzz_case.halts.back().time;
   const auto robots = static_cast<double>(fuzz_case.scenario.robots.size());
-  double driving = 0;
-  for (const auto& robot : report.robots()) driving += robot.free_flow_time();
-  const double undisturbed = start + robots * (turn_and_round + listening) + driving / at_once;
+  const double undisturbed = start + robots * (turn_and_round + listening) + free_flow / at_once;
   // What is lost is said again, and what comes late is waited for.
   const double slower = (1 + faults.bus.delay + faults.bus.jitter) / (1 - faults.bus.loss);
   return std::max(fuzz_case.settings.lifelong, last_order) + slower * undisturbed +

@@ -29,7 +29,7 @@ constexpr double longest_stop_of_turning = 10;
 // Radians a second. Half a turn takes 15 s, and four control periods.
 constexpr double slowest_turning = 0.2;
 constexpr std::size_t most_unlike = 12;  // robots
-constexpr double largest_margin = 0.4;  // of the least radius
+constexpr double largest_margin = 0.4;   // of the least radius
 
 /// What is drawn of a body. Robots of a fleet may differ in each of it.
 struct Body {
@@ -87,7 +87,8 @@ struct Unlike {
   bool turning = false;
 };
 
-/// Each robot of an own size has a lattice of its own: large fleets of unlike robots take minutes of processor time.
+/// Each robot of an own size has a lattice of its own: large fleets of unlike robots take minutes of
+/// processor time.
 Unlike draw_differences(std::size_t robots, Random& random) {
   if (chance(0.4, random) || robots > most_unlike) return {};
   return {chance(0.6, random), chance(0.6, random), chance(0.6, random), chance(0.6, random)};

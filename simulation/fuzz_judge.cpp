@@ -64,7 +64,9 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
   const proto::Report report = simulation.service().report(in_parts(tracks));
-  const double bound = arrival_bound(fuzz_case, result.suffered, report);
+  double free_flow = 0;
+  for (const auto& robot : report.robots()) free_flow += robot.free_flow_time();
+  const double bound = arrival_bound(fuzz_case, result.suffered, free_flow);
   const std::vector<JointTask> ends = ends_of(tracks, simulation);
   const ClearanceField field(fuzz_case.scenario.map);
   const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);
