@@ -324,7 +324,7 @@ void Run::drive_along_path(Driving& driving, double now, std::span<const Neighbo
 void Run::note_movement(double now) {
   if (body_.turns_on_the_spot())
     progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
-  if (body_.promise().next_velocity.norm() > crawl * body_.limits().max_speed) last_moved_ = now;
+  if (body_.promise().next_velocity.norm() > crawl(body_.limits())) last_moved_ = now;
 }
 
 /// Of robots that are held up close to each other, those go first that carry out a joint plan, and then the
@@ -363,7 +363,7 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
 void Run::give_way(const HeldReservation& held, const Point2& wanted, double now) {
   double lease = 0;
   if (now - last_moved_ > stall) {
-    const double slowly = std::min(1.0, crawl * body_.limits().max_speed / std::max(wanted.norm(), 1e-9));
+    const double slowly = std::min(1.0, crawl(body_.limits()) / std::max(wanted.norm(), 1e-9));
     lease = held.lets_others_pass_for(body_, slowly * wanted, fleet_, now);
   } else if (!body_.bound_to_stand() && held.gives_way(self(), fleet_)) {
     lease = waiting_lease;

@@ -317,7 +317,7 @@ double HeldReservation::lets_others_pass_for(const Driver& body, const Point2& w
   double seconds = 0;
   for (const FleetMember& m : fleet.beside(body.position(), body.radius(), close_radii, now)) {
     if (!goes_first(m, Timing::turn_of_passing)) continue;
-    const bool is_held_up = m.promise.next_velocity.norm() <= crawl * m.max_speed;
+    const bool is_held_up = m.promise.next_velocity.norm() <= crawl(m.limits);
     if (!is_held_up || !body.is_blocked_by({m.promise, m.radius, m.limits, m.clock_error}, wanted)) continue;
     const double passes = Timing::waiting_lease + braking_time(m.limits);
     seconds = std::max(seconds, std::min(passes, Timing::longest_lease));

@@ -10,6 +10,7 @@
 // Times are fleet time, seconds; metres.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -24,11 +25,18 @@
 #include "motion/way_follower.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/reservations.h"
+#include "robot_agent/timing.h"
 
 namespace coppice {
 
-/// Of the largest speed: a robot that drives more slowly, and wants to go on, is held up.
-inline constexpr double crawl = 0.05;
+/// Metres per second: a robot that drives more slowly, and wants to go on, is held up. A robot that speeds up
+/// slowly is faster than that within Timing::waiting_lease.
+inline double crawl(const Limits& limits) {
+  constexpr double of_largest = 0.05;
+  constexpr double of_speeding_up = 0.8;
+  return std::min(of_largest * limits.max_speed,
+                  of_speeding_up * Timing::waiting_lease * limits.max_acceleration);
+}
 
 class HeldReservation {
  public:

@@ -1,7 +1,9 @@
 #include "simulation/arrival_bound.h"
 
 #include <algorithm>
+#include <numbers>
 
+#include "robot_agent/reference_limits.h"
 #include "robot_agent/timing.h"
 
 namespace coppice {
@@ -9,9 +11,30 @@ namespace coppice {
 namespace {
 
 constexpr double at_once = 0.25;  // of its free speed: robots in each other's ways, one after the other
-constexpr double start = 30;      // seconds, of a fleet: missions, handshakes, first paths
+constexpr double waits_for_its_robot = 2;  // times as long takes a reference that waits
+constexpr double bends = 10;               // of a way
+constexpr double start = 30;               // seconds, of a fleet: missions, handshakes, first paths
 // Seconds for each robot, beside the time for which it listens: its turn, and a round.
 constexpr double turn_and_round = 2 * Timing::longest_turn + Timing::longest_stall;
+
+/// A robot that follows goes no faster than its reference; one with a differential drive turns on the spot at
+/// the bends of its way.
+double slower_by_drive(const FuzzCase& fuzz_case) {
+  if (!is_any(fuzz_case.settings.faults.drive)) return 1;
+  double most = 1;
+  for (const RobotTask& robot : fuzz_case.scenario.robots) {
+    const Follower follower{limits_of(robot), robot.radius, robot.tracking_tolerance};
+    most = std::max(most, robot.max_speed / reference_limits(follower, 1).max_speed);
+  }
+  return waits_for_its_robot * most;
+}
+
+double turning(const Scenario& scenario) {
+  double seconds = 0;
+  for (const RobotTask& robot : scenario.robots)
+    seconds += bends * time_to_turn(std::numbers::pi / 2, limits_of(robot));
+  return seconds;
+}
 
 double longest_braking_of(const Scenario& scenario) {
   double longest = 0;
@@ -39,7 +62,8 @@ double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, 
   const double listening = listening_time(longest_braking_of(fuzz_case.scenario), 1);
   const double last_order = fuzz_case.halts.empty() ? 0 : fuzz_case.halts.back().time;
   const auto robots = static_cast<double>(fuzz_case.scenario.robots.size());
-  const double undisturbed = start + robots * (turn_and_round + listening) + free_flow / at_once;
+  const double undisturbed = start + robots * (turn_and_round + listening) +
+                             slower_by_drive(fuzz_case) * (free_flow + turning(fuzz_case.scenario)) / at_once;
   // What is lost is said again, and what comes late is waited for.
   const double slower = (1 + faults.bus.delay + faults.bus.jitter) / (1 - faults.bus.loss);
   return std::max(fuzz_case.settings.lifelong, last_order) + slower * undisturbed +
