@@ -2,12 +2,10 @@
 // and tells the others.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "motion/keep_right.h"
 #include "robot_agent/limits.h"
 #include "robot_agent/run.h"
 
@@ -23,7 +21,6 @@ constexpr double between_retries = Timing::between_retries;
 constexpr double longest_stall = Timing::longest_stall;
 constexpr double idle_lease = Timing::idle_lease;
 constexpr double waiting_lease = Timing::waiting_lease;
-constexpr double longest_lease = Timing::longest_lease;
 constexpr double lease_for_delay = Timing::lease_for_delay;
 constexpr double longest_delay = Timing::largest_clock_error;
 
@@ -31,7 +28,6 @@ constexpr double decisions_counted = 16;  // of those that may be late: a pause 
 constexpr int most_times_stranded = 5;    // joint plans that may fail a robot before it gives up
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
 constexpr double around_radii = 16;
-constexpr double close_radii = 1.3;  // sums of radii between two of which one may let the other go first
 
 }  // namespace
 
@@ -285,108 +281,6 @@ void Run::follow_reservation(std::vector<Outgoing>& out) {
   if (driving == nullptr) return;
   driving->route.improvement.reset();
   follow(driving->route, reserver_.held().way(), out);
-}
-
-/// The robot has no reservation. It stands, and evades where others want to pass.
-void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbours) {
-  const Point2 next = body_.turn_position();
-  if (!driving.route.follower.look_from(next, map_->field, body_.limits()))
-    look_for_a_path(way_back_to_the_path(driving.route));
-  body_.choose(Point2::Zero(), neighbours, map_->field);
-  if (!reserver_.waits_for_its_turn()) return;
-  progress_.excuse(now);
-  // Others that set off before it may pass closely, however late its states reach them.
-  if (body_.stands()) stand_for(now, 0);
-}
-
-/// The robot drives without a reservation, and keeps clear of the others by reciprocal velocity obstacles.
-void Run::drive_along_path(Driving& driving, double now, std::span<const Neighbour> neighbours) {
-  PathFollower& follower = driving.route.follower;
-  const Point2 next = body_.turn_position();
-  if (!follower.look_from(next, map_->field, body_.limits())) {
-    look_for_a_path(way_back_to_the_path(driving.route));
-    return body_.choose(Point2::Zero(), neighbours, map_->field);
-  }
-  trail_.begin(next);
-  progress_.comes_to(follower.progress(), least_gain(body_.radius(), body_.limits()), now);
-  const bool is_bound = body_.bound_to_stand();
-  const Point2 preferred = follower.preferred_velocity(next, body_.limits(), control_period);
-  body_.choose(keeping_right(preferred, next, neighbours), neighbours, map_->field);
-  note_movement(now);
-  // Several robots may keep clear of each other's next moves: one of them must go.
-  const bool is_held_up = now - last_moved_ > waiting_lease && !body_.turns_on_the_spot();
-  if (is_bound || !is_held_up || !lets_others_go_first()) return;
-  body_.follow(Point2::Zero(), neighbours, map_->field);
-  stand_for(now, waiting_lease);
-}
-
-/// A turn on the spot excuses the robot, for as long as a full turn takes.
-void Run::note_movement(double now) {
-  if (body_.turns_on_the_spot())
-    progress_.turns(control_period, time_to_turn(2 * std::numbers::pi, body_.limits()), now);
-  if (body_.promise().next_velocity.norm() > crawl(body_.limits())) last_moved_ = now;
-}
-
-/// Of robots that are held up close to each other, those go first that carry out a joint plan, and then the
-/// one with the lowest name.
-bool Run::lets_others_go_first() const {
-  const auto close = fleet_.beside(body_.position(), body_.radius(), close_radii);
-  return std::ranges::any_of(close, [&](const FleetMember& m) {
-    return !m.failed && !m.wants_to_stay && (m.reservation != 0 || m.robot < process_.name);
-  });
-}
-
-void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
-  HeldReservation& held = reserver_.held();
-  const Point2 next = body_.position() + control_period * body_.velocity();
-  trail_.begin(next);
-  const double open = held.open_before(neighbours, map_->field.inflation(), body_.limits());
-  const Point2 wanted = held.preferred_velocity(self(), fleet_, next, body_.limits(), now, open);
-  const auto allowed = [&](const Twist& m) { return held.allows(body_, m); };
-  const bool is_led = body_.follow(wanted, neighbours, map_->field, allowed);
-  // A robot that turns on the spot turns to the point for which it heads before it tries a nearer one.
-  if (!body_.turns_on_the_spot()) held.led_past(is_led);
-  if (!held.waits_for().empty()) {
-    if (held.is_worth_waiting(fleet_, now)) progress_.excuse(now);
-    if (!neighbours.empty())
-      stand_for(now, std::clamp(held.waits_until() - now, waiting_lease, longest_lease));
-    last_moved_ = now;
-  }
-  note_movement(now);
-  // Several robots may keep clear of each other's next moves: one of them must go.
-  if (now - last_moved_ > waiting_lease) give_way(held, wanted, now);
-  progress_.comes_to(held.progress(), least_gain(body_.radius(), body_.limits()), now);
-}
-
-/// The robot is held up by others that are held up, too. Who goes is agreed at once, and kept to after
-/// `stall`.
-void Run::give_way(const HeldReservation& held, const Point2& wanted, double now) {
-  double lease = 0;
-  if (now - last_moved_ > stall) {
-    const double slowly = std::min(1.0, crawl(body_.limits()) / std::max(wanted.norm(), 1e-9));
-    lease = held.lets_others_pass_for(body_, slowly * wanted, fleet_, now);
-  } else if (!body_.bound_to_stand() && held.gives_way(self(), fleet_)) {
-    lease = waiting_lease;
-  }
-  if (lease == 0) return;
-  body_.brake();
-  stand_for(now, lease);
-}
-
-/// From the robot to its goal, as far as it knows.
-Path Run::way_ahead() const {
-  const auto* const driving = std::get_if<Driving>(&task_);
-  Path way = driving != nullptr ? driving->route.follower.rest() : Path();
-  way.insert(way.begin(), body_.position());
-  return way;
-}
-
-/// Seconds in which a differential robot turns on the spot until it heads along a way.
-double Run::time_to_face(const Path& way) const {
-  const auto next = std::ranges::find_if(way, [&](const Point2& p) { return p != way.front(); });
-  if (next == way.end()) return 0;
-  const Point2 ahead = *next - way.front();
-  return time_to_turn(wrapped(std::atan2(ahead.y(), ahead.x()) - body_.yaw()), body_.limits());
 }
 
 /// Calls a coordination round. Not while a joint plan of others is executed around: it may clear the way, and

@@ -14,7 +14,7 @@ namespace {
 constexpr double for_lag = 1.0 / 3;
 constexpr double for_slip = 1.0 / 3;
 constexpr double for_noise = 0.4;
-// Of the noise: the deviations of the error and the yaw that commands make up for.
+// Shares of the noise: the deviations of the error and of the yaw that commands make up for.
 constexpr double smoothed = 0.4;
 constexpr double smoothed_yaw = 0.6;
 

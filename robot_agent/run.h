@@ -2,7 +2,7 @@
 //
 // A state machine. The body (motion/driver.h) exists all the time, whatever the robot does. Each control
 // period the run brings the body up to the present, decides what the body does next, and says so
-// (control_step.cpp).
+// (control_step.cpp, drive_step.cpp).
 //
 // Metres in the map frame; fleet time in seconds unless a name or a comment says wall clock.
 #pragma once

@@ -53,7 +53,7 @@ class TrajectoryPlanner {
   std::optional<Trajectory> around_most();
   /// The reservations around which the last trajectory was planned.
   std::vector<ReservationBasis> basis() const;
-  /// What is left of the path beyond the trajectory's end; empty: nothing.
+  /// The rest of the path, beyond the trajectory's end; empty: nothing.
   const Path& rest() const { return way_.rest; }
 
  private:

@@ -64,7 +64,7 @@ double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, 
   const auto robots = static_cast<double>(fuzz_case.scenario.robots.size());
   const double undisturbed = start + robots * (turn_and_round + listening) +
                              slower_by_drive(fuzz_case) * (free_flow + turning(fuzz_case.scenario)) / at_once;
-  // What is lost is said again, and what comes late is waited for.
+  // Robots say again what is lost, and wait for what comes late.
   const double slower = (1 + faults.bus.delay + faults.bus.jitter) / (1 - faults.bus.loss);
   return std::max(fuzz_case.settings.lifelong, last_order) + slower * undisturbed +
          outages(faults, suffered, listening);

@@ -13,7 +13,7 @@ namespace coppice {
 namespace {
 
 constexpr double least_share_of_room = 0.35;
-// Of the room, that a robot may be off its reference.
+// Shares of a robot's room by which it may be off its reference.
 constexpr double least_tolerance = 0.15;
 constexpr double largest_tolerance = 0.35;
 // Seconds in which a robot crosses the map at full speed: a slower one makes runs long, and tries nothing
@@ -31,7 +31,7 @@ constexpr double slowest_turning = 0.2;
 constexpr std::size_t most_unlike = 12;  // robots
 constexpr double largest_margin = 0.4;   // of the least radius
 
-/// What is drawn of a body. Robots of a fleet may differ in each of it.
+/// The drawn properties of a body. Robots of a fleet may differ in each of them.
 struct Body {
   double share_of_room = 1;
   double max_speed = 0;

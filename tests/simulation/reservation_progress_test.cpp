@@ -32,7 +32,7 @@ class ProgressCheck {
   int states() const { return states_; }
   /// Of those, how many braked.
   int braking() const { return braking_; }
-  /// Of the states that told a wrong progress, the worst, in radii off the way.
+  /// The worst of the states that told a wrong progress, in radii off the way.
   double worst() const { return worst_; }
   double worst_at() const { return worst_at_; }
 

@@ -19,7 +19,7 @@ inline constexpr double tracking_time = 0.25;
 inline double usual_tolerance(const RobotTask& robot) {
   return std::min(tracking_time * robot.max_speed, robot.radius);
 }
-/// Of the tolerance that is wished for: a robot with less room is refused.
+/// Share of the tolerance that is wished for: a robot with less room is refused.
 inline constexpr double least_share_of_tolerance = 0.1;
 
 /// Settings of the command line. They override those of the scenario file.
