@@ -141,7 +141,9 @@ void draw_kills(const Scenario& scenario, Faults& faults, double driving, Random
 /// If restarts were more frequent than joint plans take, no run would end. No pause is long: a peer that
 /// counts as failed must not come back while an agent is restarted (A8).
 void draw_restarts(const Scenario& scenario, Faults& faults, Random& random) {
-  faults.kill_rate = rate_of_one(recovery(scenario) + random.uniform(10, 60), scenario.robots.size());
+  constexpr double recoveries = 3;  // a robot has to stand, to speed up, and to come on
+  const double seconds = recoveries * recovery(scenario) + random.uniform(10, 60);
+  faults.kill_rate = rate_of_one(seconds, scenario.robots.size());
   faults.restart_after = random.uniform(0.1, 8);
   faults.pause = std::min(faults.pause, longest_short_pause);
   for (Faults::Kill& kill : faults.kills) kill.for_good = true;
