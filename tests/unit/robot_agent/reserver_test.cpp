@@ -376,6 +376,36 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) 
   EXPECT_FALSE(a.reserver.passes(state, 0.05));
 }
 
+// c crosses a's way long after a has passed there. Robots had no order with such a one, and crept beside it.
+// And a reservation with another number had lost the order with b for one of the two robots only: they
+// touched.
+TEST_F(ReserverTest, ARobotNamesOneThatPlannedWithoutItAndKeepsItsOrderWithTheOthers) {
+  reserve_both();  // b names a
+  const std::uint32_t before = a.reserver.number();
+  a.others.hear(std::make_shared<const ReservationMessage>(
+      ReservationMessage{.robot = "c",
+                         .number = 7,
+                         .radius = 5,
+                         .way = 10,
+                         .trajectory = {{60, {150, 20}}, {70, {150, 190}}},
+                         .basis = {},
+                         .turn = a.last().turn,
+                         .run = {}}));
+  a.look();
+  a.reserver.name_those_beside(1, a.said);
+  ASSERT_GT(a.reserver.number(), before);
+  std::vector<RobotName> named;
+  for (const ReservationBasis& known : a.last().basis) named.push_back(known.robot);
+  EXPECT_EQ(named, (std::vector<RobotName>{"b", "c"}));
+  tell(b, a);
+  a.look();
+  b.look();
+  tell_state(b, a, 1.1);
+  const RobotState state = tell_state(a, b, 1.2);
+  EXPECT_TRUE(a.reserver.passes(state, 0.05)) << "both know the new number";
+  EXPECT_TRUE(b.reserver.passes(tell_state(b, a, 1.3), 0.05));
+}
+
 TEST_F(ReserverTest, ARobotLeavesItsStripWhenThoseWhoRelyOnItHaveHeardAndCouldHaveBraked) {
   reserve_both();
   tell_state(b, a, 0.3);  // a says that it heeds b's reservation
