@@ -167,7 +167,8 @@ bool Run::joins(double now) {
   if (body_.stands()) stand_for(now, waiting_lease);
   if (driving()) {
     status_.reason = "its agent was started or woke in mid-run, and has not heard where all others are";
-    if (is_too_long(now - startup_since_))
+    // A robot that knows all others only listens: that takes long in a fleet with long brakes.
+    if (is_too_long(now - startup_since_) && !may_set_off())
       give_up("its agent was started or woke in mid-run, and nobody who is alive knows where all others are");
   }
   return true;
