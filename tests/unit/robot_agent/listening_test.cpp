@@ -10,22 +10,24 @@
 namespace coppice {
 namespace {
 
-/// Takes 3 s to brake.
-Scenario slow_to_brake() {
+/// Robots that take so many seconds to brake.
+Scenario slow_to_brake(double seconds) {
   Scenario scenario = two_robots();
-  for (RobotTask& robot : scenario.robots) robot.max_acceleration = robot.max_speed / 3;
+  for (RobotTask& robot : scenario.robots) robot.max_acceleration = robot.max_speed / seconds;
   return scenario;
 }
 
-/// What "a" says. "b" stands, and is heard all the time. It does not hear "a" from `lost_at` until `back_at`.
-std::vector<RobotState> said_by_a(double lost_at, double back_at, double until) {
-  PlannerService service(slow_to_brake(), {}, 0);
+/// What "a" says from `begin` on. "b" stands, and is heard all the time. It does not hear "a" from `lost_at`
+/// until `back_at`.
+std::vector<RobotState> said_by_a(double braking, double begin, double lost_at, double back_at,
+                                  double until) {
+  PlannerService service(slow_to_brake(braking), {}, 0);
   RobotAgent agent("a");
-  for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, 0));
+  for (const Message& m : map_and_missions(service)) agent.on(arrival_of(m, begin));
   std::vector<Message> said;
-  for (double now = 0; now < until; now = next_step(agent, now)) {
+  for (double now = begin; now < until; now = next_step(agent, now)) {
     RobotState b = state_of("b", now, {20, 20});
-    b.max_acceleration = b.max_speed / 3;
+    b.max_acceleration = b.max_speed / braking;
     b.sequence = static_cast<std::uint32_t>(now / control_period);
     b.echoes = {{"a", now < back_at ? std::min(now, lost_at) : now, now}};
     agent.on(arrival_of(b, now));
@@ -38,7 +40,7 @@ std::vector<RobotState> said_by_a(double lost_at, double back_at, double until) 
 TEST(Listening, ARobotThatWasCutOffStandsUntilAllThatCouldNotKnowHaveBraked) {
   constexpr double lost_at = 2.5;
   constexpr double back_at = 12;
-  const std::vector<RobotState> said = said_by_a(lost_at, back_at, 30);
+  const std::vector<RobotState> said = said_by_a(3, 0, lost_at, back_at, 30);
   const auto from = [&](double time) {
     return std::ranges::find_if(said, [&](const RobotState& s) { return s.promise.stamp >= time; });
   };
@@ -50,6 +52,13 @@ TEST(Listening, ARobotThatWasCutOffStandsUntilAllThatCouldNotKnowHaveBraked) {
   const double stood = sets_off->promise.turn - back_at;
   EXPECT_GE(stood, 3 + 2 * control_period + Timing::longest_transit);
   EXPECT_LT(stood, 3 + 2 * control_period + Timing::longest_transit + 2);
+}
+
+// It knew all others, and gave up after two minutes because it did not drive.
+TEST(Listening, ARestartedRobotThatOnlyListensForLongDoesNotGiveUp) {
+  const std::vector<RobotState> said = said_by_a(100, 20, 80, 90, 185);
+  EXPECT_TRUE(std::ranges::none_of(said, [](const RobotState& s) { return s.phase == Phase::gave_up; }));
+  EXPECT_TRUE(said.back().is_new) << "it still listens";
 }
 
 }  // namespace
