@@ -127,7 +127,7 @@ void give_turning(RobotTask& robot, const Body& body, Random& random) {
 void give_body(RobotTask& robot, const Body& body, bool follows, Random& random) {
   const double room = robot.radius;
   robot.max_speed = body.max_speed;
-  robot.max_acceleration = body.max_speed / body.braking;
+  robot.max_acceleration = std::max(least_quantity, body.max_speed / body.braking);
   if (body.turns) give_turning(robot, body, random);
   if (follows) robot.tracking_tolerance = room * random.uniform(least_tolerance, largest_tolerance);
   const double beyond_radius = driving_radius(robot) - robot.radius;
