@@ -67,7 +67,7 @@ class Tracking {
   /// Seconds in which a reference comes to its full speed, at least. Commands that make up for the lag of a
   /// quicker one would be beyond the robot's speeds.
   static constexpr double least_speeding_up = 0.25;
-  /// Of the largest speed: a slower robot heads along with its reference.
+  /// Share of the largest speed. A slower robot heads along with its reference.
   static constexpr double slow = 0.2;
   /// Seconds by which a command is ahead, because it takes effect late.
   static constexpr double lead = 0.1;
