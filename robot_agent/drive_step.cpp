@@ -66,6 +66,7 @@ bool Run::lets_others_go_first() const {
 
 void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
   HeldReservation& held = reserver_.held();
+  const bool is_bound = body_.bound_to_stand();
   const Point2 next = body_.position() + control_period * body_.velocity();
   trail_.begin(next);
   const double open = held.open_before(neighbours, map_->field.inflation(), body_.limits());
@@ -76,8 +77,9 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
   if (!body_.turns_on_the_spot()) held.led_past(is_led);
   if (!held.waits_for().empty()) {
     if (held.is_worth_waiting(fleet_, now)) progress_.excuse(now);
-    if (!neighbours.empty())
-      stand_for(now, std::clamp(held.waits_until() - now, Timing::waiting_lease, Timing::longest_lease));
+    // A slow robot must not see the lease run out while it passes.
+    const double lease = held.lease(now);
+    if (!neighbours.empty() || (is_bound && lease > Timing::longest_lease)) stand_for(now, lease);
     last_moved_ = now;
   }
   note_movement(now);

@@ -196,7 +196,10 @@ Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet&
     if (until >= open) continue;
     open = until;
     next = &robot;
-    waits_until_ = std::max(now, m->rests_until) + pair.gates.metres_until(until, certain) / m->max_speed;
+    const double speed = m->promise.next_velocity.norm();
+    waits_until_ =
+        std::max(now, m->rests_until) + least_time(pair.gates.metres_until(until, certain), speed, m->limits);
+    longest_lease_ = std::max(Timing::longest_lease, braking_time(m->limits));
   }
   waits_for_ = next != nullptr && open - progress() < slack ? *next : RobotName();
   return follower_.preferred_velocity(position, limits, control_period, open);
@@ -268,6 +271,10 @@ bool HeldReservation::passes(const RobotState& other, std::uint32_t heard) {
 
 void HeldReservation::doubt_all() {
   for (auto& [robot, pair] : pairs_) pair.is_confirmed = false;
+}
+
+double HeldReservation::lease(double now) const {
+  return std::clamp(waits_until_ - now, Timing::waiting_lease, longest_lease_);
 }
 
 bool HeldReservation::is_worth_waiting(const Fleet& fleet, double now) {

@@ -102,8 +102,9 @@ class HeldReservation {
 
   /// The robot that passes first, at the gate where this one stands; empty: none.
   const RobotName& waits_for() const { return waits_for_; }
-  /// Fleet time before which that robot cannot have come far enough.
-  double waits_until() const { return waits_until_; }
+  /// Seconds for which this robot may bind itself to stand meanwhile: the other one cannot have come far
+  /// enough before. A robot that brakes slowly speeds up no further than it can brake within the lease.
+  double lease(double now) const;
   /// The robots that wait for each other, one for the next: whether the last one of them comes on.
   bool is_worth_waiting(const Fleet& fleet, double now);
   /// Of two robots close by that only promises keep apart, the one that is further behind its trajectory goes
@@ -163,7 +164,8 @@ class HeldReservation {
   bool is_overridden_ = false;
   std::uint32_t news_ = ~std::uint32_t{0};  ///< up to which the pairs are taken up
   RobotName waits_for_;
-  double waits_until_ = 0;
+  double waits_until_ = 0;    ///< fleet time before which that robot cannot have come far enough
+  double longest_lease_ = 0;  ///< seconds
   Awaited awaited_;
   double own_speed_ = 0;  ///< until the turn
   Limits own_limits_;

@@ -77,6 +77,10 @@ class Run {
   AgentStatus status(WallTime now);
 
   const Driver& body() const { return body_; }
+  /// Where robots that count as failed may stand.
+  std::vector<Disc> places_of_failed() const {
+    return fleet_.zones_of_failed(body_.position(), body_.time());
+  }
   const Mission& mission() const { return mission_; }
   const std::optional<Tracking>& tracking() const { return tracking_; }
   const std::shared_ptr<MapContext>& map() const { return map_; }

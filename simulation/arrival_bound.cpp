@@ -57,6 +57,12 @@ double outages(const Faults& faults, const SufferedFaults& suffered, double list
 
 }  // namespace
 
+double free_flow_of(const proto::Report& report) {
+  double sum = 0;
+  for (const auto& robot : report.robots()) sum += robot.free_flow_time();
+  return sum;
+}
+
 double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, double free_flow) {
   const Faults& faults = fuzz_case.settings.faults;
   const double listening = listening_time(longest_braking_of(fuzz_case.scenario), 1);

@@ -258,6 +258,13 @@ SufferedFaults FleetSimulation::suffered() const {
   return suffered;
 }
 
+std::vector<Disc> FleetSimulation::places_of_failed(const RobotName& robot) const {
+  const auto agent = std::ranges::find(agents_, robot, &Agent::name);
+  if (agent == agents_.end() || !agent->process) return {};
+  const Run* const run = agent->process->role.run();
+  return run == nullptr ? std::vector<Disc>() : run->places_of_failed();
+}
+
 bool FleetSimulation::killed(const RobotName& robot) const {
   const auto agent = std::ranges::find(agents_, robot, &Agent::name);
   return agent != agents_.end() && now_ >= agent->next_kill;

@@ -57,6 +57,8 @@ class FleetSimulation {
   SufferedFaults suffered() const;
   /// Whether the robot's agent is killed and not restarted yet.
   bool killed(const RobotName& robot) const;
+  /// Where failed robots may stand, as far as a living robot knows.
+  std::vector<Disc> places_of_failed(const RobotName& robot) const;
 
  private:
   template <class R>

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coppice/files/plan_file.h"
+#include "simulation/arrival_bound.h"
 #include "simulation/fuzz_bodies.h"
 #include "simulation/fuzz_faults.h"
 #include "simulation/fuzz_halts.h"
@@ -15,7 +16,10 @@ namespace coppice {
 
 namespace {
 
-constexpr double longest_run = 3600;  // fleet seconds
+// Fleet seconds. A run goes on for at least an hour, and then until all should have arrived.
+constexpr double usual_run = 3600;
+constexpr double longest_run = 10 * usual_run;
+constexpr double between_looks = 60;
 // Fleet seconds in which robots are likely to drive.
 constexpr double shortest_driving = 10;
 constexpr double longest_driving = 120;
@@ -36,6 +40,12 @@ double time_of_driving(const Scenario& scenario, double lifelong) {
   for (const RobotTask& robot : scenario.robots)
     longest = std::max(longest, free_flow_time((robot.goal - robot.start).norm(), limits_of(robot)));
   return std::clamp(longest, shortest_driving, longest_driving);
+}
+
+/// Whether all robots that can arrive should have arrived by now.
+bool is_overdue(const FuzzCase& fuzz_case, const FleetSimulation& simulation, double now) {
+  const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));
+  return now > arrival_bound(fuzz_case, simulation.suffered(), free_flow_of(report));
 }
 
 }  // namespace
@@ -63,8 +73,13 @@ FuzzCase draw_fuzz_case(std::uint32_t seed, bool restarts) {
 void run_fuzz_case(const FuzzCase& fuzz_case, FleetSimulation& simulation,
                    const std::function<bool(const PlannerService&, double)>& watch) {
   auto next = fuzz_case.halts.begin();
+  double next_look = usual_run;
   simulation.run([&](const PlannerService& service, double now) {
     for (; next != fuzz_case.halts.end() && next->time <= now; ++next) simulation.give(next->order);
+    if (now > next_look) {
+      if (is_overdue(fuzz_case, simulation, now)) return false;
+      next_look = now + between_looks;
+    }
     return watch(service, now);
   });
 }

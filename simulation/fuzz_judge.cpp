@@ -25,8 +25,16 @@ std::vector<JointTask> ends_of(const std::vector<NamedTrack>& tracks, const Flee
     // No points: killed before it had a body.
     const Point2 end = points.empty() ? task.start : points.back().position;
     const bool killed = simulation.killed(track.robot);
-    ends.push_back({end, killed ? std::nullopt : std::optional(task.goal), task.radius, !killed});
+    ends.push_back({end, killed ? std::nullopt : std::optional(task.goal), driving_radius(task), !killed});
   }
+  return ends;
+}
+
+/// The same as one robot knows them: the failed robots may also stand elsewhere.
+std::vector<JointTask> as_known_to(const RobotName& robot, std::vector<JointTask> ends,
+                                   const FleetSimulation& simulation) {
+  for (const Disc& place : simulation.places_of_failed(robot))
+    ends.push_back({place.centre, std::nullopt, place.radius, false});
   return ends;
 }
 
@@ -41,16 +49,14 @@ bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span
   return !finder.route(robot.position, *robot.goal, failed).empty();
 }
 
-/// Whether each robot could have arrived, with other living robots in its way as well. Failed robots may
-/// close the only place where two robots could have exchanged their order.
-std::vector<bool> could_be_sorted_out(const ClearanceField& field, const std::vector<JointTask>& ends) {
+/// Whether a robot could have arrived, with other living robots in its way as well. Failed robots may close
+/// the only place where two robots could have exchanged their order.
+bool could_be_sorted_out(std::size_t robot, const ClearanceField& field, const std::vector<JointTask>& ends) {
   MapRoadmaps places(field);
   JointPlanner planner(places, ends, Random(1));
   while (!planner.step()) {
   }
-  std::vector<bool> could(ends.size(), true);
-  for (const std::size_t i : planner.plan().stranded) could[i] = false;
-  return could;
+  return std::ranges::find(planner.plan().stranded, robot) == planner.plan().stranded.end();
 }
 
 }  // namespace
@@ -64,22 +70,20 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
   const proto::Report report = simulation.service().report(in_parts(tracks));
-  double free_flow = 0;
-  for (const auto& robot : report.robots()) free_flow += robot.free_flow_time();
-  const double bound = arrival_bound(fuzz_case, result.suffered, free_flow);
+  const double bound = arrival_bound(fuzz_case, result.suffered, free_flow_of(report));
   const std::vector<JointTask> ends = ends_of(tracks, simulation);
-  const ClearanceField field(fuzz_case.scenario.map);
+  const ClearanceField field(fuzz_case.scenario.map, fuzz_case.scenario.margin);
   const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);
-  std::optional<std::vector<bool>> sorted_out;
   for (std::size_t i = 0; i < ends.size(); ++i) {
     const auto& robot = report.robots(static_cast<int>(i));
     if (robot.arrived() && robot.run_time() > bound)
       result.failures.push_back(
           fmt::format("{} arrived after {:.0f} s, and all were to be there after {:.0f} s", robot.name(),
                       robot.run_time(), bound));
-    if (robot.arrived() || !ends[i].movable || !could_arrive(field, ends[i], ends)) continue;
-    if (somebody_died && !sorted_out) sorted_out = could_be_sorted_out(field, ends);
-    const bool shut_in = somebody_died && !(*sorted_out)[i];
+    if (robot.arrived() || !ends[i].movable) continue;
+    const std::vector<JointTask> known = as_known_to(robot.name(), ends, simulation);
+    if (!could_arrive(field, ends[i], known)) continue;
+    const bool shut_in = somebody_died && !could_be_sorted_out(i, field, known);
     // What the robot knew of the failed robots was lost with its own process and with all others.
     const bool ignorant =
         somebody_died && simulation.suffered().restarts > 0 &&

@@ -2,8 +2,8 @@
 //
 // A case fails if an invariant is broken (invariants.h), if a robot arrives later than the bound
 // (arrival_bound.h), or if a robot is stuck. A robot is stuck if it was not killed, has not arrived, has a
-// way past the failed robots and, if a robot failed, a joint plan from the final positions would bring it to
-// its goal.
+// way past all places where, as far as it knows, failed robots may stand and, if a robot failed, a joint plan
+// from the final positions would bring it to its goal.
 #pragma once
 
 #include <string>

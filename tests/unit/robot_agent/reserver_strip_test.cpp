@@ -1,0 +1,93 @@
+// Tests of robots that give a reservation up and leave the strip of their way.
+#include <memory>
+#include <vector>
+
+#include "tests/unit/robot_agent/two_reservers.h"
+
+namespace coppice {
+namespace {
+
+class ReserverStripTest : public TwoReservers {};
+
+TEST_F(ReserverStripTest, ARobotLeavesItsStripWhenThoseWhoRelyOnItHaveHeardAndCouldHaveBraked) {
+  reserve_both();
+  tell_state(b, a, 0.3);  // a says that it heeds b's reservation
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
+  tell(b, a);
+  b.self.position = {50, 100};
+  tell_state(a, b, 1.2);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2)) << "b may still brake";
+  a.reserver.note_who_heard(a.fleet, 1.2);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.2)) << "it stood when it said so";
+}
+
+// A robot that relies on an order leaves the other one out for its whole braking window, wherever that is.
+// Two robots overlapped by 2.85 m after a partition of 1.5 s.
+TEST_F(ReserverStripTest, ARobotStaysInItsStripForOneThatMayRelyOnItAlthoughTheirWaysAreFarFromEachOther) {
+  b.path = {{100, 6}, {100, 60}};
+  b.self.position = b.path.front();
+  for (Robot* robot : {&a, &b}) robot->want(0);
+  tell(b, a);
+  tell(a, b);
+  tell_state(a, b, 0);
+  tell_state(b, a, 0);
+  b.plan(0.1);  // its way is shorter
+  tell(a, b);
+  a.plan(0.2);
+  tell(b, a);
+  ASSERT_TRUE(a.reserver.holds() && b.reserver.holds());
+  b.self.position = {100, 60};
+  tell_state(a, b, 0.25);
+  tell_state(b, a, 0.3);  // a says that it heeds b's reservation
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 1));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.7))
+      << "b heard no recent state, and has braked";
+}
+
+TEST_F(ReserverStripTest, ARobotThatBrakesSlowlyIsWaitedForUntilItStands) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  tell(b, a);
+  b.self.position = {31, 100};
+  RobotState drives = b.state(1.2);
+  drives.promise.velocity = drives.promise.next_velocity = {20, 0};
+  drives.echoes = {{"a", 1.199, 1.2}};
+  a.fleet.hear(std::make_shared<const RobotState>(drives), 1.201);
+  a.reserver.hear(drives);
+  a.reserver.note_who_heard(a.fleet, 1.21);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.62));
+}
+
+TEST_F(ReserverStripTest, ARobotLeavesItsStripAtOnceIfThoseThatHaveHeardStandTooFarAwayToMeetIt) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  tell(b, a);
+  tell_state(a, b, 1.2);  // 113 m away
+  a.reserver.note_who_heard(a.fleet, 1.2);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2));
+}
+
+TEST_F(ReserverStripTest, ARobotThatHearsNothingLeavesItsStripWhenNoRecentStateNamesItsReservation) {
+  reserve_both();
+  b.self.position = {50, 100};
+  tell_state(a, b, 0.25);
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.7));
+}
+
+TEST_F(ReserverStripTest, ARobotInWhoseStatesNobodyIsHeededMayLeaveItsStripAtOnce) {
+  reserve_both();
+  a.drop(1);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
+}
+
+}  // namespace
+}  // namespace coppice
