@@ -235,7 +235,9 @@ bool Run::its_robot_is_there(double now) {
 
 void Run::step(WallTime now, std::vector<Outgoing>& out) {
   control(mission_.clock.fleet_time(now), out);
-  reserve(mission_.clock.fleet_time(now), out);
+  // Numbers of reservations grow with fleet time, which is below 0 where the clock is behind. A process that
+  // has said no state yet may be killed, and the next one would use its numbers again.
+  if (!timing_.first) reserve(mission_.clock.fleet_time(now), out);
   if (std::holds_alternative<Planning>(task_)) {
     plan(now, out);
   } else if (Route* const route = route_of(task_); route != nullptr && route->improvement) {

@@ -55,6 +55,19 @@ TEST(AgentRestart, ARestartedAgentGoesOnFromWhereItsRobotStopped) {
   EXPECT_EQ(status.path_time, of<AgentStatus>(before.said).back().path_time);
 }
 
+// The numbers of reservations grow with fleet time. Two processes, one after the other, used the same ones
+// before fleet time 0. Others drove by the reservation that the first one had made, and two robots touched.
+TEST(AgentRestart, AnAgentWhoseClockIsBehindReservesNothingBeforeItsFirstState) {
+  AgentRun behind;
+  behind.hear(map_message(), -5);
+  behind.hear(mission_of_a(0), -5);
+  behind.run(-5, -0.1);
+  EXPECT_TRUE(of<RobotState>(behind.said).empty());
+  EXPECT_TRUE(of<ReservationMessage>(behind.said).empty());
+  behind.run(-0.1, 2);
+  EXPECT_FALSE(of<ReservationMessage>(behind.said).empty());
+}
+
 TEST(AgentRestart, AnAgentThatIsKilledRepeatedlyArrives) {
   auto life = std::make_unique<AgentRun>();
   run_until_killed_at(1.5, *life);
