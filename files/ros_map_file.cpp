@@ -36,7 +36,7 @@ struct Meaning {
 
 /// yaml-cpp itself reads numbers by the locale of the program.
 std::optional<double> number_in(const YAML::Node& node) {
-  return node.IsScalar() ? decimal_number(node.Scalar()) : std::nullopt;
+  return node.IsDefined() && node.IsScalar() ? decimal_number(node.Scalar()) : std::nullopt;
 }
 
 double number_field(const YAML::Node& yaml, const char* field, double least, double most,

@@ -83,7 +83,7 @@ TEST_F(ProgramsLocale, MessagesAreAlike) {
   const std::vector<PlanningProblem> problems{{.start = {1150.5, 0.25}, .goal = {5, 0.5}, .radius = 0.4}};
   const auto fault = first_fault(field, problems);
   ASSERT_TRUE(fault);
-  EXPECT_EQ(fault->problem,
+  EXPECT_EQ(fault->what,
             "(1150.5, 0.25) is inside of an obstacle or too near to one: clearance 0.25, radius 0.4");
 }
 
