@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "coppice/files/input_error.h"
 #include "coppice/planning/map_generator.h"
@@ -61,7 +63,31 @@ int read_size(Lines& lines, std::string_view name) {
   return value;
 }
 
-OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path& path) {
+/// Ground (. and G) and swamp (S). In maps of the League of Robot Runners E and S are stations, which robots
+/// may cross.
+bool is_free(char cell) {
+  return cell == '.' || cell == 'G' || cell == 'S' || cell == 'E';
+}
+
+/// Out of bounds (@, O), trees and water. The format has no other cells.
+bool is_known_as_blocked(char cell) {
+  return cell == '@' || cell == 'O' || cell == 'T' || cell == 'W';
+}
+
+/// One line for all cells that the format does not have: "2 cells \"x\", 1 cell \"#\"".
+void warn_of_unknown_cells(const std::map<char, std::size_t>& unknown, const std::filesystem::path& path) {
+  if (unknown.empty()) return;
+  std::string cells;
+  for (const auto& [cell, count] : unknown) {
+    const std::string shown = cell > ' ' && cell < 127
+                                  ? fmt::format("\"{}\"", cell)
+                                  : fmt::format("of byte {}", static_cast<unsigned char>(cell));
+    cells += fmt::format("{}{} cell{} {}", cells.empty() ? "" : ", ", count, count == 1 ? "" : "s", shown);
+  }
+  spdlog::warn("{}: {} count as blocked: the format does not have them", path.string(), cells);
+}
+
+OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path& path, MapWarnings warnings) {
   Lines lines(text, path);
   if (const auto line = lines.next("\"type octile\""); !line.starts_with("type ")) {
     lines.fail(fmt::format("expected \"type octile\", found \"{}\"", line.substr(0, 40)));
@@ -72,6 +98,7 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
   if (const auto line = lines.next("\"map\""); line != "map") {
     lines.fail(fmt::format("expected \"map\", found \"{}\"", line.substr(0, 40)));
   }
+  std::map<char, std::size_t> unknown;
   // A header may claim a larger map than the file holds.
   map.blocked.reserve(
       std::min(text.size(), static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height)));
@@ -80,11 +107,15 @@ OccupancyMap parse_moving_ai(std::string_view text, const std::filesystem::path&
     if (row.size() != static_cast<std::size_t>(map.width)) {
       lines.fail(fmt::format("expected {} cells, found {}", map.width, row.size()));
     }
-    for (const char c : row) map.blocked.push_back(c == '.' || c == 'G' || c == 'S' ? 0 : 1);
+    for (const char cell : row) {
+      map.blocked.push_back(is_free(cell) ? 0 : 1);
+      if (!is_free(cell) && !is_known_as_blocked(cell)) ++unknown[cell];
+    }
   }
   while (!lines.at_end()) {
     if (!lines.next("").empty()) lines.fail(fmt::format("more than the {} rows of the header", map.height));
   }
+  if (warnings == MapWarnings::logged) warn_of_unknown_cells(unknown, path);
   return map;
 }
 
@@ -110,7 +141,7 @@ void check_map(const OccupancyMap& map) {
 OccupancyMap read_map(const std::filesystem::path& path, MapWarnings warnings) {
   refuse_other_kinds(path, {FileKind::map, FileKind::ros_map, FileKind::empty}, "a map (.map or .yaml)");
   const std::string ending = ending_of(path);
-  if (ending == ".map") return parse_moving_ai(read_text(path), path);
+  if (ending == ".map") return parse_moving_ai(read_text(path), path, warnings);
   if (ending == ".yaml" || ending == ".yml") return read_ros_map(path, warnings);
   throw InputError(fmt::format("{}: unknown kind of map, expected .map (Moving AI) or .yaml (ROS map_server)",
                                path.string()));

@@ -58,12 +58,27 @@ class Words {
     if (!second || !take(")")) return std::nullopt;
     return std::pair(*first, *second);
   }
+  /// "(3,4)", or "(3,4,X_PLUS)" with a heading, which is left out.
+  std::optional<GridCell> cell() {
+    if (!take("(")) return std::nullopt;
+    const auto x = number();
+    if (!x || !take(",")) return std::nullopt;
+    const auto y = number();
+    if (!y || (take(",") && !take_heading()) || !take(")")) return std::nullopt;
+    return GridCell{*x, *y};
+  }
+  /// Whether the line goes on with the number of a step: "0:".
+  bool begins_a_step() const {
+    Words rest(rest_);
+    return rest.number() && rest.take(":");
+  }
   bool at_end() {
     skip_blanks();
     return rest_.empty();
   }
 
  private:
+  bool take_heading() { return take("X_PLUS") || take("X_MINUS") || take("Y_PLUS") || take("Y_MINUS"); }
   void skip_blanks() {
     while (!rest_.empty() && std::isspace(static_cast<unsigned char>(rest_.front())) != 0)
       rest_.remove_prefix(1);
@@ -100,9 +115,13 @@ std::vector<GridCell> cells_at_step(Words words, std::size_t step, const std::fi
     fail(path, line, fmt::format("expected \"{}:(x,y),(x,y),...\"", step));
   std::vector<GridCell> cells;
   while (!words.at_end()) {
-    const auto cell = words.pair();
-    if (!cell) fail(path, line, fmt::format("robot {}: expected \"(x,y)\"", cells.size()));
-    cells.push_back({cell->first, cell->second});
+    const auto cell = words.cell();
+    if (!cell)
+      fail(path, line,
+           fmt::format(
+               "robot {}: expected \"(x,y)\" or \"(x,y,HEADING)\" with X_PLUS, X_MINUS, Y_PLUS or Y_MINUS",
+               cells.size()));
+    cells.push_back(*cell);
     if (!words.take(",") && !words.at_end())
       fail(path, line, fmt::format("robot {}: expected \",\"", cells.size()));
   }
@@ -178,13 +197,13 @@ void check_that_nothing_touches(const GridPlan& plan, std::span<const Trajectory
   const ObstacleClearance clearance =
       clearance_of(tracks, ClearanceField(scenario.map)).value_or(ObstacleClearance{});
   if (!clearance.overlapping.empty())
-    throw InputError(fmt::format("the plan: {} touches an obstacle, radius {}",
+    throw InputError(fmt::format("the plan: {} touches an obstacle, radius {:g}",
                                  scenario.robots[*clearance.overlapping.begin()].name,
                                  reference_radius(scenario.robots[*clearance.overlapping.begin()])));
   const Separation separation = separation_of(tracks).value_or(Separation{});
   if (separation.overlapping.empty()) return;
   const auto [a, b] = *separation.overlapping.begin();
-  throw InputError(fmt::format("the plan: {} and {} touch after step {}, radii {} and {}",
+  throw InputError(fmt::format("the plan: {} and {} touch after step {}, radii {:g} and {:g}",
                                scenario.robots[a].name, scenario.robots[b].name,
                                step_of_contact(plan, a, b, scenario), reference_radius(scenario.robots[a]),
                                reference_radius(scenario.robots[b])));
@@ -193,8 +212,7 @@ void check_that_nothing_touches(const GridPlan& plan, std::span<const Trajectory
 }  // namespace
 
 GridPlan read_grid_plan(const std::filesystem::path& path) {
-  refuse_other_kinds(path, {},
-                     "a joint plan (\"solution=\" and \"0:(x,y),...\", or \"Agent 0: (row,column)->...\")");
+  refuse_other_kinds(path, {}, "a joint plan (\"0:(x,y),...\" or \"Agent 0: (row,column)->...\")");
   GridPlan plan;
   std::istringstream lines(read_text(path));
   std::string line;
@@ -208,7 +226,8 @@ GridPlan read_grid_plan(const std::filesystem::path& path) {
       if (in_solution) fail(path, number, fmt::format("expected \"{}:(x,y),...\"", step));
       plan.push_back(cells_of_agent(words, plan.size(), path, number));
       cells += plan.back().size();
-    } else if (in_solution) {
+    } else if (in_solution || (plan.empty() && words.begins_a_step())) {
+      in_solution = true;
       const std::vector<GridCell> at = cells_at_step(words, step, path, number);
       if (step == 0) plan.resize(at.size());
       if (at.size() != plan.size() || at.empty())
@@ -220,12 +239,13 @@ GridPlan read_grid_plan(const std::filesystem::path& path) {
     } else if (words.take(solution)) {
       in_solution = plan.empty();
     } else if (!plan.empty() || line.find('=') == std::string::npos) {
-      fail(path, number, "expected \"Agent N: (row,column)->...\", or KEY=VALUE before \"solution=\"");
+      fail(path, number,
+           "expected \"0:(x,y),...\", \"Agent N: (row,column)->...\", or KEY=VALUE before \"solution=\"");
     }
     if (cells > most_cells) fail(path, number, fmt::format("has more than {} cells", most_cells));
   }
   if (plan.empty())
-    throw InputError(path.string() + ": has no plan, expected \"solution=\" or \"Agent 0: ...\"");
+    throw InputError(path.string() + ": has no plan, expected \"0:(x,y),...\" or \"Agent 0: ...\"");
   return plan;
 }
 
@@ -273,7 +293,7 @@ std::vector<GridTask> grid_tasks_of(const Scenario& scenario) {
   std::vector<GridTask> tasks;
   for (const RobotTask& robot : scenario.robots) {
     if (2 * reference_radius(robot) > map.resolution)
-      throw InputError(fmt::format("{} is wider than a cell: radius {}, cells of {} m", robot.name,
+      throw InputError(fmt::format("{} is wider than a cell: radius {:g}, cells of {:g} m", robot.name,
                                    reference_radius(robot), map.resolution));
     tasks.push_back({cell_of(robot.start, robot.name, "start"), cell_of(robot.goal, robot.name, "goal")});
   }

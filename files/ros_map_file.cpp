@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -12,6 +14,7 @@
 #include "coppice/files/input_error.h"
 #include "files/picture_file.h"
 #include "files/text_file.h"
+#include "planning/number_text.h"
 #include "planning/quantities.h"
 
 namespace coppice {
@@ -31,18 +34,18 @@ struct Meaning {
   throw InputError(fmt::format("{}: {}", path.string(), problem));
 }
 
+/// yaml-cpp itself reads numbers by the locale of the program.
+std::optional<double> number_in(const YAML::Node& node) {
+  return node.IsDefined() && node.IsScalar() ? decimal_number(node.Scalar()) : std::nullopt;
+}
+
 double number_field(const YAML::Node& yaml, const char* field, double least, double most,
                     const std::filesystem::path& path) {
-  double value = 0;
-  try {
-    value = yaml[field].as<double>();
-  } catch (const YAML::Exception&) {
-    fail(path, fmt::format("{}: expected a number", field));
-  }
-  if (!(value >= least && value <= most)) {
-    fail(path, fmt::format("{}: {} is out of range, expected {} to {}", field, value, least, most));
-  }
-  return value;
+  const auto value = number_in(yaml[field]);
+  if (!value) fail(path, fmt::format("{}: expected a number", field));
+  if (!(*value >= least && *value <= most))
+    fail(path, fmt::format("{}: {} is out of range, expected {} to {}", field, *value, least, most));
+  return *value;
 }
 
 /// Reads 0, 1 or a YAML 1.1 truth value: yes, No, on, OFF, true, False and the like.
@@ -111,15 +114,17 @@ OccupancyMap read_ros_map(const std::filesystem::path& path, MapWarnings warning
   if (!origin || !origin.IsSequence() || origin.size() < 2 || origin.size() > 3) {
     fail(path, "origin: expected [x, y, yaw]");
   }
-  try {
-    map.origin = {origin[0].as<double>(), origin[1].as<double>()};
-    if (!is_sane(map.origin.x()) || !is_sane(map.origin.y()))
-      fail(path, fmt::format("origin: expected finite numbers, at most {}", largest_quantity));
-    if (origin.size() == 3 && origin[2].as<double>() != 0)
-      fail(path, "origin: a turned map (yaw other than 0) is not supported");
-  } catch (const YAML::Exception&) {
-    fail(path, "origin: expected numbers");
+  std::vector<double> numbers;
+  for (const YAML::Node& element : origin) {
+    const auto number = number_in(element);
+    if (!number) fail(path, "origin: expected numbers");
+    numbers.push_back(*number);
   }
+  map.origin = {numbers[0], numbers[1]};
+  if (!is_sane(map.origin.x()) || !is_sane(map.origin.y()))
+    fail(path, fmt::format("origin: expected finite numbers, at most {}", largest_quantity));
+  if (numbers.size() == 3 && numbers[2] != 0)
+    fail(path, "origin: a turned map (yaw other than 0) is not supported");
   const Meaning meaning = read_meaning(yaml, path);
   if (warnings == MapWarnings::logged && is_free(meaning, unknown_shade, true)) {
     spdlog::warn("{}: free_thresh {} makes shade {} free, which map savers write for unknown cells{}",

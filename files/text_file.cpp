@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <locale>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -24,6 +25,7 @@ constexpr std::size_t longest_letter = 4;                     // bytes of a char
 
 bool wrote(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write) {
   std::ofstream out(file, std::ios::binary);
+  out.imbue(std::locale::classic());  // the program's may group digits
   write(out);
   out.close();
   return !out.fail();

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "planning/number_text.h"
 #include "planning/random_places.h"
 #include "planning/shuffle.h"
 
@@ -223,17 +223,16 @@ double largest_radius(const ClearanceField& field) {
 }
 
 std::string too_large(double radius, double largest) {
-  std::ostringstream text;
-  text << "no robot of radius " << radius << " fits on the map";
-  if (largest > 0) text << ": the widest place is for one of about " << largest;
-  return text.str();
+  std::string text = "no robot of radius " + number_text(radius) + " fits on the map";
+  if (largest > 0) text += ": the widest place is for one of about " + number_text(largest);
+  return text;
 }
 
 std::string no_room(double radius, std::size_t room, int count) {
-  std::ostringstream text;
-  text << "room for " << room << " robots of radius " << radius << " was found on the map, not for " << count;
-  if (room == 0) text << ": each place that one fits at is closed in";
-  return text.str();
+  std::string text = "room for " + std::to_string(room) + " robots of radius " + number_text(radius) +
+                     " was found on the map, not for " + std::to_string(count);
+  if (room == 0) text += ": each place that one fits at is closed in";
+  return text;
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
 #include "coppice/planning/plan_paths.h"
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "coppice/planning/random.h"
 #include "planning/fleet_plan.h"
 #include "planning/line_of_sight.h"
+#include "planning/number_text.h"
 #include "planning/quantities.h"
 #include "planning/rrt_star.h"
 #include "planning/suggestions.h"
@@ -127,16 +128,15 @@ PathPlan plan_apart(const ClearanceField& field, std::span<const PlanningProblem
 std::optional<std::string> place_fault(const ClearanceField& field, const Point2& p, double radius) {
   if (field.is_free(p, radius)) return std::nullopt;
   const Box<2> box = field.bounds();
-  std::ostringstream text;
-  text << "(" << p.x() << ", " << p.y() << ") ";
+  const auto place = [](const Point2& q) {
+    return "(" + number_text(q.x()) + ", " + number_text(q.y()) + ")";
+  };
   const bool is_inside = (p.array() >= box.lower.array()).all() && (p.array() <= box.upper.array()).all();
-  if (is_inside)
-    text << "is inside of an obstacle or too near to one: clearance " << field.clearance(p) << ", radius "
-         << radius;
-  else
-    text << "is outside of the map, which covers (" << box.lower.x() << ", " << box.lower.y() << ") to ("
-         << box.upper.x() << ", " << box.upper.y() << ")";
-  return text.str();
+  if (!is_inside)
+    return place(p) + " is outside of the map, which covers " + place(box.lower) + " to " + place(box.upper);
+  const auto [clearance, needed] = told_apart(field.clearance(p), radius);
+  return place(p) + " is inside of an obstacle or too near to one: clearance " + clearance + ", radius " +
+         needed;
 }
 
 }  // namespace
@@ -146,10 +146,9 @@ std::optional<ProblemFault> first_fault(const ClearanceField& field,
   for (std::size_t i = 0; i < problems.size(); ++i) {
     const PlanningProblem& p = problems[i];
     if (!is_sane_size(p.radius)) {
-      std::ostringstream text;
-      text << p.radius << " is not allowed, expected a number above 0, from " << least_quantity << " to "
-           << largest_quantity;
-      return ProblemFault{i, "radius", text.str()};
+      return ProblemFault{i, "radius",
+                          number_text(p.radius) + " is not allowed, expected a number above 0, from " +
+                              number_text(least_quantity) + " to " + number_text(largest_quantity)};
     }
     if (auto fault = place_fault(field, p.start, p.radius)) return ProblemFault{i, "start", *fault};
     if (auto fault = place_fault(field, p.goal, p.radius)) return ProblemFault{i, "goal", *fault};

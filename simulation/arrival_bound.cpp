@@ -55,15 +55,19 @@ double outages(const Faults& faults, const SufferedFaults& suffered, double list
   return seconds + times(for_good) * (Timing::longest_partition + turn_and_round + listening);
 }
 
-}  // namespace
-
-double free_flow_of(const proto::Report& report) {
+/// The sum of the times that the robots would need alone for their last ways.
+double free_flow_of(const FleetSimulation& simulation) {
+  const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));
   double sum = 0;
   for (const auto& robot : report.robots()) sum += robot.free_flow_time();
   return sum;
 }
 
-double arrival_bound(const FuzzCase& fuzz_case, const SufferedFaults& suffered, double free_flow) {
+}  // namespace
+
+double arrival_bound(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
+  const SufferedFaults suffered = simulation.suffered();
+  const double free_flow = free_flow_of(simulation);
   const Faults& faults = fuzz_case.settings.faults;
   const double listening = listening_time(longest_braking_of(fuzz_case.scenario), 1);
   const double last_order = fuzz_case.halts.empty() ? 0 : fuzz_case.halts.back().time;

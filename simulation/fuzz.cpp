@@ -44,8 +44,7 @@ double time_of_driving(const Scenario& scenario, double lifelong) {
 
 /// Whether all robots that can arrive should have arrived by now.
 bool is_overdue(const FuzzCase& fuzz_case, const FleetSimulation& simulation, double now) {
-  const proto::Report report = simulation.service().report(in_parts(simulation.tracks()));
-  return now > arrival_bound(fuzz_case, simulation.suffered(), free_flow_of(report));
+  return now > arrival_bound(fuzz_case, simulation);
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
   const proto::Report report = simulation.service().report(in_parts(tracks));
-  const double bound = arrival_bound(fuzz_case, result.suffered, free_flow_of(report));
+  const double bound = arrival_bound(fuzz_case, simulation);
   const std::vector<JointTask> ends = ends_of(tracks, simulation);
   const ClearanceField field(fuzz_case.scenario.map, fuzz_case.scenario.margin);
   const bool somebody_died = !std::ranges::all_of(ends, &JointTask::movable);

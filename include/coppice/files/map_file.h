@@ -16,8 +16,9 @@ enum class MapWarnings : std::uint8_t { logged, left_out };
 
 /// Reads a map file. Throws InputError, which names the file and the line or field.
 ///
-/// `.map` (https://movingai.com/benchmarks/formats.html): `.`, `G` and `S` are free, other characters are
-/// blocked; a cell is 1 m wide; y grows downwards.
+/// `.map` (https://movingai.com/benchmarks/formats.html): `.`, `G`, `S` and `E` (a station of the League of
+/// Robot Runners) are free, other characters are blocked; a cell is 1 m wide; y grows downwards. Characters
+/// that the format does not have are logged.
 ///
 /// `.yaml` or `.yml` (ROS map_server: resolution, origin, negate, thresholds): y grows upwards; cells that
 /// are not known to be free are blocked.

@@ -2,8 +2,9 @@
 //
 // Two text forms are read, and written in the same way.
 //
-// Steps: "0:(x,y),(x,y),..." for each time step, a cell for each robot, after a line "solution=". LaCAM and
-// PIBT (Okumura) write it, with lines KEY=VALUE before it, which are ignored.
+// Steps: "0:(x,y),(x,y),..." for each time step, a cell for each robot. LaCAM and PIBT (Okumura) write it
+// after lines KEY=VALUE and a line "solution="; these are ignored and may be missing, as in the form of
+// mapf-visualizer (Okumura). A cell may have a heading, as there: "(x,y,X_PLUS)". Headings are ignored.
 //
 // Agents: "Agent 0: (row,column)->(row,column)->..." for each robot. CBS, EECBS and MAPF-LNS (Li, Harabor,
 // Stuckey, Koenig) write it.

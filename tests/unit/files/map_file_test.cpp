@@ -29,11 +29,11 @@ std::string error_of(const std::filesystem::path& path) {
 TEST(MapFile, MovingAiMapsAreRead) {
   const TemporaryFolder folder;
   const OccupancyMap map =
-      read_map(folder.write("a.map", "type octile\nheight 2\nwidth 7\nmap\n.GS@OTW\n@......\n"));
-  EXPECT_EQ(map.width, 7);
+      read_map(folder.write("a.map", "type octile\nheight 2\nwidth 8\nmap\n.GS@OTWE\n@.......\n"));
+  EXPECT_EQ(map.width, 8);
   EXPECT_EQ(map.height, 2);
   EXPECT_EQ(map.resolution, 1);
-  const std::vector<std::uint8_t> expected{0, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0};
+  const std::vector<std::uint8_t> expected{0, 0, 0, 1, 1, 1, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0};
   EXPECT_EQ(map.blocked, expected);
 }
 
@@ -297,6 +297,24 @@ TEST(MapFile, AThresholdThatMakesUnknownCellsFreeCausesAWarning) {
   EXPECT_EQ(warning("mode: raw\nfree_thresh: 0.25\n"), "");
 }
 
+// The map of another program may have meant them to be free, as E of the League of Robot Runners once was.
+TEST(MapFile, CellsThatTheFormatDoesNotHaveCauseAWarning) {
+  const TemporaryFolder folder;
+  const auto warning = [&](const std::string& rows) {
+    return logged([&] { read_map(folder.write("a.map", "type octile\nheight 2\nwidth 4\nmap\n" + rows)); });
+  };
+  EXPECT_NE(warning(".x#x\n....\n")
+                .find("a.map: 1 cell \"#\", 2 cells \"x\" count as blocked: the format does not have them"),
+            std::string::npos);
+  EXPECT_NE(warning(".\t..\n....\n").find("a.map: 1 cell of byte 9 count"), std::string::npos);
+  EXPECT_EQ(warning(".GSE\n@OTW\n"), "");
+  EXPECT_EQ(logged([&] {
+              read_map(folder.write("a.map", "type octile\nheight 1\nwidth 1\nmap\nx\n"),
+                       MapWarnings::left_out);
+            }),
+            "");
+}
+
 // Decoding would take 0.5 GB before the picture turns out to be empty.
 TEST(MapFile, APngPictureTooShortForItsSizeIsRefusedByItsHeader) {
   const TemporaryFolder folder;
@@ -320,7 +338,7 @@ TEST(MapFile, EveryMistakeInARosMapNamesTheField) {
       {"image: " + std::string(5000, 'a') + ".pgm\nresolution: 1\norigin: [0, 0, 0]\n", "does not exist"},
       {"image: ok.pgm\norigin: [0, 0, 0]\n", "resolution: expected a number"},
       {"image: ok.pgm\nresolution: -1\norigin: [0, 0, 0]\n", "resolution: -1 is out of range"},
-      {"image: ok.pgm\nresolution: .nan\norigin: [0, 0, 0]\n", "resolution: nan is out of range"},
+      {"image: ok.pgm\nresolution: .nan\norigin: [0, 0, 0]\n", "resolution: expected a number"},
       {"image: ok.pgm\nresolution: 1\n", "origin: expected [x, y, yaw]"},
       {"image: ok.pgm\nresolution: 1\norigin: [0, 0, 0.5]\n", "origin: a turned map"},
       {"image: ok.pgm\nresolution: 1\norigin: [0, 0, 0]\nmode: fancy\n", "mode: \"fancy\""},
@@ -332,7 +350,7 @@ TEST(MapFile, EveryMistakeInARosMapNamesTheField) {
       {"image: ok.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: maybe\n", "negate: expected 0, 1, true"},
       {"image: ok.pgm\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\nnegate: 1\n",
        "site.yaml:5: negate: is given twice"},
-      {"image: ok.pgm\nresolution: .inf\norigin: [0, 0, 0]\n", "resolution: inf is out of range"},
+      {"image: ok.pgm\nresolution: .inf\norigin: [0, 0, 0]\n", "resolution: expected a number"},
       {"image: [\n", "site.yaml:"}};
   for (const auto& [yaml, expected] : cases) {
     const std::string error = error_of(folder.write("site.yaml", yaml));

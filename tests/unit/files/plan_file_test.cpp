@@ -58,6 +58,17 @@ TEST_F(PlanFile, ReadsTheStepsThatLacamWrites) {
   EXPECT_EQ(plan, (GridPlan{{{0, 5}, {1, 5}, {1, 6}}, {{3, 2}, {3, 2}, {3, 3}}}));
 }
 
+TEST_F(PlanFile, ReadsTheStepsOfMapfVisualizer) {
+  const GridPlan expected{{{0, 5}, {1, 5}, {1, 6}}, {{3, 2}, {3, 2}, {3, 3}}};
+  const std::string steps = "0:(0,5),(3,2),\n1:(1,5),(3,2),\n\n2:(1,6),(3,3)\r\n";
+  EXPECT_EQ(read_grid_plan(written(steps)), expected) << "no header";
+  EXPECT_EQ(read_grid_plan(written("agents=2\n" + steps)), expected) << "no line solution=";
+  EXPECT_EQ(read_grid_plan(written("0:(0,5,Y_MINUS),(3,2,X_MINUS),\n1:(1,5,X_PLUS),(3,2,Y_PLUS),\n"
+                                   "2:(1,6, Y_PLUS),(3,3),\n")),
+            expected)
+      << "headings";
+}
+
 TEST_F(PlanFile, ReadsTheAgentsThatCbsWrites) {
   const GridPlan plan =
       read_grid_plan(written("Agent 0: (5,0)->(5,1)->(6,1)->\r\n\nAgent 1: (2,3)->(2,3)->(3,3)\n"));
@@ -77,26 +88,33 @@ TEST_F(PlanFile, AnErrorNamesTheLineAndWhatWasExpected) {
   const auto expect = [&](const std::string& text, const std::string& error) {
     EXPECT_EQ(error_of(text), (folder.path() / "plan.txt").string() + error);
   };
-  expect("hello", ":1: expected \"Agent N: (row,column)->...\", or KEY=VALUE before \"solution=\"");
-  expect("agents=2\n", ": has no plan, expected \"solution=\" or \"Agent 0: ...\"");
-  expect("solution=\n", ": has no plan, expected \"solution=\" or \"Agent 0: ...\"");
+  expect("hello",
+         ":1: expected \"0:(x,y),...\", \"Agent N: (row,column)->...\", or KEY=VALUE before \"solution=\"");
+  expect("agents=2\n", ": has no plan, expected \"0:(x,y),...\" or \"Agent 0: ...\"");
+  expect("solution=\n", ": has no plan, expected \"0:(x,y),...\" or \"Agent 0: ...\"");
   expect("solution=\n0:\n", ":2: has 0 cells, expected 1");
   expect("solution=\n1:(0,0),\n", ":2: expected \"0:(x,y),(x,y),...\"");
   expect("solution=\n0:(0,0),(1,1),\n1:(0,0),\n", ":3: has 1 cells, expected 2");
-  expect("solution=\n0:(0,0),(1,x),\n", ":2: robot 1: expected \"(x,y)\"");
+  const std::string a_cell =
+      "expected \"(x,y)\" or \"(x,y,HEADING)\" with X_PLUS, X_MINUS, Y_PLUS or Y_MINUS";
+  expect("solution=\n0:(0,0),(1,x),\n", ":2: robot 1: " + a_cell);
+  expect("0:(0,0,NORTH),\n", ":1: robot 0: " + a_cell);
+  expect("0:(0,0,X_PLUS,1),\n", ":1: robot 0: " + a_cell);
+  expect("1:(0,0),\n", ":1: expected \"0:(x,y),(x,y),...\"");
+  expect("0:(0,0),\nsolution=\n", ":2: expected \"1:(x,y),(x,y),...\"");
   expect("solution=\n0:(0,0)(1,1)\n", ":2: robot 1: expected \",\"");
-  expect("solution=\n0:(0,99999999999)\n", ":2: robot 0: expected \"(x,y)\"");
+  expect("solution=\n0:(0,99999999999)\n", ":2: robot 0: " + a_cell);
   expect("Agent 1: (0,0)\n", ":1: expected \"Agent 0: (row,column)->(row,column)->...\"");
   expect("Agent 0: (0,0)->(0;1)\n", ":1: step 1: expected \"(row,column)\"");
   expect("Agent 0: (0,0) (0,1)\n", ":1: step 1: expected \"->\"");
   expect("Agent 0: (0,0)\nsolution=\n0:(0,0)\n",
-         ":3: expected \"Agent N: (row,column)->...\", or KEY=VALUE before \"solution=\"");
+         ":3: expected \"0:(x,y),...\", \"Agent N: (row,column)->...\", or KEY=VALUE before \"solution=\"");
   expect("solution=\n0:(0,0)\nAgent 0: (0,0)\n", ":3: expected \"1:(x,y),...\"");
   expect("version 1\n0 a.map 1 1 0 0 0 0 0\n",
-         ": is a Moving AI scenario, expected a joint plan (\"solution=\" and \"0:(x,y),...\", or \"Agent 0: "
+         ": is a Moving AI scenario, expected a joint plan (\"0:(x,y),...\" or \"Agent 0: "
          "(row,column)->...\"): coppice run, simulate and plan take it");
   expect("",
-         ": is empty, expected a joint plan (\"solution=\" and \"0:(x,y),...\", or \"Agent 0: "
+         ": is empty, expected a joint plan (\"0:(x,y),...\" or \"Agent 0: "
          "(row,column)->...\")");
 }
 
