@@ -164,8 +164,8 @@ class HeldReservation {
   bool is_overridden_ = false;
   std::uint32_t news_ = ~std::uint32_t{0};  ///< up to which the pairs are taken up
   RobotName waits_for_;
-  double waits_until_ = 0;    ///< fleet time before which that robot cannot have come far enough
-  double longest_lease_ = 0;  ///< seconds
+  double waits_until_ = 0;  ///< fleet time before which that robot cannot have come far enough
+  double longest_lease_ = Timing::longest_lease;
   Awaited awaited_;
   double own_speed_ = 0;  ///< until the turn
   Limits own_limits_;

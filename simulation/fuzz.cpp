@@ -16,7 +16,7 @@ namespace coppice {
 
 namespace {
 
-// Fleet seconds. A run goes on for at least an hour, and then until all should have arrived.
+// Fleet seconds. A run may take an hour, and then goes on until all should have arrived, ten hours at most.
 constexpr double usual_run = 3600;
 constexpr double longest_run = 10 * usual_run;
 constexpr double between_looks = 60;
@@ -40,11 +40,6 @@ double time_of_driving(const Scenario& scenario, double lifelong) {
   for (const RobotTask& robot : scenario.robots)
     longest = std::max(longest, free_flow_time((robot.goal - robot.start).norm(), limits_of(robot)));
   return std::clamp(longest, shortest_driving, longest_driving);
-}
-
-/// Whether all robots that can arrive should have arrived by now.
-bool is_overdue(const FuzzCase& fuzz_case, const FleetSimulation& simulation, double now) {
-  return now > arrival_bound(fuzz_case, simulation);
 }
 
 }  // namespace
@@ -76,7 +71,7 @@ void run_fuzz_case(const FuzzCase& fuzz_case, FleetSimulation& simulation,
   simulation.run([&](const PlannerService& service, double now) {
     for (; next != fuzz_case.halts.end() && next->time <= now; ++next) simulation.give(next->order);
     if (now > next_look) {
-      if (is_overdue(fuzz_case, simulation, now)) return false;
+      if (now > arrival_bound(fuzz_case, simulation)) return false;
       next_look = now + between_looks;
     }
     return watch(service, now);

@@ -133,9 +133,9 @@ inline double speeding_up(const Limits& limits) {
 /// Seconds that a robot needs at least to come so many metres, if it drives at this speed now.
 inline double least_time(double metres, double speed, const Limits& limits) {
   const double a = limits.max_acceleration;
-  const double speeding_up = (limits.max_speed * limits.max_speed - speed * speed) / (2 * a);  // metres
-  if (metres <= speeding_up) return (std::sqrt(speed * speed + 2 * a * metres) - speed) / a;
-  return (limits.max_speed - speed) / a + (metres - speeding_up) / limits.max_speed;
+  const double until_full = (limits.max_speed * limits.max_speed - speed * speed) / (2 * a);  // metres
+  if (metres <= until_full) return (std::sqrt(speed * speed + 2 * a * metres) - speed) / a;
+  return (limits.max_speed - speed) / a + (metres - until_full) / limits.max_speed;
 }
 
 /// Seconds in which a robot turns on the spot, from rest to rest. 0 for a holonomic robot.

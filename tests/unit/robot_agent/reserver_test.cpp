@@ -8,7 +8,29 @@
 namespace coppice {
 namespace {
 
-class ReserverTest : public TwoReservers {};
+/// b goes first where the ways cross.
+JointPlanMessage plan_of_both() {
+  return {.round = {4, "a", {100, 100}, 200},
+          .members = {{"a", 5, false, {{1, {20, 100}}, {8, {20, 100}}, {16, {180, 100}}}},
+                      {"b", 5, false, {{1, {100, 6}}, {8.7, {100, 160}}}}},
+          .basis = {},
+          .run = {}};
+}
+
+class ReserverTest : public TwoReservers {
+ protected:
+  /// a has taken up its part of a joint plan and is soon at the crossing. b has not taken up its own: returns
+  /// that state.
+  RobotState come_to_the_crossing() {
+    a.adopt(plan_of_both(), 0.5);
+    a.self.position = {80, 100};
+    RobotState waits = b.state(0.6);
+    waits.round = plan_of_both().round;
+    waits.stage = Stage::waiting;
+    a.fleet.hear(std::make_shared<const RobotState>(waits), 0.6);
+    return waits;
+  }
+};
 
 TEST_F(ReserverTest, TheRobotWithTheShortestWayReservesFirst) {
   for (Robot* robot : {&a, &b}) robot->want(0);
@@ -143,15 +165,6 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
   EXPECT_FALSE(a.reserver.passes(ahead, 0.05));
 }
 
-/// b goes first where the ways cross.
-JointPlanMessage plan_of_both() {
-  return {.round = {4, "a", {100, 100}, 200},
-          .members = {{"a", 5, false, {{1, {20, 100}}, {8, {20, 100}}, {16, {180, 100}}}},
-                      {"b", 5, false, {{1, {100, 6}}, {8.7, {100, 160}}}}},
-          .basis = {},
-          .run = {}};
-}
-
 TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
   a.adopt(plan_of_both(), 0.5);
   ASSERT_TRUE(a.reserver.holds());
@@ -198,12 +211,7 @@ TEST_F(ReserverTest, ARobotPlansAroundOneThatIsEarlyWhereThatIs) {
 }
 
 TEST_F(ReserverTest, AMemberThatHasNotTakenUpItsPartIsWaitedFor) {
-  a.adopt(plan_of_both(), 0.5);
-  a.self.position = {80, 100};  // soon at the crossing
-  RobotState waits = b.state(0.6);
-  waits.round = plan_of_both().round;
-  waits.stage = Stage::waiting;
-  a.fleet.hear(std::make_shared<const RobotState>(waits), 0.6);
+  come_to_the_crossing();
   EXPECT_LT(speed_of_a_at(88.78), 0.5);
   EXPECT_EQ(a.reserver.waits_for(), "b");
   b.drop(0.7);
@@ -215,12 +223,7 @@ TEST_F(ReserverTest, AMemberThatHasNotTakenUpItsPartIsWaitedFor) {
 
 // A robot that speeds up slowly got by only a millimetre at a time, and 30 joint plans were in vain.
 TEST_F(ReserverTest, ARobotThatWaitsForOneThatBrakesSlowlyBindsItselfToStandUntilThatHasPassed) {
-  a.adopt(plan_of_both(), 0.5);
-  a.self.position = {80, 100};  // soon at the crossing
-  RobotState waits = b.state(0.6);
-  waits.round = plan_of_both().round;
-  waits.stage = Stage::waiting;
-  a.fleet.hear(std::make_shared<const RobotState>(waits), 0.6);
+  RobotState waits = come_to_the_crossing();
   speed_of_a_at(88.78);
   ASSERT_EQ(a.reserver.waits_for(), "b");
   EXPECT_EQ(a.reserver.held().lease(0.6), Timing::longest_lease);
