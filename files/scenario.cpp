@@ -1,5 +1,6 @@
 #include "coppice/files/scenario.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
@@ -10,8 +11,11 @@
 #include "coppice/files/map_file.h"
 #include "coppice/planning/clearance_field.h"
 #include "files/size_check.h"
+#include "motion/segments.h"
+#include "planning/number_text.h"
 #include "planning/quantities.h"
 #include "planning/robot_name.h"
+#include "planning/way_out.h"
 
 namespace coppice {
 
@@ -21,8 +25,17 @@ namespace {
   throw InputError(fmt::format("{}: {}", field, problem));
 }
 
+/// The beginning of a name that may hold anything.
+std::string printable(const std::string& name) {
+  std::string text = name.substr(0, longest_robot_name);
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c == 127; }, '?');
+  return text;
+}
+
 void check_name(const std::string& name, std::set<std::string>& names, const std::string& field) {
-  if (!is_robot_name(name)) fail(field, fmt::format("expected {}", robot_name_rule));
+  if (!is_robot_name(name))
+    fail(field, fmt::format("\"{}\" is not a name, expected {}", printable(name), robot_name_rule));
   if (!names.insert(name).second) fail(field, fmt::format("\"{}\" is also the name of another robot", name));
 }
 
@@ -33,10 +46,14 @@ void check_place(const Point2& p, const ClearanceField& field, double radius, co
                            box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
   }
   if (!field.is_free(p, radius)) {
-    fail(name,
-         fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
-                     p.x(), p.y(), field.clearance(p), radius));
+    const auto [clearance, needed] = told_apart(field.clearance(p), radius);
+    fail(name, fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {}, radius {}",
+                           p.x(), p.y(), clearance, needed));
   }
+}
+
+void check_yaw(double yaw, const std::string& field) {
+  if (!is_yaw(yaw)) fail(field, fmt::format("{:g} is not allowed, expected {}", yaw, yaw_rule));
 }
 
 void check_angles(const RobotTask& robot, const std::string& at) {
@@ -53,8 +70,8 @@ void check_angles(const RobotTask& robot, const std::string& at) {
                      robot.max_angular_acceleration, longest_braking, robot.max_angular_speed,
                      robot.max_angular_speed / longest_braking));
   }
-  if (!is_sane(robot.start_yaw)) fail(at + ".start.yaw", "expected a number of radians");
-  if (!is_sane(robot.goal_yaw)) fail(at + ".goal.yaw", "expected a number of radians");
+  check_yaw(robot.start_yaw, at + ".start.yaw");
+  check_yaw(robot.goal_yaw, at + ".goal.yaw");
 }
 
 void check_robot(const RobotTask& robot, const ClearanceField& field, const std::string& at) {
@@ -76,20 +93,36 @@ void check_robot(const RobotTask& robot, const ClearanceField& field, const std:
     const double needed = radius_of_footprint(robot.footprint, at + ".footprint");
     if (robot.radius < needed)
       fail(at + ".radius",
-           fmt::format("{} does not hold the footprint, expected at least {}", robot.radius, needed));
+           fmt::format("{} does not hold the footprint, expected at least {:.6g}", robot.radius, needed));
   }
   check_place(robot.start, field, driving_radius(robot), at + ".start");
   check_place(robot.goal, field, driving_radius(robot), at + ".goal");
 }
 
-void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place, const char* what) {
+/// The way that a robot drives before it plans: mostly a point.
+Path first_way(const RobotTask& robot) {
+  return {robot.stands_at.value_or(robot.start), robot.start};
+}
+Path end(const RobotTask& robot) {
+  return {robot.goal, robot.goal};
+}
+
+/// Two short ways come closest at an end of one of them.
+double distance_between(const Path& a, const Path& b) {
+  return std::min({point_segment_distance(a[0], b[0], b[1]), point_segment_distance(a[1], b[0], b[1]),
+                   point_segment_distance(b[0], a[0], a[1]), point_segment_distance(b[1], a[0], a[1])});
+}
+
+void check_apart(const std::vector<RobotTask>& robots, Path (*place)(const RobotTask&), const char* what) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const double distance = (robots[i].*place - robots[j].*place).norm();
-      if (distance >= reference_radius(robots[i]) + reference_radius(robots[j])) continue;
+      const double distance = distance_between(place(robots[i]), place(robots[j]));
+      const double radii = reference_radius(robots[i]) + reference_radius(robots[j]);
+      if (distance >= radii) continue;
+      const auto [apart, needed] = told_apart(distance, radii);
       fail(fmt::format("robots[{}].{}", i, what),
-           fmt::format("{} and {} would overlap there: distance {:.3f}, radii {} and {}", robots[i].name,
-                       robots[j].name, distance, reference_radius(robots[i]), reference_radius(robots[j])));
+           fmt::format("{} and {} would overlap there: distance {}, sum of their radii {}", robots[i].name,
+                       robots[j].name, apart, needed));
     }
   }
 }
@@ -121,8 +154,19 @@ void check_scenario(const Scenario& scenario) {
     check_name(scenario.robots[i].name, names, at + ".name");
     check_robot(scenario.robots[i], field, at);
   }
-  check_apart(scenario.robots, &RobotTask::start, "start");
-  check_apart(scenario.robots, &RobotTask::goal, "goal");
+  check_apart(scenario.robots, first_way, "start");
+  check_apart(scenario.robots, end, "goal");
+}
+
+void take_starts_off_walls(Scenario& scenario) {
+  const ClearanceField field(scenario.map);
+  for (RobotTask& robot : scenario.robots) {
+    const double radius = driving_radius(robot);
+    const auto out = way_out(field, robot.start, radius, start_tolerance(robot.goal_tolerance, robot.radius));
+    if (!out || *out == robot.start) continue;
+    robot.stands_at = robot.start;
+    robot.start = *out;
+  }
 }
 
 }  // namespace coppice

@@ -1,6 +1,7 @@
 #include "monitor/fleet_view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <variant>
@@ -17,6 +18,7 @@ constexpr WallTime share_period = 1;              // seconds over which a share 
 constexpr std::uint32_t missed_period = 20;       // control periods over which a share is computed, at least
 constexpr WallTime broker_lease = 3;              // seconds of silence after which a broker has gone
 constexpr WallTime silence = 3;                   // seconds of silence of all robots that end a run
+constexpr WallTime longest_delay = 5;             // seconds that a state may take; more is another clock
 constexpr WallTime longest_pause = 5;             // seconds; agents send twice a second, later on a busy host
 
 double median(std::vector<double> values) {
@@ -111,7 +113,15 @@ std::optional<Wait> wait_of(const SeenRobot& robot, double time) {
                                      : fmt::format("it lets {} go first", first)};
 }
 
-std::string sentence_of(const SeenRobot& robot, double time) {
+std::optional<double> silence_of(const SeenRobot& robot, WallTime now) {
+  constexpr WallTime usual = 2;  // seconds: agents send a status twice a second
+  const bool should_speak = robot.mission && !robot.mission->cancelled;
+  const WallTime silence = now - robot.last_word;
+  return should_speak && silence > usual ? std::optional(silence) : std::nullopt;
+}
+
+std::string sentence_of(const SeenRobot& robot, double time, WallTime now) {
+  if (silence_of(robot, now)) return "it is not heard: its agent has ended, hangs, or cannot be reached";
   const Phase phase = phase_of(robot);
   if (robot.status && (has_no_way(phase) || phase == Phase::waiting) && !robot.status->reason.empty())
     return robot.status->reason;
@@ -120,10 +130,11 @@ std::string sentence_of(const SeenRobot& robot, double time) {
   return wait ? fmt::format("{}, for {:.0f} s", wait->cause, wait->seconds) : std::string();
 }
 
-std::optional<double> time_left(const SeenRobot& robot, double time) {
+std::optional<double> time_left(const SeenRobot& robot, double time, WallTime now) {
   constexpr double usual_share = 0.9;  // of the largest speed, on a way with corners
   const auto way = way_left(robot, time);
-  const bool goes = phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0;
+  const bool goes = phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0 &&
+                    !silence_of(robot, now);
   return way && goes ? std::optional(*way / (usual_share * robot.state->max_speed)) : std::nullopt;
 }
 
@@ -150,6 +161,7 @@ void FleetView::begin_anew() {
   index_ = {};
   robots_.clear();
   active_trees_.reset();
+  ahead_ = 0;
 }
 
 void FleetView::receive(const MapMessage& map, WallTime) {
@@ -165,10 +177,10 @@ void FleetView::receive(const MapMessage& map, WallTime) {
 }
 
 /// Null if there are so many names that some must be forged.
-SeenRobot* FleetView::robot(const RobotName& name) {
+SeenRobot* FleetView::robot(const RobotName& name, WallTime at) {
   if (robots_.size() >= most_seen && !index_.find(name)) return nullptr;
   const auto [number, fresh] = index_.insert(name);
-  if (fresh) robots_.push_back({.name = name});
+  if (fresh) robots_.push_back({.name = name, .known_since = at});
   return &robots_[number];
 }
 
@@ -186,7 +198,7 @@ void FleetView::receive(const Mission& mission, WallTime at) {
   if (clock_ && mission.clock.epoch < clock_->epoch && (mission.cancelled || is_under_way(at))) return;
   if (clock_ && *clock_ != mission.clock) begin_anew();
   clock_ = mission.clock;
-  SeenRobot* const seen = robot(mission.robot);
+  SeenRobot* const seen = robot(mission.robot, at);
   if (seen == nullptr || (seen->mission && seen->mission->number > mission.number)) return;
   if (seen->mission && seen->mission->number != mission.number) {
     if (seen->path_mission != mission.number) {  // else the path came before its mission
@@ -197,6 +209,7 @@ void FleetView::receive(const Mission& mission, WallTime at) {
     seen->progress.begin_mission();
     seen->root_nodes.clear();
   }
+  if (!seen->mission) seen->last_word = at;
   seen->mission = mission;
 }
 
@@ -214,18 +227,19 @@ void FleetView::receive(const RootNodes& batch, WallTime) {
 
 void FleetView::receive(const RobotState& state, WallTime at) {
   if (state.passed_on || is_stale(state)) return;
-  SeenRobot* const seen = robot(state.robot);
+  SeenRobot* const seen = robot(state.robot, at);
   if (seen == nullptr) return;
   // the state is of an earlier run, or late
   if (seen->state && seen->state->promise.stamp > state.promise.stamp) return;
+  follow_clock(state, at);
   seen->progress.on(state);
   seen->state = state;
-  seen->heard = heard_ = at;
+  seen->heard = seen->last_word = heard_ = at;
 }
 
-void FleetView::receive(const PathMessage& path, WallTime) {
+void FleetView::receive(const PathMessage& path, WallTime at) {
   if (is_stale(path)) return;
-  SeenRobot* const seen = robot(path.robot);
+  SeenRobot* const seen = robot(path.robot, at);
   if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
   seen->path = path.waypoints;
   seen->progress.follow(path.waypoints);
@@ -235,7 +249,7 @@ void FleetView::receive(const PathMessage& path, WallTime) {
 
 void FleetView::receive(const AgentStatus& status, WallTime at) {
   if (is_stale(status)) return;
-  SeenRobot* const seen = robot(status.robot);
+  SeenRobot* const seen = robot(status.robot, at);
   if (seen == nullptr) return;
   const bool arrives = status.phase == Phase::arrived && status.mission > 0;
   seen->missions_fulfilled = std::max(
@@ -243,7 +257,7 @@ void FleetView::receive(const AgentStatus& status, WallTime at) {
   seen->processor.on(status.load.processor_seconds, at);
   seen->missed.on(status.load.periods, status.load.periods_missed);
   seen->status = status;
-  heard_ = at;
+  seen->last_word = heard_ = at;
 }
 
 void FleetView::receive(const BrokerStatus& status, WallTime at) {
@@ -258,7 +272,15 @@ void FleetView::receive(const BrokerStatus& status, WallTime at) {
 
 std::optional<double> FleetView::fleet_time(WallTime now) const {
   if (!clock_) return std::nullopt;
-  return clock_->fleet_time(now);
+  return clock_->fleet_time(now) + ahead_;
+}
+
+/// A fleet keeps its own time when the clock of its host is set (runtime/process_clock.h), and this process
+/// may have started after that, or on a host whose clock is wrong.
+void FleetView::follow_clock(const RobotState& state, WallTime at) {
+  if (!clock_) return;
+  const double ahead = state.promise.stamp - clock_->fleet_time(at);
+  if (std::abs(ahead - ahead_) > longest_delay * clock_->scale) ahead_ = ahead;
 }
 
 Life FleetView::life(WallTime now) const {

@@ -20,6 +20,10 @@ bool is_on_goal(const RobotTask& task, const TrackPoint& point) {
           std::abs(wrapped(point.yaw - task.goal_yaw)) <= task.goal_yaw_tolerance);
 }
 
+Point2 rest_of(const TrackPoint& last, const RobotTask& robot) {
+  return last.position + last.velocity * last.velocity.norm() / (2 * robot.max_acceleration);
+}
+
 void ControlPeriods::count(const AgentLoad& load, bool first_status) {
   if (first_status && all_ == 0) {
     all_before_ = load.periods;
@@ -74,8 +78,13 @@ void RobotRecord::begin_next_mission(const Point2& start, const NextGoal& goal) 
   earlier_nodes.valid += done.nodes_valid;
   earlier_nodes.invalid += done.nodes_invalid;
   earlier_grafts += done.trees_grafted;
-  ++mission;
+  go_on_with(mission + 1, start, goal);
+}
+
+void RobotRecord::go_on_with(std::uint32_t number, const Point2& start, const NextGoal& goal) {
+  mission = number;
   task.start = start;
+  task.stands_at.reset();
   task.goal = goal.position;
   task.goal_yaw = goal.yaw.value_or(0);
   const bool turns = goal.yaw && is_differential(limits_of(task));
@@ -83,6 +92,27 @@ void RobotRecord::begin_next_mission(const Point2& start, const NextGoal& goal) 
   status.reset();
   path.clear();
   root_nodes.clear();
+}
+
+void RobotRecord::begins_at(const Point2& place, double yaw) {
+  task.start = task.goal = place;
+  task.start_yaw = yaw;
+  task.goal_yaw = task.goal_yaw_tolerance = 0;
+}
+
+void RobotRecord::stands_at(const Point2& place, double yaw) {
+  if (task.goal == task.start) return begins_at(place, yaw);
+  task.start = place;
+  task.start_yaw = yaw;
+}
+
+void RobotRecord::began_as(const Mission& saved) {
+  task.start = saved.start;
+  task.start_yaw = saved.start_yaw;
+  if (mission > 1) return;
+  task.goal = saved.goal;
+  task.goal_yaw = saved.goal_yaw;
+  task.goal_yaw_tolerance = saved.goal_yaw_tolerance;
 }
 
 RobotRecords::RobotRecords(const std::vector<RobotTask>& tasks) {

@@ -9,10 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "coppice/files/scenario.h"
 #include "messages/validation.h"
 #include "planning/free_way.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"
+#include "planning/way_out.h"
 #include "robot_agent/limits.h"
 #include "robot_agent/words.h"
 
@@ -68,7 +70,7 @@ Run::Run(AgentProcess& process, Fleet& fleet, const Reservations& others, const 
 }
 
 void Run::go_on_from(const SavedState& saved, double now) {
-  track_ = TrackLog(tracking_ ? saved.seen : saved.track);
+  track_ = TrackLog(saved.track, saved.first_index);
   if (tracking_ && !track_.empty()) last_seen_ = track_.last().time;
   counter_ = StateCounter(saved.sequence);
   timing_.first = false;
@@ -128,12 +130,20 @@ void Run::set_out(double now) {
     round_.leave();
     return enter(Stopped{std::max(body_.time(), now)});
   }
+  if (const auto out = way_off_the_wall()) return enter(DrivingOut{*out});
   if (const char* const problem = problem_with_task()) {
     status_.path_time = now;
     status_.reason = problem;
     return enter(Impossible{});
   }
   look_for_a_path();
+}
+
+/// None: the robot has room where it is, or too little.
+std::optional<Point2> Run::way_off_the_wall() const {
+  if (map_->field.is_free(body_.position(), body_.radius() - driving_rounding)) return std::nullopt;
+  const double most = start_tolerance(mission_.goal_tolerance, mission_.radius) + map_->field.inflation();
+  return way_out(map_->field, body_.position(), driving_radius(body_.radius(), body_.limits()), most);
 }
 
 /// Null if the map leaves room for start and goal, and the mission for a robot that follows.

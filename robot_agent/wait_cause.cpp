@@ -33,6 +33,9 @@ Run::WaitKind Run::wait_kind(double now) {
 std::string Run::wait_cause(double now) {
   using W = WaitTimes;
   const WaitKind kind = wait_kind(now);
+  if (const auto* out = std::get_if<DrivingOut>(&task_))
+    return "it stands too near to an obstacle, and drives out first" +
+           (out->is_blocked ? ": " + what_is_in_the_way() : std::string());
   if (kind == &W::planning) return "no path yet: it looks for one";
   if (kind == &W::connection) return what_it_has_not_heard();
   if (kind == &W::odometry) return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));

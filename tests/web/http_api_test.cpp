@@ -85,6 +85,45 @@ TEST_F(HttpApiTest, ARequestNeedsTheToken) {
   EXPECT_EQ(status(request("GET", "/api/nothing", "")), 401) << "nothing is told without a token";
 }
 
+TEST_F(HttpApiTest, WrongTokensAreLimitedAndAnOperatorIsHeardAllTheSame) {
+  const auto wrong = [&](int k) {
+    return ask(request("GET", "/api/robots", fmt::format("Authorization: Bearer wrong{:011}\r\n", k)));
+  };
+  EXPECT_EQ(status(request("POST", "/api/stop")), 200) << "an operator at this address";
+  for (int k = 0; k < 10; ++k) EXPECT_TRUE(has(wrong(k), "HTTP/1.1 401 ")) << k;
+  for (int k = 10; k < 30; ++k) {
+    const std::string answer = wrong(k);
+    EXPECT_TRUE(has(answer, "HTTP/1.1 429 Too Many Requests\r\n"));
+    EXPECT_TRUE(std::regex_search(answer, std::regex("Retry-After: [1-6]\r\n"))) << answer;
+    EXPECT_TRUE(has(answer, R"("detail":"Too many wrong tokens from 127.0.0.1: wait )"));
+  }
+  EXPECT_EQ(status(request("POST", "/api/stop")), 200) << "STOP does not wait for others' mistakes";
+  EXPECT_EQ(status(request("GET", "/api/robots", "")), 401) << "a request without a token is no guess";
+  EXPECT_TRUE(has(ask("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"),
+                  "coppice_monitor_refused_logins_total 30\n"));
+}
+
+TEST_F(HttpApiTest, AGuessThatIsRightIsNotTold) {
+  for (int k = 0; k < 10; ++k)
+    EXPECT_EQ(status(request("GET", "/api/robots", "Authorization: Bearer wrong\r\n")), 401);
+  EXPECT_EQ(status(request("GET", "/api/robots")), 429)
+      << "nobody at this address has shown the token before";
+}
+
+TEST_F(HttpApiTest, AProxyOnThisMachineSaysForWhomItAsks) {
+  const auto wrong_from = [&](const std::string& address) {
+    return request("GET", "/api/robots",
+                   "Authorization: Bearer wrong\r\nX-Forwarded-For: 10.0.0.1, " + address + "\r\n");
+  };
+  monitor = monitor_with({.port = 0, .proxies = {"https://fleet.example"}, .token = token});
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(status(wrong_from("192.0.2.7")), 401);
+  EXPECT_EQ(status(wrong_from("192.0.2.7")), 429);
+  EXPECT_EQ(status(wrong_from("192.0.2.8")), 401);
+  monitor = monitor_with({.port = 0, .token = token});
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(status(wrong_from(fmt::format("192.0.2.{}", k))), 401);
+  EXPECT_EQ(status(wrong_from("192.0.2.99")), 429) << "without a proxy, anybody may have written the header";
+}
+
 TEST_F(HttpApiTest, PagesOfOtherSitesAreRefused) {
   const std::string token_and_origin = std::string(fine) + "Origin: ";
   EXPECT_EQ(status(request("POST", "/api/stop", token_and_origin + "https://evil.example\r\n")), 403);
@@ -255,6 +294,26 @@ TEST_F(ServedFleetTest, AFleetObeysOrdersOverHttp) {
   post("orders", R"({"id": "next", "robot": "r2", "goal": {"x": 428, "y": 360}})");
   EXPECT_TRUE(
       has(curl("-X DELETE " + url() + "api/orders/next").output, R"("state":"cancelled","robot":"r2")"));
+}
+
+/// The page's types are made from the same description.
+TEST_F(ServedFleetTest, RealAnswersFitTheDescriptionOfTheApi) {
+  const std::filesystem::path source = COPPICE_SOURCE_DIR;
+  if (!std::filesystem::exists(source / "tests/web/node_modules/ajv") ||
+      !std::filesystem::exists(source / "monitor/web/node_modules/yaml"))
+    GTEST_SKIP() << "needs `npm ci` in tests/web and `npm install --no-save` in monitor/web";
+  folder.write("token", token);
+  const test::Background fleet(
+      {test::program("coppice"), "serve", site(), "--map", (test::scenarios() / "rooms-8.map").string(),
+       "--robots", "4", "--time-scale", "4", "--quiet", "--domain", test::domain_name()},
+      path("serve.log"));
+  const test::Background monitor({test::program("coppice"), "monitor", "--domain", test::domain_name(),
+                                  "--port", "0", "--control", "--token-file", path("token")},
+                                 path("monitor.log"));
+  ASSERT_TRUE(test::within(20s, [&] { return said("monitor.log").starts_with("http://"); }));
+  const test::Outcome outcome = test::shell(fmt::format(
+      "timeout 200 node '{}/tests/web/answers_fit.mjs' '{}' {} 2>&1", source.string(), url(), token));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << said("monitor.log") << said("serve.log");
 }
 
 TEST_F(ServedFleetTest, ControlNeedsATokenThatIsHardToGuess) {

@@ -7,16 +7,14 @@
 #include <algorithm>
 #include <thread>
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 
 #include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
+#include "tests/web/client.h"
 
 namespace coppice {
 namespace {
@@ -30,18 +28,6 @@ std::filesystem::path web() {
 std::string which(const std::string& name) {
   const test::Outcome found = test::shell("command -v " + name);
   return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : std::string();
-}
-
-std::uint16_t free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  bind(socket, reinterpret_cast<const sockaddr*>(&address), size);
-  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-  close(socket);
-  return ntohs(address.sin_port);
 }
 
 struct MonitorTest : testing::Test {
@@ -123,7 +109,7 @@ TEST_F(MonitorTest, PrometheusReadsTheMetrics) {
   config.replace(config.find(usual), usual.size(), "127.0.0.1:" + port());
   config.replace(config.find("5s"), 2, "1s");
   folder.write("prometheus.yml", config);
-  const std::string server = fmt::format("127.0.0.1:{}", free_port());
+  const std::string server = fmt::format("127.0.0.1:{}", test::free_port());
   const test::Background prometheus(
       {which("prometheus"), "--config.file=" + path("prometheus.yml").string(),
        "--storage.tsdb.path=" + path("data").string(), "--web.listen-address=" + server},

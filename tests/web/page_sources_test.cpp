@@ -57,6 +57,26 @@ TEST_F(PageSources, ThePageControlsAFleet) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
+/// A monitor that hangs, silent robots, queues, other operators, a thousand orders, hasty fingers.
+TEST_F(PageSources, ThePageServesOperatorsOnBadDays) {
+  if (test::shell("command -v chromium").exit_code != 0 ||
+      !std::filesystem::exists(sources / "../../tests/web/node_modules/playwright-core"))
+    GTEST_SKIP() << "needs chromium, and `npm ci` in tests/web";
+  const test::Outcome outcome =
+      there("npm run protocol && node ../../tests/web/page/operating.spec.mjs 2>&1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
+/// By axe-core, and by an operator who uses only the keyboard.
+TEST_F(PageSources, EverybodyCanUseThePage) {
+  if (test::shell("command -v chromium").exit_code != 0 ||
+      !std::filesystem::exists(sources / "../../tests/web/node_modules/axe-core"))
+    GTEST_SKIP() << "needs chromium, and `npm ci` in tests/web";
+  const test::Outcome outcome =
+      there("npm run protocol && node ../../tests/web/page/accessible.spec.mjs 2>&1");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+}
+
 /// What only a mock can play: recordings, a monitor that ends, invalid bytes, 200 robots.
 TEST_F(PageSources, ThePageWorksWithAMadeUpFleet) {
   if (!test::wants_long_tests()) GTEST_SKIP() << test::why_not_long;

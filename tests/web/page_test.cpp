@@ -82,9 +82,10 @@ TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
   const std::string number = test::domain_name();
   const std::string token = "0123456789abcdef";
   folder.write("token", token);
-  const auto fleet = start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4",
-                            "--domain", number, "--quiet", "--time-scale", "2"},
-                           "fleet.log");
+  const auto fleet =
+      start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4", "--domain", number,
+             "--quiet", "--time-scale", "2", "--state", path("state").string()},
+            "fleet.log");
   const auto monitor = start(
       {"monitor", "--domain", number, "--port", "0", "--control", "--token-file", path("token").string()},
       "monitor.log");
@@ -94,6 +95,35 @@ TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
                   "'{}/page/fleet_control.spec.mjs' 2>&1",
                   url(), token, kept != nullptr ? std::string(kept) + "/control" : path("shots").string(),
                   web().string()));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
+                                  << test::contents(path("fleet.log"));
+}
+
+TEST_F(Page, WhatHangsIsSeenOnThePage) {
+  const std::string number = test::domain_name();
+  const std::string token = "0123456789abcdef";
+  folder.write("token", token);
+  const auto fleet = start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4",
+                            "--domain", number, "--quiet", "--state", path("state").string()},
+                           "fleet.log");
+  const auto monitor = start(
+      {"monitor", "--domain", number, "--port", "0", "--control", "--token-file", path("token").string()},
+      "monitor.log");
+  const auto agent_of_r2 = [&] {
+    for (const test::ProcessInfo& process : test::children_of(fleet->pid())) {
+      std::string command = test::contents(fmt::format("/proc/{}/cmdline", process.pid));
+      std::ranges::replace(command, '\0', ' ');
+      if (command.find("--name r2 ") != std::string::npos) return process.pid;
+    }
+    return pid_t{0};
+  };
+  ASSERT_TRUE(test::within(20s, [&] { return agent_of_r2() != 0; })) << test::contents(path("fleet.log"));
+  const char* const kept = std::getenv("COPPICE_PAGE_SHOTS");
+  const test::Outcome outcome = test::shell(
+      fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} COPPICE_PAGE_SHOTS='{}' node "
+                  "'{}/page/hanging.spec.mjs' {} {} 2>&1",
+                  url(), token, kept != nullptr ? std::string(kept) + "/hanging" : path("shots").string(),
+                  web().string(), monitor->pid(), agent_of_r2()));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
                                   << test::contents(path("fleet.log"));
 }

@@ -1,7 +1,10 @@
-// The list of orders, the newest first. A row stays the same element, so that the focus stays on its button.
+// The list of orders, the newest first, a page of them at a time. A row stays the same element, so that the focus stays on
+// its button.
 import {byId, element, setText} from './dom.ts';
 import {clock, fixed} from './format.ts';
 import {isEnded, type Order, type Orders} from './orders.ts';
+
+const pageOf = 100;  // orders that are shown at first, and with each press on "more"
 
 interface Row {
   item: HTMLElement;
@@ -31,10 +34,19 @@ export class OrderList {
   private readonly none = byId('no-orders');
   private readonly count = byId('order-count');
   private readonly rows = new Map<string, Row>();
+  private readonly more = byId<HTMLButtonElement>('more-orders');
   private revision = -1;
+  private most = pageOf;
   private shown: Order[] = [];
 
-  constructor(private readonly orders: Orders, private readonly onCancel: (order: Order) => void) {}
+  constructor(private readonly orders: Orders, private readonly onCancel: (order: Order) => void) {
+    this.more.addEventListener('click', () => {
+      const first = this.shown.length;
+      this.most += pageOf;
+      this.writeAll();
+      if (this.more.hidden) this.list.children[first]?.querySelector('button')?.focus();
+    });
+  }
 
   update(): void {
     if (this.revision !== this.orders.revision) this.writeAll();
@@ -44,7 +56,7 @@ export class OrderList {
 
   private writeAll(): void {
     this.revision = this.orders.revision;
-    this.shown = this.orders.newest();
+    this.shown = this.orders.newest(this.most);
     const ids = new Set(this.shown.map(({id}) => id));
     for (const [id, {item}] of this.rows) {
       if (ids.has(id)) continue;
@@ -52,9 +64,11 @@ export class OrderList {
       this.rows.delete(id);
     }
     this.shown.forEach((order, place) => this.write(order, place));
-    const open = this.shown.filter((order) => order.action === 'go' && !isEnded(order)).length;
-    setText(this.count, open > 0 ? `${open} open` : '');
-    this.none.hidden = this.shown.length > 0;
+    const {openCount, count} = this.orders;
+    setText(this.count, openCount > 0 ? `${openCount} open` : '');
+    this.none.hidden = count > 0;
+    this.more.hidden = this.shown.length === count;
+    setText(this.more, `Show more: ${this.shown.length} of ${count} are shown`);
   }
 
   private write(order: Order, place: number): void {

@@ -1,0 +1,82 @@
+#include "files/pose_file.h"
+
+#include <gtest/gtest.h>
+
+#include "coppice/files/input_error.h"
+#include "tests/support.h"
+
+namespace coppice {
+namespace {
+
+/// A hall of 20 m x 10 m with a wall at its right end. Robot b is differential.
+Scenario hall() {
+  Scenario site;
+  site.map = {.width = 20, .height = 10, .blocked = std::vector<std::uint8_t>(200, 0)};
+  for (int j = 0; j < 10; ++j) site.map.blocked[static_cast<std::size_t>(20 * j + 19)] = 1;
+  site.robots = {{"a", {2, 2}, {2, 2}, 1, 1, 1, 1}, {"b", {2, 6}, {2, 6}, 1, 1, 1, 1}};
+  site.robots[1].max_angular_speed = site.robots[1].max_angular_acceleration = 1;
+  return site;
+}
+
+std::string error_of(const std::string& json) {
+  const test::TemporaryFolder folder;
+  try {
+    read_poses(folder.write("poses.json", json), hall());
+  } catch (const InputError& problem) {
+    return problem.what();
+  }
+  return {};
+}
+
+constexpr const char* fine =
+    R"({"robots": [{"name": "b", "x": 5, "y": 6, "yaw": 1.5}, {"name": "a", "x": 8.25, "y": 3, "yaw": null}]})";
+
+TEST(PoseFile, EachRobotHasAPose) {
+  const test::TemporaryFolder folder;
+  const auto poses = read_poses(folder.write("poses.json", fine), hall());
+  EXPECT_EQ(pose_of(poses, "a")->position, Point2(8.25, 3));
+  EXPECT_EQ(pose_of(poses, "b")->yaw, 1.5);
+  EXPECT_EQ(pose_of(poses, "c"), nullptr);
+}
+
+TEST(PoseFile, WhatIsWrittenIsRead) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "poses.json";
+  write_poses(file, std::vector<RobotPose>{{"a", {13.0 / 3, 2}, 7}, {"b", {5, 6}, -0.1}}, hall());
+  const auto poses = read_poses(file, hall());
+  EXPECT_EQ(pose_of(poses, "a")->position, Point2(13.0 / 3, 2));
+  EXPECT_EQ(pose_of(poses, "b")->yaw, -0.1);
+}
+
+TEST(PoseFile, MistakesAreNamedWithFileAndRobot) {
+  const std::string b = R"({"name": "b", "x": 5, "y": 6, "yaw": 0})";
+  const auto with = [&](const std::string& a) { return R"({"robots": [)" + b + ", " + a + "]}"; };
+  for (const auto& [json, problem] : std::vector<std::pair<std::string, std::string>>{
+           {R"({"robots": [)" + b + "]}",
+            "poses.json: a is missing, expected a pose for each robot of the site"},
+           {with(R"({"name": "a", "x": 5})"), "poses.json: robots[1].y: is missing"},
+           {with(R"({"name": "c", "x": 5, "y": 1})"),
+            "poses.json: robots[1].name: c is no robot of this site"},
+           {with(b), "robots[1].name: b has a pose already"},
+           {with(R"({"name": "a", "x": 5, "y": 4.5})"), "robots[1]: a and b would overlap: distance 1.500"},
+           {with(R"({"name": "a", "x": 18.5, "y": 3})"), "robots[1]: a would stand in an obstacle"},
+           {with(R"({"name": "a", "x": -9, "y": 3})"), "robots[1]: a would stand in an obstacle"},
+           {with(R"({"name": "a", "x": 8, "y": 3, "yaw": 1})"), "robots[1].yaw: a is holonomic"},
+           {R"({"robots": [{"name": "b", "x": 5, "y": 6}]})",
+            "robots[0].yaw: is missing, expected the heading of b"},
+           {R"({"robots": [{"name": "a", "x": "5", "y": 6}]})", "robots[0].x: expected a number"},
+           {R"({"robots": [{"x": 5, "y": 6}]})", "robots[0].name: is missing"},
+           {R"({"robots": [{"name": "a", "z": 6}]})", "poses.json:1"}}) {
+    EXPECT_NE(error_of(json).find(problem), std::string::npos) << json << "\nsaid: " << error_of(json);
+  }
+}
+
+TEST(PoseFile, ARobotThatIsNewMayNotStartWhereAnotherOneStands) {
+  const std::vector<RobotPose> poses{{"a", {2, 7.5}, 0}};
+  EXPECT_THROW(check_new_robots(hall(), poses), InputError);
+  EXPECT_NO_THROW(check_new_robots(hall(), std::vector<RobotPose>{{"a", {8, 7.5}, 0}}));
+  EXPECT_NO_THROW(check_new_robots(hall(), std::vector<RobotPose>{{"gone", {2, 6}, 0}}));
+}
+
+}  // namespace
+}  // namespace coppice
