@@ -14,6 +14,7 @@
 #include "tests/processes.h"
 #include "tests/support.h"
 #include "tests/web/client.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
@@ -298,10 +299,8 @@ TEST_F(ServedFleetTest, AFleetObeysOrdersOverHttp) {
 
 /// The page's types are made from the same description.
 TEST_F(ServedFleetTest, RealAnswersFitTheDescriptionOfTheApi) {
-  const std::filesystem::path source = COPPICE_SOURCE_DIR;
-  if (!std::filesystem::exists(source / "tests/web/node_modules/ajv") ||
-      !std::filesystem::exists(source / "monitor/web/node_modules/yaml"))
-    GTEST_SKIP() << "needs `npm ci` in tests/web and `npm install --no-save` in monitor/web";
+  ASSERT_EQ(test::missing_packages(test::web_tests()), "");
+  ASSERT_EQ(test::missing_packages(test::page_sources()), "");
   folder.write("token", token);
   const test::Background fleet(
       {test::program("coppice"), "serve", site(), "--map", (test::scenarios() / "rooms-8.map").string(),
@@ -311,8 +310,8 @@ TEST_F(ServedFleetTest, RealAnswersFitTheDescriptionOfTheApi) {
                                   "--port", "0", "--control", "--token-file", path("token")},
                                  path("monitor.log"));
   ASSERT_TRUE(test::within(20s, [&] { return said("monitor.log").starts_with("http://"); }));
-  const test::Outcome outcome = test::shell(fmt::format(
-      "timeout 200 node '{}/tests/web/answers_fit.mjs' '{}' {} 2>&1", source.string(), url(), token));
+  const test::Outcome outcome = test::shell(fmt::format("timeout 200 node '{}/answers_fit.mjs' '{}' {} 2>&1",
+                                                        test::web_tests().string(), url(), token));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output << said("monitor.log") << said("serve.log");
 }
 

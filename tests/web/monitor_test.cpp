@@ -15,15 +15,12 @@
 #include "tests/processes.h"
 #include "tests/support.h"
 #include "tests/web/client.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
-
-std::filesystem::path web() {
-  return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
-}
 
 std::string which(const std::string& name) {
   const test::Outcome found = test::shell("command -v " + name);
@@ -63,7 +60,7 @@ struct MonitorTest : testing::Test {
         path("run.log"));
   }
   test::Outcome node(const std::string& script, const std::string& arguments) const {
-    return test::shell("cd '" + web().string() + "' && node " + script + " " + arguments);
+    return test::shell("cd '" + test::web_tests().string() + "' && node " + script + " " + arguments);
   }
 };
 
@@ -155,7 +152,7 @@ TEST_F(MonitorTest, TheAlertsFireAsTheyShould) {
   const std::string rules = std::string(COPPICE_SOURCE_DIR) + "/deploy/prometheus-alerts.yml";
   const test::Outcome checked = test::shell("promtool check rules '" + rules + "' 2>&1");
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
-  std::string tests = test::contents(web() / "alerts_test.yml");
+  std::string tests = test::contents(test::web_tests() / "alerts_test.yml");
   tests.replace(tests.find("[RULES]"), 7, "[" + rules + "]");
   folder.write("alerts_test.yml", tests);
   const test::Outcome tested =

@@ -16,22 +16,15 @@
 #include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
 
-std::filesystem::path web() {
-  return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
-}
-
 struct Page : testing::Test {
-  void SetUp() override {
-    const bool there = test::shell("command -v node && command -v chromium").exit_code == 0 &&
-                       std::filesystem::exists(web() / "node_modules/playwright-core");
-    ASSERT_TRUE(there) << "needs node, chromium, and `npm ci` in tests/web: tests/run installs them";
-  }
+  void SetUp() override { ASSERT_EQ(test::missing_for_browser(), ""); }
 
   std::filesystem::path path(const std::string& name) const { return folder.path() / name; }
   std::unique_ptr<test::Background> start(std::vector<std::string> arguments, const std::string& log) const {
@@ -49,8 +42,9 @@ struct Page : testing::Test {
   }
   /// Runs a script of page/ at the monitor's page.
   void run_spec(const std::string& script, const std::string& arguments = {}) const {
-    const test::Outcome outcome = test::shell(fmt::format("COPPICE_PAGE_URL={} node '{}/page/{}' {} 2>&1",
-                                                          url(), web().string(), script, arguments));
+    const test::Outcome outcome =
+        test::shell(fmt::format("COPPICE_PAGE_URL={} node '{}/page/{}' {} 2>&1", url(),
+                                test::web_tests().string(), script, arguments));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"));
   }
   void use_page(const std::string& of_what) const {
@@ -58,7 +52,7 @@ struct Page : testing::Test {
     const std::string shots = kept != nullptr ? std::string(kept) + "/" + of_what : path("shots").string();
     const test::Outcome outcome = test::shell(
         fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_SHOTS='{}' node '{}/page/page.spec.mjs' 2>&1", url(),
-                    shots, web().string()));
+                    shots, test::web_tests().string()));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"));
     EXPECT_TRUE(std::filesystem::exists(shots + "/light.png"));
   }
@@ -94,7 +88,7 @@ TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
       fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} COPPICE_PAGE_SHOTS='{}' node "
                   "'{}/page/fleet_control.spec.mjs' 2>&1",
                   url(), token, kept != nullptr ? std::string(kept) + "/control" : path("shots").string(),
-                  web().string()));
+                  test::web_tests().string()));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
                                   << test::contents(path("fleet.log"));
 }
@@ -123,7 +117,7 @@ TEST_F(Page, WhatHangsIsSeenOnThePage) {
       fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} COPPICE_PAGE_SHOTS='{}' node "
                   "'{}/page/hanging.spec.mjs' {} {} 2>&1",
                   url(), token, kept != nullptr ? std::string(kept) + "/hanging" : path("shots").string(),
-                  web().string(), monitor->pid(), agent_of_r2()));
+                  test::web_tests().string(), monitor->pid(), agent_of_r2()));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
                                   << test::contents(path("fleet.log"));
 }
@@ -163,9 +157,10 @@ TEST_F(Page, ThePageNeverCallsAReplayLive) {
       << test::contents(path("simulate.log"));
   const std::string number = test::domain_name();
   const auto monitor = start({"monitor", "--domain", number, "--port", "0"}, "monitor.log");
-  test::Background spec({"/usr/bin/env", "COPPICE_PAGE_URL=" + url(), "node", web() / "page/badge.spec.mjs",
-                         "waiting for a fleet", "replay", "fleet silent since "},
-                        path("spec.log"));
+  test::Background spec(
+      {"/usr/bin/env", "COPPICE_PAGE_URL=" + url(), "node", test::web_tests() / "page/badge.spec.mjs",
+       "waiting for a fleet", "replay", "fleet silent since "},
+      path("spec.log"));
   const auto is_shown = [&](const std::string& text) {
     return test::within(
         60s, [&] { return test::contents(path("spec.log")).find(text + "\n") != std::string::npos; });

@@ -10,6 +10,7 @@
 #include "tests/processes.h"
 #include "tests/support.h"
 #include "tests/web/client.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
@@ -27,15 +28,11 @@ struct Proxy : testing::Test {
 
   std::string path(const std::string& name) const { return (folder.path() / name).string(); }
   std::string said(const std::string& name) const { return test::contents(path(name)); }
-  static std::filesystem::path web() { return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web"; }
 
   void SetUp() override {
-    ASSERT_EQ(test::shell("command -v node && command -v chromium && command -v caddy && command -v nginx")
-                  .exit_code,
-              0)
-        << "needs node, chromium, caddy and nginx: tests/run installs them";
-    ASSERT_TRUE(std::filesystem::exists(web() / "node_modules/playwright-core"))
-        << "needs `npm ci` in tests/web";
+    ASSERT_EQ(test::missing_for_browser(), "");
+    ASSERT_EQ(test::shell("command -v caddy && command -v nginx").exit_code, 0)
+        << "needs caddy and nginx, which tests/run installs";
     folder.write("token", token);
     fleet = std::make_unique<test::Background>(
         std::vector<std::string>{
@@ -81,7 +78,7 @@ struct Proxy : testing::Test {
     })) << said(log);
     const test::Outcome outcome = test::shell(
         fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} node '{}/page/proxy.spec.mjs' 2>&1", address,
-                    token, web().string()));
+                    token, test::web_tests().string()));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output << said(log) << said("monitor.log")
                                     << said("fleet.log");
     const test::Outcome foreign = test::shell(fmt::format(
