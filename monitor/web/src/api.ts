@@ -20,14 +20,13 @@ export class Api {
   async probe(): Promise<void> {
     await this.ask('GET', 'alarms');
   }
-  /// To any robot if none is named.
-  async go(robot: string | null, goal: Goal): Promise<Order> {
-    const body: OrderRequest = {robot, goal, by: this.by};
+  /// To any robot if none is named. `replace`: the order replaces the other open orders of the robot.
+  async go(robot: string | null, goal: Goal, replace = false): Promise<Order> {
+    const body: OrderRequest = {robot, goal, by: this.by, replace};
     return read('Order', await this.ask('POST', 'orders', body));
   }
-  /// `why`: the reason, for other operators.
-  async cancel(order: string, why = ''): Promise<void> {
-    const query = new URLSearchParams({by: this.by, ...(why && {why})});
+  async cancel(order: string): Promise<void> {
+    const query = new URLSearchParams({by: this.by});
     await this.ask('DELETE', `orders/${encodeURIComponent(order)}?${query}`);
   }
   async halt(what: 'stop' | 'release' | 'pause' | 'resume', robots?: string[]): Promise<void> {

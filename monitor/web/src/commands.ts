@@ -1,6 +1,5 @@
 // What an operator can order. The outcome of each command is shown.
 import {type Api, ApiError, detail} from './api.ts';
-import {fixed} from './format.ts';
 import {describe} from './order_list.ts';
 import {type Goal, type Order, type Orders, isEnded} from './orders.ts';
 import type {Choice} from './replace_dialog.ts';
@@ -27,17 +26,14 @@ export class Commands {
     private readonly onRefused: (error: ApiError) => void,  // the token
   ) {}
 
-  /// To any robot if none is named. Without a queue, the robot's earlier orders are cancelled, if the operator agrees: last,
-  /// so that a refused order leaves the robot with what it had to do.
+  /// To any robot if none is named. Without a queue, the order replaces the robot's earlier ones, if the operator agrees.
   async send(robot: string | null, goal: Goal, queue: boolean): Promise<void> {
     const who = robot ?? 'any robot';
     const key = `send ${who} ${JSON.stringify(goal)}`;
     await this.attempt(key, {topic: `send ${who}`, success: `Order for ${who} accepted`, failure: `The order for ${who} failed`}, async () => {
-      const earlier = await this.replaced(robot, queue);
-      if (earlier === undefined) return 'nothing';
-      const order = await this.api.go(robot, goal);
-      const why = `replaced by order ${order.id} to ${fixed(goal.x, 2)}, ${fixed(goal.y, 2)}`;
-      await Promise.all(earlier.map(({id}) => this.api.cancel(id, why).catch(unlessEnded)));
+      const choice = robot === null || queue ? 'add' : await this.choose(robot);
+      if (choice === undefined) return 'nothing';
+      await this.api.go(robot, goal, choice === 'replace');
       return undefined;
     });
   }
@@ -82,15 +78,18 @@ export class Commands {
     }, () => this.api.halt(what, [robot]));
   }
 
-  /// The orders that a new one replaces. Undefined: the operator wants nothing of this.
-  private async replaced(robot: string | null, queue: boolean): Promise<Order[] | undefined> {
-    if (robot === null || queue) return [];
-    if (!this.orders.areKnown) throw new Error('its earlier orders are not known now; Queue leaves them');
-    const earlier = this.orders.openOf(robot);
-    if (earlier.length === 0) return [];
-    const choice = await this.ask(robot, earlier);
-    if (choice === 'replace') return earlier;
-    return choice === 'add' ? [] : undefined;
+  /// Asks again if the robot got further orders meanwhile: nothing is lost that the operator has not seen.
+  private async choose(robot: string): Promise<Choice> {
+    let seen: readonly Order[] = [];
+    for (;;) {
+      if (!this.orders.areKnown) throw new Error('its earlier orders are not known now; Queue leaves them');
+      const open = this.orders.openOf(robot);
+      const isSeen = open.every(({id}) => seen.some((order) => order.id === id));
+      if (isSeen) return open.length === 0 ? 'add' : 'replace';
+      seen = open;
+      const choice = await this.ask(robot, open);
+      if (choice !== 'replace') return choice;
+    }
   }
 
   /// Once, however often a button is pressed meanwhile.
@@ -113,9 +112,4 @@ export class Commands {
   private tellRefusal(error: unknown): void {
     if (error instanceof ApiError && error.status === 401) this.onRefused(error);
   }
-}
-
-/// An order that ended meanwhile needs no cancelling.
-function unlessEnded(error: unknown): void {
-  if (!(error instanceof ApiError && error.status === 409)) throw error;
 }

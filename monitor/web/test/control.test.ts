@@ -3,13 +3,17 @@ import {afterEach, describe, expect, it, vi} from 'vitest';
 
 import {type Draft, type Situation, goalOf, hintOf, targetOf} from '../src/aim.ts';
 import {Api, ApiError} from '../src/api.ts';
+import {Commands} from '../src/commands.ts';
 import {EventParser} from '../src/event_parser.ts';
 import {ageOf, describe as words} from '../src/order_list.ts';
 import {type KeyAim, onAimKey, tipOf} from '../src/key_aim.ts';
 import {Labels} from '../src/labels.ts';
+import {Notices} from '../src/notices.ts';
 import {type Order, Orders} from '../src/orders.ts';
+import type {Choice} from '../src/replace_dialog.ts';
 import {SchemaError, read, readEvent} from '../src/schema.ts';
 import {StopSwitch} from '../src/stop_switch.ts';
+import type {Toasts} from '../src/toasts.ts';
 
 const order = (id: string, values: object = {}) => ({
   id, action: 'go', state: 'under way', robot: 'r1', for: ['r1'], goals: [{x: 1, y: 2}], visited: 0, cancels: null, reason: null, priority: 0, by: null,
@@ -219,6 +223,87 @@ describe('names on the map', () => {
   });
 });
 
+describe('a robot that is sent while it has orders', () => {
+  const begin = (answers: Choice[], onAsk = (_orders: Orders) => {}) => {
+    const orders = new Orders();
+    tell(orders, 'halt', {everybody: 'none', robots: []});
+    const go = vi.fn(async () => asOrder(order('new')));
+    const asked: string[][] = [];
+    const ask = async (_robot: string, earlier: readonly Order[]) => {
+      asked.push(earlier.map(({id}) => id));
+      onAsk(orders);
+      return answers.shift();
+    };
+    const toasts = {succeed() {}, fail(_topic: string, text: string) { throw new Error(text); }} as unknown as Toasts;
+    return {orders, go, asked, commands: new Commands({go} as unknown as Api, orders, toasts, ask, () => {})};
+  };
+  const goal = {x: 1, y: 2};
+
+  it('loses none of them without a question', async () => {
+    const {orders, go, asked, commands} = begin(['replace']);
+    await commands.send('r1', goal, false);
+    expect(go).toHaveBeenLastCalledWith('r1', goal, false);
+    tell(orders, 'order', order('a'));
+    await commands.send('r1', {x: 2, y: 2}, true);
+    expect(go).toHaveBeenLastCalledWith('r1', {x: 2, y: 2}, false);
+    expect(asked).toEqual([]);
+    await commands.send('r1', {x: 3, y: 2}, false);
+    expect(go).toHaveBeenLastCalledWith('r1', {x: 3, y: 2}, true);
+    expect(asked).toEqual([['a']]);
+  });
+
+  it('keeps them, or is not sent, as the operator likes', async () => {
+    const {orders, go, commands} = begin(['add', undefined]);
+    tell(orders, 'order', order('a'));
+    await commands.send('r1', goal, false);
+    expect(go).toHaveBeenLastCalledWith('r1', goal, false);
+    await commands.send('r1', {x: 2, y: 2}, false);
+    expect(go).toHaveBeenCalledTimes(1);
+  });
+
+  it('is asked about again if others gave it more meanwhile', async () => {
+    const {orders, go, asked, commands} = begin(['replace', 'replace'], (orders) => tell(orders, 'order', order('b')));
+    tell(orders, 'order', order('a'));
+    await commands.send('r1', goal, false);
+    expect(asked).toEqual([['a'], ['a', 'b']]);
+    expect(go).toHaveBeenLastCalledWith('r1', goal, true);
+  });
+});
+
+describe('what others did', () => {
+  const begin = () => {
+    const orders = new Orders();
+    const notices: string[] = [];
+    const said = new Notices(orders, {notice: (_topic: string, text: string) => notices.push(text)} as unknown as Toasts, () => 'anna');
+    const on = (data: object) => {
+      const event = readEvent('order', data);
+      if (event?.kind === 'order') said.on(event.data, orders.on(event));
+    };
+    said.begin(50);
+    return {on, notices};
+  };
+
+  it('is told with its reason', () => {
+    const {on, notices} = begin();
+    on(order('a'));
+    on(order('a', {state: 'cancelled', reason: 'cancelled by bob: the pallet is gone'}));
+    on(order('c', {action: 'cancel', cancels: 'a', by: 'bob', state: 'done'}));
+    on(order('d', {action: 'pause', for: ['r1'], by: 'bob', state: 'done'}));
+    on(order('e', {action: 'stop', for: [], by: 'anna', state: 'done'}));
+    expect(notices).toEqual(['bob cancelled the order r1 to 1.00, 2.00: the pallet is gone', 'bob paused r1']);
+  });
+
+  it('is told once of orders that one order replaces', () => {
+    const {on, notices} = begin();
+    for (const id of ['a', 'b', 'c']) on(order(id));
+    for (const id of ['a', 'b']) on(order(id, {state: 'cancelled', reason: 'replaced by order 9 by bob'}));
+    on(order('c', {state: 'cancelled', reason: 'replaced by order 10 by anna'}));
+    on(order('old', {state: 'cancelled', reason: 'replaced by order 8 by bob'}));
+    expect(notices.at(-1)).toBe('bob replaced 2 orders of r1');
+    expect(notices).toHaveLength(2);  // the second takes the place of the first
+  });
+});
+
 describe('requests', () => {
   afterEach(() => vi.unstubAllGlobals());
   const answer = (status: number, body: string) => {
@@ -235,13 +320,13 @@ describe('requests', () => {
     api.by = 'anna';
     expect((await api.go(null, {x: 1, y: 2})).id).toBe('a');
     const [url, {method, headers, body}] = fetch.mock.calls[0];
-    expect([url.href, method, body]).toEqual(['http://monitor/page/api/orders', 'POST', '{"robot":null,"goal":{"x":1,"y":2},"by":"anna"}']);
+    expect([url.href, method, body]).toEqual(['http://monitor/page/api/orders', 'POST', '{"robot":null,"goal":{"x":1,"y":2},"by":"anna","replace":false}']);
     expect(headers).toMatchObject({Authorization: 'Bearer oak'});
     answer(204, '').mockImplementation(async () => new Response(null, {status: 204}));
     await api.halt('stop');
     const cancel = answer(204, '').mockImplementation(async () => new Response(null, {status: 204}));
-    await api.cancel('a b', 'a better one');
-    expect(cancel.mock.calls[0][0].href).toBe('http://monitor/page/api/orders/a%20b?by=anna&why=a+better+one');
+    await api.cancel('a b');
+    expect(cancel.mock.calls[0][0].href).toBe('http://monitor/page/api/orders/a%20b?by=anna');
   });
 
   it('are answered in the form of the description of the API', async () => {

@@ -32,7 +32,7 @@ function fill(mock) {
   order({state: 'under way'});
   for (let k = 0; k < 120; ++k) order({});
   order({state: 'done', ended_at: Date.now() / 1000});
-  order({state: 'cancelled', ended_at: Date.now() / 1000, reason: 'cancelled by anna: replaced by order 5'});
+  order({state: 'cancelled', ended_at: Date.now() / 1000, reason: 'replaced by order 5 by anna'});
   order({state: 'failed', ended_at: Date.now() / 1000, reason: 'no way leads there'});
   mock.robots[6].silence = 75;
   mock.alarm([{kind: 'service_silent', robot: -1, since: 0, text: 'the planner service is not heard'},

@@ -103,8 +103,10 @@ export class MockApi {
     for (const order of this.orders.values()) only('order', order);
   }
 
-  #take({robot = null, goal, goals = [goal], by = null}, response) {
+  #take({robot = null, goal, goals = [goal], by = null, replace = false}, response) {
     if (goals.some(({x}) => x < 0)) return problem(response, 422, 'Unprocessable Content', 'the goal is blocked by an obstacle');
+    const replaced = replace ? [...this.orders.values()].filter((each) => each.robot === robot && !ended(each)) : [];
+    for (const each of replaced) Object.assign(each, {state: 'cancelled', ended_at: now()});
     const busy = [...this.orders.values()].some((each) => each.robot === robot && !ended(each));
     const free = robot !== null && !busy;
     const order = this.#order({
@@ -113,6 +115,7 @@ export class MockApi {
     });
     this.orders.set(order.id, order);
     this.#say('order', order);
+    for (const {id} of replaced) this.change(id, {reason: `replaced by order ${order.id} by ${by}`});
     json(response, 201, order);
   }
 

@@ -118,10 +118,12 @@ const checks = {
     await press(21);
     await page.getByRole('button', {name: 'Replace'}).click();
     await within(() => orders(mock).filter(({state}) => state === 'cancelled').length === 4, 'they were replaced');
-    assert.match(orders(mock)[0].reason, /^cancelled by page ....: replaced by order o\d+ to \d/);
+    assert.match(orders(mock)[0].reason, /^replaced by order o\d+ by page ....$/);
+    assert.equal(last(mock).state, 'under way');
+    assert(!mock.api.asked.some((request) => request.startsWith('DELETE')), 'the fleet replaces them, all at once');
     assert.match(last(mock).by, /^page ....$/);
-    await until(other, () => /page .... cancelled 4 orders of r1 \(cancelled by page ....: replaced by order/.test(document.querySelector('.toast.notice')?.textContent));
-    assert.deepEqual((await toasts(page)).filter((text) => text.includes('cancelled')), [], 'the operator needs no news of his own');
+    await until(other, () => /^page .... replaced 4 orders of r1$/.test(document.querySelector('.toast.notice p')?.textContent));
+    assert.deepEqual((await toasts(page)).filter((text) => text.includes('replaced')), [], 'the operator needs no news of his own');
     await other.bringToFront();
     await shoot(other, 'operating-notice');
     await close(other);
