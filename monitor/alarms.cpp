@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "messages/silence.h"
+
 namespace coppice {
 
 namespace {
 
-// Processes start one after the other, and the last ones of a large fleet late.
-constexpr WallTime longest_start = 10;  // seconds from a robot's mission to its first state
 // Shares of a robot's recent control periods. Between them an alarm lasts, so that it does not come and go.
 constexpr double too_many_missed = 0.1;
 constexpr double few_missed = 0.05;
@@ -51,7 +51,7 @@ std::optional<Finding> find_late(const SeenRobot& robot, const Situation& situat
 
 std::optional<Finding> find_silent_service(const Situation& situation) {
   const std::optional<SeenService>& service = situation.view.service();
-  if (!service || situation.now - service->heard < longest_silence_of_robot) return std::nullopt;
+  if (!service || !is_lost(service->heard, situation.now)) return std::nullopt;
   return Finding{"the planner service is not heard: it takes no orders, no stop and no pause",
                  service->heard};
 }
@@ -78,25 +78,7 @@ constexpr std::array rules_of_robots{RuleOfRobot{AlarmKind::robot_silent, find_s
                                      RuleOfRobot{AlarmKind::robot_failed, find_failed},
                                      RuleOfRobot{AlarmKind::periods_missed, find_late}};
 
-/// It belongs to a run that goes on.
-bool is_in_service(const SeenRobot& robot) {
-  return robot.mission && !robot.mission->cancelled;
-}
-
 }  // namespace
-
-WallTime last_heard(const SeenRobot& robot) {
-  return robot.state ? robot.heard : robot.known_since;
-}
-
-WallTime unheard_for(const SeenRobot& robot, WallTime now) {
-  return std::max(0.0, now - last_heard(robot));
-}
-
-bool is_lost(const SeenRobot& robot, WallTime now) {
-  return is_in_service(robot) &&
-         unheard_for(robot, now) >= (robot.state ? longest_silence_of_robot : longest_start);
-}
 
 void AlarmBoard::look(const FleetView& view, WallTime now) {
   std::map<Name, WallTime> before = std::exchange(since_, {});

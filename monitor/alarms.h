@@ -17,17 +17,6 @@
 
 namespace coppice {
 
-/// Seconds of silence after which a robot or a service counts as lost. Both speak twice a second at least.
-inline constexpr WallTime longest_silence_of_robot = 3;
-
-/// When the robot was last heard, or else when anything was first heard of it: its mission may come before
-/// its first state.
-WallTime last_heard(const SeenRobot& robot);
-/// How long nothing has been heard from the robot.
-WallTime unheard_for(const SeenRobot& robot, WallTime now);
-/// The robot belongs to a run that goes on, and is not heard any more, or was never heard.
-bool is_lost(const SeenRobot& robot, WallTime now);
-
 enum class AlarmKind : unsigned char {
   robot_silent,
   robot_failed,

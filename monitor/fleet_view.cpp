@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "messages/silence.h"
+
 namespace coppice {
 
 namespace {
@@ -16,10 +18,9 @@ constexpr std::size_t most_seen = 10'000;         // names beyond that are forge
 constexpr std::size_t most_root_nodes = 200'000;  // per robot
 constexpr WallTime share_period = 1;              // seconds over which a share is computed, at least
 constexpr std::uint32_t missed_period = 20;       // control periods over which a share is computed, at least
-constexpr WallTime broker_lease = 3;              // seconds of silence after which a broker has gone
-constexpr WallTime silence = 3;                   // seconds of silence of all robots that end a run
 constexpr WallTime longest_delay = 5;             // seconds that a state may take; more is another clock
-constexpr WallTime longest_pause = 5;             // seconds; agents send twice a second, later on a busy host
+// Processes start one after the other, and the last ones of a large fleet late.
+constexpr WallTime longest_start = 10;  // seconds from a robot's mission to its first state
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -113,15 +114,24 @@ std::optional<Wait> wait_of(const SeenRobot& robot, double time) {
                                      : fmt::format("it lets {} go first", first)};
 }
 
-std::optional<double> silence_of(const SeenRobot& robot, WallTime now) {
-  constexpr WallTime usual = 2;  // seconds: agents send a status twice a second
-  const bool should_speak = robot.mission && !robot.mission->cancelled;
-  const WallTime silence = now - robot.last_word;
-  return should_speak && silence > usual ? std::optional(silence) : std::nullopt;
+bool is_in_service(const SeenRobot& robot) {
+  return robot.mission && !robot.mission->cancelled;
+}
+
+WallTime last_heard(const SeenRobot& robot) {
+  return robot.state ? robot.heard : robot.known_since;
+}
+
+WallTime unheard_for(const SeenRobot& robot, WallTime now) {
+  return std::max(0.0, now - last_heard(robot));
+}
+
+bool is_lost(const SeenRobot& robot, WallTime now) {
+  return is_in_service(robot) && unheard_for(robot, now) > (robot.state ? lost_after : longest_start);
 }
 
 std::string sentence_of(const SeenRobot& robot, double time, WallTime now) {
-  if (silence_of(robot, now)) return "it is not heard: its agent has ended, hangs, or cannot be reached";
+  if (is_lost(robot, now)) return "it is not heard: its agent has ended, hangs, or cannot be reached";
   const Phase phase = phase_of(robot);
   if (robot.status && (has_no_way(phase) || phase == Phase::waiting) && !robot.status->reason.empty())
     return robot.status->reason;
@@ -133,8 +143,8 @@ std::string sentence_of(const SeenRobot& robot, double time, WallTime now) {
 std::optional<double> time_left(const SeenRobot& robot, double time, WallTime now) {
   constexpr double usual_share = 0.9;  // of the largest speed, on a way with corners
   const auto way = way_left(robot, time);
-  const bool goes = phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0 &&
-                    !silence_of(robot, now);
+  const bool goes =
+      phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0 && !is_lost(robot, now);
   return way && goes ? std::optional(*way / (usual_share * robot.state->max_speed)) : std::nullopt;
 }
 
@@ -188,7 +198,7 @@ SeenRobot* FleetView::robot(const RobotName& name, WallTime at) {
 bool FleetView::is_under_way(WallTime now) const {
   return std::ranges::any_of(robots_, [&](const SeenRobot& seen) {
     const bool is_over = seen.mission && seen.mission->cancelled;
-    return seen.state && !is_over && now - seen.heard < silence;
+    return seen.state && !is_over && !is_lost(seen.heard, now);
   });
 }
 
@@ -209,7 +219,6 @@ void FleetView::receive(const Mission& mission, WallTime at) {
     seen->progress.begin_mission();
     seen->root_nodes.clear();
   }
-  if (!seen->mission) seen->last_word = at;
   seen->mission = mission;
 }
 
@@ -234,7 +243,7 @@ void FleetView::receive(const RobotState& state, WallTime at) {
   follow_clock(state, at);
   seen->progress.on(state);
   seen->state = state;
-  seen->heard = seen->last_word = heard_ = at;
+  seen->heard = heard_ = at;
 }
 
 void FleetView::receive(const PathMessage& path, WallTime at) {
@@ -257,7 +266,7 @@ void FleetView::receive(const AgentStatus& status, WallTime at) {
   seen->processor.on(status.load.processor_seconds, at);
   seen->missed.on(status.load.periods, status.load.periods_missed);
   seen->status = status;
-  seen->last_word = heard_ = at;
+  heard_ = at;
 }
 
 void FleetView::receive(const BrokerStatus& status, WallTime at) {
@@ -265,7 +274,7 @@ void FleetView::receive(const BrokerStatus& status, WallTime at) {
   seen.status = status;
   seen.heard = at;
   seen.processor.on(status.processor_seconds, at);
-  std::erase_if(brokers_, [&](const auto& entry) { return at - entry.second.heard > broker_lease; });
+  std::erase_if(brokers_, [&](const auto& entry) { return is_lost(entry.second.heard, at); });
   if (active_trees_ && !brokers_.contains(std::get<ActiveTreesMessage>(*active_trees_).broker))
     active_trees_.reset();
 }
@@ -285,10 +294,10 @@ void FleetView::follow_clock(const RobotState& state, WallTime at) {
 
 Life FleetView::life(WallTime now) const {
   const auto has_mission = [](const SeenRobot& robot) { return robot.mission.has_value(); };
-  const auto goes_on = [](const SeenRobot& robot) { return robot.mission && !robot.mission->cancelled; };
-  if (std::ranges::any_of(robots_, has_mission) && std::ranges::none_of(robots_, goes_on)) return Life::ended;
+  if (std::ranges::any_of(robots_, has_mission) && std::ranges::none_of(robots_, is_in_service))
+    return Life::ended;
   if (heard_ == 0) return Life::nobody;
-  return now - heard_ < longest_pause ? Life::alive : Life::silent;
+  return is_lost(heard_, now) ? Life::silent : Life::alive;
 }
 
 FleetFigures FleetView::figures(WallTime now) const {

@@ -51,7 +51,6 @@ struct SeenRobot {
   std::optional<RobotState> state{};  ///< the newest that the robot itself has sent
   WallTime heard = 0;                 ///< when `state` arrived
   std::optional<AgentStatus> status{};
-  WallTime last_word = 0;  ///< when its state or status arrived last; at first when its mission did
   std::uint32_t missions_fulfilled = 0;
   Path path{};                                ///< of its current or its next mission; empty: none
   std::uint32_t path_mission = 0;             ///< the mission of the path
@@ -118,8 +117,15 @@ Point2 position_at(const RobotState& state, double time);
 /// The same for the yaw of a differential robot, radians.
 double yaw_at(const RobotState& state, double time);
 
-/// Seconds for which a robot that has a mission has not been heard, if they are more than usual.
-std::optional<double> silence_of(const SeenRobot& robot, WallTime now);
+/// It belongs to a run that goes on.
+bool is_in_service(const SeenRobot& robot);
+/// When the robot's last state came, or else when anything was first heard of it: its mission may come before
+/// its first state. Statuses do not count: the others avoid it by its states.
+WallTime last_heard(const SeenRobot& robot);
+/// How long nothing has been heard from the robot.
+WallTime unheard_for(const SeenRobot& robot, WallTime now);
+/// The robot is in service, and is not heard any more, or was never heard.
+bool is_lost(const SeenRobot& robot, WallTime now);
 /// Why the robot stands, in one sentence for people, or that it is not heard; empty: it drives, or has
 /// arrived. `time`: fleet time. `now`: wall clock.
 std::string sentence_of(const SeenRobot& robot, double time, WallTime now);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "messages/silence.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/timing.h"
 #include "planning/assignment.h"
@@ -113,7 +114,7 @@ std::vector<RobotAtWork> PlannerService::robots_at_work() const {
     RobotAtWork own{.mission = robot.mission,
                     .halted = robot.halted(),
                     .lost = liveliness_.is_lost(robot.index),
-                    .silent = silence > service_timing.absence,
+                    .silent = silence > lost_after,
                     .is_out_of_reach = silence > service_timing.agent_lease,
                     .took_up = robot.status.has_value(),
                     .out_of_service = robot.track_lost()};

@@ -32,9 +32,9 @@ export function whyOld({statuses}: Fleet, robot: number): string {
 }
 
 export function whySilent(fleet: Fleet, robot: number): string {
-  const seconds = fleet.silenceOf(robot);
-  if (!fleet.lost.has(robot) && !fleet.isOld(robot)) return '';
-  return `Nothing has been heard from it for ${fixed(seconds, 1, 's')}: its agent has ended, hangs, or cannot be reached.`;
+  const isLost = fleet.lost.has(robot);
+  if (!isLost && !fleet.isOld(robot)) return '';
+  return `Nothing has been heard from it for ${fixed(fleet.silenceOf(robot), 1, 's')}${isLost ? ': its agent has ended, hangs, or cannot be reached' : ''}.`;
 }
 
 function whyNoProgress(fleet: Fleet, robot: number): string {

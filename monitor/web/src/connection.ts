@@ -2,6 +2,7 @@
 //
 // A monitor that lives says something four times a second (Beat, idl/live.proto). One that hangs keeps its connection open
 // and says nothing: what the page shows is then old, whatever the connection's state.
+import {lostAfter} from './silence.ts';
 
 export type ConnectionState =
   | {kind: 'connecting'}
@@ -11,12 +12,8 @@ export type ConnectionState =
 const firstPatience = 500;  // milliseconds
 const longestPatience = 10_000;
 const connectTimeout = 8_000;
-const longestSilence = 10_000;  // after which the connection is opened anew: it may be dead
 const look = 100;
-
-/// Milliseconds since the monitor was last heard: what is shown is then marked as old, or counts as lost.
-export const oldAfter = 1_000;
-export const lostAfter = 3_000;
+const longestSilence = 10;  // seconds, after which the connection is opened anew: it may be dead
 
 export class Connection {
   heardAt = -Infinity;  // milliseconds, as performance.now()
@@ -35,9 +32,9 @@ export class Connection {
     setInterval(() => this.listen(), look);
   }
 
-  /// Milliseconds since the monitor was last heard.
+  /// Seconds since the monitor was last heard.
   get age(): number {
-    return performance.now() - this.heardAt;
+    return (performance.now() - this.heardAt) / 1000;
   }
 
   /// Opens the connection, or opens it again: the monitor then sends all that it knows.
@@ -78,7 +75,7 @@ export class Connection {
   }
 
   private listen(): void {
-    if (!this.isOpen || this.age < lostAfter) return;
+    if (!this.isOpen || this.age <= lostAfter) return;
     if (!this.isMute) {
       this.isMute = true;
       this.onMute();

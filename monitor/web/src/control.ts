@@ -4,7 +4,7 @@ import {Access} from './access.ts';
 import {type Draft, type Point, type Situation, goalOf, hintOf, targetOf} from './aim.ts';
 import {Api, detail} from './api.ts';
 import {Commands} from './commands.ts';
-import {type Connection, type ConnectionState, oldAfter} from './connection.ts';
+import type {Connection, ConnectionState} from './connection.ts';
 import {byId, setText} from './dom.ts';
 import {DutyPanel} from './duty_panel.ts';
 import type {ServerEvent} from './event_parser.ts';
@@ -21,6 +21,7 @@ import {Orders} from './orders.ts';
 import type {Palette} from './palette.ts';
 import {ReplaceDialog} from './replace_dialog.ts';
 import {readEvent} from './schema.ts';
+import {oldAfter} from './silence.ts';
 import {StopButton} from './stop_button.ts';
 import {Toasts} from './toasts.ts';
 import {type View, toPageX, toPageY} from './view.ts';
@@ -51,7 +52,7 @@ export class Control implements Aim {
   private readonly commands = new Commands(this.api, this.orders, this.toasts, (robot, earlier) => this.question.ask(robot, earlier), (error) => this.access.refuse(error));
   private readonly notices = new Notices(this.orders, this.toasts, () => this.api.by);
   private readonly list = new OrderList(this.orders, (order) => void this.commands.cancel(order));
-  private readonly stop = new StopButton(() => this.isOn, (what) => (what === 'stop' ? this.commands.stopAll(this.connection.age < oldAfter) : this.commands.releaseAll()));
+  private readonly stop = new StopButton(() => this.isOn, (what) => (what === 'stop' ? this.commands.stopAll(this.connection.age <= oldAfter) : this.commands.releaseAll()));
   private readonly duty = new DutyPanel(this.orders);
   private readonly buttons = {
     send: byId('send'), queue: byId('queue'), any: byId('any'), pause: byId<HTMLButtonElement>('pause'), go: byId<HTMLButtonElement>('go'),

@@ -4,14 +4,13 @@ import {
   type RosterRobot,
   type StatusesStatus, type ToPage,
 } from './live.js';
+import {oldAfter} from './silence.ts';
 
 export type Robot = RosterRobot;
 export type Status = StatusesStatus;
 
 /// Number of points of the time series to keep. With twice as many, every other point of the older half is dropped.
 export const figuresKept = 5_000;
-
-const oldAfter = 1;  // seconds: agents send at least twice a second, mostly five times
 
 const byNumber = new Intl.Collator(undefined, {numeric: true});
 

@@ -1,9 +1,10 @@
 // The line at the top, and the notice on the map while there is nothing to see.
-import {type ConnectionState, lostAfter, oldAfter} from './connection.ts';
+import type {ConnectionState} from './connection.ts';
 import {byId, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
-import {clock, metres, timeOfDay} from './format.ts';
+import {clock, fixed, metres, timeOfDay} from './format.ts';
 import {LifeState} from './live.js';
+import {lostAfter, oldAfter} from './silence.ts';
 
 const separationOf = ({figures}: Fleet) => {
   const last = figures.at(-1);
@@ -26,7 +27,7 @@ export class StatusLine {
 
   constructor(private readonly fleet: Fleet) {}
 
-  /// `age`: milliseconds since the monitor was last heard.
+  /// `age`: seconds since the monitor was last heard.
   update(state: ConnectionState, age: number, frozen: boolean, shownTime: number | undefined): void {
     const {fleet} = this;
     this.age = age;
@@ -52,7 +53,7 @@ export class StatusLine {
 
   /// What the page shows is too old to act by.
   private get isOutdated(): boolean {
-    return this.fleet.begin !== undefined && this.age >= lostAfter;
+    return this.fleet.begin !== undefined && this.age > lostAfter;
   }
 
   /// The kind of badge. Live means that a fleet is heard now.
@@ -61,7 +62,7 @@ export class StatusLine {
     const ended = life?.state === LifeState.ENDED && !begin?.recorded;
     if (state.kind !== 'open') return ended ? 'ended' : this.isOutdated ? 'lost' : state.kind;
     if (this.isOutdated) return 'lost';
-    if (this.age >= oldAfter && begin) return 'old';
+    if (this.age > oldAfter && begin) return 'old';
     if (begin?.recorded) return 'recording';
     if (frozen) return 'held';
     if (ended) return 'ended';
@@ -101,8 +102,8 @@ export class StatusLine {
   }
 }
 
-function seconds(milliseconds: number): string {
-  return `${(milliseconds / 1000).toFixed(milliseconds < 10_000 ? 1 : 0)} s`;
+function seconds(age: number): string {
+  return fixed(age, age < 10 ? 1 : 0, 's');
 }
 
 function secondsUntil(at: number): number {
