@@ -10,12 +10,11 @@
 #include "coppice/files/input_error.h"
 #include "coppice/files/map_file.h"
 #include "coppice/planning/clearance_field.h"
+#include "files/robot_starts.h"
 #include "files/size_check.h"
-#include "motion/segments.h"
 #include "planning/number_text.h"
 #include "planning/quantities.h"
 #include "planning/robot_name.h"
-#include "planning/way_out.h"
 
 namespace coppice {
 
@@ -37,19 +36,6 @@ void check_name(const std::string& name, std::set<std::string>& names, const std
   if (!is_robot_name(name))
     fail(field, fmt::format("\"{}\" is not a name, expected {}", printable(name), robot_name_rule));
   if (!names.insert(name).second) fail(field, fmt::format("\"{}\" is also the name of another robot", name));
-}
-
-void check_place(const Point2& p, const ClearanceField& field, double radius, const std::string& name) {
-  const Box<2> box = field.bounds();
-  if (!(p.array() >= box.lower.array()).all() || !(p.array() <= box.upper.array()).all()) {
-    fail(name, fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
-                           box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
-  }
-  if (!field.is_free(p, radius)) {
-    const auto [clearance, needed] = told_apart(field.clearance(p), radius);
-    fail(name, fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {}, radius {}",
-                           p.x(), p.y(), clearance, needed));
-  }
 }
 
 void check_yaw(double yaw, const std::string& field) {
@@ -99,24 +85,15 @@ void check_robot(const RobotTask& robot, const ClearanceField& field, const std:
   check_place(robot.goal, field, driving_radius(robot), at + ".goal");
 }
 
-/// The way that a robot drives before it plans: mostly a point.
-Path first_way(const RobotTask& robot) {
-  return {robot.stands_at.value_or(robot.start), robot.start};
-}
-Path end(const RobotTask& robot) {
-  return {robot.goal, robot.goal};
+double distance_at_goals(const RobotTask& one, const RobotTask& other) {
+  return (one.goal - other.goal).norm();
 }
 
-/// Two short ways come closest at an end of one of them.
-double distance_between(const Path& a, const Path& b) {
-  return std::min({point_segment_distance(a[0], b[0], b[1]), point_segment_distance(a[1], b[0], b[1]),
-                   point_segment_distance(b[0], a[0], a[1]), point_segment_distance(b[1], a[0], a[1])});
-}
-
-void check_apart(const std::vector<RobotTask>& robots, Path (*place)(const RobotTask&), const char* what) {
+void check_apart(const std::vector<RobotTask>& robots, double (*apart_at)(const RobotTask&, const RobotTask&),
+                 const char* what) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const double distance = distance_between(place(robots[i]), place(robots[j]));
+      const double distance = apart_at(robots[i], robots[j]);
       const double radii = reference_radius(robots[i]) + reference_radius(robots[j]);
       if (distance >= radii) continue;
       const auto [apart, needed] = told_apart(distance, radii);
@@ -154,19 +131,8 @@ void check_scenario(const Scenario& scenario) {
     check_name(scenario.robots[i].name, names, at + ".name");
     check_robot(scenario.robots[i], field, at);
   }
-  check_apart(scenario.robots, first_way, "start");
-  check_apart(scenario.robots, end, "goal");
-}
-
-void take_starts_off_walls(Scenario& scenario) {
-  const ClearanceField field(scenario.map);
-  for (RobotTask& robot : scenario.robots) {
-    const double radius = driving_radius(robot);
-    const auto out = way_out(field, robot.start, radius, start_tolerance(robot.goal_tolerance, robot.radius));
-    if (!out || *out == robot.start) continue;
-    robot.stands_at = robot.start;
-    robot.start = *out;
-  }
+  check_apart(scenario.robots, distance_at_starts, "start");
+  check_apart(scenario.robots, distance_at_goals, "goal");
 }
 
 }  // namespace coppice

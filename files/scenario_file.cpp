@@ -17,6 +17,7 @@
 #include "coppice/planning/clearance_field.h"
 #include "files/file_kind.h"
 #include "files/json_file.h"
+#include "files/robot_starts.h"
 #include "files/size_check.h"
 #include "files/text_file.h"
 #include "planning/quantities.h"
@@ -229,14 +230,17 @@ OccupancyMap read_map_of(const std::filesystem::path& scenario, const std::strin
   }
 }
 
+/// Takes starts that are a little too near to an obstacle for places that robots leave first.
+void take_starts_off_walls(Scenario& scenario) {
+  const ClearanceField field(scenario.map);
+  for (RobotTask& robot : scenario.robots) begin_at(robot, robot.start, field);
+}
+
 void tell_of_starts(const std::filesystem::path& path, const Scenario& scenario) {
   const ClearanceField field(scenario.map);
   for (const RobotTask& robot : scenario.robots) {
-    if (!robot.stands_at) continue;
-    const Point2& p = *robot.stands_at;
-    spdlog::warn("{}: {} starts {:.3g} m too near to an obstacle, at ({:g}, {:g}): it drives out first",
-                 path.string(), robot.name,
-                 driving_radius(robot.radius, limits_of(robot)) - field.clearance(p), p.x(), p.y());
+    const std::string warning = warning_of_start(robot, field);
+    if (!warning.empty()) spdlog::warn("{}: {}", path.string(), warning);
   }
 }
 

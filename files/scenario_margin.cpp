@@ -9,9 +9,9 @@
 #include "coppice/files/input_error.h"
 #include "coppice/files/scenario.h"
 #include "coppice/planning/clearance_field.h"
+#include "files/robot_starts.h"
 #include "planning/reachability.h"
 #include "planning/room_for_margin.h"
-#include "planning/way_out.h"
 
 namespace coppice {
 
@@ -34,9 +34,8 @@ bool ends_fit(const std::vector<RobotTask>& robots, const ClearanceField& field,
 void drive_out_farther(std::span<RobotTask> robots, const ClearanceField& field, double beyond) {
   for (RobotTask& robot : robots) {
     if (!robot.stands_at) continue;
-    const double overlap = start_tolerance(robot.goal_tolerance, robot.radius) + beyond;
-    if (const auto out = way_out(field, *robot.stands_at, driving_radius(robot) + beyond, overlap))
-      robot.start = *out;
+    const Point2 place = *robot.stands_at;
+    if (room_near(robot, place, field, beyond)) begin_at(robot, place, field, beyond);
   }
 }
 

@@ -83,12 +83,10 @@ void complete_tracks(PlannerService& service, std::span<const RobotName> robots,
 void choose_starts(const ServiceOptions& options, const Scenario& scenario, const FleetMemory& memory,
                    ServiceSettings& settings) {
   settings.starts_are_given = !options.start_at.empty();
-  if (settings.starts_are_given) {
-    settings.starts = read_poses(options.start_at, scenario);
-    return;
-  }
-  check_new_robots(scenario, memory.poses);
-  settings.starts = memory.poses;
+  settings.starts = settings.starts_are_given ? read_poses(options.start_at, scenario) : memory.poses;
+  if (!settings.starts_are_given) check_saved_poses(scenario, memory.poses);
+  for (const std::string& line : warnings_of_starts(scenario, settings.starts)) spdlog::warn("{}", line);
+  if (settings.starts_are_given) return;
   for (const RobotTask& robot : scenario.robots) {
     if (!memory.poses.empty() && pose_of(memory.poses, robot.name) == nullptr)
       spdlog::info("{} is new to this fleet: it starts at ({:g}, {:g}), as the scenario says", robot.name,

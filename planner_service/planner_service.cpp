@@ -54,7 +54,7 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
       phase_(WaitingForTrees{now}) {
   for (RobotRecord& robot : robots_) {
     if (const RobotPose* const start = pose_of(settings_.starts, robot.task.name))
-      robot.begins_at(start->position, start->yaw);
+      robot.begins_at(start->position, start->yaw, goals_.field());
   }
   if (!settings_.waits_for_goals) return;
   roadmap_ = std::make_unique<const VoronoiRoadmap>(goals_.field());
@@ -145,8 +145,10 @@ void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   const bool fits = batch.points.empty() || (batch.points.front().time >= -largest_clock_error &&
                                              batch.points.back().time <= fleet_now + largest_clock_error);
   if (!fits || tracks_.held(robot) + batch.points.size() > most_track_points) return;
-  if (settings_.waits_for_goals && !batch.points.empty() && was_never_seen(*known))
-    known->stands_at(batch.points.front().position, batch.points.front().yaw);
+  if (settings_.waits_for_goals && !batch.points.empty() && was_never_seen(*known)) {
+    known->stands_at(batch.points.front().position, batch.points.front().yaw, goals_.field());
+    if (known->task.stands_at) counted_.drive_out.insert(robot);
+  }
   if (batch.first_index == 0 && !batch.points.empty() && known->track_begins(batch.points.front().time)) {
     if (BegunRun* const run = run_of(phase_)) run->missions_due = true;  // that of this robot as cancelled
     step_at_once();
@@ -437,7 +439,7 @@ bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
                        {mission.goal, any_yaw ? std::nullopt : std::optional(mission.goal_yaw)});
   }
   // Where the robots of a standing fleet began is not in the scenario.
-  if (settings_.waits_for_goals && mission.number == robot->mission) robot->began_as(mission);
+  if (settings_.waits_for_goals && mission.number == robot->mission) robot->began_as(mission, goals_.field());
   const RobotTask& task = robot->task;
   const bool same_task = mission.number == robot->mission && mission.start == body_begins_at(task) &&
                          mission.goal == task.goal && mission.radius == reference_radius(task) &&

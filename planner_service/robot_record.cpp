@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coppice/motion/kinematics.h"
+#include "files/robot_starts.h"
 
 namespace coppice {
 
@@ -94,22 +95,24 @@ void RobotRecord::go_on_with(std::uint32_t number, const Point2& start, const Ne
   root_nodes.clear();
 }
 
-void RobotRecord::begins_at(const Point2& place, double yaw) {
-  task.start = task.goal = place;
-  task.start_yaw = yaw;
+void RobotRecord::begins_at(const Point2& place, double yaw, const ClearanceField& field) {
+  task.goal = task.start;
   task.goal_yaw = task.goal_yaw_tolerance = 0;
+  stands_at(place, yaw, field);
 }
 
-void RobotRecord::stands_at(const Point2& place, double yaw) {
-  if (task.goal == task.start) return begins_at(place, yaw);
-  task.start = place;
+void RobotRecord::stands_at(const Point2& place, double yaw, const ClearanceField& field) {
+  begin_at(task, place, field);
   task.start_yaw = yaw;
 }
 
-void RobotRecord::began_as(const Mission& saved) {
+void RobotRecord::began_as(const Mission& saved, const ClearanceField& field) {
+  // A robot that follows was told a start that has room.
   task.start = saved.start;
   task.start_yaw = saved.start_yaw;
+  task.stands_at.reset();
   if (mission > 1) return;
+  if (task.tracking_tolerance == 0) begin_at(task, saved.start, field);
   task.goal = saved.goal;
   task.goal_yaw = saved.goal_yaw;
   task.goal_yaw_tolerance = saved.goal_yaw_tolerance;

@@ -11,6 +11,7 @@
 
 #include "coppice/files/scenario.h"
 #include "coppice/motion/separation.h"
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
 #include "planner_service/goal_source.h"
 #include "planning/ma_rrdt_star.h"
@@ -98,12 +99,13 @@ struct RobotRecord {
   void begin_next_mission(const Point2& start, const NextGoal& goal);
   /// Takes up a mission that a service before this one has begun, and counted.
   void go_on_with(std::uint32_t number, const Point2& start, const NextGoal& goal);
+  // `field`: with the margin that robots keep.
   /// It begins there, and stays there until its next mission.
-  void begins_at(const Point2& place, double yaw);
+  void begins_at(const Point2& place, double yaw, const ClearanceField& field);
   /// It is seen for the first time. A robot that was to stay at its start stays there.
-  void stands_at(const Point2& place, double yaw);
+  void stands_at(const Point2& place, double yaw, const ClearanceField& field);
   /// A service before this one sent it there, in this mission.
-  void began_as(const Mission& saved);
+  void began_as(const Mission& saved, const ClearanceField& field);
 
  private:
   bool has_phase(Phase phase) const { return status && status->phase == phase; }

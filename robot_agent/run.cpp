@@ -118,6 +118,9 @@ void Run::begin(const Mission& mission, double now) {
                         .run = mission.clock.run(),
                         .came_on_at = now};
   mission_ = mission;
+  // A robot without a goal of its own stays where it stands, or where it has room beside that.
+  if (mission.goal == mission.start)
+    mission_.goal = room_near(mission.start, mission.radius).value_or(mission.goal);
   startup_since_ = now;
   came_to_ = body_.position();
   times_stranded_ = 0;
@@ -139,11 +142,17 @@ void Run::set_out(double now) {
   look_for_a_path();
 }
 
+/// As the service reckons (files/robot_starts.h).
+std::optional<Point2> Run::room_near(const Point2& place, double radius) const {
+  const double most = start_tolerance(mission_.goal_tolerance, mission_.radius) +
+                      mission_.tracking_tolerance + map_->field.inflation();
+  return way_out(map_->field, place, radius, most);
+}
+
 /// None: the robot has room where it is, or too little.
 std::optional<Point2> Run::way_off_the_wall() const {
   if (map_->field.is_free(body_.position(), body_.radius() - driving_rounding)) return std::nullopt;
-  const double most = start_tolerance(mission_.goal_tolerance, mission_.radius) + map_->field.inflation();
-  return way_out(map_->field, body_.position(), driving_radius(body_.radius(), body_.limits()), most);
+  return room_near(body_.position(), driving_radius(body_.radius(), body_.limits()));
 }
 
 /// Null if the map leaves room for start and goal, and the mission for a robot that follows.

@@ -100,6 +100,19 @@ TEST(StartsAtWalls, AStartThatIsTooNearByItsToleranceIsRefusedByName) {
   EXPECT_EQ(error_of(site(radius - 0.09)), "");
 }
 
+TEST(StartsAtWalls, ARobotWithoutAGoalStaysWhereItHasRoom) {
+  const std::string text =
+      R"({"map": "room.map", "radius": 0.4, "goal_tolerance": 0.1, "margin": 0.04,
+          "robots": [{"name": "r1", "start": {"x": 0.39, "y": 5}}]})";
+  for (const bool follow : {false, true}) {
+    const Scenario scenario = read(text, {.follow = follow, .is_site = true});
+    const RobotTask& robot = scenario.robots[0];
+    EXPECT_EQ(robot.stands_at, Point2(0.39, 5));
+    EXPECT_EQ(robot.goal, robot.start);
+    EXPECT_TRUE(ClearanceField(scenario.map, scenario.margin).is_free(robot.goal, driving_radius(robot)));
+  }
+}
+
 TEST(StartsAtWalls, StartsThatOverlapEachOtherAreRefusedByName) {
   const std::string close =
       R"({"map": "room.map", "radius": 0.4, "max_speed": 1, "goal_tolerance": 0.1, "robots": [

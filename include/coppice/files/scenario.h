@@ -102,10 +102,6 @@ double radius_of_footprint(const std::vector<Point2>& footprint, const std::stri
 /// Throws InputError, which names the field and what was expected, if the scenario is not as described here.
 void check_scenario(const Scenario& scenario);
 
-/// Takes starts that are too near to an obstacle by less than start_tolerance() for places that robots leave
-/// first (RobotTask::stands_at).
-void take_starts_off_walls(Scenario& scenario);
-
 /// Gives the scenario the largest margin up to `wished` (metres) with which starts and goals have room, and
 /// all passages stay open (planning/room_for_margin.h).
 void fit_margin(Scenario& scenario, double wished);

@@ -58,9 +58,13 @@ TEST(PoseFile, MistakesAreNamedWithFileAndRobot) {
            {with(R"({"name": "c", "x": 5, "y": 1})"),
             "poses.json: robots[1].name: c is no robot of this site"},
            {with(b), "robots[1].name: b has a pose already"},
-           {with(R"({"name": "a", "x": 5, "y": 4.5})"), "robots[1]: a and b would overlap: distance 1.500"},
-           {with(R"({"name": "a", "x": 18.5, "y": 3})"), "robots[1]: a would stand in an obstacle"},
-           {with(R"({"name": "a", "x": -9, "y": 3})"), "robots[1]: a would stand in an obstacle"},
+           {with(R"({"name": "a", "x": 5, "y": 4.5})"),
+            "robots[1]: a and b would overlap: distance 1.5, sum of their radii 2"},
+           {with(R"({"name": "a", "x": 18.5, "y": 3})"),
+            "robots[1] (a): (18.5, 3) is inside of an obstacle or too near to one: clearance 0.5, radius 1"},
+           {with(R"({"name": "a", "x": -9, "y": 3})"), "robots[1] (a): (-9, 3) is outside of the map"},
+           {R"({"robots": [{"name": "b", "x": 5, "y": 6, "yaw": 90}]})",
+            "robots[0].yaw: 90 is not allowed, expected radians"},
            {with(R"({"name": "a", "x": 8, "y": 3, "yaw": 1})"), "robots[1].yaw: a is holonomic"},
            {R"({"robots": [{"name": "b", "x": 5, "y": 6}]})",
             "robots[0].yaw: is missing, expected the heading of b"},
@@ -71,11 +75,35 @@ TEST(PoseFile, MistakesAreNamedWithFileAndRobot) {
   }
 }
 
+// By less than the tolerance, as in a scenario.
+TEST(PoseFile, ARobotMayStandALittleTooNearToAWall) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("poses.json", R"({"robots": [{"name": "a", "x": 18.3, "y": 3},
+                                                              {"name": "b", "x": 5, "y": 6, "yaw": 0}]})");
+  const auto poses = read_poses(file, hall());
+  EXPECT_EQ(pose_of(poses, "a")->position, Point2(18.3, 3));
+  EXPECT_EQ(
+      warnings_of_starts(hall(), poses),
+      std::vector<std::string>{"a starts 0.3 m too near to an obstacle, at (18.3, 3): it drives out first"});
+  EXPECT_NO_THROW(check_saved_poses(hall(), poses));
+}
+
 TEST(PoseFile, ARobotThatIsNewMayNotStartWhereAnotherOneStands) {
   const std::vector<RobotPose> poses{{"a", {2, 7.5}, 0}};
-  EXPECT_THROW(check_new_robots(hall(), poses), InputError);
-  EXPECT_NO_THROW(check_new_robots(hall(), std::vector<RobotPose>{{"a", {8, 7.5}, 0}}));
-  EXPECT_NO_THROW(check_new_robots(hall(), std::vector<RobotPose>{{"gone", {2, 6}, 0}}));
+  EXPECT_THROW(check_saved_poses(hall(), poses), InputError);
+  EXPECT_NO_THROW(check_saved_poses(hall(), std::vector<RobotPose>{{"a", {8, 7.5}, 0}}));
+  EXPECT_NO_THROW(check_saved_poses(hall(), std::vector<RobotPose>{{"gone", {2, 6}, 0}}));
+}
+
+TEST(PoseFile, ARobotMayNotHaveStoodInAWall) {
+  try {
+    check_saved_poses(hall(), std::vector<RobotPose>{{"a", {18.6, 3}, 0}});
+    ADD_FAILURE() << "taken";
+  } catch (const InputError& problem) {
+    EXPECT_STREQ(problem.what(),
+                 "where a robot stood at last (a): (18.6, 3) is inside of an obstacle or too near to one: "
+                 "clearance 0.4, radius 1: if it is elsewhere, name a file of poses (--start-at)");
+  }
 }
 
 }  // namespace

@@ -365,6 +365,36 @@ TEST(ServiceOrders, PosesThatAreGivenBind) {
   EXPECT_FALSE(missions[0].starts_where_it_stands);
 }
 
+// As a scenario that has such a start.
+TEST(ServiceOrders, ARobotWhosePoseIsALittleTooNearToAWallDrivesOutAndStaysThere) {
+  const ServiceSettings settings{.waits_for_goals = true, .starts = {{"a", {4.5, 60}, 0}}};
+  PlannerService service(site(), settings, 0);
+  const auto said = map_and_missions(service);
+  const Mission mission = of<Mission>(said).at(0);
+  EXPECT_EQ(mission.start, Point2(4.5, 60));
+  EXPECT_GE(mission.goal.x(), 5);
+  EXPECT_LT(mission.goal.x(), 5.5);
+  PlannerService after(site(), settings, 1);
+  EXPECT_TRUE(after.recall(said, 1));
+  for (PlannerService* const each : {&service, &after}) {
+    TrackMessage track{"a", 1, 0, {{0.05, {4.5, 60}, {0, 0}}}, mission.clock.run()};
+    for (int k = 1; k <= 6; ++k) track.points.push_back({0.05 + k, {4.5 + 0.1 * k, 60}, {0.1, 0}});
+    each->on(arrival_of(track, 8));
+    EXPECT_EQ(each->report().collisions(), 0u) << "it drove out";
+    EXPECT_EQ(each->task("a").goal, mission.goal);
+  }
+}
+
+TEST(ServiceOrders, APoseCountsBeforeAStartAtAWall) {
+  Scenario scenario = site();
+  scenario.robots[0].stands_at = Point2(4.5, 60);
+  scenario.robots[0].start = scenario.robots[0].goal = {5.1, 60};
+  PlannerService service(scenario, {.waits_for_goals = true, .starts = {{"a", {33, 44}, 0}}}, 0);
+  const Mission mission = of<Mission>(map_and_missions(service)).at(0);
+  EXPECT_EQ(mission.start, Point2(33, 44));
+  EXPECT_EQ(mission.goal, Point2(33, 44));
+}
+
 TEST(ServiceOrders, AnOrderFromBeforeTheFleetIsNotCarriedOut) {
   Serving run;
   run.service.takes_orders_since(run.now);

@@ -96,6 +96,19 @@ TEST(AgentRestart, AnAgentThatOutlivesTheRunKnowsWhereItsRobotStands) {
   EXPECT_LT((of<RobotState>(agent.said).front().promise.position - stands).norm(), 1e-9);
 }
 
+TEST(AgentRestart, ARobotWithoutAGoalThatStandsTooNearToAWallDrivesOutAndStaysThere) {
+  AgentRun agent;
+  Mission mission = staying(0);
+  mission.start = mission.goal = {4.5, 60};
+  agent.hear(map_message(), 0);
+  agent.hear(mission, 0);
+  agent.run(0, 5);
+  EXPECT_EQ(of<RobotState>(agent.said).front().promise.position, Point2(4.5, 60));
+  EXPECT_GE(of<RobotState>(agent.said).back().promise.position.x(), 5);
+  EXPECT_EQ(of<AgentStatus>(agent.said).back().phase, Phase::arrived)
+      << of<AgentStatus>(agent.said).back().reason;
+}
+
 TEST(AgentRestart, ARobotStartsWhereItsMissionSaysIfThatIsGivenOrNothingElseIsKnown) {
   AgentRun before;
   run_until_killed_at(3, before);
