@@ -3,62 +3,17 @@
 //
 // node answers_fit.mjs URL TOKEN     of a monitor with --control and a fleet of robots r1 to r4 that waits for orders
 //
-// A field that the description does not name is an error here, though clients accept it: else the description would not
-// grow with the API. Prints what was seen. Exit code 1 if a check fails.
+// Prints what was seen. Exit code 1 if a check fails.
 import assert from 'node:assert/strict';
-import {readFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
 
-import Ajv from 'ajv/dist/2020.js';
 import protobuf from 'protobufjs';
 import WebSocket from 'ws';
 
+import {api, asker, fits, operations, root, seen} from './described_api.mjs';
+
 const [url, token] = process.argv.slice(2);
-const root = new URL('../../', import.meta.url);
-const {parse} = createRequire(new URL('monitor/web/package.json', root))('yaml');
-const api = parse(readFileSync(new URL('docs/openapi.yaml', root), 'utf8'));
+const ask = asker(url, token);
 const sleep = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
-
-/// Objects have no fields but those that are described.
-function closed(schema) {
-  if (Array.isArray(schema)) return schema.map(closed);
-  if (typeof schema !== 'object' || schema === null) return schema;
-  const all = Object.fromEntries(Object.entries(schema).map(([word, value]) => [word, closed(value)]));
-  return all.properties ? {additionalProperties: false, ...all} : all;
-}
-
-const ajv = new Ajv({strict: false, validateFormats: false});
-ajv.addSchema({...closed(api), $id: 'api'});
-const resolve = (part) => (part.$ref ? part.$ref.slice(2).split('/').reduce((at, name) => at[name], api) : part);
-function fits(pointer, data, what) {
-  const check = ajv.getSchema(`api#${pointer}`);
-  assert(check, `the description has no ${pointer}`);
-  assert(check(data), `${what}: ${JSON.stringify(data)}: ${ajv.errorsText(check.errors)}`);
-}
-const escaped = (name) => name.replaceAll('~', '~0').replaceAll('/', '~1');
-
-const seen = new Map();  // 'GET /api/orders 200': how often
-
-/// Asks, and checks the answer by what the description says of this path, method and status.
-async function ask(method, path, {body, query = '', expected, headers = {Authorization: `Bearer ${token}`}, described = path} = {}) {
-  const response = await fetch(new URL(`${path.slice(1)}${query}`, url), {
-    method, body: body && JSON.stringify(body), headers,
-  });
-  const what = `${method} ${described} ${response.status}`;
-  const text = await response.text();
-  assert.equal(response.status, expected, `${method} ${path}${query}: ${text}`);
-  const operation = api.paths[described][method.toLowerCase()];
-  const answer = operation.responses[response.status];
-  assert(answer, `${what} is not in the description`);
-  const [[type, {schema}]] = Object.entries(resolve(answer).content);
-  assert.equal(response.headers.get('content-type'), type, what);
-  const place = answer.$ref ? answer.$ref.slice(1) : `/paths/${escaped(described)}/${method.toLowerCase()}/responses/${response.status}`;
-  const data = JSON.parse(text);
-  fits(schema.$ref ? schema.$ref.slice(1) : `${place}/content/${escaped(type)}/schema`, data, what);
-  for (const name of Object.keys(resolve(answer).headers ?? {})) assert(response.headers.get(name), `${what} has a header ${name}`);
-  seen.set(what, (seen.get(what) ?? 0) + 1);
-  return data;
-}
 
 async function within(check, what) {
   for (let k = 0; k < 300; ++k) {
@@ -147,16 +102,15 @@ await order('DELETE', 'two', {query: '?reason=x', expected: 400});
 await order('DELETE', 'none', {expected: 404});
 await within(async () => (await order('GET', 'one', {expected: 200})).state === 'done', 'it is done');
 
-const operations = Object.entries(api.paths).flatMap(([path, all]) =>
-  ['get', 'post', 'delete'].filter((method) => all[method]).map((method) => [method.toUpperCase(), path]));
 const refused = async (headers, expected) => {
   for (const [method, path] of operations) await ask(method, path.replace('{id}', 'one'), {described: path, headers, expected});
 };
 await refused({}, 401);
 await refused({Authorization: `Bearer ${token}`, Origin: 'https://evil.example'}, 403);
+await refused({Authorization: `Bearer ${token}`, Host: 'evil.example'}, 421);
 for (let k = 0; k < 10; ++k) await ask('GET', '/api/robots', {headers: {Authorization: 'Bearer wrong'}, expected: 401});
 await refused({Authorization: 'Bearer wrong'}, 429);
-await ask('POST', '/api/stop', {expected: 200});  // who has shown the token is heard all the same
+await ask('POST', '/api/stop', {expected: 200});  // an address that has shown the token is heard all the same
 
 await within(() => ['order', 'robot', 'halt', 'alarms'].every((kind) => events.kinds.has(kind)), 'all kinds of events came');
 await within(() => ['begin', 'map', 'roster', 'path', 'statuses', 'frame', 'figures', 'alarms', 'beat'].every((kind) => live.kinds.has(kind)),

@@ -37,6 +37,7 @@ struct HttpApiTest : testing::Test {
   std::unique_ptr<Monitor> monitor = monitor_with({.port = 0, .token = token});
   WallTime now = 1000;
   std::string refuses = "";  ///< the reason for which the service refuses all orders
+  std::string no_room = "";  ///< why it cannot save orders, as it says of itself
   bool is_silent = false;    ///< the service
 
   static std::unique_ptr<Monitor> monitor_with(const WebSettings& settings) {
@@ -44,6 +45,8 @@ struct HttpApiTest : testing::Test {
   }
   void turn() {
     now += 0.05;  // waits are short
+    if (!no_room.empty())
+      monitor->take({arrival_of(ServiceStatus{.service = 1, .run = {1}, .problem = no_room}, now)});
     monitor->turn(now, now, 0.01);
     for (const OrderMessage& order : monitor->take_orders()) {
       if (!is_silent) answer(order);
@@ -58,11 +61,17 @@ struct HttpApiTest : testing::Test {
                                           .ended_at = fails ? now : 0},
                               now)});
   }
+  /// What this returns, which asks the monitor.
+  template <class Ask>
+  auto served(Ask&& ask, int most_turns) {
+    auto answer = std::async(std::launch::async, std::forward<Ask>(ask));
+    for (int turns = 0; turns < most_turns && answer.wait_for(0s) != std::future_status::ready; ++turns)
+      turn();
+    return answer.get();
+  }
   /// The whole answer to these bytes.
   std::string ask(const std::string& bytes) {
-    auto answer = std::async(std::launch::async, [&] { return test::Client(monitor->port()).ask(bytes); });
-    for (int turns = 0; turns < 1000 && answer.wait_for(0s) != std::future_status::ready; ++turns) turn();
-    return answer.get();
+    return served([&] { return test::Client(monitor->port()).ask(bytes); }, 1000);
   }
   int status(const std::string& bytes) {
     const std::string answer = ask(bytes);
@@ -295,6 +304,27 @@ TEST_F(ServedFleetTest, AFleetObeysOrdersOverHttp) {
   post("orders", R"({"id": "next", "robot": "r2", "goal": {"x": 428, "y": 360}})");
   EXPECT_TRUE(
       has(curl("-X DELETE " + url() + "api/orders/next").output, R"("state":"cancelled","robot":"r2")"));
+}
+
+/// What a fleet that is well does not answer.
+TEST_F(HttpApiTest, AnswersInTroubleFitTheDescriptionOfTheApi) {
+  ASSERT_EQ(test::missing_packages(test::web_tests()), "");
+  ASSERT_EQ(test::missing_packages(test::page_sources()), "");
+  const auto expect_fit = [&](const std::string& trouble) {
+    const std::string command =
+        fmt::format("timeout 60 node '{}/refusals_fit.mjs' http://127.0.0.1:{}/ {} {}",
+                    test::web_tests().string(), monitor->port(), token, trouble);
+    const test::Outcome outcome = served([&] { return test::shell(command); }, 10'000);
+    EXPECT_EQ(outcome.exit_code, 0) << trouble << ": " << outcome.output;
+  };
+  refuses = no_room = std::string(cannot_be_saved) + "the disk of /var/lib/hall is full";
+  expect_fit("full");
+  monitor = monitor_with({.port = 0, .token = token});
+  no_room = "";
+  is_silent = true;
+  expect_fit("silent");
+  monitor = monitor_with({.port = 0});
+  expect_fit("absent");
 }
 
 /// The page's types are made from the same description.
