@@ -23,8 +23,7 @@ constexpr const char* content_policy =
     "default-src 'self'; connect-src 'self'; img-src 'self' data:; style-src 'self'";
 constexpr const char* foreign_page =
     "Pages of other sites are not served. If this is the page behind a proxy: the monitor needs "
-    "--proxy-origin "
-    "with the origin of the page.";
+    "--proxy-origin with the origin of the page.";
 constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
 
 /// True if the bytes are no HTTP; false if they are incomplete or late.

@@ -1,4 +1,4 @@
-// Whether this page may control the fleet: the monitor may let nobody do so, or only who has a token.
+// Whether this page may control the fleet: the monitor may let nobody do so, or only people with the token.
 import {type Api, ApiError, detail} from './api.ts';
 import {keepName, keepToken, keptName, takeToken} from './token.ts';
 import {TokenDialog} from './token_dialog.ts';
@@ -57,8 +57,8 @@ export class Access {
   }
 
   private retry(error: unknown): void {
-    if (this.dialog.isOpen) this.dialog.fail(detail(error));
     const seconds = error instanceof ApiError ? error.retryAfter : undefined;  // too many wrong tokens came from here
+    if (this.dialog.isOpen || seconds !== undefined) this.fail(detail(error));
     this.timer = window.setTimeout(() => void this.check(), seconds === undefined ? retryAfter : 1000 * seconds);
   }
 

@@ -38,7 +38,9 @@ export class AlarmPanel {
       return element('li', {}, label, age);
     });
     if (alarms.length > most) items.push(element('li', {}, `and ${alarms.length - most} more`));
+    const hadFocus = this.list.contains(document.activeElement);
     this.list.replaceChildren(...items);
+    if (hadFocus) this.list.focus();  // the button that had it is gone
     this.announce(alarms.map(({text}) => text));
   }
 

@@ -113,6 +113,7 @@ export class Control implements Aim {
   }
 
   update(): void {
+    this.toasts.update();
     if (!this.isOn) return;
     const {sends, any, queues, buttons} = this;
     for (const [button, on] of [[buttons.send, sends], [buttons.any, any], [buttons.queue, queues]] as const) button.ariaPressed = String(on);
@@ -122,7 +123,6 @@ export class Control implements Aim {
     buttons.go.disabled = !any && this.robot === undefined;
     setText(buttons.go, any ? 'Send any robot' : `Send ${this.robot ?? 'a robot'}`);
     setText(this.hint, this.failure || hintOf(this.situation));
-    this.toasts.update();
     this.hint.classList.toggle('failure', this.failure !== '');
     this.stop.update(this.orders.allStopped);
     this.list.update();
@@ -144,11 +144,14 @@ export class Control implements Aim {
   }
 
   drop(queue: boolean): void {
-    const {draft} = this;
+    const {draft, keyAim} = this;
     const target = targetOf(this.situation);
     this.leave();
-    if (!draft || target === undefined || this.isSecondClick(draft.from)) return;
-    this.dropped = {at: draft.from, time: performance.now()};
+    if (!draft || target === undefined) return;
+    if (!keyAim) {
+      if (this.isSecondClick(draft.from)) return;
+      this.dropped = {at: draft.from, time: performance.now()};
+    }
     void this.commands.send(target, goalOf(draft), queue || this.queues);
   }
 
@@ -221,6 +224,7 @@ export class Control implements Aim {
 
   private hide(): void {
     this.stream.close();
+    this.question.close();
     this.orders.forget();
     this.draft = this.keyAim = undefined;
     this.map.canvas.classList.remove('sends');

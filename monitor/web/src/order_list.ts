@@ -25,6 +25,10 @@ export function describe({action, robot, goals, visited, cancels, ...order}: Ord
   return `${robot ?? (names || 'any robot')} to ${fixed(x, 2)}, ${fixed(y, 2)}${count}`;
 }
 
+export function withSender(order: Order): string {
+  return `${describe(order)}${order.by ? `, by ${order.by}` : ''}`;
+}
+
 export function ageOf({accepted_at}: Order, now: number): string {
   return accepted_at === null ? '–' : clock(now - accepted_at);
 }
@@ -77,9 +81,9 @@ export class OrderList {
     const ended = isEnded(order);
     row.item.className = ended ? `ended ${order.state}` : order.state.replace(' ', '-');
     setText(row.state, order.state);
-    setText(row.what, describe(order));
+    setText(row.what, withSender(order));
     setText(row.reason, order.reason ?? '');
-    row.item.title = order.by ? `${order.id}, by ${order.by}` : order.id;
+    row.item.title = order.id;
     row.cancel.hidden = ended || order.action !== 'go';
     row.cancel.ariaLabel = `Cancel: ${describe(order)}`;
   }

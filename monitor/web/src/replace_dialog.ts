@@ -1,6 +1,6 @@
 // Asks before a new order would cancel what a robot has to do.
 import {byId, element, setText} from './dom.ts';
-import {describe} from './order_list.ts';
+import {withSender} from './order_list.ts';
 import type {Order} from './orders.ts';
 
 export type Choice = 'replace' | 'add' | undefined;  // undefined: nothing is sent
@@ -23,7 +23,7 @@ export class ReplaceDialog {
     this.settle(undefined);
     const count = earlier.length === 1 ? '1 order' : `${earlier.length} orders`;
     setText(byId('replace-title'), `${robot} has ${count}; replace ${earlier.length === 1 ? 'it' : 'them'}?`);
-    const items = earlier.slice(0, listed).map((order) => element('li', {}, `${describe(order)}${order.by ? `, by ${order.by}` : ''}`));
+    const items = earlier.slice(0, listed).map((order) => element('li', {}, withSender(order)));
     if (earlier.length > listed) items.push(element('li', {}, `and ${earlier.length - listed} more`));
     byId('replace-orders').replaceChildren(...items);
     if (!this.dialog.open) this.dialog.show();
@@ -31,7 +31,7 @@ export class ReplaceDialog {
     return new Promise((resolve) => (this.answer = resolve));
   }
 
-  private close(choice: Choice): void {
+  close(choice?: Choice): void {
     this.settle(choice);
     this.dialog.close();
   }

@@ -4,7 +4,7 @@ import {element} from './dom.ts';
 
 const successStays = 4_000;   // milliseconds
 const failureStays = 60_000;  // an operator may look elsewhere for a while
-const most = 6;               // beyond these, the oldest goes
+const most = 6;               // beyond these, the oldest goes that does not stay
 
 interface Toast {
   topic: string;
@@ -56,8 +56,10 @@ export class Toasts {
     if (kind === 'failure') item.firstElementChild!.setAttribute('role', 'alert');
     close.addEventListener('click', () => item.remove());
     this.list.prepend(item);
-    this.shown.push({topic, item, holds, until: forEver ? Infinity : performance.now() + stays});
     this.shown = this.shown.filter((toast) => toast.item.isConnected);
-    while (this.shown.length > most) this.shown.shift()!.item.remove();
+    this.shown.push({topic, item, holds, until: forEver ? Infinity : performance.now() + stays});
+    const passing = this.shown.filter((toast) => toast.until !== Infinity);
+    for (const toast of passing.slice(0, Math.max(0, this.shown.length - most))) toast.item.remove();
+    this.shown = this.shown.filter((toast) => toast.item.isConnected);
   }
 }

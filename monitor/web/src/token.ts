@@ -1,4 +1,5 @@
-// The token of an operator, and the name that others see with the orders. The token comes from the form, or once from the address (#token=…), and lasts as long as the tab.
+// The token of an operator, and the name that others see with the orders. The token comes from the form, or once from the
+// address (#token=…), and lasts as long as the tab.
 
 const key = 'coppice-token';
 const nameKey = 'coppice-operator';

@@ -57,6 +57,9 @@ const checks = {
     await until(page, () => /NOT STOPPED/.test(document.querySelector('.toast.failure')?.textContent));
     assert(Date.now() - pressed < 1600);
     assert.equal(await badge(page), 'live');
+    for (let k = 1; k <= 8; ++k) mock.api.order({action: 'pause', for: [`r${k}`], by: `operator ${k}`, state: 'done'});
+    await until(page, () => [...document.querySelectorAll('.toast.notice')].some((one) => one.textContent.includes('operator 8 paused r8')));
+    assert((await toasts(page)).some((text) => text.includes('NOT STOPPED')), 'news does not push it out');
     mock.api.hangs = false;
     mock.api.halt('stop');  // by another way
     await until(page, () => document.querySelectorAll('.toast.failure').length === 0);
