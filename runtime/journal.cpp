@@ -181,6 +181,11 @@ bool Journal::wants_rewriting() const {
   return room_ > no_room && (!complete_ || end_ + room_ / 8 > longest_);
 }
 
+/// Cutting a file gives away the room behind its new end, which another process takes if the disk is full.
+bool Journal::write_successor(std::span<const std::uint8_t> bytes) {
+  return next_->write(0, bytes) && (next_->size() == bytes.size() || next_->cut(bytes.size()));
+}
+
 bool Journal::rewrite(std::span<const Message> messages, std::string_view note) {
   std::vector<std::uint8_t> bytes(first_line_size);
   const auto add = [&](const std::vector<std::uint8_t>& record) {
@@ -189,8 +194,8 @@ bool Journal::rewrite(std::span<const Message> messages, std::string_view note) 
   if (!note.empty()) add(record_of_note(note));
   for (const Message& message : messages) add(record_of(message));
   std::ranges::copy(first_line({true, bytes.size()}), bytes.begin());
-  const bool is_there = open_successor() && next_->write(0, bytes) && next_->cut(bytes.size()) &&
-                        next_->sync() && exchange(successor_of(path_), path_);
+  const bool is_there =
+      open_successor() && write_successor(bytes) && next_->sync() && exchange(successor_of(path_), path_);
   if (!is_there) {
     if (!std::exchange(has_told_, true))
       spdlog::error("{}: cannot be rewritten: {}", path_.string(), std::strerror(errno));
@@ -211,11 +216,23 @@ bool Journal::rewrite(std::span<const Message> messages, std::string_view note) 
   return true;
 }
 
+/// The successor is empty, so that it needs no cut when it is written. With less room than that it keeps at
+/// least what it has.
+bool Journal::reserve_successor() {
+  if (!next_) return false;
+  const std::size_t has = next_->size();
+  if (has > 0 && !next_->cut(0)) return false;
+  if (next_->reserve(longest_)) return true;
+  const int error = errno;
+  if (has > 0) next_->reserve(std::min(has, longest_));
+  errno = error;
+  return false;
+}
+
 /// The file may grow by half, and by its room. Its successor may become as long.
 void Journal::reserve() {
   if (longest_ == 0) longest_ = end_ + end_ / 2 + room_;
-  if (next_) next_->cut(std::min(next_->size(), longest_));
-  const bool has_room = file_.reserve(longest_) && next_ && next_->reserve(longest_);
+  const bool has_room = file_.reserve(longest_) && reserve_successor();
   if (has_room) lacks_room_ = false;
   if (has_room) return;
   // The file is rewritten soon, into the room that its successor has.

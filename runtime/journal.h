@@ -86,6 +86,8 @@ class Journal {
   void begin_file();
   bool open_successor();
   bool write_at_end(std::span<const std::uint8_t> bytes);
+  bool write_successor(std::span<const std::uint8_t> bytes);
+  bool reserve_successor();
   void give_up(const char* what);
   bool mark();
   void reserve();

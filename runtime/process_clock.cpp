@@ -96,11 +96,16 @@ void ProcessClock::keep(const DisciplinedClock::Reading& reading) {
   if (file_.empty()) return;
   if (kept_ && std::abs(kept_->time_at(reading.oscillator) - clock_.time()) < worth_keeping) return;
   kept_ = ClockMark{boot_, reading.oscillator, clock_.time()};
-  // Several processes may do this at a time. A full disk only costs the next process its time.
+  // Several processes may do this at a time. With a full disk the mark that is there stays.
   const std::filesystem::path temporary = file_.string() + fmt::format(".{}.tmp", ::getpid());
-  std::ofstream(temporary, std::ios::binary) << text_of(*kept_);
+  std::ofstream out(temporary, std::ios::binary);
+  out << text_of(*kept_);
+  out.close();
   std::error_code problem;
-  std::filesystem::rename(temporary, file_, problem);
+  if (out)
+    std::filesystem::rename(temporary, file_, problem);
+  else
+    std::filesystem::remove(temporary, problem);
 }
 
 }  // namespace coppice

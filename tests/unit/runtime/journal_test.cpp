@@ -332,6 +332,22 @@ TEST_F(JournalTest, AFullDiskDoesNotKeepARewrittenJournalFromGoingOn) {
   }
 }
 
+// What a journal has reserved stays its own when it is rewritten with more than there is room to reserve for.
+TEST_F(JournalTest, ARewrittenJournalKeepsTheRoomThatItHas) {
+  const test::SmallDisk disk(folder.path() / "disk", "1M");
+  if (!disk.is_there()) GTEST_SKIP() << test::why_no_disk;
+  Journal journal(folder.path() / "disk" / "a.journal", room);
+  disk.fill();
+  std::vector<Message> all;
+  while (!journal.wants_rewriting()) {
+    ASSERT_TRUE(journal.append(status));
+    all.push_back(status);
+  }
+  ASSERT_TRUE(journal.rewrite(all));
+  disk.fill();  // another process takes what is free
+  for (int k = 0; k < 10; ++k) EXPECT_TRUE(journal.append(status)) << k;
+}
+
 TEST_F(JournalTest, RoomThatComesBackIsUsedWithoutARestart) {
   const test::SmallDisk disk(folder.path() / "disk", "1M");
   if (!disk.is_there()) GTEST_SKIP() << test::why_no_disk;

@@ -1,8 +1,12 @@
 // Tests of the clock of a process, and of what it leaves to the next one.
 #include "runtime/process_clock.h"
 
+#include <filesystem>
+#include <iterator>
+
 #include <gtest/gtest.h>
 
+#include "tests/small_disk.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -51,6 +55,22 @@ TEST(ProcessClock, ProcessesWithOneFolderHaveOneTime) {
   EXPECT_NEAR(second.by_system(second.now()), first.now(), 1);
   EXPECT_NEAR(second.from_system(second.by_system(500)), 500, 1e-6);
   EXPECT_NEAR(ProcessClock().now(), first.now(), 1) << "without a folder";
+}
+
+TEST(ProcessClock, AFullDiskKeepsTheMarkThatIsThere) {
+  const test::TemporaryFolder folder;
+  const test::SmallDisk disk(folder.path() / "states", "64k");
+  if (!disk.is_there()) GTEST_SKIP() << test::why_no_disk;
+  const std::string states = (folder.path() / "states").string();
+  ProcessClock{states};
+  auto mark = clock_mark_in(test::contents(folder.path() / "states" / "clock"));
+  ASSERT_TRUE(mark);
+  mark->oscillator += hour;  // counted on from there, so that it is of no use, and is to be replaced
+  folder.write("states/clock", text_of(*mark));
+  disk.fill();
+  ProcessClock{states};
+  EXPECT_EQ(test::contents(folder.path() / "states" / "clock"), text_of(*mark));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(states), {}), 2) << "the mark, and the ballast";
 }
 
 TEST(ProcessClock, ADamagedMarkIsReplaced) {
