@@ -278,7 +278,7 @@ std::string OrderBook::why_it_waits(const OrderStatus& status, std::size_t numbe
   if (its_order != nullptr && its_order != &status)
     return fmt::format("{} has other orders before", robots_[number]);
   if (is_not_heard(robot))
-    return fmt::format("{} is not heard: its agent hangs, or is cut off", robots_[number]);
+    return fmt::format("{} is not heard: its agent has ended, hangs, or cannot be reached", robots_[number]);
   if (is_stopped(halt_of(number))) return fmt::format("{} is stopped by the operator", robots_[number]);
   if (is_paused(halt_of(number))) return fmt::format("{} is paused by the operator", robots_[number]);
   return status.state == OrderState::assigned ? status.reason : std::string();

@@ -88,7 +88,8 @@ TEST(StartsAtWalls, SoDoesOneUnderFaults) {
   faults.bus.loss = 0.2;
   faults.bus.delay = 0.1;
   faults.clock_skew = 1;
-  faults.kills.push_back({"r1", 0.4});
+  for (const double time : {1.5, 3.0, 4.5}) faults.kills.push_back({"r1", time});
+  faults.restart_after = 0.5;
   expect_that_it_drives_out(read(site(radius - 0.09)), {.timeout = 200, .faults = faults});
 }
 

@@ -334,7 +334,7 @@ TEST(OrderBook, AnOrderOfARobotThatIsNotHeardSaysSo) {
   orders.robots[0].silent = orders.robots[0].is_out_of_reach = orders.robots[0].lost = true;
   orders.follow();
   EXPECT_EQ(orders.status("1").state, OrderState::under_way);
-  EXPECT_EQ(orders.status("1").reason, "a is not heard: its agent hangs, or is cut off");
+  EXPECT_EQ(orders.status("1").reason, "a is not heard: its agent has ended, hangs, or cannot be reached");
   EXPECT_EQ(orders.book.free_robots(orders.robots), std::vector<std::size_t>{1});
   EXPECT_TRUE(orders.book.withdraw(orders.robots).empty()) << "it names a";
   orders.robots[0].silent = orders.robots[0].is_out_of_reach = orders.robots[0].lost = false;
