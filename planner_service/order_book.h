@@ -4,6 +4,9 @@
 // what the robots do, asks it which orders are due, and carries these out (serve_orders.cpp). Each change of
 // a status is news, which the service saves and publishes before it acts on it. So a service that is killed
 // and restarted does no order twice, and forgets none.
+//
+// order_book.cpp takes orders up, order_progress.cpp gives them to robots, and order_recall.cpp goes on with
+// those of a service before this one.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +17,11 @@
 #include <set>
 #include <span>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "messages/messages.h"
+#include "planner_service/order_queue.h"
 
 namespace coppice {
 
@@ -121,14 +126,15 @@ class OrderBook {
 
   std::vector<RobotName> robots_;
   std::map<std::string, OrderStatus> orders_;
-  std::vector<std::string> turn_;                     ///< ids that are not ended: the most urgent first
+  OrderQueue turn_;                                   ///< of those that are not ended
   std::deque<std::string> ended_;                     ///< ids, in the order of their ends; the newest ones
   std::deque<std::string> refused_;                   ///< ids; the newest ones
   std::vector<std::optional<std::string>> order_of_;  ///< by robot
   std::set<std::size_t> to_stop_;
   HaltMessage halts_;
   bool halts_changed_ = false;
-  std::vector<std::string> changed_;
+  std::vector<std::string> changed_;            ///< ids, each once
+  std::unordered_set<std::string> is_changed_;  ///< the same
 };
 
 }  // namespace coppice

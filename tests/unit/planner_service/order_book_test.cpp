@@ -1,6 +1,10 @@
 // Tests of the order book, order by order.
 #include "planner_service/order_book.h"
 
+#include <ctime>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/planner_service/roles.h"
@@ -371,6 +375,30 @@ TEST(OrderBook, EndedOrdersOfRobotsThatAreGoneAreRecalled) {
   orders.give(go("1", {"a"}));
   orders.follow();
   EXPECT_EQ(orders.status("1").state, OrderState::done);
+}
+
+// A queue of open orders is limited; ended ones are kept for ever.
+TEST(OrderBook, RecallingTakesLittleTimeForEachOrder) {
+  constexpr int orders_of_months = 50'000;
+  OrderBook book({"a", "b"});
+  const std::clock_t begin = std::clock();
+  for (int k = 0; k < orders_of_months; ++k) {
+    const std::string id = std::to_string(k);
+    book.recall(OrderStatus{.order = go(id.c_str(), {"a"}, k % 3), .accepted_at = 1});
+  }
+  book.publish_again();
+  const std::vector<OrderStatus> told = of<OrderStatus>(book.take_news());
+  ASSERT_EQ(told.size(), std::size_t{orders_of_months});
+  EXPECT_EQ(told[0].order.id, "2") << "the most urgent one that came first";
+  EXPECT_EQ(told[1].order.id, "5");
+  for (OrderStatus status : told) {
+    status.state = OrderState::done;
+    status.ended_at = 2;
+    book.recall(status);
+  }
+  EXPECT_EQ(book.ended().size(), std::size_t{orders_of_months});
+  EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10)
+      << "for minutes, if each looked at all others";
 }
 
 TEST(OrderBook, OrdersForAnyRobotGoToRobotsThatHaveNone) {
