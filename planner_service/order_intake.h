@@ -6,6 +6,7 @@
 // the order is new then. All others are refused, so that none is lost without a word.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -21,15 +22,16 @@ class OrderIntake {
   static constexpr WallTime patience = 3;
 
   /// `since`: when the fleet began.
-  explicit OrderIntake(WallTime since) : since_(since), last_(since) {}
+  explicit OrderIntake(WallTime since) : since_(since) {}
 
-  /// A service before this one began the fleet.
-  void fleet_began(WallTime since) { since_ = last_ = since; }
+  /// The fleet began earlier than that: a service before this one began it. What seems to lie ahead was dated
+  /// by a clock that was wrong before this host was started anew, and does not count.
+  void fleet_began(WallTime since) { since_ = std::min(since_, since); }
 
   /// True if the order is for this fleet. Otherwise it is held back. `at`: when it arrived. `sent`: by the
   /// sender's clock; 0: not known, and it is for this fleet.
   bool takes(const OrderMessage& order, WallTime at, WallTime sent);
-  /// Orders that nobody has repeated, each once. Also called without orders, for the clock may be set back.
+  /// Orders that nobody has repeated, each once.
   std::vector<OrderMessage> take_outdated(WallTime now);
 
  private:
@@ -38,10 +40,7 @@ class OrderIntake {
     WallTime at = 0;
   };
 
-  void follow_clock(WallTime now);
-
   WallTime since_;
-  WallTime last_;
   std::map<std::string, Held> held_;
 };
 

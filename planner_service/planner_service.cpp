@@ -246,10 +246,7 @@ JointPlanMessage PlannerService::given_plan() const {
 std::vector<Message> PlannerService::step(WallTime now) {
   std::vector<Message> out;
   if (std::exchange(map_due_, false)) out.emplace_back(map());
-  if (auto* const waiting = std::get_if<WaitingForTrees>(&phase_)) {
-    waiting->since = std::min(waiting->since, now);  // the clock may have been set back
-    begin_when_ready(*waiting, now);
-  }
+  if (const auto* const waiting = std::get_if<WaitingForTrees>(&phase_)) begin_when_ready(*waiting, now);
   if (BegunRun* const run = run_of(phase_); run != nullptr && std::exchange(run->missions_due, false)) {
     publish_missions(out);
     orders_.publish_again();
@@ -260,7 +257,8 @@ std::vector<Message> PlannerService::step(WallTime now) {
     liveliness_.step(stages, now);
   }
   if (std::holds_alternative<Running>(phase_)) continue_run(out, now);
-  if (auto* const collecting = std::get_if<CollectingTracks>(&phase_)) finish_when_complete(*collecting, now);
+  if (const auto* const collecting = std::get_if<CollectingTracks>(&phase_))
+    finish_when_complete(*collecting, now);
   next_wake_ = now + service_timing.step_interval;
   return out;
 }
@@ -302,10 +300,7 @@ std::optional<RunEnd> PlannerService::end_of_run(WallTime now) const {
   return all ? std::optional(RunEnd::all_done) : std::nullopt;
 }
 
-void PlannerService::finish_when_complete(CollectingTracks& collecting, WallTime now) {
-  // The clock may have been set back.
-  collecting.since = std::min(collecting.since, now);
-  collecting.run.rediscovered_by = std::min(collecting.run.rediscovered_by, now + time_to_rediscover());
+void PlannerService::finish_when_complete(const CollectingTracks& collecting, WallTime now) {
   double braking = 0;  // wall seconds
   for (const RobotTask& task : scenario_.robots)
     braking = std::max(braking, braking_time(limits_of(task)) / settings_.time_scale);

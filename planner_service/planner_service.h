@@ -163,7 +163,7 @@ class PlannerService {
   bool every_agent_has(std::uint32_t trees) const;
   void continue_run(std::vector<Message>& out, WallTime now);
   std::optional<RunEnd> end_of_run(WallTime now) const;
-  void finish_when_complete(CollectingTracks& collecting, WallTime now);
+  void finish_when_complete(const CollectingTracks& collecting, WallTime now);
   bool tracks_complete() const;
   void step_at_once() { next_wake_ = 0; }
 

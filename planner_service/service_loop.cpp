@@ -187,7 +187,7 @@ void ServiceLoop::log_missing_goals(const PlannerService& service) {
 /// Rewrites a long journal, and looks whether its disk has room for more orders.
 void ServiceLoop::tend(Journal& journal, PlannerService& service) {
   const WallTime now = clock_.now();
-  const bool is_due = now >= next_look_at_disk_ || next_look_at_disk_ > now + 2 * between_looks_at_disk;
+  const bool is_due = now >= next_look_at_disk_;
   if (!is_due && (!journal.complete() || !journal.wants_rewriting())) return;
   if (service.run() && journal.wants_rewriting()) {
     const PlannerService::Snapshot whole = service.snapshot();

@@ -61,7 +61,6 @@ void SoleService::tell(std::string problem) {
 }
 
 std::vector<Message> SoleService::step(WallTime now) {
-  listens_since_ = std::min(listens_since_, now);  // the clock may have been set back
   next_wake_ = now + service_timing.service_status_interval;
   return {self_};
 }

@@ -243,7 +243,6 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
     status_is_due_ = run_->take_status_change() || status_is_due_;
     run_->send_track(status_is_due_, out);
   }
-  next_status_ = std::min(next_status_, now + status_interval);  // the clock may have been set back
   if (!status_is_due_ && now < next_status_) return;
   out.emplace_back(status(now));
   status_is_due_ = false;

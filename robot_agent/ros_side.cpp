@@ -57,7 +57,7 @@ std::vector<RosMessage> RosSide::step(RobotAgent& agent, WallTime now) {
     path_.reset();
     out.emplace_back(std::move(plan));
   }
-  if (now < next_ && next_ < now + 2 * beat) return out;  // later than that: the clock was set back
+  if (now < next_) return out;
   next_ = std::max(next_, now - beat / 2) + beat;
   if (run->tracking()) {
     const DriveCommand wanted = agent.command(now);

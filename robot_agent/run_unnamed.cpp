@@ -1,6 +1,5 @@
 #include "robot_agent/run_unnamed.h"
 
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -79,7 +78,7 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
   };
   const auto keep_the_claim = [&] {
     heart.beat(clock.now());
-    if (asking && std::abs(clock.now() - last_claim) >= claim_period) claim_again(*asking);
+    if (asking && clock.now() - last_claim >= claim_period) claim_again(*asking);
   };
   if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, clock, keep_the_claim)) {
     agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
