@@ -62,9 +62,11 @@ std::optional<Journal> open_journal(const std::string& folder, bool serves) {
   if (journal && !journal->complete())
     throw InputError(
         journal->file().string() +
-        ": the disk was full when it was written, so that the run cannot go on from it. Stop all agents, "
-        "stand the robots at the starts of the scenario, and remove it: a new run takes every robot to be "
-        "there");
+        (serves ? ": the disk was full when it was written, so that the run cannot go on from it. Stop all "
+                  "agents, remove it, and say where the robots stand (--start-at)"
+                : ": the disk was full when it was written, so that the run cannot go on from it. Stop all "
+                  "agents, stand the robots at the starts of the scenario, and remove it: a new run takes "
+                  "every robot to be there"));
   return journal;
 }
 

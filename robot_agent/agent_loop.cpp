@@ -28,8 +28,7 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
   if (!past.journal->complete()) {
     throw std::runtime_error(
         fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
-                    "remove it once "
-                    "the robot stands at the start of its mission",
+                    "remove it once the robot stands where its next mission starts",
                     past.journal->file().string()));
   }
   past.journal->for_each([&](const Message& message) {

@@ -34,8 +34,7 @@ struct Past {
 };
 
 /// Opens the journal and the black box of a robot, and reads the journal. `meanwhile` is called again and
-/// again. Throws JournalInUse if another process has them open, and
-/// std::runtime_error if they are of no use.
+/// again. Throws JournalInUse if another process has them open, and std::runtime_error if they are of no use.
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile);
 
 /// The listeners to all that a robot's agent hears and says.

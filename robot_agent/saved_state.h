@@ -57,7 +57,6 @@ class SavedStateBuilder {
   void receive(const RobotState& state);
   void receive(const AgentStatus& status);
   void receive(const TrackMessage& track);
-  void add_point(const TrackMessage::Point& point);
   void drive_on(double until);
   void bound_track();
 

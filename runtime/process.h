@@ -1,5 +1,4 @@
-// Common to the mains of all processes: the signals to stop, and the loop that runs a role on
-// a bus.
+// Common to the mains of all processes: the signals to stop, and the loop that runs a role on a bus.
 #pragma once
 
 #include <algorithm>
