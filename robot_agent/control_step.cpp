@@ -19,7 +19,6 @@ constexpr double least_ignorance = Timing::least_ignorance;
 constexpr double asks_for_news = Timing::asks_for_news;
 constexpr double between_retries = Timing::between_retries;
 constexpr double longest_stall = Timing::longest_stall;
-constexpr double idle_lease = Timing::idle_lease;
 constexpr double waiting_lease = Timing::waiting_lease;
 constexpr double lease_for_delay = Timing::lease_for_delay;
 constexpr double longest_delay = Timing::largest_clock_error;
@@ -152,7 +151,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     const bool sets_off_soon = std::holds_alternative<Planning>(task_) ||
                                std::holds_alternative<DrivingOut>(task_) ||
                                (driving != nullptr && !may_set_off());
-    if (!sets_off_soon) stand_for(now, free ? idle_lease : waiting_lease);
+    if (!sets_off_soon) stand_for(now, free ? idle_lease() : waiting_lease);
   }
   if (!stopped()) watch_arrival(now);
 }
@@ -307,6 +306,14 @@ void Run::call_if_it_stalls(double now) {
 bool Run::heads_as_wanted() const {
   return mission_.goal_yaw_tolerance == 0 ||
          std::abs(wrapped(body_.yaw() - mission_.goal_yaw)) <= mission_.goal_yaw_tolerance / 2;
+}
+
+/// Seconds for which a robot with no reason to move binds itself. A robot that brakes for long may only be as
+/// fast as it can stop while the others are bound, so these leases grow with its speed.
+double Run::idle_lease() const {
+  const bool all_brake_soon = fleet_.longest_braking() < Timing::idle_lease / 2;
+  return all_brake_soon ? Timing::idle_lease
+                        : std::max(Timing::idle_lease, fleet_.longest_stop() + Timing::idle_lease / 2);
 }
 
 void Run::stand_for(double now, double seconds) {

@@ -290,6 +290,20 @@ std::vector<FleetMember> Fleet::others() const {
   return all;
 }
 
+double Fleet::longest_stop() const {
+  constexpr double between_states = 2;  // peers come closer, and speed up, until they are heard again
+  const Limits limits = limits_of(*own_.mission);
+  double longest = 0;
+  for (const Peer& peer : peers_) {
+    if (peer.failed() || !peer.state) continue;
+    const double speed = peer.state->promise.next_velocity.norm();
+    const double stop = speed / peer.state->max_acceleration;
+    const double reach = std::min(limits.max_speed, limits.max_acceleration * stop) * stop;
+    if (own_.gap(peer) < between_states * (speed * stop + reach)) longest = std::max(longest, stop);
+  }
+  return longest;
+}
+
 std::vector<FleetMember> Fleet::beside(const Point2& p, double radius, double sums, double now) const {
   std::vector<FleetMember> close;
   for (const Peer& peer : peers_) {

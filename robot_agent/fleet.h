@@ -170,6 +170,9 @@ class Fleet {
   std::size_t known() const { return peers_.size() + 1; }
   /// The longest time that a robot of the run takes to brake, seconds.
   double longest_braking() const { return longest_braking_; }
+  /// The longest time that a peer needs to stop now, seconds. Peers count that could come close to this robot
+  /// if it set off meanwhile.
+  double longest_stop() const;
   /// A robot that must be heard before this one may set off; empty: none.
   RobotName unknown() const;
   /// Peers that are silent now, and are not failed.

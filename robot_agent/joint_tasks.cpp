@@ -16,8 +16,8 @@ namespace {
 constexpr double share_of_tolerance = 0.9;  // of `arrives_within`
 // Goals that are a little too close to each other are pushed apart, all together, up to so many times.
 constexpr int pushes = 100;
-constexpr double usual_gap = 0.02;  // metres: robots stop a little off their ends
-constexpr double beyond = 1e-3;     // metres further, so that they are soon apart
+constexpr double gap_radii = 0.004;  // mean radii: robots stop a little off their ends
+constexpr double beyond = 1.05;      // of the gap, so that they are soon apart
 // For goals that remain disputed, points on rings about the goal are tried.
 constexpr int goal_rings = 9;
 constexpr int points_on_ring = 24;
@@ -71,10 +71,12 @@ void push_apart(std::span<const FleetMember> members, std::vector<JointTask>& ta
         if (!yields(i) && !yields(k)) continue;
         const std::optional<Point2> a = end_of(tasks[i]);
         const std::optional<Point2> b = end_of(tasks[k]);
-        const double gap = a && b ? gap_between(tasks[i], *a, tasks[k], *b) : usual_gap;
-        if (gap >= usual_gap || *a == *b) continue;
+        if (!a || !b || *a == *b) continue;
+        const double gap = gap_between(tasks[i], *a, tasks[k], *b);
+        const double wanted = std::max(standing_gap, gap_radii * (tasks[i].radius + tasks[k].radius) / 2);
+        if (gap >= wanted) continue;
         const Point2 away = (*a - *b).normalized();
-        const Point2 step = (usual_gap + beyond - gap) / (yields(i) && yields(k) ? 2 : 1) * away;
+        const Point2 step = (beyond * wanted - gap) / (yields(i) && yields(k) ? 2 : 1) * away;
         if (yields(i)) move_end(tasks[i], members[i], *tasks[i].goal + step, field);
         if (yields(k)) move_end(tasks[k], members[k], *tasks[k].goal - step, field);
         pushed = true;
@@ -125,6 +127,12 @@ std::vector<JointTask> joint_tasks(std::span<const FleetMember> members, std::sp
   if (aims.undisputed) return std::move(aims.tasks);
   Aims wider = aims_of(members, obstacles, field, false);
   return std::move(wider.undisputed ? wider.tasks : aims.tasks);
+}
+
+std::vector<JointTask> joint_tasks_at_goals(std::span<const FleetMember> members,
+                                            std::span<const JointTask> obstacles,
+                                            const ClearanceField& field) {
+  return aims_of(members, obstacles, field, false).tasks;
 }
 
 }  // namespace coppice

@@ -21,5 +21,9 @@ bool is_on_map(const ClearanceField& field, const Point2& p, double radius = 0);
 /// A robot that has given up may be sent anywhere.
 std::vector<JointTask> joint_tasks(std::span<const FleetMember> members, std::span<const JointTask> obstacles,
                                    const ClearanceField& field);
+/// The same, but robots that have arrived go to their very goals: off these they may close a passage.
+std::vector<JointTask> joint_tasks_at_goals(std::span<const FleetMember> members,
+                                            std::span<const JointTask> obstacles,
+                                            const ClearanceField& field);
 
 }  // namespace coppice

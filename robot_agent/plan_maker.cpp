@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -63,26 +64,34 @@ std::vector<JointTask> with_room(std::span<const JointTask> tasks, const Clearan
   return larger;
 }
 
-/// First robots with room to pass each other at full speed, then those that keep their margins.
-std::vector<std::vector<JointTask>> larger_robots(std::span<const JointTask> tasks,
-                                                  const ClearanceField& field) {
-  std::vector<std::vector<JointTask>> all{with_room(tasks, field, roomy, 0)};
-  if (field.inflation() > 0) all.push_back(with_room(tasks, field, 0, field.inflation() / 2));
-  std::erase_if(all, [](const auto& larger) { return larger.empty(); });
-  return all;
-}
-
 }  // namespace
 
 PlanMaker::PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
                      std::span<const KnownReservation> others, Random random, double now)
     : places_(places),
       members_(std::move(members)),
-      tasks_(joint_tasks(members_, obstacles, places.field())),
       others_(others.begin(), others.end()),
       random_(random),
-      larger_(larger_robots(tasks_, places.field())),
-      phase_(MakesMoves{planner_with(random_), now}) {}
+      attempts_(attempts(members_, obstacles, places.field())),
+      phase_(first_attempt(random_, now)) {
+  for (const JointTask& task : obstacles) obstacles_.push_back({task.position, task.radius});
+}
+
+/// First robots with room to pass each other at full speed, then those that keep their margins.
+std::vector<PlanMaker::Attempt> PlanMaker::attempts(std::span<const FleetMember> members,
+                                                    std::span<const JointTask> obstacles,
+                                                    const ClearanceField& field) {
+  constexpr int few_steps = 10;  // LaCAM has then found a plan, or evacuation is next
+  constexpr int any_number = std::numeric_limits<int>::max();
+  const std::vector<JointTask> tasks = joint_tasks(members, obstacles, field);
+  std::vector<Attempt> all{{with_room(tasks, field, roomy, 0), few_steps}};
+  if (field.inflation() > 0) all.push_back({with_room(tasks, field, 0, field.inflation() / 2), few_steps});
+  std::erase_if(all, [](const Attempt& attempt) { return attempt.tasks.empty(); });
+  all.push_back({tasks, any_number});
+  if (std::ranges::any_of(members, &FleetMember::wants_to_stay))
+    all.push_back({joint_tasks_at_goals(members, obstacles, field), any_number});
+  return all;
+}
 
 bool PlanMaker::step(double now, bool everybody) {
   if (auto* const moves = std::get_if<MakesMoves>(&phase_)) return make_moves(*moves, now, everybody);
@@ -102,22 +111,22 @@ bool PlanMaker::strands() const {
   return complete == nullptr || !complete->plan.stranded.empty();
 }
 
-std::unique_ptr<JointPlanner> PlanMaker::planner_with(Random random) const {
-  return std::make_unique<JointPlanner>(places_, larger_.empty() ? tasks_ : larger_.front(), random);
+PlanMaker::MakesMoves PlanMaker::first_attempt(Random random, double since) const {
+  const auto& [tasks, most_steps] = attempts_.front();
+  return {std::make_unique<JointPlanner>(places_, tasks, random), since, most_steps};
 }
 
 /// Returns true if there is no plan that brings everybody to the goal.
 bool PlanMaker::make_moves(MakesMoves& phase, double now, bool everybody) {
   const bool ends = phase.planner->step();
-  const bool is_last_resort = larger_.empty() && !best_;
+  const bool is_last_resort = attempts_.size() == 1 && !best_;
   const bool fails =
       !is_last_resort && (ends ? !phase.planner->plan().stranded.empty() : --phase.steps_left == 0);
   if (fails && best_) {
     go_on(now);
   } else if (fails) {
-    larger_.erase(larger_.begin());
-    phase.planner = planner_with(random_);
-    phase.steps_left = most_steps;
+    attempts_.erase(attempts_.begin());
+    phase = first_attempt(random_, phase.since);
   } else if (ends) {
     JointPlan plan = phase.planner->take_plan();
     if (everybody && !plan.stranded.empty()) {
@@ -156,7 +165,7 @@ double PlanMaker::waiting(const FindsTimes& phase) const {
 /// Makes another plan, or chooses the best one.
 void PlanMaker::go_on(double now) {
   if (++in_vain_ < most_in_vain) {
-    phase_ = MakesMoves{planner_with(Random(random_.next())), now};
+    phase_ = first_attempt(Random(random_.next()), now);
   } else {
     auto schedule = schedule_of(best_->plan, now);
     phase_ = ImprovesTimes{std::move(best_->plan), std::move(schedule)};
@@ -178,12 +187,8 @@ std::unique_ptr<JointSchedule> PlanMaker::schedule_of(const JointPlan& plan, dou
   for (const FleetMember& m : members_) robots.push_back({m.position, m.radius, m.limits});
   std::vector<JointSchedule::Other> others;
   for (const KnownReservation& other : others_) others.push_back({other.trajectory, other.radius});
-  std::vector<Disc> obstacles;
-  for (const JointTask& task : std::span(tasks_).subspan(members_.size()))
-    obstacles.push_back({task.position, task.radius});
   return std::make_unique<JointSchedule>(places_, std::move(robots), plan.moves, std::move(others),
-                                         std::move(obstacles), now + Timing::plan_to_departure,
-                                         control_period);
+                                         obstacles_, now + Timing::plan_to_departure, control_period);
 }
 
 JointPlanMessage PlanMaker::message() const {

@@ -3,7 +3,8 @@
 //
 // First for robots that are a tenth larger: then their trajectories keep apart as reservations do
 // (motion/space_time.h), and the robots pass each other at full speed. If that brings not all of them to
-// their goals, for robots that keep half a margin each, and in the end for robots as large as they are.
+// their goals, for robots that keep half a margin each, then for robots as large as they are, and in the end
+// for these with those that have arrived at their very goals.
 //
 // The planner draws at random, and the robots of one plan may take twice as long as those of another. So
 // where robots wait for long in a plan, more are made, until several in a row are no better than the best
@@ -44,12 +45,15 @@ class PlanMaker {
   JointPlanMessage message() const;
 
  private:
-  /// Of a planner: LaCAM has then found a plan, or evacuation is next.
-  static constexpr int most_steps = 10;
+  /// A plan that may be made.
+  struct Attempt {
+    std::vector<JointTask> tasks;  ///< of the members, then of the obstacles
+    int most_steps;                ///< of the planner
+  };
   struct MakesMoves {
     std::unique_ptr<JointPlanner> planner;
-    double since;                 ///< the plan was begun
-    int steps_left = most_steps;  ///< of the planner, unless it is the last resort
+    double since;  ///< the plan was begun
+    int steps_left;
   };
   struct FindsTimes {
     JointPlan plan;
@@ -66,7 +70,9 @@ class PlanMaker {
     double sum;  ///< of its arrival times, fleet time
   };
 
-  std::unique_ptr<JointPlanner> planner_with(Random random) const;
+  static std::vector<Attempt> attempts(std::span<const FleetMember> members,
+                                       std::span<const JointTask> obstacles, const ClearanceField& field);
+  MakesMoves first_attempt(Random random, double since) const;
   bool make_moves(MakesMoves& phase, double now, bool everybody);
   void begin_where_robots_stand(JointPlan& plan) const;
   std::unique_ptr<JointSchedule> schedule_of(const JointPlan& plan, double now) const;
@@ -76,11 +82,10 @@ class PlanMaker {
 
   MapRoadmaps& places_;
   std::vector<FleetMember> members_;
-  std::vector<JointTask> tasks_;  ///< of the members, then of the obstacles
+  std::vector<Disc> obstacles_;
   std::vector<KnownReservation> others_;
   Random random_;
-  /// Tasks of larger robots that have room, and may have a plan, the largest first.
-  std::vector<std::vector<JointTask>> larger_;
+  std::vector<Attempt> attempts_;  ///< those that may succeed, and at least the last resort
   std::optional<Best> best_{};
   int in_vain_ = 0;  ///< plans since then
   std::variant<MakesMoves, FindsTimes, ImprovesTimes, Fails> phase_;

@@ -158,6 +158,7 @@ class Run {
   void call_if_it_stalls(double now);
   Path way_ahead() const;
   void stand_for(double now, double seconds);
+  double idle_lease() const;
   void watch_arrival(double now);
   void give_up(std::string reason);
   void retry_after_change();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -35,6 +36,7 @@ std::vector<JointPlanMessage::Member> planned(const OccupancyMap& map, std::vect
   while (!maker.step(0, true)) {
   }
   EXPECT_FALSE(maker.strands());
+  if (maker.strands()) return {};
   return maker.message().members;
 }
 
@@ -98,6 +100,36 @@ TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
   EXPECT_LT(now, 5);
   EXPECT_FALSE(maker.strands());
   EXPECT_EQ(maker.message().members.size(), members.size());
+}
+
+constexpr double cell = 0.0754;  // metres
+
+/// Radius and places in cells.
+FleetMember on_cells(const RobotName& name, double its_radius, const Point2& position, const Point2& goal) {
+  FleetMember m = member(name, cell * position, cell * goal);
+  m.radius = cell * its_radius;
+  m.arrives_within = 0.1 * cell;
+  m.limits = {1, 1};
+  m.wants_to_stay = (m.position - *m.goal).norm() < m.arrives_within;
+  return m;
+}
+
+/// The passage of the two that drive is closed while r5 stands a tenth of its radius off its goal.
+TEST(PlanMaker, ARobotThatArrivedGoesToItsVeryGoalWhereOthersNeedTheRoom) {
+  constexpr std::string_view rows = "....|....|....|##..|.#..|...#|.#..|...#|....|.##.|....|";
+  OccupancyMap map{.width = 4, .height = 11, .resolution = cell, .blocked = {}};
+  for (const char c : rows) {
+    if (c != '|') map.blocked.push_back(c == '#');
+  }
+  std::vector<FleetMember> members{on_cells("r2", 0.359, {1.249, 5.56}, {3.5, 9.5})};
+  members.push_back(on_cells("r1", 0.45, {2.5, 3.545}, {2.5, 3.5}));
+  members.push_back(on_cells("r3", 0.45, {0.5, 9.5}, {0.5, 9.5}));
+  members.push_back(on_cells("r4", 0.45, {0.51, 4.588}, {1.5, 1.5}));
+  members.push_back(on_cells("r5", 0.45, {2.5, 2.455}, {2.5, 2.5}));
+  members.push_back(on_cells("r6", 0.45, {0.5, 1.5}, {0.5, 1.5}));
+  members.push_back(on_cells("r7", 0.364, {2.5, 6.5}, {2.5, 6.5}));
+  members.push_back(on_cells("r8", 0.265, {3.5, 8.5}, {3.5, 8.5}));
+  planned(map, std::move(members));
 }
 
 }  // namespace
