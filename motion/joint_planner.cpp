@@ -40,12 +40,14 @@ double largest_radius(std::span<const JointTask> tasks) {
 
 }  // namespace
 
-JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random)
+JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random, Methods methods)
     : places_(places),
       tasks_(std::move(tasks)),
       radius_(largest_radius(tasks_)),
       spacing_(place_spacing * radius_),
       random_(random) {
+  if (methods == Methods::all && SmallOnesAside::may_help(tasks_))
+    parts_ = std::make_unique<SmallOnesAside>(places_, tasks_, random_);
   if (has_room_for_the_largest()) set_up_crowd({});
 }
 
@@ -170,11 +172,20 @@ bool JointPlanner::step() {
     return take_up(*std::move(partial_));
   if (!refuges_) refuges_ = std::make_unique<PushAndRotate>(places_.field(), tasks_, random_);
   if (!refuges_->step()) return false;
-  if (!refuges_->plan().stranded.empty() && !evacuated_) return evacuate();
+  const bool strands = !refuges_->plan().stranded.empty();
+  if (strands && parts_) return set_small_ones_aside();
+  if (strands && !evacuated_) return evacuate();
   const bool better = !partial_ || refuges_->plan().stranded.size() <= partial_->stranded.size();
   if (!better) return take_up(*std::move(partial_));
   plan_ = refuges_->plan();
   return true;
+}
+
+/// Such a plan strands nobody.
+bool JointPlanner::set_small_ones_aside() {
+  if (!parts_->step()) return false;
+  auto plan = std::exchange(parts_, nullptr)->take_plan();
+  return plan && take_up(*std::move(plan));
 }
 
 /// Tries to evacuate and reassemble the cluster. Such a plan strands no robot without need.

@@ -15,7 +15,8 @@
 // then.
 //
 // Robots of several sizes are planned for as if all were as large as the largest. If they have no room for
-// that, push and rotate comes first, and evacuate and reassemble if it strands robots.
+// that, push and rotate comes first. If it strands robots, the small ones are set aside for the large ones
+// (small_ones_aside.h), and evacuate and reassemble comes last.
 //
 // Metres in the map frame.
 #pragma once
@@ -34,14 +35,19 @@
 #include "motion/lacam.h"
 #include "motion/packed_roadmap.h"
 #include "motion/push_and_rotate.h"
+#include "motion/small_ones_aside.h"
 
 namespace coppice {
 
 class JointPlanner {
  public:
+  /// A part of a plan is not planned in parts again.
+  enum class Methods { all, for_a_part };
+
   /// `places` and its field must outlive it. A robot that could not reach its goal even if it were alone is
   /// stranded from the start.
-  JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
+  JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random,
+               Methods methods = Methods::all);
 
   /// Does a bounded amount of work. Returns true once the plan is complete.
   bool step();
@@ -55,6 +61,7 @@ class JointPlanner {
   void use_finer_places(double spacing, std::span<const Point2> elbow_room);
   PackedRoadmap& packed() { return places_.packed(radius_, spacing_); }
   bool has_room_for_the_largest() const;
+  bool set_small_ones_aside();
   bool evacuate();
   bool search_few();
   bool search_crowd();
@@ -77,6 +84,7 @@ class JointPlanner {
   std::unique_ptr<FewRobots> few_;
   std::size_t configurations_ = 0;
   bool second_try_ = false;
+  std::unique_ptr<SmallOnesAside> parts_;  ///< null: it has failed, or cannot help
   std::unique_ptr<EvacuateAndReassemble> evacuation_;
   bool evacuated_ = false;  ///< or evacuation was tried in vain
   std::unique_ptr<PushAndRotate> refuges_;

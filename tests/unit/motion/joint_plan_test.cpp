@@ -244,6 +244,22 @@ TEST(JointPlan, ADeadEndIsFilledAgainByRobotsOfSeveralSizes) {
   EXPECT_TRUE(solve(hall_and_aisle(), tasks).stranded.empty());
 }
 
+/// The two largest exchange their sides of a gate, and need the room in which the small ones stand.
+TEST(JointPlan, SmallRobotsMakeRoomForLargeOnes) {
+  OccupancyMap map = open_map(18, 15);
+  block(map, 6, 0, 7, 4);
+  block(map, 12, 0, 13, 1);
+  block(map, 6, 11, 7, 15);
+  block(map, 12, 12, 13, 15);
+  const JointPlan plan = solve(map, {{{12.5, 4.0083}, Point2(3.4814, 7.9819), 1.9529},
+                                     {{15.5202, 5.7708}, Point2(15.5202, 5.7708), 0.83888},
+                                     {{3.93, 11.9997}, Point2(3.93, 11.9997), 1.94421},
+                                     {{15.02, 8.36}, Point2(15.02, 8.36), 0.64616},
+                                     {{8.0509, 6.5453}, Point2(8.06, 6.55), 2.64862},
+                                     {{1.5261, 5.3873}, Point2(1.5261, 5.3873), 1.28911}});
+  EXPECT_TRUE(plan.stranded.empty());
+}
+
 TEST(JointPlan, ARobotAtItsGoalInADeadEndComesOutAndReturns) {
   const JointPlan plan =
       solve(hall_and_aisle(),
