@@ -1,6 +1,7 @@
 #include "motion/small_ones_aside.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 #include "motion/joint_planner.h"
@@ -99,9 +100,10 @@ std::optional<Point2> SmallOnesAside::place_aside(std::size_t robot) {
   for (int k = 0; k < candidates; ++k) {
     const Point2 p(random_.uniform(box.lower.x(), box.upper.x()),
                    random_.uniform(box.lower.y(), box.upper.y()));
-    if (!field.is_free(p, radius) || gap(p) < standing_gap) continue;
-    const double cost = field.clearance(p) - radius - worth_of_gap * gap(p);
-    if (cost >= least) continue;
+    if (!field.is_free(p, radius)) continue;
+    const double room = gap(p);
+    const double cost = field.clearance(p) - radius - worth_of_gap * room;
+    if (room < standing_gap || cost >= least) continue;
     least = cost;
     best = p;
   }

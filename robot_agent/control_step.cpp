@@ -308,7 +308,7 @@ bool Run::heads_as_wanted() const {
 /// Seconds for which a robot with no reason to move binds itself. A robot that brakes for long may only be as
 /// fast as it can stop while the others are bound, so these leases grow with its speed.
 double Run::idle_lease() const {
-  const bool all_brake_soon = fleet_.longest_braking() < Timing::idle_lease / 2;
+  const bool all_brake_soon = fleet_.longest_braking() <= Timing::idle_lease / 2;
   return all_brake_soon ? Timing::idle_lease
                         : std::max(Timing::idle_lease, fleet_.longest_stop() + Timing::idle_lease / 2);
 }
