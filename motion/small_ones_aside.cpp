@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "motion/joint_planner.h"
+#include "motion/route_finder.h"
 #include "motion/segments.h"
 
 namespace coppice {
@@ -42,7 +43,20 @@ bool SmallOnesAside::may_help(std::span<const JointTask> tasks) {
   return smallest < largest && robots <= most_robots_in_parts;
 }
 
+/// A robot could not reach its goal even if it were alone.
+bool SmallOnesAside::is_in_vain() const {
+  std::vector<Disc> failed;
+  for (const JointTask& task : tasks_) {
+    if (!task.movable) failed.push_back({task.position, task.radius});
+  }
+  return std::ranges::any_of(tasks_, [&](const JointTask& task) {
+    return wants_to_move(task) &&
+           coarsest_route(places_.field(), task.radius, task.position, *task.goal, failed, 1).path.empty();
+  });
+}
+
 bool SmallOnesAside::step() {
+  if (attempt_ == 0 && is_in_vain()) return true;
   if (!planner_) return !begin_attempt();
   if (!planner_->step()) return false;
   JointPlan plan = std::exchange(planner_, nullptr)->take_plan();

@@ -43,6 +43,7 @@ class SmallOnesAside {
  private:
   enum class Part { aside, large, back };
 
+  bool is_in_vain() const;
   bool begin_attempt();
   std::optional<Point2> place_aside(std::size_t robot);
   void begin(Part part);
