@@ -39,15 +39,14 @@ Driver::Driver(const Promise& promise, double radius, const Limits& limits, doub
 
 void Driver::advance() {
   position_ += period_ * twist_.velocity;
-  yaw_ = wrapped(yaw_ + period_ * twist_.angular_velocity);
+  yaw_ = turn_yaw();
   time_ += period_;
   twist_ = next_;
   next_ = braked(twist_, limits_, period_);
 }
 
 void Driver::turn_to(double yaw) {
-  next_ = {Point2::Zero(),
-           turning_to(yaw, twist_, yaw_ + period_ * twist_.angular_velocity, limits_, period_)};
+  next_ = {Point2::Zero(), turning_to(yaw, twist_, turn_yaw(), limits_, period_)};
 }
 
 void Driver::stay(double until) {
@@ -105,15 +104,13 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
 
 /// The twist at the next turn whose velocity is closest to `wanted`.
 Twist Driver::nearest_to(const Point2& wanted) const {
-  if (is_differential(limits_))
-    return twist_towards(wanted, twist_, yaw_ + period_ * twist_.angular_velocity, limits_, period_);
+  if (is_differential(limits_)) return twist_towards(wanted, twist_, turn_yaw(), limits_, period_);
   return {within_limits(wanted, twist_.velocity, limits_, period_), 0};
 }
 
 /// Twists that the robot can take at its next turn, in all directions.
 std::vector<Twist> Driver::around_present() const {
-  if (is_differential(limits_))
-    return twists_after(twist_, yaw_ + period_ * twist_.angular_velocity, limits_, period_);
+  if (is_differential(limits_)) return twists_after(twist_, turn_yaw(), limits_, period_);
   std::vector<Twist> twists;
   const double reach = std::min(limits_.max_acceleration * period_, limits_.max_speed);
   for (const double share : shares) {
@@ -147,6 +144,14 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
 bool Driver::is_blocked_by(const Neighbour& other, const Point2& wanted) const {
   return first_in_the_way(turn_position(), nearest_to(wanted), time_ + period_, radius_, limits_, period_,
                           {&other, 1}) == 0;
+}
+
+Point2 Driver::slow_to_turn(const Point2& wanted, double stray) const {
+  const double speed = wanted.norm();
+  if (!is_differential(limits_) || speed == 0) return wanted;
+  const double angle = std::abs(wrapped(std::atan2(wanted.y(), wanted.x()) - turn_yaw()));
+  const double drift = speed * angle * time_to_turn(angle, limits_);  // at the most
+  return drift > stray ? Point2(wanted * (stray / drift)) : wanted;
 }
 
 bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,

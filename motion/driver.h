@@ -44,6 +44,10 @@ class Driver {
   /// reciprocal velocity obstacles propose for `preferred`.
   void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
 
+  /// `wanted`, but no faster than a differential robot may drive while it turns there from its heading: it
+  /// strays by `stray` metres at most meanwhile.
+  Point2 slow_to_turn(const Point2& wanted, double stray) const;
+
   /// Whether a robot may take a twist from turn_position() on, for one period, and then brake.
   using Allowed = std::function<bool(const Twist&)>;
 
@@ -96,6 +100,7 @@ class Driver {
   bool safe(const Twist& twist, std::span<const Neighbour> neighbours, const ClearanceField& field,
             std::size_t& suspect) const;
   Twist nearest_to(const Point2& wanted) const;
+  double turn_yaw() const { return wrapped(yaw_ + period_ * twist_.angular_velocity); }  ///< one period later
   std::vector<Twist> around_present() const;
 
   Point2 position_;

@@ -70,7 +70,10 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
   const Point2 next = body_.position() + control_period * body_.velocity();
   trail_.begin(next);
   const double open = held.open_before(neighbours, map_->field.inflation(), body_.limits());
-  const Point2 wanted = held.preferred_velocity(self(), fleet_, next, body_.limits(), now, open);
+  // Faster, a differential robot would come to the edge of its strip, stop, and turn back on the spot.
+  const Point2 wanted =
+      body_.slow_to_turn(held.preferred_velocity(self(), fleet_, next, body_.limits(), now, open),
+                         reserved_stray_radii * body_.radius());
   const auto allowed = [&](const Twist& m) { return held.allows(body_, m); };
   const bool is_led = body_.follow(wanted, neighbours, map_->field, allowed);
   // A robot that turns on the spot turns to the point for which it heads before it tries a nearer one.

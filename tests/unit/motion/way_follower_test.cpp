@@ -77,12 +77,13 @@ TEST(WayFollower, ARobotComesToStandAtTheEndAsSoonAsItsLimitsAllow) {
   }
 }
 
-/// Drives along a way in its strip until the end, and returns the seconds that takes.
-double driven(const Path& way, double radius, const Limits& limits) {
+/// Drives along a way in its strip until the end, and returns the seconds that takes. `yaw`: of a
+/// differential robot at the start.
+double driven(const Path& way, double radius, const Limits& limits, double yaw = 0) {
   static const ClearanceField field(test::open_map(300, 300));
   const double stray = reserved_stray_radii * radius;
   WayFollower follower(std::vector<Path>{way}, radius, stray);
-  Driver body(way.front(), 0, radius, limits, period);
+  Driver body(way.front(), 0, radius, limits, period, yaw);
   const auto stays_in_strip = [&](Twist twist) {
     Point2 here = body.turn_position();
     double along = follower.progress();
@@ -94,9 +95,10 @@ double driven(const Path& way, double radius, const Limits& limits) {
     }
     return true;
   };
-  while (!follower.finished() && body.time() < 100) {
+  while (!follower.finished() && body.time() < 1000) {
     follower.come_to(body.turn_position());
-    const Point2 wanted = follower.preferred_velocity(body.turn_position(), limits, period, open);
+    const Point2 wanted =
+        body.slow_to_turn(follower.preferred_velocity(body.turn_position(), limits, period, open), stray);
     body.follow(wanted, {}, field, stays_in_strip);
     body.advance();
     EXPECT_LE(point_path_distance(body.position(), way), stray + 1e-6) << body.time();
@@ -133,6 +135,33 @@ TEST(WayFollower, ARobotTakesNoLongerForWideCornersAndMostlyLess) {
     all += gained;
   }
   EXPECT_GT(all, 0.1);
+}
+
+// A robot that does not see its turns coming swings from one edge of its strip to the other, and stops at
+// each.
+TEST(WayFollower, ADifferentialRobotThatTurnsSlowlyLosesLittleBesideItsTurns) {
+  const Path straight{{20, 20}, {100, 20}};
+  const Path bent{{20, 20}, {60, 20}, {100, 30}};
+  const Path zigzag{{20, 20}, {30, 25}, {40, 20}, {50, 25}, {60, 20}, {70, 25}};
+  const Path stairs{{20, 20}, {30, 20}, {30, 30}, {40, 30}, {40, 40}};
+  const double radius = 0.3;
+  for (const Limits& limits : {Limits{5, 1, 0.5, 0.1}, Limits{9.9, 0.35, 0.23, 0.043}, Limits{5, 2, 2, 4}}) {
+    for (const Path& way : {straight, bent, zigzag, stairs}) {
+      for (const double yaw : {0.0, 0.3, -2.0}) {
+        // At the most it stops at each corner.
+        double seconds = 0;
+        double heading = yaw;
+        for (std::size_t k = 1; k < way.size(); ++k) {
+          const Point2 edge = way[k] - way[k - 1];
+          const double along = std::atan2(edge.y(), edge.x());
+          seconds += time_to_turn(wrapped(along - heading), limits) + free_flow_time(edge.norm(), limits);
+          heading = along;
+        }
+        EXPECT_LT(driven(way, radius, limits, yaw), 1.2 * seconds)
+            << limits.max_angular_acceleration << ", " << way.size() << " points, yaw " << yaw;
+      }
+    }
+  }
 }
 
 TEST(WayFollower, ARobotRoundsCornersThatFollowCloselyOnEachOther) {
