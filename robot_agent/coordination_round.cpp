@@ -96,12 +96,15 @@ void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, const 
   const bool leaderless = !leader || leader->failed || leader->round != id_;
   const bool planned = !leaderless && leader->stage != Stage::waiting;
   if (planned && !planned_since_) planned_since_ = now;
-  if ((leaderless && now - *waiting_since_ > fleet.second()) ||
-      now - *waiting_since_ > std::max(longest_wait_for_plan, least_wait_for_plan * fleet.second())) {
+  if ((leaderless && now - *waiting_since_ > fleet.second()) || waits_too_long(fleet, now)) {
     call(self, {self.position}, fleet, places, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     leave();  // it came too late for the plan
   }
+}
+
+bool CoordinationRound::waits_too_long(const Fleet& fleet, double now) const {
+  return now - *waiting_since_ > std::max(longest_wait_for_plan, least_wait_for_plan * fleet.second());
 }
 
 /// Plans as soon as all robots within reach that are not failed wait in this round and stand. A robot that
@@ -113,7 +116,11 @@ void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, const 
     if (maker_->step(now, id_.reach < everywhere)) publish(self, now);
     return;
   }
-  if (!self.stands || !fleet.all_wait(id_)) return;
+  if (!self.stands || !fleet.all_wait(id_)) {
+    // A robot that an operator halted for a moment has left the round, and takes part in the next one.
+    if (waits_too_long(fleet, now)) call(self, {self.position}, fleet, places, now);
+    return;
+  }
   std::vector<FleetMember> members{self};
   std::vector<JointTask> obstacles;
   std::vector<KnownReservation> others;

@@ -85,6 +85,7 @@ class CoordinationRound {
   void begin(const FleetMember& self, double reach, double now);
   void lead(const FleetMember& self, const Fleet& fleet, const Reserver& reserver, MapRoadmaps& places,
             double now);
+  bool waits_too_long(const Fleet& fleet, double now) const;
   void publish(const FleetMember& self, double now);
 
   RobotName robot_;

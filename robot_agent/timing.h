@@ -185,8 +185,8 @@ struct Timing {
   static constexpr double round_again = 60;
   /// scaled s. Network: a joint plan reaches all members within this time.
   static constexpr double plan_delivery = 5;
-  /// fleet s without a joint plan after which a member calls a new round. Network: the leader may have lost
-  /// sight of somebody.
+  /// fleet s without a joint plan after which a member, or the leader, calls a new round. Network: the leader
+  /// may have lost sight of somebody.
   static constexpr double longest_wait_for_plan = 60;
   /// The same, scaled s: the larger of both counts.
   static constexpr double least_wait_for_plan = 20;

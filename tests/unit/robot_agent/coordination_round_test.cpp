@@ -104,6 +104,26 @@ TEST(CoordinationRound, TheNearestRobotIsWithinReachHoweverFarItIs) {
   EXPECT_TRUE(round.id().includes({90, 90}));
 }
 
+// A robot that an operator halts for a moment leaves the round, and does not join the same one again.
+TEST(CoordinationRound, ALeaderForWhichSomebodyDoesNotWaitCallsAnew) {
+  const ClearanceField field(test::open_map(100, 100));
+  MapRoadmaps places(field);
+  Fleet fleet("a");
+  const Reservations others;
+  const Reserver reserver("a", {}, others);
+  fleet.hear(mission_of("a", {5, 5}), 0);
+  fleet.hear(mission_of("b", {8, 5}), 0);
+  const FleetMember a{.robot = "a", .position = {5, 5}, .radius = 1, .stands = true, .round = {}};
+  CoordinationRound round("a");
+  round.call(a, {{5, 5}, {9, 5}}, fleet, places, 0);
+  const RoundId first = round.id();
+  for (double now = 0; now < 59; now += 1) round.wait(a, fleet, reserver, places, now);
+  EXPECT_EQ(round.id(), first);
+  round.wait(a, fleet, reserver, places, 61);
+  EXPECT_TRUE(round.id().overrides(first));
+  EXPECT_EQ(round.stage(), Stage::waiting);
+}
+
 // A packed roadmap of the whole map would take gigabytes.
 TEST(CoordinationRound, OnAMapThatIsTooLargeThereIsNone) {
   const ClearanceField field(test::open_map(2'000, 2'000));
