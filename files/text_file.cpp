@@ -9,6 +9,7 @@
 #include <fstream>
 #include <locale>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -29,6 +30,14 @@ bool wrote(const std::filesystem::path& file, const std::function<void(std::ostr
   write(out);
   out.close();
   return !out.fail();
+}
+
+/// What was written survives a loss of power, where the disk can do that. A folder: what was renamed in it.
+void put_on_disk(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
 }
 
 }  // namespace
@@ -99,7 +108,9 @@ void write_file(const std::filesystem::path& path, const std::function<void(std:
     throw InputError(
         fmt::format("{}: cannot be written (does the folder exist, is there room?)", path.string()));
   }
+  put_on_disk(temporary);
   fs::rename(temporary, file, problem);
+  put_on_disk(file.has_parent_path() ? file.parent_path() : ".");
   if (problem) {
     std::remove(temporary.c_str());
     throw InputError(fmt::format("{}: cannot be written: {}", path.string(), problem.message()));

@@ -75,11 +75,15 @@ TrackRecord::~TrackRecord() {
 TrackRecord::TrackRecord(TrackRecord&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       end_(other.end_),
+      free_(std::move(other.free_)),
+      has_told_(other.has_told_),
       robots_(std::move(other.robots_)) {}
 
 TrackRecord& TrackRecord::operator=(TrackRecord&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(end_, other.end_);
+  std::swap(free_, other.free_);
+  std::swap(has_told_, other.has_told_);
   std::swap(robots_, other.robots_);
   return *this;
 }
@@ -88,6 +92,7 @@ void TrackRecord::append(std::size_t robot, const TrackPoint& point) {
   if (robot >= robots_.size()) robots_.resize(robot + 1);
   Robot& r = robots_[robot];
   ++r.size;
+  ++r.held;
   r.last = point;
   if (r.blocks.empty() || r.blocks.back().size == points_a_block) {
     if (!r.blocks.empty()) put_on_disk(r.blocks.back());
@@ -99,22 +104,52 @@ void TrackRecord::append(std::size_t robot, const TrackPoint& point) {
 }
 
 void TrackRecord::put_on_disk(Block& block) {
-  if (descriptor_ < 0 || end_ < 0) return;
+  if (descriptor_ < 0) return;
   std::vector<Row> rows;
   for (const TrackPoint& p : block.points)
     rows.push_back(
         {p.time, p.position.x(), p.position.y(), p.velocity.x(), p.velocity.y(), p.yaw, p.angular_velocity});
   const std::size_t bytes = rows.size() * sizeof(Row);
-  const ::ssize_t written = ::pwrite(descriptor_, rows.data(), bytes, end_);
+  const std::int64_t place = free_.empty() ? end_ : free_.back();
+  const ::ssize_t written = ::pwrite(descriptor_, rows.data(), bytes, place);
   if (written != static_cast<::ssize_t>(bytes)) {
-    spdlog::error("no room for the robots' tracks on disk: they stay in memory ({})",
-                  std::system_category().message(written < 0 ? errno : ENOSPC));
-    end_ = -1;
+    if (!std::exchange(has_told_, true))
+      spdlog::error("no room for the robots' tracks on disk: they stay in memory ({})",
+                    std::system_category().message(written < 0 ? errno : ENOSPC));
     return;
   }
-  block.at = end_;
-  end_ += static_cast<std::int64_t>(bytes);
+  has_told_ = false;
+  if (free_.empty()) {
+    end_ += static_cast<std::int64_t>(bytes);
+  } else {
+    free_.pop_back();
+  }
+  block.at = place;
   block.points = std::vector<TrackPoint>();  // frees the memory, which `= {}` would keep
+}
+
+/// A block on disk is full, so that another one fits into its place.
+void TrackRecord::forget(const Block& block) {
+  if (block.at >= 0) free_.push_back(block.at);
+}
+
+void TrackRecord::forget_before(double time) {
+  for (Robot& robot : robots_) {
+    while (robot.blocks.size() > 1 && robot.blocks[1].begin < time) {
+      robot.held -= robot.blocks.front().size;
+      forget(robot.blocks.front());
+      robot.blocks.pop_front();
+    }
+  }
+}
+
+void TrackRecord::count_forgotten(std::size_t robot, std::size_t points) {
+  if (robot >= robots_.size()) robots_.resize(robot + 1);
+  robots_[robot].size += points;
+}
+
+std::size_t TrackRecord::held(std::size_t robot) const {
+  return robot < robots_.size() ? robots_[robot].held : 0;
 }
 
 std::optional<TrackPoint> TrackRecord::last(std::size_t robot) const {
@@ -137,7 +172,7 @@ void TrackRecord::read(const Block& block, std::vector<TrackPoint>& points) cons
 std::vector<TrackPoint> TrackRecord::around(std::size_t robot, double from, double until) const {
   std::vector<TrackPoint> points;
   if (robot >= robots_.size()) return points;
-  const std::vector<Block>& blocks = robots_[robot].blocks;
+  const std::deque<Block>& blocks = robots_[robot].blocks;
   const auto begins_before = [&](double time) {
     return std::ranges::partition_point(blocks, [&](const Block& block) { return block.begin < time; });
   };
@@ -150,7 +185,7 @@ std::vector<TrackPoint> TrackRecord::around(std::size_t robot, double from, doub
   return coppice::around(points, from, until);
 }
 
-void TrackRecord::for_each_stretch(const std::function<void(double, double)>& fn) const {
+void TrackRecord::for_each_stretch(const std::function<void(double, double)>& fn, double earliest) const {
   double begin = std::numeric_limits<double>::infinity();
   double end = -begin;
   for (const Robot& robot : robots_) {
@@ -158,7 +193,7 @@ void TrackRecord::for_each_stretch(const std::function<void(double, double)>& fn
     begin = std::min(begin, robot.blocks.front().begin);
     end = std::max(end, robot.last->time);
   }
-  for (double from = begin; from <= end; from += stretch) fn(from, from + stretch);
+  for (double from = std::max(begin, earliest); from <= end; from += stretch) fn(from, from + stretch);
 }
 
 }  // namespace coppice

@@ -1,13 +1,15 @@
 // The tracks of robots, point by point, in memory or on disk. A fleet of 200 robots records 10 MB a minute,
-// so tracks are read part by part.
+// so tracks are read part by part. A fleet that runs for days forgets the points that it has counted.
 //
 // Fleet time in seconds; metres in the map frame.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,7 +46,7 @@ class TrackRecord {
   /// Keeps the tracks in memory.
   TrackRecord() = default;
   /// Keeps the tracks in an unnamed file of this folder that vanishes with the process. If the file cannot be
-  /// made, or the disk fills up, the failure is logged and further points stay in memory.
+  /// made, that is logged and points stay in memory. So do those for which the disk has no room.
   static TrackRecord on_disk(const std::filesystem::path& folder);
   ~TrackRecord();
   TrackRecord(TrackRecord&& other) noexcept;
@@ -54,15 +56,23 @@ class TrackRecord {
 
   /// Appends a point. Times must grow. Robots are numbered from 0.
   void append(std::size_t robot, const TrackPoint& point);
+  /// Forgets the points before that time, except the last one of each robot before it.
+  void forget_before(double time);
+  /// Points of a robot that were appended, also those that were forgotten.
   std::size_t size(std::size_t robot) const { return robot < robots_.size() ? robots_[robot].size : 0; }
+  /// Counts points that were recorded and forgotten by a process before this one.
+  void count_forgotten(std::size_t robot, std::size_t points);
+  /// Points of a robot that it holds.
+  std::size_t held(std::size_t robot) const;
   std::optional<TrackPoint> last(std::size_t robot) const;
 
   /// A robot's points at or after `from` and before `until`, and the points just before and after them.
   /// Throws InputError if the disk cannot be read.
   std::vector<TrackPoint> around(std::size_t robot, double from, double until) const;
-  /// Calls fn(from, until) for intervals of time that together cover all points. The points of an interval
-  /// are small compared with a process's memory.
-  void for_each_stretch(const std::function<void(double, double)>& fn) const;
+  /// Calls fn(from, until) for intervals of time that together cover all points from `earliest` on. The
+  /// points of an interval are small compared with a process's memory.
+  void for_each_stretch(const std::function<void(double, double)>& fn,
+                        double earliest = -std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Block {
@@ -73,15 +83,19 @@ class TrackRecord {
   };
   struct Robot {
     std::size_t size = 0;
-    std::vector<Block> blocks;
+    std::size_t held = 0;
+    std::deque<Block> blocks;
     std::optional<TrackPoint> last;
   };
 
   void put_on_disk(Block& block);
+  void forget(const Block& block);
   void read(const Block& block, std::vector<TrackPoint>& points) const;
 
   int descriptor_ = -1;
-  std::int64_t end_ = 0;  ///< size of the file, bytes; below 0: the disk is full
+  std::int64_t end_ = 0;              ///< size of the file, bytes
+  std::vector<std::int64_t> free_{};  ///< places of blocks in the file that were forgotten
+  bool has_told_ = false;             ///< that the disk is full
   std::vector<Robot> robots_;
 };
 

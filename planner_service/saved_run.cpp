@@ -1,8 +1,11 @@
 #include "planner_service/saved_run.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 #include <variant>
+
+#include <fmt/format.h>
 
 namespace coppice {
 
@@ -11,6 +14,11 @@ void RunKeeper::recall(std::span<const Message> saved) {
     said(message);
     heard(message);
   }
+}
+
+void RunKeeper::recall(const FleetMemory& memory) {
+  said(memory.halts);
+  for (const OrderStatus& order : memory.orders) said(order);
 }
 
 Keep RunKeeper::heard(const Message& message) {
@@ -42,9 +50,23 @@ Keep RunKeeper::choose(const AgentStatus& status) {
   return Keep::append;
 }
 
+/// A status that is said again, as an answer, is saved already. What the fleet refused binds nobody.
+Keep RunKeeper::choose(const OrderStatus& status) {
+  if (is_refused(status)) return Keep::nothing;
+  const std::size_t own = std::hash<std::string>()(
+      fmt::format("{}|{}|{}|{}|{}|{}|{}|{}", static_cast<int>(status.state), status.robot, status.reason,
+                  status.visited, status.mission, status.accepted_at, status.begun_at, status.ended_at));
+  const auto [known, is_new] = orders_.try_emplace(status.order.id, own);
+  return is_new || std::exchange(known->second, own) != own ? Keep::append_surely : Keep::nothing;
+}
+
 Keep RunKeeper::said(const Message& message) {
-  if (std::holds_alternative<OrderStatus>(message) || std::holds_alternative<HaltMessage>(message))
-    return Keep::append;
+  if (const auto* order = std::get_if<OrderStatus>(&message)) return choose(*order);
+  if (const auto* halts = std::get_if<HaltMessage>(&message)) {
+    const bool is_new = !halts_ || *halts_ != *halts;
+    halts_ = *halts;
+    return is_new ? Keep::append_surely : Keep::nothing;
+  }
   const auto* mission = std::get_if<Mission>(&message);
   if (mission == nullptr) return Keep::nothing;
   run_ = mission->clock.run();

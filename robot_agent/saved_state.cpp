@@ -11,27 +11,39 @@
 
 namespace coppice {
 
-namespace {
-
-/// Drives the body on by itself until then. Adds the points that the agent has put into its track meanwhile
-/// (Run::control).
-void drive_on(Driver& body, double until, SavedState& saved) {
-  while (body.time() + body.period() / 2 < until) {
-    if (body.stands() && until - body.time() > longest_sleep) return;
-    saved.track.push_back(point_of(body));
-    saved.driven_length += body.period() * body.velocity().norm();
-    body.advance();
-  }
-}
-
-}  // namespace
-
 void SavedStateBuilder::add(const Message& message) {
   std::visit(
       [&](const auto& m) {
         if constexpr (requires { receive(m); }) receive(m);
       },
       message);
+}
+
+/// A mission of another run begins all anew: the journal of that one is dropped.
+void SavedStateBuilder::receive(const Mission& mission) {
+  if (mission_ && mission_->clock != mission.clock) *this = SavedStateBuilder(leads_);
+  mission_ = mission;
+}
+
+/// Forgets the oldest points, many at a time.
+void SavedStateBuilder::bound_track() {
+  if (track_.size() <= 2 * track_points_kept) return;
+  const std::size_t forgotten = track_.size() - track_points_kept;
+  track_.erase(track_.begin(), track_.begin() + static_cast<std::ptrdiff_t>(forgotten));
+  first_index_ += static_cast<std::uint32_t>(forgotten);
+}
+
+/// Drives the body on by itself until then. Adds the points that the agent has put into its track meanwhile
+/// (Run::control).
+void SavedStateBuilder::drive_on(double until) {
+  Driver& body = saved_->body;
+  while (body.time() + body.period() / 2 < until) {
+    if (body.stands() && until - body.time() > longest_sleep) return;
+    if (!leads_) track_.push_back(point_of(body));
+    saved_->driven_length += body.period() * body.velocity().norm();
+    body.advance();
+    bound_track();
+  }
 }
 
 void SavedStateBuilder::receive(const RobotState& state) {
@@ -43,41 +55,74 @@ void SavedStateBuilder::receive(const RobotState& state) {
   } else {
     const Driver body(state.promise, state.radius, limits_of(state), control_period);
     if (!saved_) saved_ = SavedState{.mission = *mission_, .body = body};
-    drive_on(saved_->body, state.promise.stamp, *saved_);
+    drive_on(state.promise.stamp);
     saved_->body = body;
     saved_->sequence = state.sequence;
+    state_ = state;
     // A process that was started anew has left its predecessor's part in a round, and has not told the
     // others.
     if (state.round.epoch == 0) return;
     saved_->round_epoch = state.round.epoch;
     saved_->stage = state.stage;
+    in_round_ = state;
   }
 }
 
 void SavedStateBuilder::receive(const AgentStatus& status) {
-  if (saved_) saved_->status = status;
+  if (!saved_) return;
+  status_ = saved_->status = status;
+  saved_->driven_length = status.driven_length;
 }
 
-/// A process that was started anew has sent the whole track again.
+/// Without a robot that follows, it is the end of the track until the last state. With one, it is what was
+/// sent; a process that was started anew has sent some of it again.
 void SavedStateBuilder::receive(const TrackMessage& track) {
-  const std::size_t known = std::min<std::size_t>(
-      track.points.size(), seen_.size() - std::min<std::size_t>(seen_.size(), track.first_index));
-  seen_.insert(seen_.end(), track.points.begin() + static_cast<std::ptrdiff_t>(known), track.points.end());
-}
-
-std::optional<SavedState> SavedStateBuilder::saved_state() && {
-  if (saved_) {
-    saved_->mission = *std::move(mission_);
-    saved_->seen = std::move(seen_);
-    for (auto& [robot, last] : silent_) saved_->silent.push_back(std::move(last));
+  const bool goes_on = leads_ && !track_.empty() && track.first_index <= first_index_ + track_.size();
+  if (!goes_on) {
+    track_.clear();
+    first_index_ = track.first_index;
   }
-  return std::move(saved_);
+  const std::uint32_t end = first_index_ + static_cast<std::uint32_t>(track_.size());
+  const std::size_t known =
+      std::min<std::size_t>(track.points.size(), end - std::min(end, track.first_index));
+  track_.insert(track_.end(), track.points.begin() + static_cast<std::ptrdiff_t>(known), track.points.end());
+  bound_track();
 }
 
-std::optional<SavedState> saved_state_of(std::span<const Message> kept) {
-  SavedStateBuilder recollection;
+std::optional<SavedState> SavedStateBuilder::saved_state() const {
+  if (!saved_) return std::nullopt;
+  SavedState saved = *saved_;
+  saved.mission = *mission_;
+  const std::size_t left_out = track_.size() - std::min(track_.size(), track_points_kept);
+  saved.track.assign(track_.begin() + static_cast<std::ptrdiff_t>(left_out), track_.end());
+  saved.first_index = first_index_ + static_cast<std::uint32_t>(left_out);
+  for (const auto& [robot, last] : silent_) saved.silent.push_back(last);
+  return saved;
+}
+
+std::vector<Message> SavedStateBuilder::messages() const {
+  std::vector<Message> all;
+  if (!mission_) return all;
+  all.emplace_back(*mission_);
+  const std::optional<SavedState> saved = saved_state();
+  if (!saved) return all;
+  if (in_round_ && in_round_ != state_) all.emplace_back(*in_round_);
+  all.emplace_back(*state_);
+  if (!saved->track.empty())
+    all.emplace_back(TrackMessage{mission_->robot, mission_->number, saved->first_index, saved->track,
+                                  mission_->clock.run()});
+  for (const Heard& last : saved->silent) all.emplace_back(last.state);
+  if (!status_) return all;
+  AgentStatus status = *status_;
+  status.driven_length = saved->driven_length;
+  all.emplace_back(std::move(status));
+  return all;
+}
+
+std::optional<SavedState> saved_state_of(std::span<const Message> kept, bool leads) {
+  SavedStateBuilder recollection(leads);
   for (const Message& message : kept) recollection.add(message);
-  return std::move(recollection).saved_state();
+  return recollection.saved_state();
 }
 
 bool is_of_run(const std::optional<SavedState>& saved, const Mission& mission) {
@@ -91,8 +136,9 @@ bool passes_over(const Mission& mission, const RunId& run, const std::optional<M
 
 void StateKeeper::restore(std::span<const Message> kept) {
   for (const Message& message : kept) {
-    heard(message);
-    said(message);
+    choose_heard(message);
+    choose_said(message);
+    kept_.add(message);
   }
   run_.reset();  // the agent has not heard of that run either
 }
@@ -106,6 +152,30 @@ bool StateKeeper::end_silence(const RobotState& state) {
 }
 
 Keep StateKeeper::heard(const Message& message) {
+  return noted(choose_heard(message), message);
+}
+
+Keep StateKeeper::said(const Message& message) {
+  return noted(choose_said(message), message);
+}
+
+Keep StateKeeper::noted(Keep choice, const Message& message) {
+  if (choice != Keep::nothing) kept_.add(slim(message));
+  return choice;
+}
+
+/// Whom the robot hears, and what it knows of others, is of use at once only.
+Message StateKeeper::slim(const Message& message) {
+  const auto* const state = std::get_if<RobotState>(&message);
+  if (state == nullptr || state->passed_on) return message;
+  RobotState own = *state;
+  own.misses.clear();
+  own.echoes.clear();
+  own.knows.clear();
+  return own;
+}
+
+Keep StateKeeper::choose_heard(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message))
     return end_silence(*state) ? Keep::append : Keep::nothing;
   const auto* mission = std::get_if<Mission>(&message);
@@ -121,7 +191,7 @@ Keep StateKeeper::heard(const Message& message) {
   return same_run ? Keep::append : Keep::begin_anew;
 }
 
-Keep StateKeeper::said(const Message& message) {
+Keep StateKeeper::choose_said(const Message& message) {
   if (const auto* state = std::get_if<RobotState>(&message); state != nullptr && state->passed_on) {
     const auto [known, first] = passed_on_.try_emplace(state->robot, state->promise.stamp);
     if (!first && known->second >= state->promise.stamp) return Keep::nothing;

@@ -21,8 +21,10 @@ inline TrackMessage::Point point_of(const Driver& body) {
 class TrackLog {
  public:
   TrackLog() = default;
-  /// Begins with the points that the process before this one recorded.
-  explicit TrackLog(std::vector<TrackMessage::Point> points) : points_(std::move(points)) {}
+  /// Begins with the last points that the process before this one recorded. `first_index`: of the first one
+  /// among all of this run.
+  TrackLog(std::vector<TrackMessage::Point> points, std::uint32_t first_index)
+      : points_(std::move(points)), sent_(first_index) {}
 
   void add(const TrackMessage::Point& point) { points_.push_back(point); }
   bool empty() const { return points_.empty(); }
@@ -59,7 +61,7 @@ class TrackLog {
 
   std::vector<TrackMessage::Point> points_{};
   std::vector<TrackMessage::Point> last_sent_{};
-  std::uint32_t sent_ = 0;
+  std::uint32_t sent_ = 0;  ///< of all of this run, also by processes before this one
 };
 
 }  // namespace coppice

@@ -1,5 +1,4 @@
-// Common to the mains of all processes: the wall clock, the signals to stop, and the loop that runs a role on
-// a bus.
+// Common to the mains of all processes: the signals to stop, and the loop that runs a role on a bus.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +10,9 @@
 
 #include "dds/dds_bus.h"
 #include "messages/fleet_clock.h"
-#include "runtime/disciplined_clock.h"
+#include "runtime/process_clock.h"
 
 namespace coppice {
-
-inline WallTime wall_now() {
-  return SystemClock::now();
-}
 
 /// Opens closed standard streams on /dev/null. Otherwise the next file to be opened would get the number of a
 /// stream, and the log would be written into it. Call this first.
@@ -60,32 +55,39 @@ int exit_code_of(const std::function<int()>& program);
 /// Seconds. The longest sleep of the loop, so that a signal is noticed soon even if nothing arrives.
 inline constexpr double longest_wait = 0.1;
 
-/// Seconds. No active role sleeps longer. A wake-up time further off was chosen before the clock was set
-/// back.
-inline constexpr double longest_sleep_of_role = 2;
-
-/// Lets the role step if its wake-up time has come. `clock`: what time it is for the role.
-template <class R, class K, class Clock = const SystemClock>
-void step_role(DdsBus& bus, R& role, K& keeper, Clock&& clock = {}) {
-  const WallTime now = clock.now();
-  if (role.next_wake() > now && role.next_wake() <= now + longest_sleep_of_role) return;
-  if constexpr (requires { role.note(bus.counts(), now); }) role.note(bus.counts(), now);
-  for (auto& said : role.step(now)) {
-    const Outgoing outgoing(std::move(said));
-    keeper.said(outgoing.message);
-    bus.publish(outgoing);
-  }
-}
-
-/// One turn of the loop: waits until something arrives or the role must wake up, lets the role take the
-/// messages and step, and publishes. `keeper` (messages/keep.h) gets each message before it is published.
-template <class R, class K, class Clock = const SystemClock>
-void run_role_once(DdsBus& bus, R& role, K& keeper, Clock&& clock = {}) {
-  bus.wait(std::clamp(role.next_wake() - clock.now(), 0.0, longest_wait));
+/// What has arrived, with its times by the clock of the process.
+inline std::vector<Arrival> take(DdsBus& bus, ProcessClock& clock) {
   std::vector<Arrival> arrivals = bus.take();
   clock.now();  // later than all arrivals
   for (Arrival& arrival : arrivals) {
     arrival.at = clock.time_of(arrival.at);
+    if (arrival.sent > 0) arrival.sent = clock.from_system(arrival.sent);
+  }
+  return arrivals;
+}
+
+/// Lets the role step if its wake-up time has come.
+template <class R, class K>
+void step_role(DdsBus& bus, R& role, K& keeper, ProcessClock& clock) {
+  const WallTime now = clock.now();
+  if (role.next_wake() > now) return;
+  if constexpr (requires { role.note(bus.counts(), now); }) role.note(bus.counts(), now);
+  std::vector<Outgoing> all;
+  for (auto& said : role.step(now)) {
+    all.emplace_back(std::move(said));
+    keeper.said(all.back().message);
+  }
+  if constexpr (requires { keeper.sync(); }) keeper.sync();
+  for (const Outgoing& outgoing : all) bus.publish(outgoing);
+  if constexpr (requires { keeper.tidy(); }) keeper.tidy();
+}
+
+/// One turn of the loop: waits until something arrives or the role must wake up, lets the role take the
+/// messages and step, and publishes. `keeper` (messages/keep.h) gets each message before it is published.
+template <class R, class K>
+void run_role_once(DdsBus& bus, R& role, K& keeper, ProcessClock& clock) {
+  bus.wait(std::clamp(role.next_wake() - clock.now(), 0.0, longest_wait));
+  for (Arrival& arrival : take(bus, clock)) {
     keeper.heard(*arrival.message);
     role.on(std::move(arrival));
   }

@@ -1,6 +1,7 @@
 // Tests of journals: what survives a process, and what a full, foreign or torn file causes.
 #include "runtime/journal.h"
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 
@@ -10,6 +11,8 @@
 #include <unistd.h>
 
 #include "dds/serialized.h"
+#include "runtime/journal_examination.h"
+#include "tests/small_disk.h"
 #include "tests/support.h"
 
 namespace coppice {
@@ -67,16 +70,95 @@ TEST_F(JournalTest, AJournalCutAnywhereHoldsTheRecordsBeforeTheCut) {
   EXPECT_EQ(most, 2u);
 }
 
-TEST_F(JournalTest, AChangedByteEndsTheJournal) {
-  {
-    Journal journal(file);
-    journal.append(status);
-    journal.append(tree);
+std::string problem_with_opening(const std::filesystem::path& path) {
+  try {
+    const Journal journal(path);
+  } catch (const std::runtime_error& problem) {
+    return problem.what();
   }
+  return {};
+}
+
+/// Appends three messages. Returns where each record begins, and the end.
+std::vector<std::size_t> write_three(const std::filesystem::path& file, Keep how) {
+  std::vector<std::size_t> places;
+  Journal journal(file);
+  for (const Message& message : {status, tree, track}) {
+    places.push_back(std::filesystem::file_size(file));
+    journal.keep(how, message);
+    journal.sync();
+  }
+  places.push_back(std::filesystem::file_size(file));
+  return places;
+}
+
+void change_byte(const std::filesystem::path& file, std::size_t place) {
   std::string bytes = test::contents(file);
-  bytes[bytes.size() - 3] ^= 1;
+  bytes.at(place) ^= 1;
   std::ofstream(file, std::ios::binary) << bytes;
-  EXPECT_EQ(held_by(file), std::vector<Message>{status});
+}
+
+// Length, checksum, contents: whichever byte it is.
+TEST_F(JournalTest, AChangedByteInTheMiddleIsRefusedWithItsPlaceAndWhatToDo) {
+  const std::vector<std::size_t> places = write_three(file, Keep::append);
+  const std::string whole = test::contents(file);
+  for (std::size_t place = 0; place < places[2]; ++place) {
+    std::ofstream(file, std::ios::binary) << whole;
+    change_byte(file, place);
+    const std::string problem = problem_with_opening(file);
+    const std::size_t from = place < places[0] ? 0 : place < places[1] ? places[0] : places[1];
+    // The number of synced bytes is a hint, for the end of the file.
+    if (problem.empty() && place < places[0]) continue;
+    EXPECT_NE(problem.find(file.string() + ": is damaged at byte " + std::to_string(from) + ":"),
+              std::string::npos)
+        << place << ": " << problem;
+    EXPECT_NE(problem.find("coppice state " + folder.path().string()), std::string::npos) << problem;
+    EXPECT_NE(problem.find("--discard-damaged"), std::string::npos) << problem;
+    EXPECT_EQ(test::contents(file).size(), whole.size()) << "the file stays as it is";
+  }
+}
+
+TEST_F(JournalTest, AChangedLastRecordIsCutOffUnlessItWasOnDiskForCertain) {
+  const std::size_t last = write_three(file, Keep::append)[3] - 3;
+  change_byte(file, last);
+  EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree}));
+  std::filesystem::remove(file);
+  write_three(file, Keep::append_surely);
+  change_byte(file, last);
+  EXPECT_NE(problem_with_opening(file).find("is damaged"), std::string::npos);
+}
+
+// The system had made the file longer when the power failed, and not yet written what belongs there.
+TEST_F(JournalTest, ALastRecordWhoseEndWasNeverWrittenIsCutOff) {
+  const std::vector<std::size_t> places = write_three(file, Keep::append_surely);
+  std::string bytes = test::contents(file);
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(places[2]) + 20, bytes.end(), '\0');
+  std::ofstream(file, std::ios::binary) << bytes;
+  EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree}));
+}
+
+TEST_F(JournalTest, DamagedRecordsAreRemovedAndTheOthersStay) {
+  const std::vector<std::size_t> places = write_three(file, Keep::append_surely);
+  change_byte(file, places[1] + 30);
+  const std::string damaged = test::contents(file);
+  const JournalExamination found = examine_journal(file);
+  ASSERT_EQ(found.damages.size(), 1u);
+  EXPECT_EQ(found.damages[0].from, places[1]);
+  EXPECT_EQ(found.damages[0].until, places[2]);
+  EXPECT_EQ(found.records, 2u);
+  EXPECT_EQ(test::contents(discard_damaged(file)), damaged);
+  EXPECT_TRUE(examine_journal(file).damages.empty());
+  EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
+  change_byte(file, 3);
+  EXPECT_NE(discard_damaged(file), file.string() + ".damaged") << "the first copy stays";
+  EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
+}
+
+TEST_F(JournalTest, AJournalInUseIsNotRepaired) {
+  write_three(file, Keep::append);
+  const Journal journal(file);
+  EXPECT_TRUE(examine_journal(file).in_use);
+  EXPECT_THROW(discard_damaged(file), std::runtime_error);
 }
 
 TEST_F(JournalTest, BytesThatFitNoTypeAreNoMessage) {
@@ -89,15 +171,6 @@ TEST_F(JournalTest, BytesThatFitNoTypeAreNoMessage) {
   bytes[0] = 200;
   EXPECT_FALSE(deserialized(bytes).has_value());
   EXPECT_FALSE(deserialized({}).has_value());
-}
-
-std::string problem_with_opening(const std::filesystem::path& path) {
-  try {
-    const Journal journal(path);
-  } catch (const std::runtime_error& problem) {
-    return problem.what();
-  }
-  return {};
 }
 
 TEST_F(JournalTest, ForeignFilesFoldersAndFilesInUseAreRefusedByName) {
@@ -179,8 +252,120 @@ TEST_F(JournalTest, AJournalGoesOnAfterItsGapsAreAccepted) {
 TEST_F(JournalTest, TheProcessDoesOtherWorkWhileItsJournalOpens) {
   for (int k = 0; k < 3; ++k) Journal(file).append(track);
   int turns = 0;
-  const Journal journal(file, [&] { ++turns; });
+  const Journal journal(file, no_room, [&] { ++turns; });
   EXPECT_EQ(turns, 3);
+}
+
+constexpr std::size_t room = 4096;
+
+TEST_F(JournalTest, ALongJournalIsRewrittenInOneStep) {
+  Journal journal(file, room);
+  int appended = 0;
+  for (; !journal.wants_rewriting(); ++appended) EXPECT_TRUE(journal.append(status));
+  EXPECT_GT(appended, 10);
+  EXPECT_TRUE(journal.rewrite(std::vector<Message>{tree}, "a note"));
+  EXPECT_FALSE(journal.wants_rewriting());
+  EXPECT_TRUE(journal.append(track));
+  std::string note;
+  std::vector<Message> held;
+  journal.for_each([&](const Message& message) { held.push_back(message); },
+                   [&](const std::string& text) { note = text; });
+  EXPECT_EQ(held, (std::vector<Message>{tree, track}));
+  EXPECT_EQ(note, "a note");
+  EXPECT_NE(problem_with_opening(file).find("in use"), std::string::npos) << "the new file is locked, too";
+}
+
+TEST_F(JournalTest, AJournalThatIsRewrittenAgainAndAgainDoesNotGrow) {
+  Journal journal(file, room);
+  for (int k = 0; k < 3000; ++k) {
+    journal.append(status);
+    if (journal.wants_rewriting()) journal.rewrite(std::vector<Message>{tree, status});
+  }
+  EXPECT_LT(std::filesystem::file_size(file), 2 * room);
+  EXPECT_LT(std::filesystem::file_size(file.string() + ".next"), 2 * room);
+  EXPECT_EQ(journal.messages().front(), tree);
+}
+
+// Killed at any moment, it leaves the old file or the new one, and no third.
+TEST_F(JournalTest, AKillWhileItIsRewrittenLeavesTheOldOrTheNewFile) {
+  const std::vector<Message> one(20, status);
+  const std::vector<Message> other(30, track);
+  for (int k = 0; k < 40; ++k) {
+    const pid_t child = fork();
+    if (child == 0) {
+      Journal journal(file, room);
+      while (true) {
+        journal.rewrite(one);
+        journal.rewrite(other);
+      }
+    }
+    usleep(static_cast<useconds_t>(20'000 + 2'371 * k));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    const std::vector<Message> held = held_by(file);
+    EXPECT_TRUE(held == one || held == other || held.empty()) << k << ": " << held.size();
+  }
+  EXPECT_FALSE(held_by(file).empty());
+}
+
+TEST_F(JournalTest, AFullDiskDoesNotKeepARewrittenJournalFromGoingOn) {
+  const test::SmallDisk disk(folder.path() / "disk", "1M");
+  if (!disk.is_there()) GTEST_SKIP() << test::why_no_disk;
+  const auto on_disk = folder.path() / "disk" / "a.journal";
+  {
+    Journal journal(on_disk, room);
+    disk.fill();
+    for (int k = 0; k < 2000; ++k) {
+      ASSERT_TRUE(journal.append(status)) << k;
+      if (!journal.wants_rewriting()) continue;
+      ASSERT_TRUE(journal.rewrite(std::vector<Message>{tree, status})) << k;
+    }
+    EXPECT_TRUE(journal.complete());
+  }
+  Journal again(on_disk, room);  // after a kill, with the disk still full
+  EXPECT_TRUE(again.complete());
+  EXPECT_EQ(again.messages().front(), tree);
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_TRUE(again.append(status)) << k;
+    if (!again.wants_rewriting()) continue;
+    ASSERT_TRUE(again.rewrite(std::vector<Message>{tree})) << k;
+  }
+}
+
+// What a journal has reserved stays its own when it is rewritten with more than there is room to reserve for.
+TEST_F(JournalTest, ARewrittenJournalKeepsTheRoomThatItHas) {
+  const test::SmallDisk disk(folder.path() / "disk", "1M");
+  if (!disk.is_there()) GTEST_SKIP() << test::why_no_disk;
+  Journal journal(folder.path() / "disk" / "a.journal", room);
+  disk.fill();
+  std::vector<Message> all;
+  while (!journal.wants_rewriting()) {
+    ASSERT_TRUE(journal.append(status));
+    all.push_back(status);
+  }
+  ASSERT_TRUE(journal.rewrite(all));
+  disk.fill();  // another process takes what is free
+  for (int k = 0; k < 10; ++k) EXPECT_TRUE(journal.append(status)) << k;
+}
+
+TEST_F(JournalTest, RoomThatComesBackIsUsedWithoutARestart) {
+  const test::SmallDisk disk(folder.path() / "disk", "1M");
+  if (!disk.is_there()) GTEST_SKIP() << test::why_no_disk;
+  const auto on_disk = folder.path() / "disk" / "a.journal";
+  Journal journal(on_disk, room);
+  disk.fill();
+  while (journal.append(tree)) {
+  }
+  EXPECT_FALSE(journal.complete());
+  EXPECT_TRUE(journal.wants_rewriting());
+  const std::vector<Message> many(std::size_t{500}, status);
+  EXPECT_FALSE(journal.rewrite(many)) << "there is no room for so many";
+  EXPECT_EQ(journal.messages().front(), tree) << "what was there stays";
+  disk.make_room();
+  EXPECT_TRUE(journal.rewrite(many));
+  EXPECT_TRUE(journal.complete());
+  EXPECT_TRUE(journal.append(track));
+  EXPECT_EQ(journal.messages().size(), 501u);
 }
 
 TEST_F(JournalTest, AJournalIsNamedAfterItsProcessAndItsFolderIsMade) {
