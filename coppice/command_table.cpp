@@ -73,11 +73,26 @@ void add_serve(CLI::App& app, RunOptions& options, FleetOptions& fleet, ChosenCo
   auto* serve = app.add_subcommand("serve", "runs a fleet that takes orders until it is told to stop");
   add_run_options(*serve, options, Progression::standing);
   add_fleet_options(serve, fleet);
+  serve->get_option("--state")->default_str("a folder of this site below ~/.local/state/coppice");
+  serve
+      ->add_option("--start-at", fleet.start_at,
+                   "file of poses where the robots stand as a new run begins (docs/reference.md)")
+      ->type_name("POSES")
+      ->default_str("where they stood at last, or in a new fleet the scenario's starts");
   serve->callback([&] {
     options.serves = true;
     fleet.restart = true;
     chosen = [&] { return run_command(options, fleet, "/proc/self/exe"); };
   });
+}
+
+void add_state(CLI::App& app, StateOptions& options, ChosenCommand& chosen) {
+  auto* command =
+      app.add_subcommand("state", "lists what a fleet has saved, and goes on from a damaged file");
+  command->add_option("folder", options.folder, "the folder of --state")->required()->type_name("FOLDER");
+  command->add_flag("--discard-damaged", options.discards,
+                    "removes damaged records, keeps all others, and leaves a copy of the damaged file");
+  command->callback([&] { chosen = [&] { return state_command(options); }; });
 }
 
 void add_discovery(CLI::App& app, DiscoveryOptions& options, ChosenCommand& chosen) {
@@ -304,6 +319,7 @@ void add_commands(CLI::App& app, CommandOptions& options, ChosenCommand& chosen)
   add_serve(app, options.run, options.fleet, chosen);
   add_watching_commands(app, options.watching, chosen);
   add_order_commands(app, options.order, chosen);
+  add_state(app, options.state, chosen);
   add_discovery(app, options.discovery, chosen);
   add_doctor(app, options.fleet_plan, chosen);
   add_simulate(app, options.run, options.faults, options.record, chosen);

@@ -19,6 +19,7 @@ struct CommandOptions {
   FleetOptions fleet;
   WatchingOptions watching;
   OrderOptions order;
+  StateOptions state;
   DiscoveryOptions discovery;
   FleetPlan fleet_plan;
   Faults faults;

@@ -31,8 +31,10 @@ struct FleetOptions {
   std::optional<int> domain;  ///< none: an unused one
   std::string discovery;      ///< as in dds/dds_bus.h
   std::string security;       ///< folder with a folder of credentials for each role; empty: no security
-  /// Folder for the state that processes leave to their successors; empty: see `restart`.
+  /// Folder for the state that processes leave to their successors; empty: see `restart`, and
+  /// coppice/state_folder.h for standing fleets.
   std::string state;
+  std::string start_at;  ///< file of poses where the robots of a standing fleet begin; empty: none
   bool standby = false;  ///< starts a second broker, which takes over if the first one fails
   /// Restarts processes that end early; an empty `state` then means a folder of the run.
   bool restart = false;
@@ -47,6 +49,14 @@ struct FleetOptions {
 /// Runs a fleet of processes over DDS on this machine. `program` is this executable, beside the roles'
 /// programs.
 int run_command(RunOptions options, const FleetOptions& fleet, const std::string& program);
+
+struct StateOptions {
+  std::string folder;     ///< of --state
+  bool discards = false;  ///< removes damaged records, and keeps a copy of the damaged file
+};
+
+/// Lists the journals of a fleet's state. Exit code 1: some are damaged.
+int state_command(const StateOptions& options);
 
 struct DiscoveryOptions {
   std::string address = "0.0.0.0";  ///< of this host, as clients are told it; 0.0.0.0: all addresses

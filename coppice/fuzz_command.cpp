@@ -77,7 +77,8 @@ int fuzz_command(const FuzzOptions& options) {
   install_stop_signals();
   if (options.replay) return replay(options);
   Sum sum;
-  WallTime next_line = wall_now() + progress_period;
+  ProcessClock clock;
+  WallTime next_line = clock.now() + progress_period;
   for (std::uint32_t seed = options.first_seed; sum.robot_hours < options.robot_hours; ++seed) {
     const FuzzCase fuzz_case = draw_fuzz_case(seed, options.restarts);
     FleetSimulation simulation(fuzz_case.scenario, fuzz_case.settings);
@@ -91,8 +92,8 @@ int fuzz_command(const FuzzOptions& options) {
                                options.restarts ? " --restarts" : "")
                 << std::flush;
     }
-    if (wall_now() < next_line) continue;
-    next_line = wall_now() + progress_period;
+    if (clock.now() < next_line) continue;
+    next_line = clock.now() + progress_period;
     std::cout << fmt::format("up to seed {}: {}", seed, sum.in_words()) << std::endl;
   }
   std::cout << fmt::format("seeds from {}: {}\n", options.first_seed, sum.in_words());

@@ -48,16 +48,16 @@ std::string line_of(const OrderStatus& status) {
 }
 
 /// ", about 12 s to go" if its robot is on its way to the next place; else empty.
-std::string rest_of(const OrderStatus& status, const FleetView& view, double fleet_now) {
+std::string rest_of(const OrderStatus& status, const FleetView& view, double fleet_now, WallTime now) {
   const auto robot = view.find(status.robot);
   if (status.state != OrderState::under_way || !robot) return {};
-  const auto left = time_left(view.robots()[*robot], fleet_now);
+  const auto left = time_left(view.robots()[*robot], fleet_now, now);
   return left ? fmt::format(", about {:.0f} s to go", *left) : std::string();
 }
 
-std::vector<OrderMessage> orders_of(const OrderOptions& options) {
+std::vector<OrderMessage> orders_of(const OrderOptions& options, WallTime now) {
   OrderMessage order = options.order;
-  if (options.deadline) order.deadline = wall_now() + *options.deadline;
+  if (options.deadline) order.deadline = now + *options.deadline;
   std::vector<OrderMessage> orders;
   if (!options.each) orders.push_back(order);
   for (const Visit& visit : options.each ? options.order.visits : std::vector<Visit>()) {
@@ -105,16 +105,17 @@ class Answers {
 
 int give_order_command(const OrderOptions& options) {
   install_stop_signals();
-  const std::vector<OrderMessage> orders = orders_of(options);
+  ProcessClock clock;
+  const std::vector<OrderMessage> orders = orders_of(options, clock.by_system(clock.now()));
   for (const OrderMessage& order : orders) {
     if (const auto problem = problem_with(Message(order))) throw std::runtime_error(*problem);
   }
   DdsBus bus(options.network, Role::dispatcher, "dispatcher");
   Answers answers(orders);
-  const WallTime begin = wall_now();
+  const WallTime begin = clock.now();
   WallTime next = begin;
   while (!stop_requested() && !(options.wait ? answers.have_ended() : answers.are_answered())) {
-    const WallTime now = wall_now();
+    const WallTime now = clock.now();
     if (!answers.are_answered() && now - begin > options.patience) {
       std::cerr << fmt::format(
           "nobody on domain {} has answered within {:g} s: is there a fleet of coppice serve?\n",
@@ -126,7 +127,7 @@ int give_order_command(const OrderOptions& options) {
       next = now + between_repeats;
     }
     bus.wait(longest_wait);
-    for (const Arrival& arrival : bus.take()) {
+    for (const Arrival& arrival : take(bus, clock)) {
       if (const OrderStatus* const status = answers.take(arrival))
         std::cout << (options.as_json ? json_of(*status) : line_of(*status)) << std::endl;
     }
@@ -139,10 +140,11 @@ int orders_command(const OrderOptions& options) {
   DdsBus bus(options.network, Role::viewer, "orders");
   FleetView view;
   std::map<std::string, OrderStatus> orders;
-  const WallTime end = wall_now() + time_to_list;
-  while (wall_now() < end && !stop_requested()) {
+  ProcessClock clock;
+  const WallTime end = clock.now() + time_to_list;
+  while (clock.now() < end && !stop_requested()) {
     bus.wait(longest_wait);
-    for (const Arrival& arrival : bus.take()) {
+    for (const Arrival& arrival : take(bus, clock)) {
       view.on(arrival.message, arrival.at);
       if (const auto* status = std::get_if<OrderStatus>(arrival.message.get()))
         orders[status->order.id] = *status;
@@ -153,19 +155,22 @@ int orders_command(const OrderOptions& options) {
     if (options.all || !is_ended(status.state)) listed.push_back(status);
   }
   std::ranges::sort(listed, {}, &OrderStatus::accepted_at);
-  const double fleet_now = view.fleet_time(wall_now()).value_or(0);
+  const WallTime now = clock.now();
+  const double fleet_now = view.fleet_time(now).value_or(0);
   for (const OrderStatus& status : listed) {
     std::cout << (options.as_json ? json_of(status)
                                   : clock_time(status.accepted_at) + "  " + line_of(status) +
-                                        rest_of(status, view, fleet_now))
+                                        rest_of(status, view, fleet_now, now))
               << '\n';
   }
+  if (view.service() && !view.service()->status.problem.empty())
+    std::cerr << "new orders are refused: " << view.service()->status.problem << '\n';
   if (options.as_json) return view.robots().empty() ? 1 : 0;
   if (listed.empty()) std::cout << "no orders\n";
   std::vector<SeenRobot> robots(view.robots().begin(), view.robots().end());
   std::ranges::sort(robots, sorts_before, &SeenRobot::name);
   for (const SeenRobot& robot : robots) {
-    const std::string sentence = sentence_of(robot, fleet_now);
+    const std::string sentence = sentence_of(robot, fleet_now, now);
     if (!sentence.empty()) std::cout << fmt::format("{}: {}\n", robot.name, sentence);
   }
   return view.robots().empty() ? 1 : 0;

@@ -11,6 +11,7 @@
 #include "coppice/watching_options.h"
 #include "files/number_check.h"
 #include "messages/validation.h"
+#include "planning/number_text.h"
 #include "planning/quantities.h"
 
 namespace coppice {
@@ -22,13 +23,9 @@ std::optional<Visit> visit_of(const std::string& text) {
   std::istringstream words(text);
   std::vector<double> numbers;
   for (std::string word; std::getline(words, word, ',');) {
-    std::size_t read = 0;
-    try {
-      numbers.push_back(std::stod(word, &read));
-    } catch (const std::exception&) {
-      return std::nullopt;
-    }
-    if (read != word.size() || !is_sane(numbers.back())) return std::nullopt;
+    const auto number = decimal_number(word);
+    if (!number || !is_sane(*number)) return std::nullopt;
+    numbers.push_back(*number);
   }
   if (text.ends_with(',') || numbers.size() < 2 || numbers.size() > 3) return std::nullopt;
   Visit visit{.position = {numbers[0], numbers[1]}};
@@ -88,7 +85,11 @@ void add_send(CLI::App& app, OrderOptions& options, ChosenCommand& chosen) {
           "place in the map frame, metres, and a yaw in radians; several are visited in turn")
       ->check(CLI::Validator(
           [](const std::string& place) {
-            return visit_of(place) ? "" : fmt::format("{}: expected X,Y or X,Y,YAW", place);
+            const auto visit = visit_of(place);
+            if (!visit) return fmt::format("{}: expected X,Y or X,Y,YAW", place);
+            return is_yaw(visit->yaw)
+                       ? std::string()
+                       : fmt::format("{}: yaw {:g} is not allowed, expected {}", place, visit->yaw, yaw_rule);
           },
           ""))
       ->type_name("X,Y[,YAW]")

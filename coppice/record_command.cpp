@@ -36,17 +36,19 @@ int record_command(const RecordOptions& options) {
   install_stop_signals();
   DdsBus bus(options.network, Role::observer, "recorder");
   RecordingFile file(options.file, options.force);
-  const WallTime begin = wall_now();
+  ProcessClock clock;
+  const WallTime begin = clock.now();
   const WallTime end = begin + options.duration.value_or(std::numeric_limits<double>::infinity());
   WallTime now = begin;
-  for (; !stop_requested() && now < end; now = wall_now()) {
+  for (; !stop_requested() && now < end; now = clock.now()) {
     file.step(now);
     bus.wait(std::min(look_period, end - now));
-    file.on(bus.take());
+    file.on(take(bus, clock));
   }
   // Everything that has arrived by now.
   const WallTime latest = now + longest_farewell;
-  for (auto arrivals = bus.take(); !arrivals.empty() && wall_now() < latest; arrivals = bus.take())
+  for (auto arrivals = take(bus, clock); !arrivals.empty() && clock.now() < latest;
+       arrivals = take(bus, clock))
     file.on(std::move(arrivals));
   file.finish();
   tell(file.recorder(), options.file, file.size(), now - begin);

@@ -43,8 +43,8 @@ void expect_alone(DdsBus& bus, int domain) {
 }
 
 /// False if the process must stop.
-bool wait_alone(DdsBus& bus, int domain, WallTime until) {
-  for (WallTime now = wall_now(); now < until && !stop_requested(); now = wall_now()) {
+bool wait_alone(DdsBus& bus, ProcessClock& clock, int domain, WallTime until) {
+  for (WallTime now = clock.now(); now < until && !stop_requested(); now = clock.now()) {
     bus.wait(std::min(longest_wait, until - now));
     expect_alone(bus, domain);
   }
@@ -59,24 +59,25 @@ int replay_command(const ReplayOptions& options) {
   if (options.from > duration)
     throw InputError(fmt::format("--from {}: {} lasts {:.1f} s", options.from, options.file, duration));
   const WallTime begin = recording.begin() + options.from;
-  check_clocks(recording, {begin, wall_now(), options.speed});
+  ProcessClock clock;
+  check_clocks(recording, {begin, clock.now(), options.speed});
   if (!recording.file().ending().empty())
     std::cerr << options.file << ": " << recording.file().ending() << '\n';
 
   install_stop_signals();
   const int domain = options.network.domain;
   DdsBus bus(options.network, Role::replayer, "replay");
-  if (!wait_alone(bus, domain, wall_now() + time_to_meet)) return 0;
-  const ReplayClock clock{begin, wall_now(), options.speed};
+  if (!wait_alone(bus, clock, domain, clock.now() + time_to_meet)) return 0;
+  const ReplayClock replay{begin, clock.now(), options.speed};
   Playback playback(recording, begin);
   std::uint64_t said = 0;
   while (const auto next = playback.next()) {
-    if (!wait_alone(bus, domain, clock.present(next->at))) break;
-    bus.publish(at_present(*next->message, clock));
+    if (!wait_alone(bus, clock, domain, replay.present(next->at))) break;
+    bus.publish(at_present(*next->message, replay));
     ++said;
   }
   std::cout << fmt::format("replayed {} messages in {:.1f} s, {} left out as invalid, {} lost\n", said,
-                           wall_now() - clock.start, playback.rejected(), bus.lost());
+                           clock.now() - replay.start, playback.rejected(), bus.lost());
   return 0;
 }
 

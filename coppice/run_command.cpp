@@ -22,17 +22,20 @@
 #include "coppice/local_fleets.h"
 #include "coppice/log_watch.h"
 #include "coppice/process_fleet.h"
+#include "coppice/state_folder.h"
 #include "coppice/time_scale.h"
 #include "coppice/unused_domain.h"
 #include "dds/dds_bus.h"
 #include "dds/discovery.h"
 #include "dds/security.h"
 #include "files/output_check.h"
+#include "files/pose_file.h"
 #include "files/report_file.h"
 #include "files/temporary_folder.h"
 #include "files/text_file.h"
 #include "planner_service/sole_service.h"
 #include "ros2/names.h"
+#include "runtime/journal.h"
 #include "runtime/process.h"
 
 namespace coppice {
@@ -52,6 +55,8 @@ constexpr std::chrono::milliseconds look_at_logs{500};
 constexpr double look_around = 1;  // seconds
 // Seconds per robot and fleet second to write report, trajectory and picture.
 constexpr double writing = 2e-4;
+
+constexpr const char* service_name = "planner_service";
 
 using Command = std::vector<std::string>;
 
@@ -140,10 +145,36 @@ std::string lasting_file(const std::string& file, const std::filesystem::path& f
   return kept.string();
 }
 
-/// The folder for the state of processes; empty: processes keep no state.
-std::filesystem::path state_folder(const FleetOptions& options, const std::filesystem::path& run_folder) {
+/// The folder for the state of processes; empty: processes keep no state. That of a standing fleet outlives
+/// this run. A site that comes through a pipe has no name by which the next run would find it.
+std::filesystem::path state_folder(const RunOptions& run, const FleetOptions& options, bool is_pipe,
+                                   const std::filesystem::path& run_folder) {
   if (!options.state.empty()) return made_folder(options.state);
-  return options.restart ? run_folder / "state" : std::filesystem::path();
+  if (run.serves && is_pipe)
+    std::cerr << "the site has no file: the fleet's state is kept for this run only (--state)\n";
+  if (run.serves && !is_pipe) return made_folder(usual_state_folder(run.scenario, options.domain).string());
+  return options.restart ? made_folder((run_folder / "state").string()) : std::filesystem::path();
+}
+
+/// Robots stand where a file says only as a new run begins.
+void check_start_at(const FleetOptions& options, const Scenario& scenario,
+                    const std::filesystem::path& state) {
+  if (options.start_at.empty()) return;
+  read_poses(options.start_at, scenario);
+  if (const auto run = journal_in(state.string(), service_name); run && !run->empty())
+    throw InputError(fmt::format(
+        "--start-at: {} holds a run that has not ended and goes on where its robots stand: start the fleet "
+        "without --start-at, and end it before",
+        state.string()));
+}
+
+void tell_of_state(const std::filesystem::path& state) {
+  std::error_code ignored;
+  const bool is_old = std::filesystem::exists(state / "poses.json", ignored) ||
+                      std::filesystem::exists(state / "planner_service.journal", ignored);
+  std::cout << fmt::format("state in {}: {}\n", state.string(),
+                           is_old ? "the fleet goes on where it was" : "a new fleet")
+            << std::flush;
 }
 
 /// By default, large fleets use static discovery.
@@ -209,7 +240,6 @@ Command ros_of_agent(const RosOptions& options) {
   return joined(std::move(command), {"--pose", pose, "--odom-timeout", fmt::format("{}", options.patience)});
 }
 
-constexpr const char* service_name = "planner_service";
 constexpr const char* recorder_name = "recorder";
 
 /// The name cannot equal that of another process, whatever the robot's name is.
@@ -272,6 +302,7 @@ std::vector<Process> processes_of(const Scenario& scenario, const RunOptions& op
   service = joined(std::move(service), {"--black-boxes", black_boxes.string()});
   if (fleet.ros.tolerance)
     service = joined(std::move(service), {"--tracking-tolerance", fmt::format("{}", *fleet.ros.tolerance)});
+  if (!fleet.start_at.empty()) service = joined(std::move(service), {"--start-at", fleet.start_at});
   all.push_back(
       {service_name, with(service, "service", Role::service, state), ProcessFleet::Output::terminal});
   return all;
@@ -344,8 +375,9 @@ void pass_on(const std::vector<std::string>& warnings) {
 /// begins.
 void check_that_nobody_serves(const DdsSettings& network) {
   DdsBus bus(network, Role::viewer, "coppice run");
-  const WallTime until = wall_now() + look_around;
-  while (wall_now() < until && !stop_requested()) {
+  ProcessClock clock;
+  const WallTime until = clock.now() + look_around;
+  while (clock.now() < until && !stop_requested()) {
     bus.wait(longest_wait);
     for (const Arrival& arrival : bus.take()) {
       const auto* const service = std::get_if<ServiceStatus>(arrival.message.get());
@@ -353,7 +385,7 @@ void check_that_nobody_serves(const DdsSettings& network) {
         throw InputError(
             fmt::format("another planner service has the fleet on domain {}: {}: end that one, or "
                         "name another --domain",
-                        network.domain, description_of(*service, wall_now())));
+                        network.domain, description_of(*service, clock.now())));
     }
   }
 }
@@ -394,20 +426,21 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
           const std::function<std::chrono::duration<double>(std::chrono::duration<double>)>& patience) {
   const Clock::time_point begin = Clock::now();
   Clock::time_point next_look = begin;
+  ProcessClock clock;
   ProcessRestarts to_start;
   StopRequest stop;
   bool recorded = true;
   while (true) {
     stop.pass_on(fleet);
     if (Clock::now() >= next_look) {
-      pass_on(logs.news(wall_now()));
+      pass_on(logs.news(clock.now()));
       next_look = Clock::now() + look_at_logs;
     }
     const auto ended = fleet.reap();
     if (!ended && stop.is_there() && stop.is_older_than(patience(Clock::now() - begin))) {
       std::cerr << "the planner service does not answer: ended without a report\n";
       fleet.terminate_all(grace_of_roles);
-      pass_on(logs.last_news(wall_now()));
+      pass_on(logs.last_news(clock.now()));
       return 1;
     }
     to_start.start_those_due(fleet);
@@ -425,7 +458,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
                            to_start.note(*ended);
     if (may_go_on || !is_service) continue;
     recorded = end_all(fleet) && recorded;
-    pass_on(logs.last_news(wall_now()));
+    pass_on(logs.last_news(clock.now()));
     return says_why ? std::max(ended->exit_code, recorded ? 0 : 1) : 1;
   }
 }
@@ -435,6 +468,7 @@ int watch(ProcessFleet& fleet, LogWatch& logs, bool restarts,
 int run_command(RunOptions options, const FleetOptions& fleet_options, const std::string& program) {
   // Check the input before anything starts.
   const TemporaryFolder run_folder;
+  const std::string named = options.scenario;
   options.scenario = lasting_file(options.scenario, run_folder.path());
   options.plan = lasting_file(options.plan, run_folder.path());
   ScenarioOptions overrides = scenario_options(options);
@@ -453,11 +487,16 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
     throw InputError(record.file + ": already exists (--force replaces it)");
   install_stop_signals();
   const std::filesystem::path programs = std::filesystem::canonical(program).parent_path();
-  const std::filesystem::path state = state_folder(fleet_options, run_folder.path());
+  const std::filesystem::path state =
+      state_folder(options, fleet_options, options.scenario != named, run_folder.path());
+  std::optional<FolderLock> lock;
+  if (!state.empty()) lock.emplace(state);
+  FleetOptions fleet_on_domain = fleet_options;
+  fleet_on_domain.start_at = lasting_file(fleet_options.start_at, run_folder.path());
+  check_start_at(fleet_on_domain, scenario, state);
   const std::filesystem::path logs =
       fleet_options.logs.empty() ? run_folder.path() : made_folder(fleet_options.logs);
   if (!options.time_scale) options.time_scale = time_scale_for(scenario.robots.size());
-  FleetOptions fleet_on_domain = fleet_options;
   std::optional<UnusedDomain> own_domain;
   if (!fleet_options.domain && !fleet_options.ros.on) own_domain.emplace(run_folder.path().string());
   if (!fleet_options.domain) fleet_on_domain.domain = own_domain ? own_domain->number() : usual_ros_domain();
@@ -468,6 +507,7 @@ int run_command(RunOptions options, const FleetOptions& fleet_options, const std
     std::cout << fmt::format("fleet on domain {}; watch it with: {}", *fleet_on_domain.domain,
                              watching_command(fleet_on_domain, scenario.robots.size()))
               << std::endl;
+  if (!options.quiet && options.serves) tell_of_state(state);
   ProcessFleet fleet(logs);
   std::vector<std::string> logged;
   for (const Process& process : processes) {

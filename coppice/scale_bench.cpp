@@ -102,14 +102,15 @@ MeasuredRun run_fleet(const std::string& program, const std::string& scenario, d
                       const ExperimentOptions& options) {
   const std::string report = (folder / "report.json").string();
   std::filesystem::remove(report);
-  MeasuredRun run{.began_at = wall_now(), .report = {}, .usages = {}};
+  ProcessClock clock;
+  MeasuredRun run{.began_at = clock.now(), .report = {}, .usages = {}};
   ProcessFleet fleet(folder);
   const int pid = fleet.start("run", command_of(program, scenario, time_scale, settings, report),
                               ProcessFleet::Output::log);
   while (true) {
     look_at_children(pid, run.usages);
     if (const auto ended = fleet.reap()) {
-      run.seconds = wall_now() - run.began_at;
+      run.seconds = clock.now() - run.began_at;
       if (!std::filesystem::exists(report))
         throw std::runtime_error(fmt::format("coppice run {} ended with {} and no report: {}", scenario,
                                              ended->exit_code, ended->log_end));

@@ -39,9 +39,10 @@ int simulate_command(const RunOptions& options, const Faults& faults, const NewR
   SimulationRecording recording(simulation, record);
   ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
   Progress last;
+  ProcessClock clock;
   simulation.run([&](const PlannerService& service, double now) {
     last = service.progress(now);
-    if (!options.quiet) display.show(last, wall_now());
+    if (!options.quiet) display.show(last, clock.now());
     return !stop_requested();
   });
   if (!options.quiet) display.finish(last);

@@ -63,9 +63,9 @@ void print(const FleetTable& table) {
   for (const std::string& line : table.rows) std::cout << line << '\n';
 }
 
-void hear(DdsBus& bus, FleetView& view, double seconds) {
+void hear(DdsBus& bus, ProcessClock& clock, FleetView& view, double seconds) {
   bus.wait(seconds);
-  for (const Arrival& arrival : bus.take()) view.on(arrival.message, arrival.at);
+  for (const Arrival& arrival : take(bus, clock)) view.on(arrival.message, arrival.at);
 }
 
 /// The visible part of the table, and its order.
@@ -115,12 +115,12 @@ struct Look {
   }
 };
 
-int watch(DdsBus& bus, FleetView& view, RobotOrder order) {
+int watch(DdsBus& bus, ProcessClock& clock, FleetView& view, RobotOrder order) {
   Screen screen;
   Look look{.order = order};
   WallTime next = 0;
   while (!look.over && !stop_requested()) {
-    hear(bus, view, longest_wait);
+    hear(bus, clock, view, longest_wait);
     const auto page = static_cast<std::size_t>(std::max(1, screen.height() - 8));
     const auto robots = view.robots().size();
     bool pressed = false;
@@ -129,7 +129,7 @@ int watch(DdsBus& bus, FleetView& view, RobotOrder order) {
       look.first = std::min(look.first, robots == 0 ? 0 : robots - 1);
       pressed = true;
     }
-    const WallTime now = wall_now();
+    const WallTime now = clock.now();
     if (now < next && !pressed) continue;
     next = now + redraw_period;
     screen.show(fleet_table(view, look.order, now), look.first);
@@ -144,11 +144,12 @@ int top_command(const TopOptions& options) {
   give_way();
   const RobotOrder order = robot_order(options.order).value();
   DdsBus bus(options.network, Role::viewer, "top");
+  ProcessClock clock;
   FleetView view;
-  if (!options.once && ::isatty(STDOUT_FILENO) == 1) return watch(bus, view, order);
-  const WallTime end = wall_now() + time_to_find_all;
-  while (wall_now() < end && !stop_requested()) hear(bus, view, longest_wait);
-  print(fleet_table(view, order, wall_now()));
+  if (!options.once && ::isatty(STDOUT_FILENO) == 1) return watch(bus, clock, view, order);
+  const WallTime end = clock.now() + time_to_find_all;
+  while (clock.now() < end && !stop_requested()) hear(bus, clock, view, longest_wait);
+  print(fleet_table(view, order, clock.now()));
   return view.robots().empty() ? 1 : 0;
 }
 

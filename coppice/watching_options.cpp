@@ -68,6 +68,17 @@ void add_monitor(CLI::App& app, MonitorOptions& options, ChosenCommand& chosen) 
           "pages of this origin (https://HOST) may connect as Foxglove, as https://app.foxglove.dev may")
       ->type_name("ORIGIN")
       ->default_str("none");
+  monitor
+      ->add_option("--proxy-origin", options.web.proxies,
+                   "a proxy serves the page at this origin (https://HOST): its pages and its Host are let in")
+      ->type_name("ORIGIN")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return is_origin(text) ? std::string()
+                                   : "expected https://HOST or https://HOST:PORT, found " + text;
+          },
+          "", "origin"))
+      ->default_str("none");
   monitor->add_flag("--open", options.open, "opens the page in a browser");
   add_control_options(*monitor, options, file);
   add_network_options(*monitor, options.network, "observer's, with --control the dispatcher",

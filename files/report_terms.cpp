@@ -22,7 +22,9 @@ constexpr Term of_table[] = {
     {"trees published",
      "disjointed trees that a robot's root tree came near to, and that the broker gave to all"},
     {"trees grafted", "published trees that robots took into their own trees, summed over the robots"},
-    {"collisions", "pairs of robots that overlapped, plus robots that overlapped an obstacle"},
+    {"collisions",
+     "pairs of robots that overlapped, plus robots that overlapped an obstacle, unless they began so and "
+     "drove out"},
     {"least separation", "least distance between two robots at any time, minus both radii"},
     {"least clearance", "least distance of a robot to an obstacle at any time, minus its radius"},
     {"margin",
@@ -53,7 +55,9 @@ constexpr Term of_report[] = {
     {"nodes_invalid", "samples that hit an obstacle, of the broker and the robots together"},
     {"trees_published", "disjointed trees that the broker gave to all"},
     {"trees_grafted", "published trees that robots took into their own trees, summed over the robots"},
-    {"collisions", "pairs of robots that overlapped, plus robots that overlapped an obstacle"},
+    {"collisions",
+     "pairs of robots that overlapped, plus robots that overlapped an obstacle, unless they began so and "
+     "drove out"},
     {"least_separation",
      "metres, least distance between two robots at any time minus both radii; absent for one robot"},
     {"least_clearance", "metres, least distance of a robot to an obstacle at any time minus its radius"},
@@ -77,6 +81,9 @@ constexpr Term of_report[] = {
     {"robots[].yaw", "radians, where it stands in the end; absent for a holonomic robot"},
     {"robots[].path_length", "length of its path, metres"},
     {"robots[].driven_length", "length of the way that it drove, metres"},
+    {"robots[].points_missing",
+     "points of its track that never came, or too late to be counted: they are in no length and no "
+     "separation"},
     {"robots[].path", "corners of its path, from its start to its goal"},
     {"robots[].path[].x", "metres in the map frame"},
     {"robots[].path[].y", "metres in the map frame"},

@@ -23,10 +23,13 @@ enum class Role : unsigned char { broker, agent, service, observer, claimant, re
 struct Arrival {
   std::shared_ptr<const Message> message;
   WallTime at = 0;  ///< when it arrived, not when it was taken
+  /// When it was sent, by the clock of its sender. A late reader receives some messages long after that. 0:
+  /// not known.
+  WallTime sent = 0;
 };
 
-inline Arrival arrival_of(Message message, WallTime at) {
-  return {std::make_shared<const Message>(std::move(message)), at};
+inline Arrival arrival_of(Message message, WallTime at, WallTime sent = 0) {
+  return {std::make_shared<const Message>(std::move(message)), at, sent};
 }
 
 /// A message and the agents that receive it. Readers of other roles receive every message.

@@ -90,7 +90,8 @@ COPPICE_ENUMERATORS(Turn, "Turn", "URGENT", "WINDING", "USUAL", "LAST");
 
 COPPICE_ENUMERATORS(Action, "Action", "GO", "CANCEL", "PAUSE", "RESUME", "STOP", "RELEASE");
 COPPICE_ENUMERATORS(OrderState, "OrderState", "ACCEPTED", "ASSIGNED", "UNDER_WAY", "DONE", "CANCELLED", "FAILED");
-COPPICE_ENUMERATORS(Halt, "HaltKind", "NOT_HALTED", "HALT_PAUSED", "HALT_STOPPED");
+COPPICE_ENUMERATORS(Halt, "HaltKind", "NOT_HALTED", "HALT_PAUSED", "HALT_STOPPED",
+                    "HALT_PAUSED_AND_STOPPED");
 
 COPPICE_FIELDS(Point2, "Point", COPPICE_FIELD_AT(1, x, x(), x()), COPPICE_FIELD_AT(2, y, y(), y()));
 
@@ -140,7 +141,8 @@ COPPICE_FIELDS(Mission, "Mission",
   COPPICE_NEW_FIELD(22, goal_yaw_tolerance),
   COPPICE_NEW_FIELD(23, tracking_tolerance),
   COPPICE_FIELD(24, footprint),
-  COPPICE_NEW_FIELD(25, coordination));
+  COPPICE_NEW_FIELD(25, coordination),
+  COPPICE_NEW_FIELD(26, starts_where_it_stands));
 
 COPPICE_FIELDS(RootNodes::Node, "RootNode",
   COPPICE_FIELD(1, side),
@@ -339,7 +341,8 @@ COPPICE_FIELDS(ServiceStatus, "ServiceStatus",
   COPPICE_FIELD(2, host),
   COPPICE_FIELD(3, process),
   COPPICE_FIELD(4, since),
-  COPPICE_FIELD_AT(5, run, run.epoch, run()));
+  COPPICE_FIELD_AT(5, run, run.epoch, run()),
+  COPPICE_FIELD(6, problem));
 
 COPPICE_FIELDS(Claim, "Claim",
   COPPICE_FIELD(1, claimant),
@@ -364,7 +367,9 @@ COPPICE_FIELDS(OrderMessage, "Order",
   COPPICE_FIELD(5, cancels),
   COPPICE_FIELD(6, priority),
   COPPICE_FIELD(7, deadline),
-  COPPICE_FIELD(8, by));
+  COPPICE_FIELD(8, by),
+  COPPICE_FIELD(9, why),
+  COPPICE_FIELD(10, replaces));
 COPPICE_FIELDS(OrderStatus, "OrderStatus",
   COPPICE_FIELD_AT(1, id, order.id, id()),
   COPPICE_FIELD_AT(2, given, order, given()),

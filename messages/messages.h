@@ -74,6 +74,9 @@ struct Mission {
   double tracking_tolerance = 0;  ///< part of the radius: what a robot that follows may be off its reference
   std::vector<Point2> footprint{};  ///< corners in the robot's own frame, within its radius; empty: a disc
   Coordination coordination = Coordination::reservations;  ///< the same in all missions of a run
+  /// The robot begins the run where its agent knows it to stand; at `start` if the agent does not know. A
+  /// goal that is the start goes along.
+  bool starts_where_it_stands = false;
   bool operator==(const Mission&) const = default;
 };
 
@@ -431,6 +434,7 @@ struct ServiceStatus {
   std::uint32_t process = 0;  ///< its id there
   WallTime since = 0;         ///< it was started
   RunId run;                  ///< the run whose missions it handed out; 0: none yet
+  std::string problem{};      ///< why it refuses new orders; empty: it takes them
   bool operator==(const ServiceStatus&) const = default;
 };
 

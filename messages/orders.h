@@ -46,6 +46,8 @@ struct OrderMessage {
   std::int32_t priority = 0;  ///< a higher one is served first
   WallTime deadline = 0;      ///< wall clock; it is reported, and not promised; 0: none
   std::string by{};           ///< the person or program that gave it
+  std::string why{};          ///< of a cancellation: its reason, for people; empty: none was given
+  bool replaces = false;      ///< go, of one robot: the open orders of that robot are cancelled
   bool operator==(const OrderMessage&) const = default;
 };
 
@@ -59,6 +61,9 @@ enum class OrderState : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 6> order_state_names{"accepted", "assigned",  "under way",
                                                                    "done",     "cancelled", "failed"};
+
+/// Begins the reason for which an order is refused while the service has no room to save it.
+inline constexpr std::string_view cannot_be_saved = "it cannot be saved: ";
 
 constexpr bool is_ended(OrderState state) {
   return state >= OrderState::done;
@@ -79,8 +84,29 @@ struct OrderStatus {
   bool operator==(const OrderStatus&) const = default;
 };
 
-/// Whether a robot has to stand by an operator's order. A later one is stricter.
-enum class Halt : std::uint8_t { none, paused, stopped };
+/// The fleet never took it up. A client may correct it, and give it again.
+inline bool is_refused(const OrderStatus& status) {
+  return status.state == OrderState::failed && status.begun_at == 0 && status.ended_at == status.accepted_at;
+}
+
+/// What an operator has told a robot: to stand. A pause and a stop hold beside each other, and each is ended
+/// by its own action.
+enum class Halt : std::uint8_t { none, paused, stopped, paused_and_stopped };
+
+constexpr bool is_paused(Halt halt) {
+  return halt == Halt::paused || halt == Halt::paused_and_stopped;
+}
+constexpr bool is_stopped(Halt halt) {
+  return halt >= Halt::stopped;
+}
+constexpr Halt halt_of(bool paused, bool stopped) {
+  if (stopped) return paused ? Halt::paused_and_stopped : Halt::stopped;
+  return paused ? Halt::paused : Halt::none;
+}
+/// The stricter one of the two.
+constexpr Halt strictest(Halt halt) {
+  return is_stopped(halt) ? Halt::stopped : halt;
+}
 
 /// halt: service -> agents, monitors. One sample holds for the whole fleet. It outlives the run.
 struct HaltMessage {

@@ -16,7 +16,7 @@ struct TopicInfo {
   std::string_view name;
   Reliability reliability;
   Durability durability;
-  int depth;  ///< samples kept for each key; 0: all
+  int depth;  ///< samples kept for each key for late readers; 0: all of a mission
 };
 
 /// Specialised for each message type: `info`, and whether a role writes or reads the topic.
@@ -45,6 +45,7 @@ inline constexpr unsigned onlooker = observer | dispatcher | (1u << static_cast<
 inline constexpr unsigned replayer = 1u << static_cast<unsigned>(Role::replayer);
 }  // namespace topic_roles
 
+// Ten minutes of a track: a service that is away for longer finds a gap in it.
 // clang-format off
 //            message              name             reliability  durability       depth  written by            read by
 COPPICE_TOPIC(MapMessage,          "map",           reliable,    transient_local, 1,     topic_roles::service, topic_roles::agent | topic_roles::broker | topic_roles::onlooker | topic_roles::replayer);
@@ -55,7 +56,7 @@ COPPICE_TOPIC(RobotState,          "robot_state",   best_effort, volatile_,     
 COPPICE_TOPIC(JointPlanMessage,    "joint_plan",    reliable,    transient_local, 1,     topic_roles::agent | topic_roles::service, topic_roles::agent | topic_roles::onlooker);
 COPPICE_TOPIC(ReservationMessage,  "reservation",   reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::agent | topic_roles::onlooker);
 COPPICE_TOPIC(PathMessage,         "path",          reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::service | topic_roles::onlooker);
-COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 0,     topic_roles::agent,   topic_roles::service | topic_roles::observer);
+COPPICE_TOPIC(TrackMessage,        "track",         reliable,    transient_local, 1200,   topic_roles::agent,   topic_roles::service | topic_roles::observer);
 COPPICE_TOPIC(AgentStatus,         "agent_status",  reliable,    transient_local, 1,     topic_roles::agent,   topic_roles::broker | topic_roles::service | topic_roles::onlooker | topic_roles::replayer);
 COPPICE_TOPIC(BrokerStatus,        "broker_status", reliable,    transient_local, 1,     topic_roles::broker,  topic_roles::broker | topic_roles::service | topic_roles::onlooker | topic_roles::replayer);
 COPPICE_TOPIC(Claim,               "claim",         reliable,    transient_local, 1,     topic_roles::claimant, topic_roles::service | topic_roles::observer);

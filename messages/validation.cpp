@@ -315,10 +315,12 @@ Problem check(const BrokerStatus& m) {
 }
 
 Problem check(const ServiceStatus& m) {
-  return first_of({{m.service != 0, "service has no id"},
-                   {named_or_empty(m.host), "host is too long or not printable"},
-                   {std::isfinite(m.since) && m.since >= 0, "time since it runs is not a time"},
-                   {m.run.epoch >= 0 && m.run.epoch <= latest_run, "run is not a time"}});
+  return first_of(
+      {{m.service != 0, "service has no id"},
+       {named_or_empty(m.host), "host is too long or not printable"},
+       {std::isfinite(m.since) && m.since >= 0, "time since it runs is not a time"},
+       {m.run.epoch >= 0 && m.run.epoch <= latest_run, "run is not a time"},
+       {m.problem.size() <= longest_reason && printable(m.problem), "problem is too long or not printable"}});
 }
 
 Problem check(const Claim& m) {
@@ -347,8 +349,12 @@ Problem check(const OrderMessage& m) {
        {named_or_empty(m.cancels) && (m.action == Action::cancel) == !m.cancels.empty(),
         "it does not say which order to cancel, or says so and does not cancel"},
        {m.action != Action::cancel || m.robots.empty(), "it cancels an order, and names a robot"},
+       {!m.replaces || (goes && m.robots.size() == 1),
+        "it replaces the orders of a robot, and sends no robot that it names"},
        {std::isfinite(m.deadline) && m.deadline >= 0 && m.deadline <= latest_run, "deadline is not a time"},
-       {named_or_empty(m.by), "name of the sender is too long or not printable"}});
+       {named_or_empty(m.by), "name of the sender is too long or not printable"},
+       {m.why.size() <= longest_why && printable(m.why) && (m.why.empty() || m.action == Action::cancel),
+        "reason is too long or not printable, or it cancels nothing"}});
 }
 
 bool is_time(WallTime at) {
@@ -366,8 +372,10 @@ Problem check(const OrderStatus& m) {
 }
 
 Problem check(const HaltMessage& m) {
-  const auto fine = [](const HaltMessage::Robot& r) { return named(r.robot) && r.halt <= Halt::stopped; };
-  return first_of({{m.everybody <= Halt::stopped, "unknown halt"},
+  const auto fine = [](const HaltMessage::Robot& r) {
+    return named(r.robot) && r.halt <= Halt::paused_and_stopped;
+  };
+  return first_of({{m.everybody <= Halt::paused_and_stopped, "unknown halt"},
                    {m.robots.size() <= most_robots && std::ranges::all_of(m.robots, fine),
                     "too many robots, or one without a name or with an unknown halt"}});
 }

@@ -14,6 +14,8 @@ namespace coppice {
 inline constexpr std::size_t longest_name = 64;
 /// Longest reason or cause, characters: likewise.
 inline constexpr std::size_t longest_reason = 256;
+/// Bytes of the reason that a client gives. With the client's name it makes a reason of a status.
+inline constexpr std::size_t longest_why = 128;
 /// In one state.
 inline constexpr std::size_t most_echoes = 32;
 inline constexpr std::size_t most_missed = 16;

@@ -17,7 +17,7 @@ WallTime lease_of(AgentStage stage, bool several_are_absent) {
 
 }  // namespace
 
-/// A pause of this process is no silence of the agents, and the clock may have been set back.
+/// A pause of this process is no silence of the agents.
 void Liveliness::follow_clock(WallTime now) {
   const WallTime gap = now - std::exchange(last_step_, now);
   for (Agent& agent : agents_) {

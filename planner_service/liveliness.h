@@ -28,6 +28,7 @@ class Liveliness {
 
   bool is_lost(std::size_t robot) const { return agents_[robot].lost; }
   WallTime silence(std::size_t robot, WallTime now) const { return now - agents_[robot].heard_at; }
+  WallTime last_step() const { return last_step_; }
 
  private:
   struct Agent {

@@ -18,9 +18,11 @@
 
 #include "coppice/files/scenario_file.h"
 #include "dds/dds_bus.h"
+#include "files/pose_file.h"
 #include "files/report_file.h"
 #include "files/run_options.h"
 #include "files/temporary_folder.h"
+#include "planner_service/fleet_memory.h"
 #include "planner_service/options.h"
 #include "planner_service/planner_service.h"
 #include "planner_service/progress.h"
@@ -42,10 +44,11 @@ std::uint64_t draw_identity() {
   return (static_cast<std::uint64_t>(device()) << 32) | device() | 1u;
 }
 
-std::unique_ptr<DdsRosFleet> ros_of(const RosOptions& options, DdsBus& bus, const Scenario& scenario) {
+std::unique_ptr<DdsRosFleet> ros_of(const RosOptions& options, DdsBus& bus, const Scenario& scenario,
+                                    ProcessClock& clock) {
   if (!options.on) return nullptr;
   auto ros = std::make_unique<DdsRosFleet>(bus, options.robot.names, names_of(scenario));
-  ros->publish(scenario.map, wall_now());
+  ros->publish(scenario.map, clock.by_system(clock.now()));
   return ros;
 }
 
@@ -66,51 +69,131 @@ ServiceSettings settings_of(const RunOptions& options, const RosOptions& in_ros,
 
 /// The report comes also if a box cannot be read. Then the track ends as the agent sent it.
 void complete_tracks(PlannerService& service, std::span<const RobotName> robots,
-                     const std::string& black_boxes) {
+                     const std::string& black_boxes, WallTime now) {
   for (const RobotName& robot : robots) {
     try {
-      if (auto rest = rest_of_track(black_boxes, robot)) service.complete(*std::move(rest), wall_now());
+      if (auto rest = rest_of_track(black_boxes, robot)) service.complete(*std::move(rest), now);
     } catch (const std::exception& error) {
       spdlog::warn("the end of the track of {} is not known: {}", robot, error.what());
     }
   }
 }
 
-/// Runs the fleet and writes the results. True if the run succeeded.
-bool run_succeeds(const ServiceOptions& options, const Scenario& scenario, Journal* journal) {
-  const ServiceSettings settings = settings_of(options.run, options.ros, scenario);
-  const std::string& state = options.process.state;
-  auto tracks =
-      TrackRecord::on_disk(state.empty() ? place_for_temporary_files() : std::filesystem::path(state));
-  DdsBus bus(options.process.network, Role::service, "planner_service");
-  Heartbeat heart(options.process.alive);
-  const auto ros = ros_of(options.ros, bus, scenario);
-  const std::vector<RobotName> names = names_of(scenario);
-  ServiceLoop loop(bus, heart, draw_identity(), names, options.process.network.domain);
-  const bool resumes = journal != nullptr && !journal->empty();
-  StartupBarrier heard;
-  if (!resumes) heard = loop.wait_for_agents();
-  PlannerService service(scenario, settings, wall_now(), std::move(tracks));
-  Keeper keeper(resumes ? loop.resume(service, *journal) : RunKeeper(), journal);
-  if (resumes) heard = loop.wait_for_other_services();
-  heard.for_each([&](const Arrival& arrival) {
-    keeper.heard(*arrival.message);
-    service.on(arrival);
-  });
-  heard = StartupBarrier();  // it may hold the tracks of the run before
-  ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
-  std::optional<OrderHistory> history;
-  if (options.run.serves && !state.empty()) history.emplace(std::filesystem::path(state) / "orders.jsonl");
-  loop.serve(service, keeper, history ? &*history : nullptr, ros.get(),
-             options.run.quiet ? nullptr : &display);
-  if (!options.black_boxes.empty()) complete_tracks(service, names, options.black_boxes);
-  const proto::Report report = service.report();
-  if (!options.run.quiet) std::cout << '\n' << report_table(report) << std::flush;
-  write_results(options.run, report, service.tracks(), [&] { return service.picture(); });
-  loop.check_precedence();
-  // A fleet that takes orders ends when it is told to, and robots may be under way.
-  return options.run.serves || service.succeeded();
+/// Where the robots of a standing fleet begin a new run.
+void choose_starts(const ServiceOptions& options, const Scenario& scenario, const FleetMemory& memory,
+                   ServiceSettings& settings) {
+  settings.starts_are_given = !options.start_at.empty();
+  settings.starts = settings.starts_are_given ? read_poses(options.start_at, scenario) : memory.poses;
+  if (!settings.starts_are_given) check_saved_poses(scenario, memory.poses);
+  for (const std::string& line : warnings_of_starts(scenario, settings.starts)) spdlog::warn("{}", line);
+  if (settings.starts_are_given) return;
+  for (const RobotTask& robot : scenario.robots) {
+    if (!memory.poses.empty() && pose_of(memory.poses, robot.name) == nullptr)
+      spdlog::info("{} is new to this fleet: it starts at ({:g}, {:g}), as the scenario says", robot.name,
+                   robot.start.x(), robot.start.y());
+  }
 }
+
+/// A service, its bus, and what was saved of the fleet.
+class FleetProcess {
+ public:
+  /// `journal`: null: nothing is saved.
+  FleetProcess(const ServiceOptions& options, const Scenario& scenario, Journal* journal)
+      : options_(options),
+        scenario_(scenario),
+        journal_(journal),
+        clock_(options.process.state),
+        bus_(options.process.network, Role::service, "planner_service"),
+        heart_(options.process.alive),
+        ros_(ros_of(options.ros, bus_, scenario, clock_)),
+        loop_(bus_, heart_, clock_, draw_identity(), names_of(scenario), options.process.network.domain) {}
+
+  /// Runs the fleet and writes the results. True if the run succeeded.
+  bool run() {
+    const StartupBarrier heard = begin();
+    Keeper keeper(std::move(saved_), journal_);
+    heard.for_each([&](const Arrival& arrival) {
+      keeper.heard(*arrival.message);
+      service_->on(arrival);
+    });
+    serve(keeper);
+    if (!options_.black_boxes.empty())
+      complete_tracks(*service_, names_of(scenario_), options_.black_boxes, clock_.now());
+    const proto::Report report = service_->report();
+    if (!options_.run.quiet) std::cout << '\n' << report_table(report) << std::flush;
+    write_results(options_.run, report, service_->tracks(), [&] { return service_->picture(); });
+    keep_for_the_next_run();
+    loop_.check_precedence();
+    // A fleet that takes orders ends when it is told to, and robots may be under way.
+    return options_.run.serves || service_->succeeded();
+  }
+
+ private:
+  bool stands_up_again() const { return options_.run.serves && !options_.process.state.empty(); }
+
+  /// Goes on with the run in the journal, or begins a new one once all agents can hear of it. Returns what
+  /// was heard meanwhile.
+  StartupBarrier begin() {
+    const WallTime began = clock_.now();
+    if (stands_up_again()) memory_ = remembered_in(options_.process.state);
+    if (journal_ != nullptr && !journal_->empty()) {
+      make_service({}, began);
+      loop_.resume(*service_, *journal_, saved_);
+      if (!service_->recalls_an_end() || !stands_up_again()) {
+        loop_.goes_on_with(service_->run().value_or(RunId{}));
+        return loop_.wait_for_other_services();
+      }
+      // The service before this one was killed as it ended the fleet.
+      keep_for_the_next_run();
+      journal_->begin_anew();
+      memory_ = remembered_in(options_.process.state);
+    }
+    ServiceSettings starts;
+    if (options_.run.serves) choose_starts(options_, scenario_, memory_, starts);
+    StartupBarrier heard = loop_.wait_for_agents();
+    make_service(starts, began);
+    return heard;
+  }
+
+  void make_service(const ServiceSettings& starts, WallTime began) {
+    const std::string& state = options_.process.state;
+    auto tracks =
+        TrackRecord::on_disk(state.empty() ? place_for_temporary_files() : std::filesystem::path(state));
+    ServiceSettings settings = settings_of(options_.run, options_.ros, scenario_);
+    settings.starts = starts.starts;
+    settings.starts_are_given = starts.starts_are_given;
+    service_.reset();
+    service_ = std::make_unique<PlannerService>(scenario_, settings, clock_.now(), std::move(tracks));
+    service_->takes_orders_since(began);
+    service_->remember(memory_);
+    saved_ = RunKeeper();
+    saved_.recall(memory_);
+  }
+
+  void serve(Keeper<RunKeeper, Journal>& keeper) {
+    ProgressDisplay display(std::cout, ::isatty(STDOUT_FILENO) == 1);
+    std::optional<OrderHistory> history;
+    if (stands_up_again()) history.emplace(std::filesystem::path(options_.process.state) / "orders.jsonl");
+    loop_.serve(*service_, keeper, history ? &*history : nullptr, ros_.get(),
+                options_.run.quiet ? nullptr : &display);
+  }
+
+  void keep_for_the_next_run() {
+    if (stands_up_again()) remember(options_.process.state, service_->memory(), scenario_);
+  }
+
+  const ServiceOptions& options_;
+  const Scenario& scenario_;
+  Journal* journal_;
+  ProcessClock clock_;
+  DdsBus bus_;
+  Heartbeat heart_;
+  std::unique_ptr<DdsRosFleet> ros_;
+  ServiceLoop loop_;
+  FleetMemory memory_;
+  RunKeeper saved_;
+  std::unique_ptr<PlannerService> service_;
+};
 
 ScenarioOptions scenario_options(const ServiceOptions& options) {
   ScenarioOptions read = scenario_options(options.run);
@@ -126,11 +209,11 @@ int run(const ServiceOptions& options) {
   check_results(options.run, scenario);
   if (options.ros.on) check_ros_names(options.ros.robot.names, names_of(scenario));
   if (!options.black_boxes.empty()) make_folder(options.black_boxes);
-  auto journal = open_journal(options.process.state);
-  const bool succeeded = run_succeeds(options, scenario, journal ? &*journal : nullptr);
+  auto journal = open_journal(options.process.state, options.run.serves);
+  const bool succeeded = FleetProcess(options, scenario, journal ? &*journal : nullptr).run();
   // Last of all: a process that is killed before this and restarted ends the same run again, and begins no
   // new one.
-  if (journal) std::filesystem::remove(journal->file());
+  if (journal) journal->remove();
   return succeeded ? 0 : 1;
 }
 

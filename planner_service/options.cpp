@@ -14,6 +14,11 @@ void add_service_options(CLI::App& app, ServiceOptions& options) {
                "continues when all robots have arrived, and waits for orders until it is stopped; robots of "
                "the scenario need no goals")
       ->excludes("--timeout");
+  app.add_option("--start-at", options.start_at,
+                 "file of poses where the robots stand as a new run begins (docs/reference.md)")
+      ->type_name("POSES")
+      ->needs("--serve")
+      ->default_str("where they stood at last, or in a new fleet the scenario's starts");
   add_process_options(app, options.process);
   add_black_box_option(
       app, options.black_boxes,

@@ -9,6 +9,7 @@ namespace coppice {
 struct ServiceOptions {
   RunOptions run;
   ProcessOptions process;
+  std::string start_at;     ///< file of poses where the robots of a standing fleet begin; empty: none
   std::string black_boxes;  ///< folder (runtime/black_box.h); empty: none
   RosOptions ros;
 };

@@ -16,7 +16,7 @@ namespace {
 constexpr double whole_map = 1e6;                      // metres
 constexpr double slowest = 1e-6;                       // metres a second: a slower robot stands
 constexpr double largest_clock_error = 3600;           // fleet seconds
-constexpr std::size_t most_track_points = 20'000'000;  // of a robot: eleven days
+constexpr std::size_t most_track_points = 20'000'000;  // of a robot, that the report needs: eleven days
 
 /// Names a map, and the margin that is kept on it, by its content (FNV-1a), so that two runs on one domain
 /// cannot mix up their trees.
@@ -47,10 +47,18 @@ PlannerService::PlannerService(Scenario scenario, const ServiceSettings& setting
       robots_(scenario_.robots),
       liveliness_(robots_.size(), now),
       tracks_(std::move(tracks)),
+      counted_(scenario_.robots),
       goals_(scenario_),
       orders_(names_of(scenario_)),
+      intake_(now),
       phase_(WaitingForTrees{now}) {
-  if (settings_.waits_for_goals) roadmap_ = std::make_unique<const VoronoiRoadmap>(goals_.field());
+  for (RobotRecord& robot : robots_) {
+    if (const RobotPose* const start = pose_of(settings_.starts, robot.task.name))
+      robot.begins_at(start->position, start->yaw, goals_.field());
+  }
+  if (!settings_.waits_for_goals) return;
+  roadmap_ = std::make_unique<const VoronoiRoadmap>(goals_.field());
+  counting_field_ = std::make_unique<const ClearanceField>(scenario_.map);
 }
 
 std::optional<RunId> PlannerService::run() const {
@@ -68,6 +76,10 @@ bool PlannerService::finished() const {
 }
 
 void PlannerService::on(const Arrival& arrival) {
+  const auto* const order = std::get_if<OrderMessage>(arrival.message.get());
+  const bool is_outdated =
+      order != nullptr && !orders_.knows(order->id) && !intake_.takes(*order, arrival.at, arrival.sent);
+  if (is_outdated) return;
   std::visit(
       [&](const auto& m) {
         if constexpr (requires { receive(m, arrival.at); }) receive(m, arrival.at);
@@ -119,6 +131,10 @@ void PlannerService::complete(TrackMessage rest, WallTime now) {
   receive(rest, now);
 }
 
+bool PlannerService::was_never_seen(const RobotRecord& robot) const {
+  return std::holds_alternative<NoTrack>(robot.track) && !tracks_.last(robot.index);
+}
+
 void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   RobotRecord* const known = find_in_run(batch);
   if (known == nullptr) return;
@@ -128,18 +144,27 @@ void PlannerService::receive(const TrackMessage& batch, WallTime now) {
   const double fleet_now = clock_of(phase_)->fleet_time(now);
   const bool fits = batch.points.empty() || (batch.points.front().time >= -largest_clock_error &&
                                              batch.points.back().time <= fleet_now + largest_clock_error);
-  if (!fits || tracks_.size(robot) + batch.points.size() > most_track_points) return;
+  if (!fits || tracks_.held(robot) + batch.points.size() > most_track_points) return;
+  if (settings_.waits_for_goals && !batch.points.empty() && was_never_seen(*known)) {
+    known->stands_at(batch.points.front().position, batch.points.front().yaw, goals_.field());
+    if (known->task.stands_at) counted_.drive_out.insert(robot);
+  }
   if (batch.first_index == 0 && !batch.points.empty() && known->track_begins(batch.points.front().time)) {
     if (BegunRun* const run = run_of(phase_)) run->missions_due = true;  // that of this robot as cancelled
     step_at_once();
   }
   if (known->track_lost()) return;
-  for (std::size_t i = 0; i < batch.points.size(); ++i) {
-    // Reliable delivery brings each point once and in order. A restarted agent repeats points, which are
-    // skipped like points that go back in time. A gap shows in the count of points.
-    const auto last = tracks_.last(robot);
-    if (batch.first_index + i < tracks_.size(robot) || (last && batch.points[i].time < last->time)) continue;
+  if (batch.first_index > known->next_point) known->points_missing += batch.first_index - known->next_point;
+  for (std::uint32_t i = 0; i < batch.points.size(); ++i) {
+    // Reliable delivery brings each point in order. A restarted agent repeats points, which are skipped like
+    // points that go back in time. A service that was away for long finds a gap.
+    if (batch.first_index + i < known->next_point) continue;
+    known->next_point = batch.first_index + i + 1;
     const TrackMessage::Point& point = batch.points[i];
+    const auto last = tracks_.last(robot);
+    if (last && point.time < last->time) continue;
+    // A snapshot begins with the last point that was counted.
+    if (last && point.time < counted_until_) ++known->points_missing;
     tracks_.append(robot, {point.time, point.position, point.velocity, point.yaw, point.angular_velocity});
   }
 }
@@ -172,7 +197,7 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .number = robot.mission,
           .fleet_size = static_cast<std::uint32_t>(robots_.size()),
           .map_id = map_id_,
-          .start = robot.task.start,
+          .start = body_begins_at(robot.task),
           .goal = robot.task.goal,
           .radius = reference_radius(robot.task),
           .max_speed = robot.task.max_speed,
@@ -191,7 +216,9 @@ Mission PlannerService::mission_of(const RobotRecord& robot) const {
           .goal_yaw_tolerance = robot.task.goal_yaw_tolerance,
           .tracking_tolerance = robot.task.tracking_tolerance,
           .footprint = robot.task.footprint,
-          .coordination = settings_.coordination};
+          .coordination = settings_.coordination,
+          .starts_where_it_stands =
+              settings_.waits_for_goals && !settings_.starts_are_given && !tracks_.last(robot.index)};
 }
 
 void PlannerService::publish_missions(std::vector<Message>& out) const {
@@ -219,10 +246,7 @@ JointPlanMessage PlannerService::given_plan() const {
 std::vector<Message> PlannerService::step(WallTime now) {
   std::vector<Message> out;
   if (std::exchange(map_due_, false)) out.emplace_back(map());
-  if (auto* const waiting = std::get_if<WaitingForTrees>(&phase_)) {
-    waiting->since = std::min(waiting->since, now);  // the clock may have been set back
-    begin_when_ready(*waiting, now);
-  }
+  if (const auto* const waiting = std::get_if<WaitingForTrees>(&phase_)) begin_when_ready(*waiting, now);
   if (BegunRun* const run = run_of(phase_); run != nullptr && std::exchange(run->missions_due, false)) {
     publish_missions(out);
     orders_.publish_again();
@@ -233,7 +257,8 @@ std::vector<Message> PlannerService::step(WallTime now) {
     liveliness_.step(stages, now);
   }
   if (std::holds_alternative<Running>(phase_)) continue_run(out, now);
-  if (auto* const collecting = std::get_if<CollectingTracks>(&phase_)) finish_when_complete(*collecting, now);
+  if (const auto* const collecting = std::get_if<CollectingTracks>(&phase_))
+    finish_when_complete(*collecting, now);
   next_wake_ = now + service_timing.step_interval;
   return out;
 }
@@ -257,6 +282,7 @@ void PlannerService::continue_run(std::vector<Message>& out, WallTime now) {
   assign_requested_goals(out, now);
   serve_orders(out, now);
   assign_drawn_goals(out, now);
+  count_tracks(now);
   if (const auto end = end_of_run(now)) {
     phase_ = CollectingTracks{std::get<Running>(phase_).run, *end, now};
     orders_.close("the fleet has ended", now);
@@ -274,10 +300,7 @@ std::optional<RunEnd> PlannerService::end_of_run(WallTime now) const {
   return all ? std::optional(RunEnd::all_done) : std::nullopt;
 }
 
-void PlannerService::finish_when_complete(CollectingTracks& collecting, WallTime now) {
-  // The clock may have been set back.
-  collecting.since = std::min(collecting.since, now);
-  collecting.run.rediscovered_by = std::min(collecting.run.rediscovered_by, now + time_to_rediscover());
+void PlannerService::finish_when_complete(const CollectingTracks& collecting, WallTime now) {
   double braking = 0;  // wall seconds
   for (const RobotTask& task : scenario_.robots)
     braking = std::max(braking, braking_time(limits_of(task)) / settings_.time_scale);
@@ -292,8 +315,7 @@ bool PlannerService::tracks_complete() const {
   return std::ranges::all_of(robots_, [&](const RobotRecord& robot) {
     if (liveliness_.is_lost(robot.index) || robot.track_lost() || !robot.status) return true;
     const auto last = tracks_.last(robot.index);
-    return robot.stopped() && tracks_.size(robot.index) >= robot.status->track_points &&
-           (!last || stands(*last));
+    return robot.stopped() && robot.next_point >= robot.status->track_points && (!last || stands(*last));
   });
 }
 
@@ -383,6 +405,26 @@ bool PlannerService::recall(std::span<const Message> saved, WallTime now) {
   return true;
 }
 
+void PlannerService::remember(const FleetMemory& memory) {
+  orders_.recall(memory.halts);
+  for (const OrderStatus& order : memory.orders) orders_.recall(order);
+}
+
+/// A robot that was never heard, and of which no pose was known, is as new to the next fleet as to this one.
+FleetMemory PlannerService::memory() const {
+  FleetMemory memory{.halts = orders_.halts(), .orders = orders_.ended()};
+  for (const RobotRecord& robot : robots_) {
+    const auto last = tracks_.last(robot.index);
+    const RobotPose* const before = pose_of(settings_.starts, robot.task.name);
+    if (last) {
+      memory.poses.push_back({robot.task.name, rest_of(*last, robot.task), last->yaw});
+    } else if (before != nullptr) {
+      memory.poses.push_back(*before);
+    }
+  }
+  return memory;
+}
+
 bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
   RobotRecord* const robot = robots_.find(mission.robot);
   if (robot == nullptr || mission.map_id != map_id_ || mission.fleet_size != robots_.size()) return false;
@@ -391,8 +433,10 @@ bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
     begin_next_mission(*robot, mission.start,
                        {mission.goal, any_yaw ? std::nullopt : std::optional(mission.goal_yaw)});
   }
+  // Where the robots of a standing fleet began is not in the scenario.
+  if (settings_.waits_for_goals && mission.number == robot->mission) robot->began_as(mission, goals_.field());
   const RobotTask& task = robot->task;
-  const bool same_task = mission.number == robot->mission && mission.start == task.start &&
+  const bool same_task = mission.number == robot->mission && mission.start == body_begins_at(task) &&
                          mission.goal == task.goal && mission.radius == reference_radius(task) &&
                          mission.max_speed == task.max_speed;
   if (!same_task || mission.clock.scale != settings_.time_scale || mission.planner != settings_.planner ||
@@ -401,6 +445,7 @@ bool PlannerService::recall_mission(const Mission& mission, WallTime now) {
   if (std::holds_alternative<WaitingForTrees>(phase_)) phase_ = Running{};
   BegunRun& run = *run_of(phase_);
   run.clock = mission.clock;
+  intake_.fleet_began(run.clock.epoch);
   // A robot whose track is lost is stopped while the run goes on.
   if (mission.cancelled && !robot->track_lost())
     phase_ = CollectingTracks{BegunRun(run), RunEnd::before_restart, now};
@@ -479,14 +524,16 @@ Progress PlannerService::progress(WallTime now) const {
 
 TrackParts PlannerService::tracks() const {
   return [this](const std::function<void(const TrackPart&)>& fn) {
-    tracks_.for_each_stretch([&](double from, double until) {
-      TrackPart part{from, until, {}};
-      for (const RobotRecord& robot : robots_)
-        part.tracks.push_back(
-            {robot.task.name, {robot.task.radius, tracks_.around(robot.index, from, until)}});
-      fn(part);
-    });
+    tracks_.for_each_stretch([&](double from, double until) { fn(part_of_tracks(from, until)); },
+                             counted_until_);
   };
+}
+
+TrackPart PlannerService::part_of_tracks(double from, double until) const {
+  TrackPart part{from, until, {}};
+  for (const RobotRecord& robot : robots_)
+    part.tracks.push_back({robot.task.name, {robot.task.radius, tracks_.around(robot.index, from, until)}});
+  return part;
 }
 
 }  // namespace coppice

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -15,18 +17,23 @@
 #include "coppice/files/scenario.h"
 #include "coppice/motion/coordination.h"
 #include "files/picture.h"
+#include "files/pose_file.h"
 #include "files/track_record.h"
 #include "messages/bus.h"
 #include "messages/messages.h"
+#include "planner_service/driven.h"
+#include "planner_service/fleet_memory.h"
 #include "planner_service/goal_source.h"
 #include "planner_service/liveliness.h"
 #include "planner_service/order_book.h"
+#include "planner_service/order_intake.h"
 #include "planner_service/robot_record.h"
 #include "planner_service/run_phase.h"
 #include "planner_service/seen_forest.h"
 #include "planning/voronoi_roadmap.h"
 #include "report.pb.h"
 #include "ros2/conversion.h"
+#include "saved_run.pb.h"
 
 namespace coppice {
 
@@ -45,6 +52,10 @@ struct ServiceSettings {
   Coordination coordination = Coordination::reservations;
   bool robots_elsewhere = false;  ///< robots outside of Coppice follow (robot_agent/tracking.h)
   std::string map_frame{"map"};   ///< of goals over ROS
+  /// Of a standing fleet: where robots begin, in place of their starts. A robot goes on where its agent knows
+  /// it to stand, unless `starts_are_given`.
+  std::vector<RobotPose> starts{};
+  bool starts_are_given = false;
 };
 
 struct Progress {
@@ -69,11 +80,29 @@ class PlannerService {
   /// at once or part by part. Call it before anything else. False: they are not of a run of this scenario
   /// with these settings, and this object is of no use any more.
   bool recall(std::span<const Message> saved, WallTime now);
+  /// The same with the figures of a snapshot. Before its messages.
+  bool recall(const proto::SavedRun& figures);
+  /// What all that was saved of the run so far amounts to (compact_run.cpp). Only of a run that has begun.
+  struct Snapshot {
+    std::vector<Message> messages;
+    proto::SavedRun figures;
+  };
+  Snapshot snapshot() const;
+  /// Takes up the orders and halts of the fleet before this one. Before recall().
+  void remember(const FleetMemory& memory);
+  /// Orders that were sent before then are of a fleet before this one, unless its run goes on.
+  void takes_orders_since(WallTime at) { intake_.fleet_began(at); }
+  /// The run that it recalls was ended, and its service was killed before it had done all.
+  bool recalls_an_end() const { return std::holds_alternative<CollectingTracks>(phase_); }
+  /// What the next fleet on this state has to know (fleet_memory.h).
+  FleetMemory memory() const;
 
   void on(const Arrival& arrival);
   /// Requests a robot's next goal: it becomes the robot's mission in the next step of a run. A later request
   /// replaces an earlier one. Returns why the request is refused, if it is.
   std::optional<std::string> on(const RosGoal& goal);
+  /// New orders are refused for this reason; empty: they are taken up. What the fleet has goes on.
+  void refuse_orders(std::string reason) { no_orders_ = std::move(reason); }
   std::uint32_t goals_refused() const { return goals_refused_; }
   /// A line for each robot that arrived, was to get a new goal, and has none so far: its name and the reason.
   std::vector<std::string> robots_without_goal() const;
@@ -96,10 +125,11 @@ class PlannerService {
   /// Takes up the end of the track of a robot whose agent was killed. After the run.
   void complete(TrackMessage rest, WallTime now);
   /// Made from the tracks that the agents sent.
-  proto::Report report() const { return report(tracks()); }
+  proto::Report report() const { return report(tracks(), counted_); }
   /// Made from other tracks of the same run, with its robots in the order of the scenario.
-  proto::Report report(const TrackParts& tracks) const;
-  /// The tracks that the agents sent. This object outlives them.
+  proto::Report report(const TrackParts& tracks) const { return report(tracks, Driven(scenario_.robots)); }
+  /// The tracks that the agents sent; of a fleet that waits for goals, their last minute. This object
+  /// outlives them.
   TrackParts tracks() const;
   PictureContent picture() const;
   /// A robot's task, with its latest goal. The robot is in the scenario.
@@ -110,6 +140,7 @@ class PlannerService {
   void receive(const AgentStatus& status, WallTime now);
   void receive(const BrokerStatus& status, WallTime now);
   void receive(const PathMessage& path, WallTime now);
+  bool was_never_seen(const RobotRecord& robot) const;
   void receive(const TrackMessage& batch, WallTime now);
   void receive(const RootNodes& batch, WallTime now);
   void receive(const InactiveTreesMessage& trees, WallTime now);
@@ -132,7 +163,7 @@ class PlannerService {
   bool every_agent_has(std::uint32_t trees) const;
   void continue_run(std::vector<Message>& out, WallTime now);
   std::optional<RunEnd> end_of_run(WallTime now) const;
-  void finish_when_complete(CollectingTracks& collecting, WallTime now);
+  void finish_when_complete(const CollectingTracks& collecting, WallTime now);
   bool tracks_complete() const;
   void step_at_once() { next_wake_ = 0; }
 
@@ -145,7 +176,10 @@ class PlannerService {
 
   // Orders (serve_orders.cpp).
   std::string why_never(const OrderMessage& order);
-  bool can_reach(const RobotTask& robot, const Point2& place);
+  bool can_reach(const RobotRecord& robot, const Point2& place);
+  const std::vector<bool>& able_robots(const OrderMessage& order);
+  void refuse_outdated_orders(WallTime now);
+  WallTime silence_of(std::size_t robot) const;
   std::vector<RobotAtWork> robots_at_work() const;
   void serve_orders(std::vector<Message>& out, WallTime now);
   struct KeptPlace {
@@ -168,6 +202,13 @@ class PlannerService {
   void recall_silence(const Message& saved, WallTime now);
   WallTime time_to_rediscover() const;
 
+  void recall(const proto::SavedRun::Robot& from, RobotRecord& robot);
+
+  // A run that does not end (compact_run.cpp).
+  void count_tracks(WallTime now);
+  TrackPart part_of_tracks(double from, double until) const;
+  std::vector<TrackMessage> tracks_not_counted(const RobotRecord& robot) const;
+
   // The service judges what became of a robot.
   bool is_at_goal(const RobotRecord& robot, const std::optional<TrackPoint>& last) const;
   bool stands(const TrackPoint& point) const;
@@ -176,10 +217,12 @@ class PlannerService {
   AgentStage stage_of(const RobotRecord& robot) const;
 
   // The report (run_report.cpp). `comes_to_stand`: by its track.
+  proto::Report report(const TrackParts& tracks, Driven counted) const;
   void describe_robot(const RobotRecord& robot, bool comes_to_stand, proto::Report::Robot& row) const;
   void describe_run(proto::Report& report) const;
   std::string reason_of(const RobotRecord& robot, bool at_goal, bool comes_to_stand) const;
   std::string why_it_is_under_way(const RobotRecord& robot) const;
+  std::string rest_of_way(const RobotRecord& robot) const;
 
   Scenario scenario_;
   ServiceSettings settings_;
@@ -187,10 +230,16 @@ class PlannerService {
   RobotRecords robots_;
   Liveliness liveliness_;
   TrackRecord tracks_;
+  Driven counted_;  ///< what the tracks showed before `counted_until_`
+  double counted_until_ = -std::numeric_limits<double>::infinity();  ///< fleet time
+  std::unique_ptr<const ClearanceField> counting_field_;             ///< of the map; null: nothing is counted
   SeenForest forest_;
   GoalSource goals_;
   std::uint32_t goals_refused_ = 0;
   OrderBook orders_;
+  std::string no_orders_;  ///< why there can be no new ones; empty: there can
+  OrderIntake intake_;
+  std::map<std::string, std::vector<bool>> able_;  ///< of open orders for any robot, by robot
   std::unique_ptr<const VoronoiRoadmap> roadmap_;  ///< null: the run takes no orders
   RunPhase phase_;
   bool map_due_ = true;  ///< the next step publishes the map, in whatever phase

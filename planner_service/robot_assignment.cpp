@@ -106,12 +106,11 @@ RobotAssignment::Lease* RobotAssignment::free_lease(WallTime now) {
   return lease == leases_.end() ? nullptr : &*lease;
 }
 
-/// A pause of this process is no silence of the robots, and the clock may have been set back.
+/// A pause of this process is no silence of the robots.
 void RobotAssignment::follow_clock(WallTime now) {
   const WallTime gap = now - std::exchange(last_step_, now);
   const WallTime paused = gap > service_timing.longest_step_gap ? gap : 0;
   for (Lease& lease : leases_) lease.heard_at = std::min(now, lease.heard_at + paused);
-  for (Waiting& claimant : waiting_) claimant.heard_at = std::min(now, claimant.heard_at);
 }
 
 std::vector<Message> RobotAssignment::step(WallTime now) {

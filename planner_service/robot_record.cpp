@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coppice/motion/kinematics.h"
+#include "files/robot_starts.h"
 
 namespace coppice {
 
@@ -18,6 +19,10 @@ bool is_on_goal(const RobotTask& task, const TrackPoint& point) {
   return (point.position - task.goal).norm() <= task.goal_tolerance &&
          (task.goal_yaw_tolerance == 0 ||
           std::abs(wrapped(point.yaw - task.goal_yaw)) <= task.goal_yaw_tolerance);
+}
+
+Point2 rest_of(const TrackPoint& last, const RobotTask& robot) {
+  return last.position + last.velocity * last.velocity.norm() / (2 * robot.max_acceleration);
 }
 
 void ControlPeriods::count(const AgentLoad& load, bool first_status) {
@@ -74,8 +79,13 @@ void RobotRecord::begin_next_mission(const Point2& start, const NextGoal& goal) 
   earlier_nodes.valid += done.nodes_valid;
   earlier_nodes.invalid += done.nodes_invalid;
   earlier_grafts += done.trees_grafted;
-  ++mission;
+  go_on_with(mission + 1, start, goal);
+}
+
+void RobotRecord::go_on_with(std::uint32_t number, const Point2& start, const NextGoal& goal) {
+  mission = number;
   task.start = start;
+  task.stands_at.reset();
   task.goal = goal.position;
   task.goal_yaw = goal.yaw.value_or(0);
   const bool turns = goal.yaw && is_differential(limits_of(task));
@@ -83,6 +93,29 @@ void RobotRecord::begin_next_mission(const Point2& start, const NextGoal& goal) 
   status.reset();
   path.clear();
   root_nodes.clear();
+}
+
+void RobotRecord::begins_at(const Point2& place, double yaw, const ClearanceField& field) {
+  task.goal = task.start;
+  task.goal_yaw = task.goal_yaw_tolerance = 0;
+  stands_at(place, yaw, field);
+}
+
+void RobotRecord::stands_at(const Point2& place, double yaw, const ClearanceField& field) {
+  begin_at(task, place, field);
+  task.start_yaw = yaw;
+}
+
+void RobotRecord::began_as(const Mission& saved, const ClearanceField& field) {
+  // A robot that follows was told a start that has room.
+  task.start = saved.start;
+  task.start_yaw = saved.start_yaw;
+  task.stands_at.reset();
+  if (mission > 1) return;
+  if (task.tracking_tolerance == 0) begin_at(task, saved.start, field);
+  task.goal = saved.goal;
+  task.goal_yaw = saved.goal_yaw;
+  task.goal_yaw_tolerance = saved.goal_yaw_tolerance;
 }
 
 RobotRecords::RobotRecords(const std::vector<RobotTask>& tasks) {

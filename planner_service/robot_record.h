@@ -11,6 +11,7 @@
 
 #include "coppice/files/scenario.h"
 #include "coppice/motion/separation.h"
+#include "coppice/planning/clearance_field.h"
 #include "messages/messages.h"
 #include "planner_service/goal_source.h"
 #include "planning/ma_rrdt_star.h"
@@ -20,6 +21,9 @@ namespace coppice {
 /// Whether a robot is within the tolerances of its goal.
 bool is_on_goal(const RobotTask& task, const TrackPoint& point);
 
+/// Where a robot comes to rest if it brakes now.
+Point2 rest_of(const TrackPoint& last, const RobotTask& robot);
+
 /// The control periods of an agent in this run. Its process counts them from its own start, which is before
 /// the run or, after a restart, within it.
 class ControlPeriods {
@@ -28,6 +32,18 @@ class ControlPeriods {
   void count(const AgentLoad& load, bool first_status);
   std::uint32_t all() const { return all_; }
   std::uint32_t missed() const { return missed_; }
+  std::uint32_t all_before() const { return all_before_; }
+  std::uint32_t missed_before() const { return missed_before_; }
+  /// Goes on after a service before this one.
+  static ControlPeriods counted_before(std::uint32_t all, std::uint32_t missed, std::uint32_t all_before,
+                                       std::uint32_t missed_before) {
+    ControlPeriods periods;
+    periods.all_ = all;
+    periods.missed_ = missed;
+    periods.all_before_ = all_before;
+    periods.missed_before_ = missed_before;
+    return periods;
+  }
 
  private:
   std::uint32_t all_ = 0;
@@ -58,6 +74,8 @@ struct RobotRecord {
   SampleCounts earlier_nodes;  ///< of the missions before this one
   std::uint32_t earlier_grafts = 0;
   TrackBeginning track;
+  std::uint32_t next_point = 0;      ///< index of the one after the last that came, among all of its track
+  std::uint32_t points_missing = 0;  ///< that never came, or too late to be counted
   Path path;
   std::vector<RootNodes::Node> root_nodes;
 
@@ -79,6 +97,15 @@ struct RobotRecord {
   /// The agent sends its track from the beginning. True if this loses the track.
   bool track_begins(double at);
   void begin_next_mission(const Point2& start, const NextGoal& goal);
+  /// Takes up a mission that a service before this one has begun, and counted.
+  void go_on_with(std::uint32_t number, const Point2& start, const NextGoal& goal);
+  // `field`: with the margin that robots keep.
+  /// It begins there, and stays there until its next mission.
+  void begins_at(const Point2& place, double yaw, const ClearanceField& field);
+  /// It is seen for the first time. A robot that was to stay at its start stays there.
+  void stands_at(const Point2& place, double yaw, const ClearanceField& field);
+  /// A service before this one sent it there, in this mission.
+  void began_as(const Mission& saved, const ClearanceField& field);
 
  private:
   bool has_phase(Phase phase) const { return status && status->phase == phase; }

@@ -40,7 +40,6 @@ std::vector<std::string> RollCall::step(WallTime now) {
     lines.push_back(
         fmt::format("no mission for {}: the run has {}", listed(without_mission_), listed(robots_)));
   }
-  since_ = std::min(since_, now);  // the clock may have been set back
   const WallTime patience = service_timing.roll_call_base +
                             service_timing.roll_call_per_robot * static_cast<double>(robots_.size());
   if (now - since_ < patience) return lines;

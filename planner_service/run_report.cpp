@@ -1,6 +1,8 @@
 // The report and the picture of a run: a part of PlannerService.
 #include <algorithm>
+#include <cmath>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -9,11 +11,15 @@
 #include "coppice/motion/kinematics.h"
 #include "coppice/planning/clearance_field.h"
 #include "motion/segments.h"
+#include "planner_service/driven.h"
 #include "planner_service/planner_service.h"
+#include "planning/number_text.h"
 
 namespace coppice {
 
 namespace {
+
+constexpr double near_the_goal = 10;  // tolerances
 
 void describe(const AgentLoad& load, proto::Report::Load& to) {
   to.set_samples_received(load.samples_received);
@@ -39,47 +45,6 @@ void describe(const WaitTimes& waits, proto::Report::Waits& to) {
   to.set_promise(waits.promise);
   to.set_connection(waits.connection);
   to.set_odometry(waits.odometry);
-}
-
-/// The facts that the tracks show. They are read part by part, for a long run does not fit into memory.
-struct Driven {
-  std::vector<double> length;  ///< by robot
-  std::vector<std::optional<TrackPoint>> last;
-  /// Fleet time from which on the robot was within the tolerance of its last goal, after it came to a stop
-  /// there.
-  std::vector<std::optional<double>> stands_since;
-  std::optional<Separation> separation;
-  std::optional<ObstacleClearance> clearance;
-};
-
-Driven driven(const TrackParts& tracks, const RobotRecords& records, const ClearanceField& field) {
-  const std::size_t robots = records.size();
-  Driven result{.length = std::vector<double>(robots),
-                .last = std::vector<std::optional<TrackPoint>>(robots),
-                .stands_since = std::vector<std::optional<double>>(robots),
-                .separation = {},
-                .clearance = {}};
-  tracks([&](const TrackPart& part) {
-    std::vector<Track> here;
-    for (std::size_t i = 0; i < robots; ++i) {
-      const Track& track = part.tracks[i].track;
-      for (const TrackPoint& point : track.points) {
-        std::optional<double>& since = result.stands_since[i];
-        if (!is_on_goal(records[i].task, point))
-          since.reset();
-        else if (!since && point.velocity.isZero(0))
-          since = point.time;
-      }
-      if (!track.points.empty()) result.last[i] = track.points.back();
-      here.push_back(clipped(track, part.from, part.until));
-      const std::vector<TrackPoint>& points = here.back().points;
-      for (std::size_t k = 1; k < points.size(); ++k)
-        result.length[i] += (points[k].position - points[k - 1].position).norm();
-    }
-    add_part(result.separation, separation_of(here));
-    add_part(result.clearance, clearance_of(here, field));
-  });
-  return result;
 }
 
 /// The driven tracks, as fine as a picture shows them.
@@ -144,9 +109,28 @@ std::string PlannerService::why_it_is_under_way(const RobotRecord& robot) const 
     return "the record of its track is not complete";
   const char* const why = was_interrupted(phase_) ? "the run was interrupted" : "the time was over";
   if (robot.path.empty()) return fmt::format("{} before it had a path", why);
+  return fmt::format("{} while it was under way{}", why, rest_of_way(robot));
+}
+
+/// ", 12.5 m from its goal". Near its goal also what it lacks to have arrived: it arrives within half of its
+/// tolerances.
+std::string PlannerService::rest_of_way(const RobotRecord& robot) const {
+  const RobotTask& task = robot.task;
   const double left = robot.status->way_left;
-  const std::string rest = left < 0 ? "" : fmt::format(", {:.1f} m from its goal", left);
-  return fmt::format("{} while it was under way{}", why, rest);
+  const auto last = tracks_.last(robot.index);
+  if (left < 0) return {};
+  const double off = last ? (last->position - task.goal).norm() : left;
+  if (std::max(left, off) > near_the_goal * task.goal_tolerance)
+    return fmt::format(", {} m from its goal", number_text(left, 3));
+  const bool turns = last && task.goal_yaw_tolerance > 0;
+  const double turned = turns ? std::abs(wrapped(last->yaw - task.goal_yaw)) : 0;
+  if (off <= task.goal_tolerance / 2 && turned > task.goal_yaw_tolerance / 2) {
+    const auto [yaw, within] = told_apart(turned, task.goal_yaw_tolerance / 2);
+    return fmt::format(", at its goal, but {} radians off its yaw: it arrives within {}", yaw, within);
+  }
+  const auto [distance, within] = told_apart(off, task.goal_tolerance / 2);
+  return fmt::format(", {} m from its goal: it arrives once it stays within {} m, half of its goal_tolerance",
+                     distance, within);
 }
 
 /// Adds what the agent said to a row that holds what the tracks show.
@@ -165,6 +149,7 @@ void PlannerService::describe_robot(const RobotRecord& robot, bool comes_to_stan
   row.set_plan_time(status.plan_seconds);
   row.set_nodes_valid(robot.earlier_nodes.valid + status.nodes_valid);
   row.set_nodes_invalid(robot.earlier_nodes.invalid + status.nodes_invalid);
+  row.set_points_missing(robot.points_missing);
   row.set_grafted_trees(robot.earlier_grafts + status.trees_grafted);
   row.set_free_flow_time(
       free_flow_time(row.path_length(), {robot.task.max_speed, robot.task.max_acceleration}));
@@ -215,8 +200,9 @@ void PlannerService::describe_run(proto::Report& report) const {
   report.set_periods_missed(share_of_periods_missed(robots_));
 }
 
-proto::Report PlannerService::report(const TrackParts& tracks) const {
-  const Driven all = driven(tracks, robots_, ClearanceField(scenario_.map));
+proto::Report PlannerService::report(const TrackParts& tracks, Driven all) const {
+  const ClearanceField field(scenario_.map);
+  tracks([&](const TrackPart& part) { add(all, part, robots_, field); });
   proto::Report report;
   for (const RobotRecord& robot : robots_) {
     const std::size_t i = robot.index;

@@ -54,8 +54,13 @@ void SoleService::begin(RunId run) {
   next_wake_ = 0;
 }
 
+void SoleService::tell(std::string problem) {
+  if (self_.problem == problem) return;
+  self_.problem = std::move(problem);
+  next_wake_ = 0;
+}
+
 std::vector<Message> SoleService::step(WallTime now) {
-  listens_since_ = std::min(listens_since_, now);  // the clock may have been set back
   next_wake_ = now + service_timing.service_status_interval;
   return {self_};
 }

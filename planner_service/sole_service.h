@@ -30,6 +30,8 @@ class SoleService {
   void on(const Arrival& arrival);
   /// This service has published the missions of that run.
   void begin(RunId run);
+  /// Tells everybody of a problem of this service; empty: it has none.
+  void tell(std::string problem);
   std::vector<Message> step(WallTime now);
   WallTime next_wake() const { return next_wake_; }
 

@@ -32,6 +32,13 @@ struct ServiceTiming {
   /// then. Later ones are late, and the others keep the plan's order all the same.
   double plans_begin = 0.3;
 
+  // The tracks of a run that does not end. Fleet seconds.
+  /// Tracks are counted for the report, and forgotten, when they are older than this. So the points of a
+  /// robot that was cut off count if they come within `longest_cut_off`.
+  double tracks_held = 60;
+  /// Between two counts.
+  double counting_interval = 10;
+
   // Silent agents.
   /// An agent without a status for so long counts as lost.
   WallTime agent_lease = 5;

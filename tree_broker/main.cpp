@@ -20,6 +20,7 @@ namespace {
 using namespace coppice;
 
 int run(const ProcessOptions& options, std::uint64_t seed) {
+  ProcessClock clock(options.state);
   auto journal = journal_in(options.state, "tree_broker");
   if (journal && !journal->complete()) {
     spdlog::warn("{}: the disk was full when it was written: some trees may be missing",
@@ -35,12 +36,13 @@ int run(const ProcessOptions& options, std::uint64_t seed) {
   DdsBus bus(options.network, Role::broker, "tree_broker");
   Heartbeat heart(options.alive);
   TreeBroker broker(id, seed);
-  if (journal) broker.recall(journal->messages(), wall_now());
+  if (journal) broker.recall(journal->messages(), clock.now());
   spdlog::info("broker {:016x} on domain {}", id, options.network.domain);
   bool led = false;
   while (!stop_requested()) {
-    run_role_once(bus, broker, keeper);
-    heart.beat(wall_now());
+    run_role_once(bus, broker, keeper, clock);
+    if (journal && !journal->complete()) journal->accept_gaps();  // the disk may have room again
+    heart.beat(clock.now());
     if (broker.leads() != std::exchange(led, broker.leads()))
       spdlog::info("{}", led ? "leads" : "stands by: another broker leads");
   }

@@ -201,18 +201,8 @@ void TreeBroker::end_group(const RobotName& robot) {
   groups_.erase(known);
 }
 
-/// Keeps times plausible after the clock was set back: nothing was received later than now, and nothing is
-/// due later than one period from now.
-void TreeBroker::reckon_with_a_clock_set_back(WallTime now) {
-  for (auto& [id, other] : others_) other.heard_at = std::min(other.heard_at, now);
-  listens_until_ = std::min(listens_until_, now + first_listening);
-  next_status_ = std::min(next_status_, now + status_period);
-  next_active_trees_ = std::min(next_active_trees_, now + active_trees_period);
-}
-
 std::vector<Message> TreeBroker::step(WallTime now) {
   std::vector<Message> out;
-  reckon_with_a_clock_set_back(now);
   std::erase_if(others_, [&](const auto& other) { return now - other.second.heard_at > lease; });
   const bool led = leads();
   const std::optional<Leader> other = leader_among_others();

@@ -92,7 +92,6 @@ class TreeBroker {
   void receive(const BrokerStatus& status, WallTime arrived);
   Group* group_of(const RobotName& robot, const RunId& run, std::uint32_t mission);
   void end_group(const RobotName& robot);
-  void reckon_with_a_clock_set_back(WallTime now);
   std::optional<Leader> leader_among_others() const;
   void follow(const Leader& leader, WallTime now);
   bool grow();

@@ -162,6 +162,8 @@ TEST(Orders, MistakesAreRefusedInOneLine) {
     EXPECT_NE(outcome.output.find(why), std::string::npos) << outcome.output;
   };
   refuses("send r1 --to 3", "--to: 3: expected X,Y or X,Y,YAW");
+  refuses("send r1 --to 3,4,90",
+          "--to: 3,4,90: yaw 90 is not allowed, expected radians from -6.283 to 6.283");
   refuses("send --to 3,4", "a robot, or --any is required");
   refuses("send r1 --any --to 3,4", "excludes");
   refuses("send r1", "--to");

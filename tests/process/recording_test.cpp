@@ -205,7 +205,8 @@ TEST_F(RecordedRun, TheRecordingIsReplayedFromAnyTime) {
   test::within(30s, [&] {
     for (const Arrival& arrival : watcher.take()) {
       view.on(arrival.message, arrival.at);
-      if (first_time < 0 && view.robots().size() == 4) first_time = view.fleet_time(wall_now()).value_or(-1);
+      if (first_time < 0 && view.robots().size() == 4)
+        first_time = view.fleet_time(DisciplinedClock::read().system).value_or(-1);
     }
     return test::has_ended(replay.pid());
   });

@@ -442,20 +442,6 @@ TEST(PlannerService, StatusesOfThePreviousRunAreIgnored) {
   EXPECT_EQ(test::all_points(service.tracks())[0].size(), 1u);
 }
 
-TEST(PlannerService, TheClockOfTheServiceMayBeSetBack) {
-  PlannerService service(two_robots(), {}, 0);
-  map_and_missions(service);
-  live(service, {"a", "b"}, 0, 1000);
-  live(service, {"a", "b"}, 100, 101);
-  live(service, {"a"}, 101.5, 110);
-  EXPECT_EQ(reason_of(service, 1), "the agent has fallen silent");
-  service.interrupt();
-  service.step(110.5);
-  service.step(50);
-  service.step(54);
-  EXPECT_TRUE(service.finished());
-}
-
 TEST(PlannerService, MessagesSentWhileTheServiceSleptAreStillHeard) {
   PlannerService service(two_robots(), {.timeout = 1e6}, 0);
   map_and_missions(service);

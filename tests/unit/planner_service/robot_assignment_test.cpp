@@ -96,17 +96,6 @@ TEST(RobotAssignment, TheLeaseOfALivingAgentOutlivesAPauseOfTheService) {
   EXPECT_NEAR(assignment.gives_one_to(8, 60), 60 + claim_lease, 0.6);
 }
 
-TEST(RobotAssignment, ALeaseKeepsItsLengthIfTheClockIsSetBack) {
-  SteppedAssignment silent({"a"});
-  silent.hears(AgentStatus{.robot = "a"}, 0);
-  silent.hears(Claim{7, 1}, 4);  // and is not heard any more
-  EXPECT_NEAR(silent.gives_one_to(8, -1000), -1000 + claim_lease, 0.6);
-  SteppedAssignment alive({"a"});
-  alive.hears(AgentStatus{.robot = "a"}, 0);
-  alive.hears_after_nap(AgentStatus{.robot = "a"}, -1000);
-  EXPECT_NEAR(alive.gives_one_to(8, -999.5), -1000 + claim_lease, 0.6);
-}
-
 TEST(RobotAssignment, TheSuccessorKeepsTheLeasesOfItsPredecessor) {
   SteppedAssignment assignment({"a", "b"});
   assignment.hears(Claim{7, 9, "b"}, 0);
@@ -211,16 +200,6 @@ TEST(Claimant, ClaimsRenewTheLeaseWhileALongJournalIsRead) {
   EXPECT_TRUE(claimant.lost());
 }
 
-TEST(Claimant, AClaimantAsksOnIfTheClockIsSetBack) {
-  Claimant claimant(7);
-  claimant.step(1000);
-  claimant.on(arrival_of(RobotState{.robot = "a"}, 1000));
-  EXPECT_EQ(claims(claimant.step(10)), (std::vector<Claim>{{7, 2}}));
-  claimant.on(arrival_of(Assignment{"a", 7, 2}, 11.1));
-  claimant.step(11.1);
-  EXPECT_EQ(claimant.robot(), "a");
-}
-
 /// An agent that became robot a at 0 s.
 NamelessAgent agent_of_a() {
   NamelessAgent agent(7);
@@ -244,13 +223,6 @@ TEST(NamelessAgent, TheAgentReportsTheCountersOfItsBus) {
   ASSERT_EQ(said.size(), 1u);
   EXPECT_EQ(said[0].rejected, 3u);
   EXPECT_EQ(said[0].load.agents_matched, 5u);
-}
-
-TEST(NamelessAgent, TheAgentGoesOnIfTheClockIsSetBack) {
-  NamelessAgent agent = agent_of_a();
-  agent.step(0);
-  agent.step(-1000);
-  EXPECT_FALSE(statuses(agent.step(-999)).empty());
 }
 
 /// Agents and a service on a bus that loses and delays messages. They are killed, paused, and restarted.

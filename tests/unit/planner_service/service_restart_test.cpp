@@ -1,4 +1,6 @@
 // Tests of a restarted planner service as a state machine, message by message.
+#include <cmath>
+#include <map>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -135,6 +137,90 @@ TEST(ServiceRestart, AStoppedRobotEndsNoRun) {
   EXPECT_TRUE(again[0].cancelled);
   EXPECT_FALSE(again[1].cancelled);
   EXPECT_FALSE(after.finished());
+}
+
+/// A fleet that takes orders; a drives to and fro.
+struct StandingService {
+  StandingService() : service(two_robots(), settings, 0) { take_missions(map_and_missions(service)); }
+  void drive(double until) {
+    for (; now < until; now += 0.5) {
+      for (const char* robot : {"a", "b"}) {
+        TrackMessage batch{
+            robot, missions.at(robot).number, points[robot], {}, missions.at(robot).clock.run()};
+        for (int k = 0; k < 10; ++k) {
+          const double time = now + 0.05 * k;
+          const Point2 start = missions.at(robot).start;
+          const double along = robot[0] == 'a' ? 5 * std::sin(time) : 0;
+          batch.points.push_back(
+              {time, start + Point2(along, 0), {robot[0] == 'a' ? 5 * std::cos(time) : 0, 0}});
+        }
+        points[robot] += 10;
+        sent.push_back(batch);
+        service.on(arrival_of(batch, now + 0.5));
+        AgentStatus status{.robot = robot, .mission = batch.mission, .phase = Phase::driving};
+        status.run = batch.run;
+        status.track_points = points[robot];
+        service.on(arrival_of(status, now + 0.5));
+      }
+      take_missions(service.step(now + 0.5));
+    }
+  }
+  void take_missions(const std::vector<Message>& said) {
+    for (const Mission& mission : of<Mission>(said)) missions[mission.robot] = mission;
+  }
+  static constexpr ServiceSettings settings{.waits_for_goals = true};
+  double now = 0;
+  PlannerService service;
+  std::map<RobotName, Mission> missions;
+  std::map<RobotName, std::uint32_t> points;
+  std::vector<TrackMessage> sent;
+};
+
+// The service forgets tracks that it has counted.
+TEST(ServiceRestart, TheReportOfAFleetThatServesCountsAllOfItsTracks) {
+  StandingService run;
+  run.drive(400);
+  std::vector<NamedTrack> whole{{"a", {5, {}}}, {"b", {5, {}}}};
+  for (const TrackMessage& batch : run.sent) {
+    for (const TrackMessage::Point& p : batch.points)
+      whole[batch.robot == "a" ? 0 : 1].track.points.push_back({p.time, p.position, p.velocity, 0, 0});
+  }
+  EXPECT_LT(test::all_points(run.service.tracks())[0].size(), 2000u) << "of 8,000";
+  const proto::Report of_all = run.service.report(in_parts(whole));
+  const proto::Report counted = run.service.report();
+  for (int k = 0; k < 2; ++k)
+    EXPECT_NEAR(counted.robots(k).driven_length(), of_all.robots(k).driven_length(), 1e-6);
+  EXPECT_NEAR(counted.least_separation(), of_all.least_separation(), 1e-9);
+  EXPECT_NEAR(counted.least_clearance(), of_all.least_clearance(), 1e-9);
+  EXPECT_EQ(counted.robots(0).points_missing(), 0u);
+}
+
+TEST(ServiceRestart, ASnapshotSaysWhatAllMessagesSaid) {
+  StandingService run;
+  run.drive(200);
+  run.service.on(arrival_of(OrderMessage{.id = "1", .robots = {"b"}, .visits = {{{100, 20}}}}, run.now));
+  run.take_missions(run.service.step(run.now));
+  run.drive(210);
+  const PlannerService::Snapshot saved = run.service.snapshot();
+  EXPECT_LT(of<TrackMessage>(saved.messages).size(), 20u);
+  PlannerService after(two_robots(), StandingService::settings, run.now);
+  ASSERT_TRUE(after.recall(saved.figures));
+  ASSERT_TRUE(after.recall(saved.messages, run.now));
+  EXPECT_EQ(after.report().SerializeAsString(), run.service.report().SerializeAsString());
+  EXPECT_EQ(after.snapshot().figures.SerializeAsString(), saved.figures.SerializeAsString());
+  EXPECT_EQ(after.snapshot().messages, saved.messages);
+  // It goes on with what comes next, and does not count again what it has.
+  for (const TrackMessage& batch : run.sent) after.on(arrival_of(batch, run.now));
+  EXPECT_EQ(after.report().SerializeAsString(), run.service.report().SerializeAsString());
+}
+
+TEST(ServiceRestart, AGapInATrackIsCounted) {
+  StandingService run;
+  run.drive(10);
+  run.points["a"] += 30;
+  run.drive(20);
+  EXPECT_EQ(run.service.report().robots(0).points_missing(), 30u);
+  EXPECT_EQ(run.service.report().robots(1).points_missing(), 0u);
 }
 
 TEST(RunKeeper, TheRecordHoldsNothingOfAPreviousRun) {

@@ -161,6 +161,23 @@ Mission loose_mission_to(const Point2& goal) {
   return mission;
 }
 
+// The service takes the robot to be at {20, 60}.
+TEST(RosSide, ARobotOfAStandingFleetBeginsWhereItIsSeen) {
+  Mission mission = loose_mission_to({20, 60});
+  mission.starts_where_it_stands = true;
+  Fleet fleet(mission, patient);
+  fleet.run(0, 1);
+  EXPECT_EQ(fleet.agent.run(), nullptr) << "nobody knows where it is";
+  EXPECT_EQ(of<AgentStatus>(fleet.said).back().reason,
+            "waits for the odometry of its robot, which says where it stands");
+  Follower robot;
+  robot.position = {28, 40};
+  fleet.run(1, 3, [&](double now) { robot.follow(fleet, now); });
+  ASSERT_NE(fleet.agent.run(), nullptr);
+  EXPECT_LT((fleet.agent.run()->body().position() - Point2(28, 40)).norm(), 0.1);
+  EXPECT_LT((robot.position - Point2(28, 40)).norm(), 0.5) << "it stays there";
+}
+
 TEST(RosSide, AnExternalRobotIsLedToItsGoal) {
   Fleet fleet(loose_mission_to({40, 20}), patient);
   Follower robot;
@@ -308,7 +325,7 @@ TEST(RosSide, ARestartedAgentKnowsTheTrackOfTheRobot) {
     if (keeper.said(message) == Keep::append) kept.push_back(message);
   }
   Fleet after(loose_mission_to({20, 20}), patient);
-  after.agent.restore(saved_state_of(kept));
+  after.agent.restore(saved_state_of(kept, true));
   after.run(4, 16, [&](double now) { robot.follow(after, now); });
   const auto track = after.track();
   const auto earlier = before.track();

@@ -173,16 +173,5 @@ TEST(TreeBroker, TheBrokerRemembersABoundedNumberOfOtherBrokers) {
   EXPECT_EQ(of<BrokerStatus>(broker.step(100)).back().rejected, 100u);
 }
 
-TEST(TreeBroker, AStandbyBrokerTakesOverIfTheClockIsSetBack) {
-  TreeBroker broker(7, 1);
-  broker.on(arrival_of(BrokerStatus{.broker = 9, .leads = true, .leading_since = 900}, 1000));
-  broker.step(1000);
-  broker.step(500);
-  EXPECT_FALSE(broker.leads());
-  EXPECT_LE(broker.next_wake(), 501);
-  broker.step(501.6);
-  EXPECT_TRUE(broker.leads());
-}
-
 }  // namespace
 }  // namespace coppice
