@@ -1,5 +1,6 @@
 #include "coppice/files/scenario.h"
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
@@ -9,7 +10,9 @@
 #include "coppice/files/input_error.h"
 #include "coppice/files/map_file.h"
 #include "coppice/planning/clearance_field.h"
+#include "files/robot_starts.h"
 #include "files/size_check.h"
+#include "planning/number_text.h"
 #include "planning/quantities.h"
 #include "planning/robot_name.h"
 
@@ -21,22 +24,22 @@ namespace {
   throw InputError(fmt::format("{}: {}", field, problem));
 }
 
+/// The beginning of a name that may hold anything.
+std::string printable(const std::string& name) {
+  std::string text = name.substr(0, longest_robot_name);
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c == 127; }, '?');
+  return text;
+}
+
 void check_name(const std::string& name, std::set<std::string>& names, const std::string& field) {
-  if (!is_robot_name(name)) fail(field, fmt::format("expected {}", robot_name_rule));
+  if (!is_robot_name(name))
+    fail(field, fmt::format("\"{}\" is not a name, expected {}", printable(name), robot_name_rule));
   if (!names.insert(name).second) fail(field, fmt::format("\"{}\" is also the name of another robot", name));
 }
 
-void check_place(const Point2& p, const ClearanceField& field, double radius, const std::string& name) {
-  const Box<2> box = field.bounds();
-  if (!(p.array() >= box.lower.array()).all() || !(p.array() <= box.upper.array()).all()) {
-    fail(name, fmt::format("({}, {}) is outside of the map, which covers ({}, {}) to ({}, {})", p.x(), p.y(),
-                           box.lower.x(), box.lower.y(), box.upper.x(), box.upper.y()));
-  }
-  if (!field.is_free(p, radius)) {
-    fail(name,
-         fmt::format("({}, {}) is inside of an obstacle or too near to one: clearance {:.3f}, radius {}",
-                     p.x(), p.y(), field.clearance(p), radius));
-  }
+void check_yaw(double yaw, const std::string& field) {
+  if (!is_yaw(yaw)) fail(field, fmt::format("{:g} is not allowed, expected {}", yaw, yaw_rule));
 }
 
 void check_angles(const RobotTask& robot, const std::string& at) {
@@ -53,8 +56,8 @@ void check_angles(const RobotTask& robot, const std::string& at) {
                      robot.max_angular_acceleration, longest_braking, robot.max_angular_speed,
                      robot.max_angular_speed / longest_braking));
   }
-  if (!is_sane(robot.start_yaw)) fail(at + ".start.yaw", "expected a number of radians");
-  if (!is_sane(robot.goal_yaw)) fail(at + ".goal.yaw", "expected a number of radians");
+  check_yaw(robot.start_yaw, at + ".start.yaw");
+  check_yaw(robot.goal_yaw, at + ".goal.yaw");
 }
 
 void check_robot(const RobotTask& robot, const ClearanceField& field, const std::string& at) {
@@ -76,20 +79,27 @@ void check_robot(const RobotTask& robot, const ClearanceField& field, const std:
     const double needed = radius_of_footprint(robot.footprint, at + ".footprint");
     if (robot.radius < needed)
       fail(at + ".radius",
-           fmt::format("{} does not hold the footprint, expected at least {}", robot.radius, needed));
+           fmt::format("{} does not hold the footprint, expected at least {:.6g}", robot.radius, needed));
   }
   check_place(robot.start, field, driving_radius(robot), at + ".start");
   check_place(robot.goal, field, driving_radius(robot), at + ".goal");
 }
 
-void check_apart(const std::vector<RobotTask>& robots, Point2 RobotTask::*place, const char* what) {
+double distance_at_goals(const RobotTask& one, const RobotTask& other) {
+  return (one.goal - other.goal).norm();
+}
+
+void check_apart(const std::vector<RobotTask>& robots, double (*apart_at)(const RobotTask&, const RobotTask&),
+                 const char* what) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      const double distance = (robots[i].*place - robots[j].*place).norm();
-      if (distance >= reference_radius(robots[i]) + reference_radius(robots[j])) continue;
+      const double distance = apart_at(robots[i], robots[j]);
+      const double radii = reference_radius(robots[i]) + reference_radius(robots[j]);
+      if (distance >= radii) continue;
+      const auto [apart, needed] = told_apart(distance, radii);
       fail(fmt::format("robots[{}].{}", i, what),
-           fmt::format("{} and {} would overlap there: distance {:.3f}, radii {} and {}", robots[i].name,
-                       robots[j].name, distance, reference_radius(robots[i]), reference_radius(robots[j])));
+           fmt::format("{} and {} would overlap there: distance {}, sum of their radii {}", robots[i].name,
+                       robots[j].name, apart, needed));
     }
   }
 }
@@ -121,8 +131,8 @@ void check_scenario(const Scenario& scenario) {
     check_name(scenario.robots[i].name, names, at + ".name");
     check_robot(scenario.robots[i], field, at);
   }
-  check_apart(scenario.robots, &RobotTask::start, "start");
-  check_apart(scenario.robots, &RobotTask::goal, "goal");
+  check_apart(scenario.robots, distance_at_starts, "start");
+  check_apart(scenario.robots, distance_at_goals, "goal");
 }
 
 }  // namespace coppice

@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <limits>
+#include <locale>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <google/protobuf/util/json_util.h>
+#include <spdlog/spdlog.h>
 
 #include "coppice/files/input_error.h"
 #include "coppice/files/map_file.h"
+#include "coppice/planning/clearance_field.h"
 #include "files/file_kind.h"
 #include "files/json_file.h"
+#include "files/robot_starts.h"
 #include "files/size_check.h"
 #include "files/text_file.h"
 #include "planning/quantities.h"
@@ -47,6 +52,7 @@ proto::Scenario parse_scen(const std::filesystem::path& path, int& width, int& h
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty()) continue;
     std::istringstream fields(line);
+    fields.imbue(std::locale::classic());  // the program's may group digits
     std::string bucket;
     std::string map;
     int w = 0;
@@ -92,13 +98,32 @@ void check_margin(double margin, const std::string& field) {
       fmt::format("{}: {} is not allowed, expected a number from 0 to {}", field, margin, largest_quantity));
 }
 
+/// Fields of differential robots mean nothing in a file without such a robot.
+void check_that_some_turn(const proto::Scenario& file) {
+  const auto turns = [](const auto& of) { return of.kinematics() == "differential"; };
+  if (turns(file) || std::ranges::any_of(file.robots(), turns)) return;
+  const auto refuse = [](bool is_there, const char* name) {
+    if (is_there)
+      throw InputError(fmt::format("{}: all robots are holonomic, only differential robots have that", name));
+  };
+  refuse(file.has_max_angular_speed(), "max_angular_speed");
+  refuse(file.has_max_angular_acceleration(), "max_angular_acceleration");
+  refuse(file.has_goal_yaw_tolerance(), "goal_yaw_tolerance");
+}
+
 /// The fields that hold for all robots. Each is checked, also if every robot has its own.
 void check_fields_of_all(const proto::Scenario& file) {
   if (file.has_radius()) check_size(file.radius(), "radius");
   if (file.has_max_speed()) check_size(file.max_speed(), "max_speed");
   if (file.has_max_acceleration()) check_size(file.max_acceleration(), "max_acceleration");
   if (file.has_goal_tolerance()) check_size(file.goal_tolerance(), "goal_tolerance");
-  if (file.has_goal_yaw_tolerance()) check_size(file.goal_yaw_tolerance(), "goal_yaw_tolerance");
+  if (file.has_goal_yaw_tolerance()) {
+    check_size(file.goal_yaw_tolerance(), "goal_yaw_tolerance");
+    if (file.goal_yaw_tolerance() > std::numbers::pi)
+      throw InputError(
+          fmt::format("goal_yaw_tolerance: {:g} is more than half a turn, expected radians, at most 3.142",
+                      file.goal_yaw_tolerance()));
+  }
   if (file.has_max_angular_speed()) check_size(file.max_angular_speed(), "max_angular_speed");
   if (file.has_max_angular_acceleration())
     check_size(file.max_angular_acceleration(), "max_angular_acceleration");
@@ -107,12 +132,12 @@ void check_fields_of_all(const proto::Scenario& file) {
 }
 
 /// A robot with a footprint has the radius of the disc that holds it while the robot turns.
-void read_footprint(const google::protobuf::RepeatedPtrField<proto::Position>& corners, bool has_radius,
+void read_footprint(const google::protobuf::RepeatedPtrField<proto::Corner>& corners, bool has_radius,
                     const std::string& field, RobotTask& task) {
   if (corners.empty()) return;
   if (has_radius) throw InputError(fmt::format("{}: goes without radius, which follows from it", field));
   task.footprint.clear();
-  for (const proto::Position& corner : corners) {
+  for (const proto::Corner& corner : corners) {
     if (!corner.has_x() || !corner.has_y())
       throw InputError(fmt::format("{}: a corner lacks x or y, expected {{\"x\": ..., \"y\": ...}}", field));
     task.footprint.emplace_back(corner.x(), corner.y());
@@ -205,6 +230,20 @@ OccupancyMap read_map_of(const std::filesystem::path& scenario, const std::strin
   }
 }
 
+/// Takes starts that are a little too near to an obstacle for places that robots leave first.
+void take_starts_off_walls(Scenario& scenario) {
+  const ClearanceField field(scenario.map);
+  for (RobotTask& robot : scenario.robots) begin_at(robot, robot.start, field);
+}
+
+void tell_of_starts(const std::filesystem::path& path, const Scenario& scenario) {
+  const ClearanceField field(scenario.map);
+  for (const RobotTask& robot : scenario.robots) {
+    const std::string warning = warning_of_start(robot, field);
+    if (!warning.empty()) spdlog::warn("{}: {}", path.string(), warning);
+  }
+}
+
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions& options) {
@@ -242,6 +281,7 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
   }
   try {
     check_fields_of_all(file);
+    if (options.kinematics.empty()) check_that_some_turn(file);
   } catch (const InputError& problem) {
     throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
   }
@@ -270,12 +310,13 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
                        task.max_acceleration, task.name, longest_braking, task.max_speed,
                        task.max_speed / longest_braking));
     }
-    if (file.has_goal_tolerance()) task.goal_tolerance = file.goal_tolerance();
     try {
       if (!options.radius) {
         if (!robot.has_radius()) read_footprint(file.footprint(), file.has_radius(), "footprint", task);
         read_footprint(robot.footprint(), robot.has_radius(), at + ".footprint", task);
       }
+      if (options.follow) task.goal_tolerance = usual_goal_tolerance(task, map.resolution);
+      if (file.has_goal_tolerance()) task.goal_tolerance = file.goal_tolerance();
       if (options.kinematics != "holonomic") read_angles(file, robot, at, task);
     } catch (const InputError& problem) {
       throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
@@ -283,11 +324,14 @@ Scenario read_scenario(const std::filesystem::path& path, const ScenarioOptions&
     scenario.robots.push_back(std::move(task));
   }
   try {
+    check_map(scenario.map);
+    take_starts_off_walls(scenario);
     check_scenario(scenario);
     add_room(file, options, scenario);
   } catch (const InputError& problem) {
     throw InputError(fmt::format("{}: {}", path.string(), problem.what()));
   }
+  if (options.warnings == MapWarnings::logged) tell_of_starts(path, scenario);
   return scenario;
 }
 
@@ -300,8 +344,9 @@ void write_scenario(const std::filesystem::path& path, const Scenario& scenario)
     file.set_goal_tolerance(task.goal_tolerance);
     auto* robot = file.add_robots();
     robot->set_name(task.name);
-    robot->mutable_start()->set_x(task.start.x());
-    robot->mutable_start()->set_y(task.start.y());
+    const Point2 start = task.stands_at.value_or(task.start);
+    robot->mutable_start()->set_x(start.x());
+    robot->mutable_start()->set_y(start.y());
     robot->mutable_goal()->set_x(task.goal.x());
     robot->mutable_goal()->set_y(task.goal.y());
     if (task.footprint.empty()) robot->set_radius(task.radius);

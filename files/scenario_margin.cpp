@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "coppice/files/input_error.h"
 #include "coppice/files/scenario.h"
 #include "coppice/planning/clearance_field.h"
+#include "files/robot_starts.h"
 #include "planning/reachability.h"
 #include "planning/room_for_margin.h"
 
@@ -25,6 +27,16 @@ bool ends_fit(const std::vector<RobotTask>& robots, const ClearanceField& field,
     const double radius = driving_radius(robot) + margin;
     return field.is_free(robot.start, radius) && field.is_free(robot.goal, radius);
   });
+}
+
+/// Moves the starts of robots that drive out first to where they have `beyond` metres more than their radii.
+/// A start stays where there is no such place.
+void drive_out_farther(std::span<RobotTask> robots, const ClearanceField& field, double beyond) {
+  for (RobotTask& robot : robots) {
+    if (!robot.stands_at) continue;
+    const Point2 place = *robot.stands_at;
+    if (room_near(robot, place, field, beyond)) begin_at(robot, place, field, beyond);
+  }
 }
 
 /// Metres that robot k may be off its reference at its start and its goal. Robots that are close share the
@@ -67,9 +79,12 @@ void fit_margin(Scenario& scenario, double wished) {
   const ClearanceField field(scenario.map);
   for (const double share : shares) {
     scenario.margin = share * wished;
-    if (ends_fit(scenario.robots, field, scenario.margin) &&
-        all_passages_stay(scenario.robots, field, scenario.margin))
-      return;
+    std::vector<RobotTask> robots = scenario.robots;
+    drive_out_farther(robots, field, scenario.margin);
+    if (!ends_fit(robots, field, scenario.margin) || !all_passages_stay(robots, field, scenario.margin))
+      continue;
+    scenario.robots = std::move(robots);
+    return;
   }
   scenario.margin = 0;
 }
@@ -78,6 +93,10 @@ void fit_tracking_tolerances(Scenario& scenario, const std::vector<WishedToleran
   const ClearanceField field(scenario.map);
   std::vector<RobotTask>& robots = scenario.robots;
   for (RobotTask& robot : robots) robot.tracking_tolerance = 0;
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    const double most = std::min(wished[k].most, robots[k].radius);
+    drive_out_farther(std::span(robots).subspan(k, 1), field, most);
+  }
   std::vector<double> most;
   for (std::size_t k = 0; k < robots.size(); ++k)
     most.push_back(std::min(wished[k].most, room_at_ends(robots, k, field)));

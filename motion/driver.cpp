@@ -9,6 +9,7 @@
 
 #include "coppice/motion/reciprocal_velocity.h"
 #include "motion/differential_drive.h"
+#include "planning/way_out.h"
 
 namespace coppice {
 
@@ -22,6 +23,8 @@ constexpr std::array shares{1.0, 0.6, 0.3};
 // Shares of the wanted speed, tried in order.
 constexpr std::array speeds{1.0, 0.9, 0.8, 0.7, 0.6, 0.5};
 constexpr std::array low_speeds{0.35, 0.2, 0.1, 0.03};
+constexpr double straight = 1e-6;  // radians a second
+constexpr double faces = 0.05;     // radians by which a robot that drives out heads elsewhere, at most
 
 }  // namespace
 
@@ -182,6 +185,38 @@ bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours,
            n.promise.expiry = std::numeric_limits<double>::max();
            return safe(slow, {&n, 1}, field, suspect);
          });
+}
+
+/// On the line of the decision: one period with the twist, and then braking. A robot that curves would leave
+/// it.
+bool Driver::leads_out(const Twist& twist, const ClearanceField& field) const {
+  if (std::abs(twist.angular_velocity) > straight) return false;
+  const double speed = twist.velocity.norm();
+  const double rest = period_ + speed / (2 * limits_.max_acceleration) + period_;
+  return coppice::leads_out(field, turn_position(), turn_position() + rest * twist.velocity,
+                            driving_radius(radius_, limits_));
+}
+
+bool Driver::drive_out(const Point2& to, std::span<const Neighbour> neighbours, const ClearanceField& field) {
+  next_ = braked(twist_, limits_, period_);
+  const Point2 way = to - turn_position();
+  if (bound_to_stand() || field.is_free(turn_position(), driving_radius(radius_, limits_))) return true;
+  const double gap = way.norm();
+  const double yaw = std::atan2(way.y(), way.x());
+  if (is_differential(limits_) && stands() && std::abs(wrapped(yaw - yaw_)) > faces) {
+    turn_to(yaw);
+    return true;
+  }
+  const double fast = std::min(limits_.max_speed, std::sqrt(limits_.max_acceleration * gap));
+  for (const double share : {1.0, 0.5, 0.2, 0.05}) {
+    const Twist twist = nearest_to(share * fast / gap * way);
+    const bool is_clear = first_in_the_way(turn_position(), twist, time_ + period_, radius_, limits_, period_,
+                                           neighbours) == neighbours.size();
+    if (!is_clear || !leads_out(twist, field)) continue;
+    next_ = twist;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace coppice

@@ -58,6 +58,11 @@ class Driver {
       const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
       const Allowed& allowed = [](const Twist&) { return true; });
 
+  /// Chooses the velocity of a robot that overlaps an obstacle a little: straight towards `to`, so that its
+  /// clearance only grows (planning/way_out.h). It keeps clear of other robots as always. False: it brakes,
+  /// because another robot, or the obstacle, is in the way.
+  bool drive_out(const Point2& to, std::span<const Neighbour> neighbours, const ClearanceField& field);
+
   /// Takes the choice of this period back: the robot brakes.
   void brake() { next_ = braked(twist_, limits_, period_); }
 
@@ -99,6 +104,7 @@ class Driver {
                   const ClearanceField& field) const;
   bool safe(const Twist& twist, std::span<const Neighbour> neighbours, const ClearanceField& field,
             std::size_t& suspect) const;
+  bool leads_out(const Twist& twist, const ClearanceField& field) const;
   Twist nearest_to(const Point2& wanted) const;
   double turn_yaw() const { return wrapped(yaw_ + period_ * twist_.angular_velocity); }  ///< one period later
   std::vector<Twist> around_present() const;

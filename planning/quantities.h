@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 
 namespace coppice {
 
@@ -26,12 +27,21 @@ inline constexpr std::size_t most_robots = 4096;
 /// Corners of a robot's footprint (idl/fleet.idl).
 inline constexpr std::size_t most_corners = 64;
 
+/// Radians: two turns from one end to the other. A file with a larger yaw means degrees.
+inline constexpr double largest_yaw = 2 * std::numbers::pi;
+/// What is_yaw() allows, as text for messages.
+inline constexpr const char* yaw_rule = "radians from -6.283 to 6.283 (90 degrees are 1.571)";
+
 /// Whether the value is within the bounds. False for NaN.
 inline bool is_sane(double x) {
   return std::abs(x) <= largest_quantity;
 }
 inline bool is_sane_size(double x) {
   return x >= least_quantity && x <= largest_quantity;
+}
+/// Whether a yaw is one that somebody writes in radians. False for NaN.
+inline bool is_yaw(double x) {
+  return std::abs(x) <= largest_yaw;
 }
 /// Whether a robot with these limits comes to a standstill in time.
 inline bool can_brake(double max_speed, double max_acceleration) {

@@ -9,30 +9,33 @@
 
 namespace coppice {
 
+namespace {
+
+constexpr std::size_t room_for_states = 64 << 10;  // bytes: half a minute of a robot that drives
+
+}  // namespace
+
 std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
   if (!options.drives()) return std::nullopt;
   return TrackingSettings{.patience = options.patience};
 }
 
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
-  Past past{journal_in(options.process.state, "robot-" + robot, meanwhile),
+  Past past{journal_in(options.process.state, "robot-" + robot, room_for_states, meanwhile),
             StateKeeper(robot, options.ros.drives())};
   if (!options.black_boxes.empty()) past.black_box.emplace(options.black_boxes, robot);
   if (!past.journal) return past;
   if (!past.journal->complete()) {
     throw std::runtime_error(
         fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
-                    "remove it once "
-                    "the robot stands at the start of its mission",
+                    "remove it once the robot stands where its next mission starts",
                     past.journal->file().string()));
   }
-  SavedStateBuilder builder;
   past.journal->for_each([&](const Message& message) {
     past.chooser.restore({&message, 1});
-    builder.add(message);
     meanwhile();
   });
-  past.saved_state = std::move(builder).saved_state();
+  past.saved_state = past.chooser.saved_state();
   if (past.saved_state && past.saved_state->mission.robot != robot)
     throw std::runtime_error(fmt::format("{}: is of robot {}: remove it, or name another folder",
                                          past.journal->file().string(), past.saved_state->mission.robot));
@@ -40,11 +43,12 @@ Past past_of(const RobotName& robot, const AgentOptions& options, const std::fun
 }
 
 Listeners::Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
-                     const RobotAgent& own)
+                     const RobotAgent& own, ProcessClock& own_clock)
     : keeper(past.keeper()),
       ros(options.ros.on ? std::make_unique<RosLink>(bus, robot, options.ros.robot) : nullptr),
       event_log(robot),
       agent(own),
+      clock(own_clock),
       black_box(std::move(past.black_box)) {}
 
 void Listeners::heard(const Message& message) {
@@ -60,9 +64,13 @@ void Listeners::said(const Message& message) {
   if (black_box && state != nullptr && !state->passed_on && state->copy == 0) {
     if (const auto rest = agent.run()->rest_of_track()) black_box->keep(*rest);
   }
-  for (const EventLog::Line& line : event_log.said(message, wall_now()))
+  for (const EventLog::Line& line : event_log.said(message, clock.now()))
     spdlog::log(line.is_warning ? spdlog::level::warn : spdlog::level::info, "{}", line.text);
   if (ros) ros->said(message);
+}
+
+void Listeners::tidy() {
+  keeper.tidy();
 }
 
 }  // namespace coppice

@@ -34,8 +34,7 @@ struct Past {
 };
 
 /// Opens the journal and the black box of a robot, and reads the journal. `meanwhile` is called again and
-/// again, for a long journal takes seconds. Throws JournalInUse if another process has them open, and
-/// std::runtime_error if they are of no use.
+/// again. Throws JournalInUse if another process has them open, and std::runtime_error if they are of no use.
 Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile);
 
 /// The listeners to all that a robot's agent hears and says.
@@ -44,13 +43,16 @@ struct Listeners {
   std::unique_ptr<RosLink> ros;  ///< null: nothing is said in ROS 2
   EventLog event_log;
   const RobotAgent& agent;
+  ProcessClock& clock;
   std::optional<BlackBox> black_box;
 
-  /// `agent`: of the robot. It outlives this object.
+  /// `agent`: of the robot. It and `clock` outlive this object.
   Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
-            const RobotAgent& agent);
+            const RobotAgent& agent, ProcessClock& clock);
   void heard(const Message& message);
   void said(const Message& message);
+  /// Keeps the journal short, after all was said.
+  void tidy();
 };
 
 inline RobotAgent& robot_of(RobotAgent& agent) {
@@ -62,14 +64,14 @@ inline RobotAgent& robot_of(NamelessAgent& agent) {
 
 /// Waits, hears, decides and says, once.
 template <class Agent>
-void turn(DdsBus& bus, Agent& agent, Listeners& listeners, DisciplinedClock& clock) {
+void turn(DdsBus& bus, Agent& agent, Listeners& listeners, ProcessClock& clock) {
   run_role_once(bus, agent, listeners, clock);
   if (listeners.ros) listeners.ros->turn(robot_of(agent), clock);
 }
 
 /// Brakes until the robot stands, and says all that is left to say. Ends after some seconds in any case.
 template <class Agent>
-void end(DdsBus& bus, Agent& agent, Listeners& listeners, DisciplinedClock& clock) {
+void end(DdsBus& bus, Agent& agent, Listeners& listeners, ProcessClock& clock) {
   constexpr WallTime longest_end = 5;  // seconds
   const WallTime latest = clock.now() + longest_end;
   agent.retire();

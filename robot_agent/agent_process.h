@@ -14,6 +14,14 @@
 
 namespace coppice {
 
+/// Where a robot stands: a body that an earlier run left there, or a robot that is elsewhere and was seen
+/// there.
+struct Standing {
+  Point2 position = Point2::Zero();
+  double yaw = 0;
+  WallTime seen_at = 0;  ///< if it is elsewhere
+};
+
 struct AgentProcess {
   RobotName name;
   std::shared_ptr<MapContexts> map_contexts;
@@ -21,6 +29,7 @@ struct AgentProcess {
   TreeStore trees{};
   std::optional<SavedState> saved_state{};     ///< of the process before this one; until its mission comes
   std::optional<TrackingSettings> tracking{};  ///< of a robot that is elsewhere and follows this body
+  std::optional<Standing> stands{};            ///< where the robot stands as a run begins; none: not known
   std::uint32_t impossible = 0;                ///< messages that the map, or the time, contradicts
   std::uint32_t rejected_by_bus = 0;
   AgentLoad load{};

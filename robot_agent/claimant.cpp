@@ -42,10 +42,6 @@ bool Claimant::may_take(const Assignment& offer, WallTime now) const {
 void Claimant::count_silence(WallTime now) {
   const WallTime silent_for = now - std::exchange(last_sign_, now).value_or(now);
   lost_ = lost_ || (robot_ && silent_for > Timing::own_claim_lease);
-  if (silent_for >= 0) return;
-  // The clock was set back: the times at which it asked, and others spoke, mean nothing any more.
-  asked_.clear();
-  for (auto& [robot, at] : spoke_) at = now;
 }
 
 Claim Claimant::claim(WallTime now) {

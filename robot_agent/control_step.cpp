@@ -131,6 +131,8 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     progress_.excuse(now);  // the body brakes, and stays in its strip
     const bool sets_off_soon = !may_set_off();
     if (body_.stands() && !sets_off_soon) stand_for(now, waiting_lease);
+  } else if (std::holds_alternative<DrivingOut>(task_) && may_move(now)) {
+    drive_out(now, others);
   } else if (reserver_.holds()) {
     keep_to_reservation(now, others);
     call_if_it_stalls(now);
@@ -146,8 +148,9 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
     progress_.excuse(now);
     body_.choose(Point2::Zero(), others, map_->field);
     // A robot that plans, or waits for news of the others, may set off at any moment.
-    const bool sets_off_soon =
-        std::holds_alternative<Planning>(task_) || (driving != nullptr && !may_set_off());
+    const bool sets_off_soon = std::holds_alternative<Planning>(task_) ||
+                               std::holds_alternative<DrivingOut>(task_) ||
+                               (driving != nullptr && !may_set_off());
     if (!sets_off_soon) stand_for(now, free ? idle_lease() : waiting_lease);
   }
   if (!stopped()) watch_arrival(now);
@@ -385,7 +388,7 @@ void Run::watch_movement(double now, double lived) {
 }
 
 bool Run::is_under_way() const {
-  return driving() || std::holds_alternative<Planning>(task_);
+  return driving() || std::holds_alternative<Planning>(task_) || std::holds_alternative<DrivingOut>(task_);
 }
 
 bool Run::stands_still(double now) const {

@@ -15,6 +15,17 @@ constexpr double close_radii = 1.3;  // sums of radii between two of which one m
 
 }  // namespace
 
+/// The robot overlaps an obstacle a little. It plans once it has room.
+void Run::drive_out(double now, std::span<const Neighbour> neighbours) {
+  auto& out = std::get<DrivingOut>(task_);
+  progress_.excuse(now);
+  out.is_blocked = !body_.drive_out(out.to, neighbours, map_->field);
+  if (!body_.stands() || body_.turns_on_the_spot()) return;
+  if (map_->field.is_free(body_.position(), driving_radius(body_.radius(), body_.limits())))
+    return set_out(now);
+  if (out.is_blocked) stand_for(now, Timing::waiting_lease);
+}
+
 /// The robot has no reservation. It stands, and evades where others want to pass.
 void Run::evade(Driving& driving, double now, std::span<const Neighbour> neighbours) {
   const Point2 next = body_.turn_position();

@@ -37,7 +37,7 @@ class NamelessAgent {
   const std::optional<RobotName>& robot() const { return claimant_.robot(); }
   /// The lease of the robot has ended. The agent says nothing any more.
   bool lost() const { return claimant_.lost(); }
-  /// Renews the lease. An agent that reads a long journal calls this at least every two seconds.
+  /// Renews the lease. An agent that reads its journal calls this at least every two seconds.
   Claim claim(WallTime now) { return claimant_.claim(now); }
 
  private:

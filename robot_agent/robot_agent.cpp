@@ -1,6 +1,7 @@
 #include "robot_agent/robot_agent.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +18,12 @@ namespace {
 constexpr WallTime status_interval = 0.5;  // seconds between two statuses, at most: the service sees it alive
 constexpr WallTime all_missions_come = 3;  // seconds in which the missions of a run come one after the other
 
+/// Where the body comes to rest if nothing is decided any more.
+Standing resting_place(Driver body) {
+  while (!body.stands() || body.turns_on_the_spot()) body.advance();
+  return {body.position(), body.yaw()};
+}
+
 }  // namespace
 
 void RobotAgent::expect(std::span<const Arrival> arrivals) const {
@@ -24,6 +31,20 @@ void RobotAgent::expect(std::span<const Arrival> arrivals) const {
   for (const Arrival& arrival : arrivals) {
     if (const auto* state = std::get_if<RobotState>(arrival.message.get())) fleet_->expect(state->robot);
   }
+}
+
+void RobotAgent::restore(std::optional<SavedState> saved) {
+  if (saved) {
+    // The service that halted the robot may be gone.
+    if (saved->status.phase == Phase::halted) process_->halt = Halt::stopped;
+    process_->stands = resting_place(saved->body);
+  }
+  process_->saved_state = std::move(saved);
+}
+
+void RobotAgent::on(const OdometrySample& robot) {
+  if (process_->tracking) process_->stands = Standing{robot.position, robot.yaw, robot.at};
+  if (run_) run_->see(robot);
 }
 
 /// States wait for the next control step; everything else is looked at when it comes.
@@ -104,8 +125,10 @@ Mission RobotAgent::as_reference(Mission mission) const {
   return mission;
 }
 
-/// Fleet time begins anew, and robots stand where their missions say.
+/// Fleet time begins anew. The robots of a standing fleet stay where they are; others stand where their
+/// missions say.
 void RobotAgent::begin_run() {
+  if (run_ && !process_->tracking) process_->stands = resting_place(run_->body());
   run_.reset();
   fleet_ = std::make_unique<Fleet>(process_->name);
   run_heard_at_.reset();
@@ -139,6 +162,21 @@ bool RobotAgent::has_map_of(const Mission& mission) const {
   return is_its_map(process_->newest_map) || (run_ && is_its_map(run_->map()));
 }
 
+/// A robot that is elsewhere has to be seen. Where a body stands is known, or it is where its mission says.
+bool RobotAgent::knows_where_it_stands(WallTime now) const {
+  const std::optional<Standing>& stands = process_->stands;
+  return !process_->tracking || (stands && std::abs(now - stands->seen_at) <= process_->tracking->patience);
+}
+
+Mission RobotAgent::from_where_it_stands(Mission mission) const {
+  const std::optional<Standing>& stands = process_->stands;
+  if (!mission.starts_where_it_stands || !stands) return mission;
+  if (mission.goal == mission.start) mission.goal = stands->position;
+  mission.start = stands->position;
+  mission.start_yaw = stands->yaw;
+  return mission;
+}
+
 /// Takes up the mission once its map is there. A cancelled mission ends the run, also without a map.
 void RobotAgent::begin_mission(WallTime now) {
   if (process_->retired || !fleet_->own_mission()) return;
@@ -152,7 +190,8 @@ void RobotAgent::begin_mission(WallTime now) {
   if (run_) {
     run_->take_up(mission, now);
   } else {
-    run_ = std::make_unique<Run>(*process_, *fleet_, reservations_, mission, now);
+    if (mission.starts_where_it_stands && !knows_where_it_stands(now)) return;
+    run_ = std::make_unique<Run>(*process_, *fleet_, reservations_, from_where_it_stands(mission), now);
     if (early_plan_) run_->hear(std::exchange(early_plan_, nullptr));
   }
 }
@@ -171,6 +210,8 @@ std::string RobotAgent::why_there_is_no_mission(WallTime now) const {
   const auto& own = fleet_->own_mission();
   if (own && !own->cancelled && !has_map_of(*own) && now - *run_heard_at_ > all_missions_come)
     return "the map of its mission has not come";
+  if (own && !own->cancelled && own->starts_where_it_stands && !knows_where_it_stands(now))
+    return "waits for the odometry of its robot, which says where it stands";
   if (own || !run_heard_at_) return {};
   std::vector<RobotName> robots = fleet_->robots_of_the_run();
   const bool all_have_come = robots.size() >= fleet_->size_of_the_run();
@@ -202,7 +243,6 @@ void RobotAgent::report(WallTime now, std::vector<Outgoing>& out) {
     status_is_due_ = run_->take_status_change() || status_is_due_;
     run_->send_track(status_is_due_, out);
   }
-  next_status_ = std::min(next_status_, now + status_interval);  // the clock may have been set back
   if (!status_is_due_ && now < next_status_) return;
   out.emplace_back(status(now));
   status_is_due_ = false;

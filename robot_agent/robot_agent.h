@@ -32,12 +32,9 @@ class RobotAgent {
         fleet_(std::make_unique<Fleet>(process_->name)) {}
 
   /// Restores the state that the process before this one saved (saved_state.h), if that was killed in
-  /// mid-run. To be called before anything else. It is of use if the mission that comes is of the same run.
-  void restore(std::optional<SavedState> saved) {
-    // The service that halted the robot may be gone.
-    if (saved && saved->status.phase == Phase::halted) process_->halt = Halt::stopped;
-    process_->saved_state = std::move(saved);
-  }
+  /// mid-run. To be called before anything else. In the same run the agent goes on with it. In the next run
+  /// of a standing fleet the robot begins where it stands.
+  void restore(std::optional<SavedState> saved);
 
   /// The robot is elsewhere and follows this body: the track is that of the robot. Before anything else.
   void lead(const TrackingSettings& settings) { process_->tracking = settings; }
@@ -47,9 +44,7 @@ class RobotAgent {
   void expect(std::span<const Arrival> arrivals) const;
   void on(Arrival arrival);
   /// The robot that follows the body was seen.
-  void on(const OdometrySample& robot) {
-    if (run_) run_->see(robot);
-  }
+  void on(const OdometrySample& robot);
   /// How the robot that follows the body is to drive; to stand without one.
   DriveCommand command(WallTime now) { return run_ ? run_->command(now) : DriveCommand{}; }
   /// One control step if it is due, and some planning if there is something to plan; returns what to publish.
@@ -77,6 +72,8 @@ class RobotAgent {
   Mission as_reference(Mission mission) const;
   void begin_run();
   bool has_map_of(const Mission& mission) const;
+  bool knows_where_it_stands(WallTime now) const;
+  Mission from_where_it_stands(Mission mission) const;
   void begin_mission(WallTime now);
   std::string why_there_is_no_mission(WallTime now) const;
   AgentStatus status(WallTime now);

@@ -15,14 +15,14 @@ constexpr WallTime between_lines = 1;        // seconds
 }  // namespace
 
 /// Stamps of ROS are by the system's clock.
-void RosLink::turn(RobotAgent& agent, DisciplinedClock& clock) {
+void RosLink::turn(RobotAgent& agent, ProcessClock& clock) {
   const std::vector<RosOdometry> sightings = topics_.take();
   const WallTime now = clock.now();
   for (RosOdometry seen : sightings) {
     seen.stamp = clock.time_of(seen.stamp);
     if (const auto problem = problem_with(seen, map_frame_)) {
       refuse(*problem);
-    } else {
+    } else if (side_.knows_map()) {
       agent.on(side_.sighting(seen));
     }
   }

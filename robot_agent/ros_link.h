@@ -8,7 +8,7 @@
 #include "robot_agent/robot_agent.h"
 #include "robot_agent/ros_side.h"
 #include "ros2/dds_ros.h"
-#include "runtime/disciplined_clock.h"
+#include "runtime/process_clock.h"
 
 namespace coppice {
 
@@ -26,7 +26,7 @@ class RosLink {
   void said(const Message& message) { side_.said(message); }
 
   /// After each step of the agent.
-  void turn(RobotAgent& agent, DisciplinedClock& clock);
+  void turn(RobotAgent& agent, ProcessClock& clock);
 
  private:
   void refuse(const std::string& problem);

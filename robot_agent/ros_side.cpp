@@ -20,10 +20,10 @@ void RosSide::said(const Message& message) {
 }
 
 OdometrySample RosSide::sighting(const RosOdometry& seen) {
-  const double up = y_axis_ == YAxis::up ? 1 : -1;
+  const double up = y_axis() == YAxis::up ? 1 : -1;
   return {.at = seen.stamp,
-          .position = turned(seen.pose.position, y_axis_),
-          .velocity = turned(out_of_robot(seen.twist.linear, seen.pose.yaw), y_axis_),
+          .position = turned(seen.pose.position, y_axis()),
+          .velocity = turned(out_of_robot(seen.twist.linear, seen.pose.yaw), y_axis()),
           .yaw = up * seen.pose.yaw,
           .angular_velocity = up * seen.twist.angular};
 }
@@ -34,10 +34,10 @@ RosOdometry RosSide::odometry(const Run& run, WallTime now) {
   const Driver& body = run.body();
   const FleetClock& clock = run.mission().clock;
   const double since = std::clamp(clock.fleet_time(now) - body.time(), 0.0, body.period());
-  const Point2 velocity = turned(body.velocity() * clock.scale, y_axis_);
-  const Point2 position = turned(body.position() + since * body.velocity(), y_axis_);
+  const Point2 velocity = turned(body.velocity() * clock.scale, y_axis());
+  const Point2 position = turned(body.position() + since * body.velocity(), y_axis());
   if (is_differential(body.limits())) {
-    const double up = y_axis_ == YAxis::up ? 1 : -1;
+    const double up = y_axis() == YAxis::up ? 1 : -1;
     const double yaw = up * wrapped(body.yaw() + since * body.angular_velocity());
     return {.stamp = now,
             .pose = {position, yaw},
@@ -53,16 +53,16 @@ std::vector<RosMessage> RosSide::step(RobotAgent& agent, WallTime now) {
   if (run == nullptr) return out;
   if (path_) {
     RosPlan plan{now, {}};
-    for (const Point2& p : *path_) plan.way.push_back(turned(p, y_axis_));
+    for (const Point2& p : *path_) plan.way.push_back(turned(p, y_axis()));
     path_.reset();
     out.emplace_back(std::move(plan));
   }
-  if (now < next_ && next_ < now + 2 * beat) return out;  // later than that: the clock was set back
+  if (now < next_) return out;
   next_ = std::max(next_, now - beat / 2) + beat;
   if (run->tracking()) {
     const DriveCommand wanted = agent.command(now);
-    const double up = y_axis_ == YAxis::up ? 1 : -1;
-    out.emplace_back(RosCommand{now, {turned(wanted.linear, y_axis_), up * wanted.angular}});
+    const double up = y_axis() == YAxis::up ? 1 : -1;
+    out.emplace_back(RosCommand{now, {turned(wanted.linear, y_axis()), up * wanted.angular}});
   } else {
     const RosOdometry seen = odometry(*run, now);
     out.emplace_back(seen);

@@ -20,6 +20,8 @@ class RosSide {
   void heard(const Message& message);
   void said(const Message& message);
 
+  /// Without the map it is not known where odometry is in the map's frame.
+  bool knows_map() const { return y_axis_.has_value(); }
   /// The position of the robot, from odometry that problem_with found valid.
   OdometrySample sighting(const RosOdometry& seen);
 
@@ -29,10 +31,11 @@ class RosSide {
 
  private:
   RosOdometry odometry(const Run& run, WallTime now);
+  YAxis y_axis() const { return y_axis_.value_or(YAxis::down); }
 
   RobotName robot_;
-  YAxis y_axis_ = YAxis::down;
-  std::optional<Path> path_;  ///< not yet passed on; in the map frame
+  std::optional<YAxis> y_axis_{};  ///< of the map; none: no map has come
+  std::optional<Path> path_;       ///< not yet passed on; in the map frame
   Heading heading_;
   WallTime next_ = 0;
 };

@@ -9,10 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "coppice/files/scenario.h"
 #include "messages/validation.h"
 #include "planning/free_way.h"
 #include "planning/quantities.h"
 #include "planning/suggestions.h"
+#include "planning/way_out.h"
 #include "robot_agent/limits.h"
 #include "robot_agent/words.h"
 
@@ -68,7 +70,7 @@ Run::Run(AgentProcess& process, Fleet& fleet, const Reservations& others, const 
 }
 
 void Run::go_on_from(const SavedState& saved, double now) {
-  track_ = TrackLog(tracking_ ? saved.seen : saved.track);
+  track_ = TrackLog(saved.track, saved.first_index);
   if (tracking_ && !track_.empty()) last_seen_ = track_.last().time;
   counter_ = StateCounter(saved.sequence);
   timing_.first = false;
@@ -116,6 +118,9 @@ void Run::begin(const Mission& mission, double now) {
                         .run = mission.clock.run(),
                         .came_on_at = now};
   mission_ = mission;
+  // A robot without a goal of its own stays where it stands, or where it has room beside that.
+  if (mission.goal == mission.start)
+    mission_.goal = room_near(mission.start, mission.radius).value_or(mission.goal);
   startup_since_ = now;
   came_to_ = body_.position();
   times_stranded_ = 0;
@@ -128,12 +133,26 @@ void Run::set_out(double now) {
     round_.leave();
     return enter(Stopped{std::max(body_.time(), now)});
   }
+  if (const auto out = way_off_the_wall()) return enter(DrivingOut{*out});
   if (const char* const problem = problem_with_task()) {
     status_.path_time = now;
     status_.reason = problem;
     return enter(Impossible{});
   }
   look_for_a_path();
+}
+
+/// As the service reckons (files/robot_starts.h).
+std::optional<Point2> Run::room_near(const Point2& place, double radius) const {
+  const double most = start_tolerance(mission_.goal_tolerance, mission_.radius) +
+                      mission_.tracking_tolerance + map_->field.inflation();
+  return way_out(map_->field, place, radius, most);
+}
+
+/// None: the robot has room where it is, or too little.
+std::optional<Point2> Run::way_off_the_wall() const {
+  if (map_->field.is_free(body_.position(), body_.radius() - driving_rounding)) return std::nullopt;
+  return room_near(body_.position(), driving_radius(body_.radius(), body_.limits()));
 }
 
 /// Null if the map leaves room for start and goal, and the mission for a robot that follows.

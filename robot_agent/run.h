@@ -109,6 +109,8 @@ class Run {
   void join_in_mid_run(std::span<const Heard> silent, double now);
   void set_out(double now);
   const char* problem_with_task() const;
+  std::optional<Point2> room_near(const Point2& place, double radius) const;
+  std::optional<Point2> way_off_the_wall() const;
   void look_for_a_path(Path known = {});
   Path way_back_to_the_path(const Route& route) const;
   PathImprover<ClearanceField>& improver();
@@ -145,6 +147,7 @@ class Run {
   double around() const;
   Stage stage() const;
   void reserve(double now, std::vector<Outgoing>& out);
+  void drive_out(double now, std::span<const Neighbour> neighbours);
   void evade(Driving& driving, double now, std::span<const Neighbour> neighbours);
   void drive_along_path(Driving& driving, double now, std::span<const Neighbour> neighbours);
   void note_movement(double now);

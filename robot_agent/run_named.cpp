@@ -10,19 +10,19 @@ namespace coppice {
 
 int run_named(const AgentOptions& options, Heartbeat& heart) {
   const RobotName& name = options.name;
-  Past past = past_of(name, options, [&] { heart.beat(wall_now()); });
+  ProcessClock clock(options.process.state);
+  Past past = past_of(name, options, [&] { heart.beat(clock.now()); });
   DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
   RobotAgent agent(name);
-  Listeners listeners(past, options, bus, name, agent);
+  Listeners listeners(past, options, bus, name, agent, clock);
   if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
   agent.restore(std::move(past.saved_state));
   spdlog::info("on domain {}", network.domain);
-  DisciplinedClock clock(DisciplinedClock::read());
   while (!stop_requested()) {
     turn(bus, agent, listeners, clock);
-    heart.beat(wall_now());
+    heart.beat(clock.now());
   }
   end(bus, agent, listeners, clock);
   return 0;

@@ -1,6 +1,5 @@
 #include "robot_agent/run_unnamed.h"
 
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -21,13 +20,13 @@ constexpr WallTime patience = 5;      // seconds of waiting that are worth no li
 constexpr WallTime claim_period = 1;  // seconds
 
 /// Returns false if the process was told to stop before it got a robot.
-bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart, DisciplinedClock& clock) {
+bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart, ProcessClock& clock) {
   KeepsNothing keeper;
   const WallTime patience_ends = clock.now() + patience;
   std::string_view noted;
   while (!agent.robot() && !stop_requested()) {
     run_role_once(asking, agent, keeper, clock);
-    heart.beat(wall_now());
+    heart.beat(clock.now());
     const std::string_view note = asking.matched_readers<Claim>() > 0
                                       ? "waits: no robot is free"
                                       : "waits: no planner service has been found";
@@ -42,7 +41,7 @@ bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart, Di
 /// open. It ends when it continues, because its lease has ended. None: the process was told to stop before
 /// that, or another agent has the robot.
 std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& asking, NamelessAgent& agent,
-                                         DisciplinedClock& clock, const std::function<void()>& meanwhile) {
+                                         ProcessClock& clock, const std::function<void()>& meanwhile) {
   KeepsNothing keeper;
   for (bool told = false; !agent.lost() && !stop_requested(); told = true) {
     try {
@@ -66,7 +65,7 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
       std::make_unique<DdsBus>(options.network, Role::claimant, fmt::format("robot_agent {:016x}", id));
   NamelessAgent agent(id);
   spdlog::info("claims a robot on domain {}", options.network.domain);
-  DisciplinedClock clock(DisciplinedClock::read());
+  ProcessClock clock(options.state);
   if (!wait_for_a_robot(*asking, agent, heart, clock)) return 0;
   const RobotName robot = *agent.robot();
   set_up_logging("robot_agent " + robot, options.log.level, options.log.json);
@@ -78,8 +77,8 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
     if (!agent.lost()) on.publish(claim);
   };
   const auto keep_the_claim = [&] {
-    heart.beat(wall_now());
-    if (asking && std::abs(clock.now() - last_claim) >= claim_period) claim_again(*asking);
+    heart.beat(clock.now());
+    if (asking && clock.now() - last_claim >= claim_period) claim_again(*asking);
   };
   if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, clock, keep_the_claim)) {
     agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
@@ -88,7 +87,7 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
     DdsSettings network = options.network;
     network.robot = robot;
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-    Listeners listeners(*past, all_options, bus, robot, agent.agent());
+    Listeners listeners(*past, all_options, bus, robot, agent.agent(), clock);
     claim_again(bus);
     while (!stop_requested()) {
       keep_the_claim();  // first: the process may have slept

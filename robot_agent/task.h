@@ -30,6 +30,11 @@ struct Driving {
 struct Arrived {
   Route route;  ///< back to the goal, where others push the robot away
 };
+/// The robot began a little too near to an obstacle, and drives straight to a place where it has room.
+struct DrivingOut {
+  Point2 to = Point2::Zero();
+  bool is_blocked = false;  ///< by another robot
+};
 /// It is proved that no path exists.
 struct Impossible {};
 /// The robot stands, and tries again when something has changed.
@@ -46,16 +51,17 @@ struct Stopped {
 
 /// An operator told the robot to stand. It takes part in nothing until it may go on with its work.
 struct Halted {
-  std::variant<Planning, Driving, Arrived, Impossible, GaveUp> work;
+  std::variant<Planning, Driving, DrivingOut, Arrived, Impossible, GaveUp> work;
   Halt halt = Halt::none;  ///< that its status tells
 };
 
-using Task = std::variant<Planning, Driving, Arrived, Impossible, GaveUp, Stopped, Halted>;
+using Task = std::variant<Planning, Driving, DrivingOut, Arrived, Impossible, GaveUp, Stopped, Halted>;
 
 inline Phase phase_of(const Task& task) {
   struct ToPhase {
     Phase operator()(const Planning&) const { return Phase::planning; }
     Phase operator()(const Driving&) const { return Phase::driving; }
+    Phase operator()(const DrivingOut&) const { return Phase::planning; }
     Phase operator()(const Arrived&) const { return Phase::arrived; }
     Phase operator()(const Impossible&) const { return Phase::no_path; }
     Phase operator()(const GaveUp&) const { return Phase::gave_up; }

@@ -89,7 +89,7 @@ bool Tracking::rests_within(double metres, double radians, WallTime now) {
   if (error() > metres || std::abs(yaw_error_) > radians || comes_back_ || command_.angular != 0 ||
       !knows_yaw_error(radians))
     away_at_ = now;
-  return now - away_at_ >= rest || now < away_at_;  // the clock may have been set back
+  return now - away_at_ >= rest;
 }
 
 DriveCommand Tracking::chosen(const Twist& reference, const Limits& limits, const Rest& rest, WallTime now) {

@@ -33,6 +33,9 @@ Run::WaitKind Run::wait_kind(double now) {
 std::string Run::wait_cause(double now) {
   using W = WaitTimes;
   const WaitKind kind = wait_kind(now);
+  if (const auto* out = std::get_if<DrivingOut>(&task_))
+    return "it stands too near to an obstacle, and drives out first" +
+           (out->is_blocked ? ": " + what_is_in_the_way() : std::string());
   if (kind == &W::planning) return "no path yet: it looks for one";
   if (kind == &W::connection) return what_it_has_not_heard();
   if (kind == &W::odometry) return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));
@@ -82,7 +85,11 @@ std::string Run::why_it_is_cut_off() const {
 /// The nearest one: what that may do next leaves no room.
 std::string Run::what_is_in_the_way() const {
   const auto close = fleet_.beside(body_.position(), body_.radius(), in_the_way);
-  if (close.empty()) return "other robots may come where it wants to go";
+  if (close.empty()) {
+    std::vector<RobotName> unheard = fleet_.missing();
+    return unheard.empty() ? "other robots may come where it wants to go"
+                           : fmt::format("it does not know where {} is by now", listed(std::move(unheard)));
+  }
   const auto nearest = std::ranges::min_element(
       close, {}, [&](const FleetMember& m) { return (m.position - body_.position()).norm() - m.radius; });
   return nearest->failed ? fmt::format("{} is in the way, and counts as dead", nearest->robot)

@@ -91,7 +91,7 @@ void FleetSimulation::start(Agent& agent) {
   if (is_any(drive_))
     agent.process->role.lead(
         {.noise = drive_.odometry_noise, .yaw_noise = FollowingRobot::yaw_noise * drive_.odometry_noise});
-  agent.process->role.restore(saved_state_of(agent.kept->messages));
+  agent.process->role.restore(saved_state_of(agent.kept->messages, is_any(drive_)));
   StateKeeper keeper(agent.name, is_any(drive_));
   keeper.restore(agent.kept->messages);
   agent.keeper.emplace(std::move(keeper), may_return ? agent.kept.get() : nullptr);

@@ -28,7 +28,7 @@ FollowingRobot::FollowingRobot(const RobotTask& task, const DriveFaults& faults,
       left_wheel_(1 - random_.uniform(0, faults.slip)),
       right_wheel_(1 - random_.uniform(0, faults.slip)),
       half_track_(wheels_at * task.radius),
-      at_{time, task.start, Point2::Zero(), task.start_yaw, 0} {}
+      at_{time, task.stands_at.value_or(task.start), Point2::Zero(), task.start_yaw, 0} {}
 
 /// The drive comes closer to the command with the time constant of its lag.
 Twist FollowingRobot::next(const DriveCommand& command, double period) const {

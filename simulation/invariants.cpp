@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "messages/clock_offset.h"
+#include "motion/way_out_of_track.h"
 
 namespace coppice {
 
@@ -37,7 +40,8 @@ std::optional<std::string> broken_by_turning(const RobotTask& task, const TrackP
 std::optional<std::string> broken_by(const RobotTask& task, const Track& track, double period) {
   const auto& points = track.points;
   if (points.empty()) return std::nullopt;
-  if ((points.front().position - task.start).norm() > rounding) return "did not begin at its start";
+  if ((points.front().position - task.stands_at.value_or(task.start)).norm() > rounding)
+    return "did not begin at its start";
   for (std::size_t k = 0; k < points.size(); ++k) {
     const TrackPoint& p = points[k];
     if (p.velocity.norm() > task.max_speed * by_own_clock + rounding)
@@ -71,10 +75,19 @@ std::vector<std::string> broken_invariants(const Scenario& scenario, const std::
   const ClearanceField field(scenario.map);
   std::optional<Separation> separation;
   std::optional<ObstacleClearance> clearance;
+  std::vector<std::string> drive_out;
+  for (const RobotTask& task : scenario.robots) {
+    if (task.stands_at) drive_out.push_back(task.name);
+  }
   in_parts(tracks)([&](const TrackPart& part) {
     std::vector<Track> here;
     for (const NamedTrack& named : part.tracks) here.push_back(clipped(named.track, part.from, part.until));
     add_part(separation, separation_of(here));
+    std::erase_if(drive_out, [&](const std::string& robot) {
+      const auto named = std::ranges::find(part.tracks, robot, &NamedTrack::robot);
+      return named != part.tracks.end() &&
+             drop_way_out(here[static_cast<std::size_t>(named - part.tracks.begin())], field);
+    });
     add_part(clearance, clearance_of(here, field));
   });
   if (separation && separation->least < -overlap_tolerance)

@@ -10,8 +10,9 @@
 namespace coppice {
 
 /// Returns a line for each broken invariant; empty if all hold. Robots begin at their starts, keep clear of
-/// each other and of obstacles (in continuous time), keep their limits of speed and acceleration, and never
-/// jump. `period`: seconds between two points of a track.
+/// each other and of obstacles (in continuous time; a robot that begins too near to an obstacle drives out
+/// first), keep their limits of speed and acceleration, and never jump. `period`: seconds between two points
+/// of a track.
 std::vector<std::string> broken_invariants(const Scenario& scenario, const std::vector<NamedTrack>& tracks,
                                            double period);
 

@@ -3,7 +3,9 @@
 // Metres in the map frame, seconds, metres per second.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +46,21 @@ struct RobotTask {
   /// Corners of the robot seen from above, metres in its own frame: x ahead, y to the side where the yaw
   /// grows. They lie within the radius, as the robot turns. Empty: a disc.
   std::vector<Point2> footprint{};
+  /// Where the robot stands in the beginning, if that is too near to an obstacle by less than
+  /// start_tolerance(): it drives to `start` first, which is free. None: it stands at `start`.
+  std::optional<Point2> stands_at{};
 };
+
+/// Metres by which a robot may overlap obstacles in the beginning: nobody knows its place better than to its
+/// tolerance. Half a radius is no error of a place any more.
+inline double start_tolerance(double goal_tolerance, double radius) {
+  return std::min(goal_tolerance, radius / 2);
+}
+
+/// Where the body that Coppice drives begins. A robot that follows it is driven to it.
+inline Point2 body_begins_at(const RobotTask& task) {
+  return task.tracking_tolerance > 0 ? task.start : task.stands_at.value_or(task.start);
+}
 
 inline Limits limits_of(const RobotTask& task) {
   return {task.max_speed, task.max_acceleration, task.max_angular_speed, task.max_angular_acceleration};

@@ -19,6 +19,11 @@ inline constexpr double tracking_time = 0.25;
 inline double usual_tolerance(const RobotTask& robot) {
   return std::min(tracking_time * robot.max_speed, robot.radius);
 }
+/// Metres from its goal within which a robot that follows has arrived, by default: one cell would be less
+/// than the noise of many poses. 0.25 m is usual (Nav2), and a small robot is to be more exact.
+inline double usual_goal_tolerance(const RobotTask& robot, double cell) {
+  return std::max(default_tolerance_cells * cell, std::min(0.25, robot.radius));
+}
 /// Share of the tolerance that is wished for: a robot with less room is refused.
 inline constexpr double least_share_of_tolerance = 0.1;
 

@@ -214,6 +214,15 @@ TEST(ScenarioFile, AFootprintThatIsNoneIsNamed) {
   const std::string half =
       R"("map": "small.map", "footprint": [{"x": 1}, {"x": 0, "y": 1}, {"x": -1, "y": -1}], )";
   names(error_of("{" + half + two_robots + "}"), "footprint: a corner lacks x or y");
+  const std::string turned = R"("map": "small.map", "footprint": [{"x": 1, "y": 0, "yaw": 1.57}], )";
+  names(error_of("{" + turned + two_robots + "}"),
+        "footprint[0]: \"yaw\" is not a field, expected one of x, y");
+  const std::string pairs = R"("map": "small.map", "footprint": [[0.4, 0.2], [0.4, -0.2], [-0.3, 0]], )";
+  names(error_of("{" + pairs + two_robots + "}"),
+        R"(footprint[0]: expected {"x": ..., "y": ...}, found a list)");
+  const std::string own = R"("robots": [{"name": "a", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1},
+                             "footprint": [{"x": 1, "y": 0, "yaw": 1}]}])";
+  names(error_of("{\"map\": \"small.map\", " + own + "}"), "robots[0].footprint[0]: \"yaw\" is not a field");
   names(error(R"("margin": -1, )"), "margin: -1 is not allowed");
 }
 
@@ -293,7 +302,28 @@ TEST(ScenarioFile, EveryMistakeIsNamed) {
        "robots[0].max_angular_acceleration: 0.01 takes longer than 100 s to come to rest from 40"},
       {scenario(R"("kinematics": "differential", "robots": [{"name": "a", "start": {"x": 1, "y": 1},
                    "goal": {"x": 5, "y": 1, "yaw": 1e30}}])"),
-       "robots[0].goal.yaw: expected a number of radians"},
+       "robots[0].goal.yaw: 1e+30 is not allowed, expected radians from -6.283 to 6.283"},
+      {scenario(
+           R"("kinematics": "differential", "robots": [{"name": "a", "start": {"x": 1, "y": 1, "yaw": 90},
+                   "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].start.yaw: 90 is not allowed, expected radians from -6.283 to 6.283 (90 degrees are "
+       "1.571)"},
+      {scenario(R"("kinematics": "differential", "goal_yaw_tolerance": 5, )" + std::string(two_robots)),
+       "goal_yaw_tolerance: 5 is more than half a turn, expected radians, at most 3.142"},
+      {scenario(R"("max_angular_speed": 1, )" + std::string(two_robots)),
+       "max_angular_speed: all robots are holonomic, only differential robots have that"},
+      {scenario(R"("goal_yaw_tolerance": 0.1, )" + std::string(two_robots)),
+       "goal_yaw_tolerance: all robots are holonomic"},
+      {scenario(R"("robots": [{"name": "--help", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].name: \"--help\" is not a name, expected 1 to 64 printable characters"},
+      {scenario(R"("robots": [{"name": "-1", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].name: \"-1\" is not a name"},
+      {scenario(R"("robots": [{"name": "a\nb", "start": {"x": 1, "y": 1}, "goal": {"x": 5, "y": 1}}])"),
+       "robots[0].name: \"a?b\" is not a name"},
+      {scenario(R"("robots": [{"name": "a", "start": {"x": 1, "y": 0.2}, "goal": {"x": 5, "y": 1},
+                   "radius": 0.45018750000000001}])"),
+       "robots[0].start: (1, 0.2) is inside of an obstacle or too near to one: clearance 0.2, radius "
+       "0.4502"},
       {"{\"map\": ", "fleet.json:1: map: "},
       {"[1, 2]", "fleet.json:1: expected {\"map\": ..."},
       {"", "fleet.json: is empty, expected a scenario"}};
@@ -379,7 +409,7 @@ TEST(ScenarioFile, MoreRobotsThanAFleetMayHaveAreAnError) {
   EXPECT_NE(error_of(many).find("fleet.json: robots: 4097, expected at most 4096"), std::string::npos)
       << error_of(many);
   const std::string of_some = error_of(many, small_map, {.robots = 4096});
-  EXPECT_NE(of_some.find("robots[0].name: expected"), std::string::npos) << of_some;
+  EXPECT_NE(of_some.find("robots[0].name: \"\" is not a name, expected"), std::string::npos) << of_some;
 }
 
 TEST(ScenarioFile, AFieldOfAllRobotsIsNamedAsInTheFileAlsoIfEachRobotHasItsOwn) {
