@@ -40,9 +40,10 @@ int discovery_command(const DiscoveryOptions& options) {
   const DdsDiscoveryServer server(options.address, options.port, options.place);
   spdlog::info("discovery server {} at {}:{}", options.place, options.address, options.port);
   Heartbeat heart(options.alive);
+  ProcessClock clock;
   while (!stop_requested()) {
     std::this_thread::sleep_for(port_poll_period);
-    heart.beat(wall_now());
+    heart.beat(clock.now());
   }
   return 0;
 }

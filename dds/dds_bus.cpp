@@ -52,8 +52,8 @@ constexpr std::uint32_t heartbeat_among_agents_nanoseconds = 500'000'000;
 constexpr std::uint32_t heartbeat_response_nanoseconds = 20'000'000;
 // How often a reader announces itself to a writer that it has not heard yet. The writer does so, too.
 constexpr std::uint32_t first_contact_nanoseconds = 500'000'000;
-constexpr int most_taken = 1000;    // samples of a topic in one call
-constexpr double longest_held = 1;  // seconds that a sample waits until its sender is known
+constexpr int most_taken = 1000;                 // samples of a topic in one call
+constexpr std::chrono::seconds longest_held{1};  // that a sample waits until its sender is known
 constexpr std::chrono::milliseconds longest_farewell{500};
 constexpr std::size_t rejections_logged = 10;  // afterwards every thousandth rejection is logged
 
@@ -101,20 +101,26 @@ template <class M>
 struct Ends {
   dds::DataWriter* writer = nullptr;
   dds::DataReader* reader = nullptr;
-  RunId run;           ///< run of the last written sample, for topics that keep all samples of a run
+  /// Of the last written sample, for topics that keep all samples of a run, or of a mission.
+  RunId run;
+  std::uint32_t mission = 0;
   std::string map_id;  ///< map of the last written sample, for topics that keep all trees of a map
 };
 
-/// True if the message begins a new run (or a new map), so that the samples that the writer keeps for late
-/// readers are no longer of use. They are then dropped, because processes may live for months.
+/// True if the message begins a new run (or mission, or map), so that the samples that the writer keeps for
+/// late readers are no longer of use. They are then dropped, because processes and runs may live for months.
 template <class M>
 bool outdates(const M& message, Ends<M>& ends) {
-  if constexpr (std::is_same_v<M, InactiveTreesMessage>)
+  if constexpr (std::is_same_v<M, InactiveTreesMessage>) {
     return std::exchange(ends.map_id, message.map_id) != message.map_id;
-  else if constexpr (Topic<M>::info.depth == 0 && requires { message.run; })
+  } else if constexpr (std::is_same_v<M, RootNodes>) {
+    const bool same_run = std::exchange(ends.run, message.run) == message.run;
+    return std::exchange(ends.mission, message.mission) != message.mission || !same_run;
+  } else if constexpr (std::is_same_v<M, TrackMessage>) {
     return std::exchange(ends.run, message.run) != message.run;
-  else
+  } else {
     return false;
+  }
 }
 
 }  // namespace
@@ -125,9 +131,7 @@ constexpr bool wakes = Topic<M>::info.reliability == Reliability::reliable;
 
 struct DdsBus::Implementation {
   Role role;
-  Recipients recipients;  // where each process can be reached; with security, each authenticated process
-  Announcements announcements;
-  Traffic traffic;
+  ParticipantParts parts;
   Senders senders;
   Discoveries discoveries;
   dds::DomainParticipant* participant = nullptr;
@@ -143,6 +147,7 @@ struct DdsBus::Implementation {
     Arrival arrival;
     eprosima::fastrtps::rtps::GuidPrefix_t from;
     std::string_view topic;
+    std::chrono::steady_clock::time_point since{};  ///< when it was taken
   };
   std::vector<Received> held;  ///< from senders that are not known yet
   bool more = false;           ///< the last take left samples behind
@@ -150,9 +155,7 @@ struct DdsBus::Implementation {
   std::size_t lost = 0;
 
   Implementation(Role role_of_process, bool is_secure, const RobotName& robot)
-      : role(role_of_process),
-        recipients(is_secure),
-        discoveries(recipients, senders, announcements, robot) {}
+      : role(role_of_process), parts(is_secure), discoveries(parts, senders, robot) {}
 
   /// Delegates to the constructor above, so that the destructor runs even if this one throws: DDS's threads
   /// use the members above.
@@ -170,7 +173,7 @@ struct DdsBus::Implementation {
           "DDS could not enable the participant (are all of the domain's ports in use?)");
     senders.note_own(participant->guid().guidPrefix, settings.robot, role == Role::replayer);
     std::apply([&](auto&... ends) { (expect_enabled(ends), ...); }, topics);
-    announcements.begin();
+    parts.announcements.begin();
   }
 
   ~Implementation() {
@@ -191,10 +194,9 @@ struct DdsBus::Implementation {
     dds::DomainParticipantFactoryQos later = usual;
     later.entity_factory().autoenable_created_entities = false;
     factory->set_qos(later);
-    auto* const created = factory->create_participant(
-        static_cast<std::uint32_t>(settings.domain),
-        participant_qos(settings, role, sender, recipients, announcements, traffic), &discoveries,
-        dds::StatusMask::none());
+    auto* const created = factory->create_participant(static_cast<std::uint32_t>(settings.domain),
+                                                      participant_qos(settings, role, sender, parts),
+                                                      &discoveries, dds::StatusMask::none());
     factory->set_qos(usual);
     return required(created, "a participant (is the domain between 0 and 232?)");
   }
@@ -263,8 +265,9 @@ struct DdsBus::Implementation {
         reject(Topic<M>::info.name, *problem);
       } else {
         const auto writer = eprosima::fastrtps::rtps::iHandle2GUID(info.publication_handle);
-        hand_over({arrival_of(std::move(message), seconds(info.reception_timestamp)), writer.guidPrefix,
-                   Topic<M>::info.name},
+        hand_over({arrival_of(std::move(message), seconds(info.reception_timestamp),
+                              seconds(info.source_timestamp)),
+                   writer.guidPrefix, Topic<M>::info.name, std::chrono::steady_clock::now()},
                   out);
       }
       if (taken < most_taken) continue;
@@ -303,9 +306,10 @@ struct DdsBus::Implementation {
   }
 
   /// Hands over the samples that were held back, if their senders are known by now.
-  void hand_over_held(WallTime now, std::vector<Arrival>& out) {
+  void hand_over_held(std::vector<Arrival>& out) {
+    const auto now = std::chrono::steady_clock::now();
     for (Received& received : std::exchange(held, {})) {
-      if (!senders.robot_of(received.from) && now - received.arrival.at > longest_held) {
+      if (!senders.robot_of(received.from) && now - received.since > longest_held) {
         reject(received.topic, "its sender is not known");
       } else {
         hand_over(std::move(received), out);
@@ -341,7 +345,7 @@ void DdsBus::publish(const Outgoing& outgoing) {
           writer->clear_history(nullptr);
         auto sample = to_dds(m);
         std::optional<Recipients::Limit> limit;
-        if (outgoing.agents) limit.emplace(implementation_->recipients, *outgoing.agents);
+        if (outgoing.agents) limit.emplace(implementation_->parts.recipients, *outgoing.agents);
         if (!writer->write(&sample)) {
           ++implementation_->lost;
           spdlog::warn("could not write a sample of topic {}", Topic<M>::info.name);
@@ -353,8 +357,7 @@ void DdsBus::publish(const Outgoing& outgoing) {
 std::vector<Arrival> DdsBus::take() {
   std::vector<Arrival> out;
   implementation_->more = false;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  implementation_->hand_over_held(std::chrono::duration<double>(now).count(), out);
+  implementation_->hand_over_held(out);
   std::apply([&](auto&... ends) { (implementation_->drain(ends, out), ...); }, implementation_->topics);
   return out;
 }
@@ -402,8 +405,8 @@ bool DdsBus::hears_replay() const {
 BusCounts DdsBus::counts() const {
   return {.rejected = rejected(),
           .agents = std::max<std::size_t>(1, matched_readers<RobotState>()) - 1,
-          .bytes_sent = implementation_->traffic.bytes_sent,
-          .bytes_received = implementation_->traffic.bytes_received,
+          .bytes_sent = implementation_->parts.traffic.bytes_sent,
+          .bytes_received = implementation_->parts.traffic.bytes_received,
           .processor_seconds = static_cast<double>(std::clock()) / CLOCKS_PER_SEC};
 }
 

@@ -99,8 +99,7 @@ std::string discovery_of(const DdsSettings& settings) {
 }
 
 dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role, const std::string& sender,
-                                          Recipients& recipients, Announcements& announcements,
-                                          Traffic& traffic) {
+                                          ParticipantParts& parts) {
   dds::DomainParticipantQos qos;
   qos.name(sender);
   qos.user_data().data_vec(role == Role::replayer ? user_data_of_replayer() : user_data_of(settings.robot));
@@ -108,9 +107,11 @@ dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role
   const std::string discovery = discovery_of(settings);
   const bool by_servers = are_servers(discovery);
   qos.transport().user_transports.push_back(
-      sparing_udp_transport({.recipients = recipients,
-                             .announcements = by_servers ? nullptr : &announcements,
-                             .traffic = traffic,
+      sparing_udp_transport({.recipients = parts.recipients,
+                             .announcements = by_servers ? nullptr : &parts.announcements,
+                             .traffic = parts.traffic,
+                             .networks = parts.networks,
+                             .whereabouts = parts.whereabouts,
                              .largest_datagram = largest_datagram_of(settings),
                              .is_secure = !settings.security.empty()}));
   // The default reserves ten buffers, each as long as a datagram.

@@ -17,38 +17,49 @@ namespace coppice {
 /// (DdsSettings::discovery).
 std::string discovery_of(const DdsSettings& settings);
 
-/// The last three arguments must outlive the participant. Throws std::runtime_error if the settings
+/// What the transport of a participant needs, and what outlives the participant.
+struct ParticipantParts {
+  /// `is_secure`: with DDS-Security.
+  explicit ParticipantParts(bool is_secure) : recipients(is_secure), whereabouts(networks, is_secure) {}
+
+  Recipients recipients;  ///< where each process can be reached; with security, each authenticated process
+  Announcements announcements{};
+  Traffic traffic{};
+  OwnNetworks networks{};
+  Whereabouts whereabouts;
+};
+
+/// `parts` must outlive the participant. Throws std::runtime_error if the settings
 /// contradict each other, name no discovery servers, or need a multicast port that another program has.
 eprosima::fastdds::dds::DomainParticipantQos participant_qos(const DdsSettings& settings, Role role,
                                                              const std::string& sender,
-                                                             Recipients& recipients,
-                                                             Announcements& announcements, Traffic& traffic);
+                                                             ParticipantParts& parts);
 
-/// Passes on discovered participants to Recipients (addresses) and Senders (names of robots).
+/// Passes on discovered participants to Recipients and Whereabouts (addresses) and Senders (names of robots).
 class Discoveries final : public eprosima::fastdds::dds::DomainParticipantListener {
  public:
   /// `robot`: the robot whose agent this process is; empty for other processes.
-  Discoveries(Recipients& recipients, Senders& senders, Announcements& announcements, RobotName robot)
-      : recipients_(recipients), senders_(senders), announcements_(announcements), robot_(std::move(robot)) {}
+  Discoveries(ParticipantParts& parts, Senders& senders, RobotName robot)
+      : parts_(parts), senders_(senders), robot_(std::move(robot)) {}
   void on_participant_discovery(eprosima::fastdds::dds::DomainParticipant*,
                                 eprosima::fastrtps::rtps::ParticipantDiscoveryInfo&& info) override {
-    recipients_.discover(info);
+    parts_.recipients.discover(info);
+    parts_.whereabouts.discover(info);
     senders_.discover(info);
     if (info.status == info.DISCOVERED_PARTICIPANT) look_for_a_double(info.info.m_guid.guidPrefix);
     if (info.status == info.REMOVED_PARTICIPANT || info.status == info.DROPPED_PARTICIPANT)
-      announcements_.forget(info.info.m_guid.guidPrefix);
+      parts_.announcements.forget(info.info.m_guid.guidPrefix);
   }
   void onParticipantAuthentication(eprosima::fastdds::dds::DomainParticipant*,
                                    eprosima::fastrtps::rtps::ParticipantAuthenticationInfo&& info) override {
-    if (info.status == info.AUTHORIZED_PARTICIPANT) recipients_.authenticate(info.guid);
+    if (info.status == info.AUTHORIZED_PARTICIPANT) parts_.recipients.authenticate(info.guid);
   }
 
  private:
   void look_for_a_double(const eprosima::fastrtps::rtps::GuidPrefix_t& participant) const;
 
-  Recipients& recipients_;
+  ParticipantParts& parts_;
   Senders& senders_;
-  Announcements& announcements_;
   RobotName robot_;
 };
 

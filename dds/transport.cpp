@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory_resource>
 #include <string>
 #include <string_view>
@@ -314,8 +315,13 @@ void Announcements::forget(const rtps::GuidPrefix_t& participant) {
   met_.erase(participant);
 }
 
-bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
-                           std::uint64_t number, Time now) {
+void Announcements::tell_anew(const void* sender) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(told_, [&](const auto& entry) { return entry.first.sender == sender; });
+}
+
+bool Announcements::is_due(const void* sender, const rtps::Locator_t& destination, std::uint64_t number,
+                           Time now) {
   if (!begun_) return false;
   const bool is_group = rtps::IPLocator::isMulticast(destination);
   const std::scoped_lock lock(mutex_);
@@ -330,7 +336,7 @@ bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locat
   return true;
 }
 
-bool Announcements::is_due(const rtps::SenderResource* sender, const rtps::Locator_t& destination,
+bool Announcements::is_due(const void* sender, const rtps::Locator_t& destination,
                            const EndpointHeartbeat& news, Time now) {
   const std::scoped_lock lock(mutex_);
   const auto [entry, fresh] = last_heartbeats_.try_emplace({sender, destination, news.writer});
@@ -362,6 +368,7 @@ class SparingTransport final : public transport::ChainingTransport {
       if (const auto number = announcement_in(bytes)) {
         const auto now = std::chrono::steady_clock::now();
         const auto is_due = [&](const rtps::Locator_t& l) {
+          if (rtps::IPLocator::isMulticast(l)) announce_on_changed_networks(bytes, l, *number, now);
           return announcements.is_due(udp, l, *number, now);
         };
         return send_to(those(is_due, begin, end), udp, message, size, timeout);
@@ -417,6 +424,7 @@ class SparingTransport final : public transport::ChainingTransport {
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* message, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
     parts_.traffic.bytes_received += size;
+    parts_.whereabouts.hear(sender_of({message, size}), remote);
     std::unique_lock one_at_a_time(discovering_, std::defer_lock);
     if (announcement_in({message, size})) {
       one_at_a_time.lock();
@@ -436,8 +444,31 @@ class SparingTransport final : public transport::ChainingTransport {
     return chosen;
   }
 
-  bool send_to(const transport::LocatorList& chosen, rtps::SenderResource* udp, const rtps::octet* message,
+  /// Once for all senders of DDS.
+  void announce_on_changed_networks(Bytes announcement, const rtps::Locator_t& group, std::uint64_t number,
+                                    Announcements::Time now) {
+    in_addr address{};
+    std::memcpy(&address, rtps::IPLocator::getIPv4(group), sizeof address);
+    const std::vector<OwnNetwork> networks = parts_.networks.networks_of_group(address);
+    const std::uint64_t changes = parts_.networks.changes();
+    if (announced_as_of_.exchange(changes) != changes) parts_.announcements->tell_anew(&parts_.networks);
+    if (networks.empty() || !parts_.announcements->is_due(&parts_.networks, group, number, now)) return;
+    for (const OwnNetwork& network : networks) {
+      parts_.networks.send(announcement, network, address, static_cast<std::uint16_t>(group.port));
+      parts_.traffic.bytes_sent += announcement.size();
+    }
+  }
+
+  bool send_to(transport::LocatorList chosen, rtps::SenderResource* udp, const rtps::octet* message,
                std::uint32_t size, const std::chrono::steady_clock::time_point& timeout) {
+    if (chosen.empty()) return true;
+    // Fast DDS sends only to addresses for which it has opened a channel.
+    for (const rtps::Locator_t& there : parts_.whereabouts.present_of(chosen)) {
+      in_addr address{};
+      std::memcpy(&address, rtps::IPLocator::getIPv4(there), sizeof address);
+      OwnNetworks::send({message, size}, address, static_cast<std::uint16_t>(there.port));
+      parts_.traffic.bytes_sent += size;
+    }
     if (chosen.empty()) return true;
     parts_.traffic.bytes_sent += std::uint64_t{size} * chosen.size();
     rtps::Locators first(chosen.begin());
@@ -451,6 +482,7 @@ class SparingTransport final : public transport::ChainingTransport {
   /// DDS never closes a channel before the participant ends.
   std::unordered_set<rtps::Locator_t, AddressHash> open_;
   std::mutex discovering_;
+  std::atomic<std::uint64_t> announced_as_of_ = 0;  ///< of the changes of this host's networks
 };
 
 struct SparingTransportDescriptor final : transport::ChainingTransportDescriptor {

@@ -14,6 +14,8 @@
 // The transport also opens channels and chooses the addresses of a writer's readers faster than Fast DDS.
 // Fast DDS compares each with all others, which takes long where hundreds of processes find each other.
 //
+// Two parts follow hosts whose networks change: dds/own_networks.h and dds/whereabouts.h.
+//
 // It also hands on one participant's announcement at a time. Fast DDS 2.9 discovers participants in two
 // threads at once, one for multicast and one for unicast, and each overwrites what the other has just read
 // (corrected later, in its pull request 4188). One in twenty authentications would never end. Without
@@ -44,18 +46,12 @@
 #include <fastdds/rtps/participant/ParticipantDiscoveryInfo.h>
 #include <fastdds/rtps/transport/TransportDescriptorInterface.h>
 
+#include "dds/address_hash.h"
+#include "dds/own_networks.h"
+#include "dds/whereabouts.h"
 #include "messages/messages.h"
 
 namespace coppice {
-
-/// Hashes the octets in which the IPv4 addresses of a fleet differ, and the port.
-struct AddressHash {
-  std::size_t operator()(const eprosima::fastrtps::rtps::Locator_t& address) const {
-    std::uint64_t host = 0;
-    std::memcpy(&host, address.address + sizeof(address.address) - sizeof(host), sizeof(host));
-    return static_cast<std::size_t>((host ^ address.port * 0x9e3779b97f4a7c15U) * 0xff51afd7ed558ccdU >> 32);
-  }
-};
 
 /// The agents that receive this process's next states, and the addresses of all agents.
 class Recipients {
@@ -171,13 +167,14 @@ class Announcements {
   /// The participant has gone. It counts as new if it comes again.
   void forget(const eprosima::fastrtps::rtps::GuidPrefix_t& participant);
   /// Whether the destination must be told now. If so, it counts as told.
-  bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
-              const eprosima::fastrtps::rtps::Locator_t& destination, std::uint64_t number, Time now);
+  bool is_due(const void* sender, const eprosima::fastrtps::rtps::Locator_t& destination,
+              std::uint64_t number, Time now);
   /// The same for a heartbeat about endpoints. The next heartbeat makes up for a dropped one, at the latest
   /// Fast DDS's periodic one.
-  bool is_due(const eprosima::fastrtps::rtps::SenderResource* sender,
-              const eprosima::fastrtps::rtps::Locator_t& destination, const EndpointHeartbeat& news,
-              Time now);
+  bool is_due(const void* sender, const eprosima::fastrtps::rtps::Locator_t& destination,
+              const EndpointHeartbeat& news, Time now);
+  /// What this sender has told counts as not told: it goes to other networks than before.
+  void tell_anew(const void* sender);
 
  private:
   struct LastHeartbeat {
@@ -193,7 +190,7 @@ class Announcements {
   std::mutex mutex_;
   /// The subject and the destination.
   struct Way {
-    const eprosima::fastrtps::rtps::SenderResource* sender;
+    const void* sender;  ///< only compared
     eprosima::fastrtps::rtps::Locator_t destination;
     std::uint32_t writer = 0;  ///< of a heartbeat, else 0
     bool operator==(const Way&) const = default;
@@ -216,6 +213,8 @@ struct SparingTransportParts {
   /// Null if the process announces itself only to discovery servers, which acknowledge.
   Announcements* announcements;
   Traffic& traffic;
+  OwnNetworks& networks;
+  Whereabouts& whereabouts;
   int largest_datagram;  ///< bytes
   bool is_secure;        ///< with DDS-Security
 };

@@ -1,4 +1,4 @@
-// The clock of an agent. It follows the clock of the system, and never jumps.
+// A clock for all that a process reckons with. It follows the clock of the system, and never jumps.
 //
 // NTP sets the clock of the system, and lets it run faster or slower for a while: chrony by up to 8 % (its
 // maxslewrate), ntpd by 500 in a million. Robots reckon with clocks whose rates differ by `clock_drift`
@@ -9,6 +9,8 @@
 //
 // Seconds.
 #pragma once
+
+#include <utility>
 
 #include "messages/fleet_clock.h"
 
@@ -25,29 +27,26 @@ class DisciplinedClock {
   };
   static Reading read();
 
-  explicit DisciplinedClock(const Reading& first) : last_(first), time_(first.system) {}
+  explicit DisciplinedClock(const Reading& first) : DisciplinedClock(first, first.system) {}
+  /// `time`: of this clock at the first reading.
+  DisciplinedClock(const Reading& first, WallTime time) : last_(first), time_(time) {}
 
   /// Goes on to a later reading.
   void go_on(const Reading& now);
-  /// Reads the clocks, and goes on.
-  WallTime now() {
-    go_on(read());
-    return time_;
-  }
+  /// At the last reading.
+  WallTime time() const { return time_; }
+  /// By how much the system's clock was set, in all, since the last call. Slewing does not count.
+  double take_steps() { return std::exchange(steps_, 0); }
   /// A time by the system's clock, of a moment shortly before the last reading.
   WallTime time_of(WallTime system) const;
-  /// A time by this clock as the system's clock has it.
+  /// A time by this clock as the system's clock has it, and the inverse.
   WallTime by_system(WallTime time) const { return time - time_ + last_.system; }
+  WallTime from_system(WallTime time) const { return time - last_.system + time_; }
 
  private:
   Reading last_;
   WallTime time_;
-};
-
-/// The clock of the system, for processes that do not drive robots.
-struct SystemClock {
-  static WallTime now() { return DisciplinedClock::read().system; }
-  static WallTime time_of(WallTime system) { return system; }
+  double steps_ = 0;
 };
 
 }  // namespace coppice

@@ -80,7 +80,10 @@ std::vector<rtps::Locator_t> chosen(const eprosima::fastdds::rtps::TransportDesc
 TEST(Transport, TheTransportChoosesTheAddressesThatUdpChooses) {
   Recipients recipients;
   Traffic traffic;
-  const auto sparing = sparing_udp_transport({recipients, nullptr, traffic, 1'000, false});
+  OwnNetworks networks;
+  Whereabouts whereabouts(networks, false);
+  const auto sparing =
+      sparing_udp_transport({recipients, nullptr, traffic, networks, whereabouts, 1'000, false});
   const eprosima::fastdds::rtps::UDPv4TransportDescriptor udp;
   for (std::uint32_t seed = 1; seed <= 200; ++seed) {
     Random random(seed);

@@ -31,6 +31,7 @@ class Readings {
   WallTime system() const { return now_.system; }
   WallTime time() const { return clock_.time_of(now_.system); }
   const DisciplinedClock& clock() const { return clock_; }
+  double take_steps() { return clock_.take_steps(); }
 
  private:
   DisciplinedClock::Reading now_{started, epoch};
@@ -118,8 +119,21 @@ TEST(DisciplinedClock, TheSystemsTimeOfAMomentIsTheInverse) {
     for (const double age : {0.0, 0.1, 0.4}) {
       const WallTime system = readings.system() - age;
       EXPECT_NEAR(readings.clock().by_system(readings.clock().time_of(system)), system, rounding) << step;
+      EXPECT_NEAR(readings.clock().from_system(system), readings.clock().time_of(system), rounding) << step;
     }
   }
+}
+
+TEST(DisciplinedClock, ItTellsByHowMuchTheSystemsClockWasSet) {
+  Readings readings;
+  for (int k = 0; k < 100; ++k) readings.pass(0.05, k % 2 == 0 ? 0.08 : -0.08);
+  readings.pass(hour, 5e-4);
+  EXPECT_EQ(readings.take_steps(), 0) << "slewed only";
+  readings.set_system(-hour);
+  readings.pass(10, 0);
+  readings.set_system(30);
+  EXPECT_NEAR(readings.take_steps(), 30 - hour, rounding);
+  EXPECT_EQ(readings.take_steps(), 0);
 }
 
 }  // namespace
