@@ -97,14 +97,15 @@ void show_fleet(const MonitorOptions& options, const WebSettings& web) {
   Monitor monitor(web, fmt::format("domain {}", options.network.domain), false, draw_order_id);
   DdsBus bus(options.network, options.control ? Role::dispatcher : Role::viewer, "monitor");
   tell(monitor, options);
+  ProcessClock clock;
   Rhythm count_rhythm(count_period);
   std::optional<WallTime> asked_to_stop;
   while (true) {
-    const WallTime now = wall_now();
+    const WallTime now = clock.now();
     if (stop_requested() && !asked_to_stop) asked_to_stop = now;
     const bool tells_of_the_end = monitor.is_watched() && asked_to_stop && now - *asked_to_stop < last_words;
     if (asked_to_stop && !tells_of_the_end) return;
-    monitor.take(bus.take());
+    monitor.take(take(bus, clock));
     monitor.note_replay(bus.hears_replay());
     if (count_rhythm.due(now)) {
       monitor.note(processor_seconds(), resident_bytes(), bus.counts().rejected);
@@ -119,11 +120,12 @@ void show_recording(const MonitorOptions& options) {
   const Recording recording(options.recording);
   Monitor monitor(options.web, std::filesystem::path(options.recording).filename().string(), true);
   tell(monitor, options);
-  Player player(recording, wall_now());
+  ProcessClock clock;
+  Player player(recording, clock.now());
   Rhythm state_rhythm(state_period);
   Rhythm count_rhythm(count_period);
   while (!stop_requested()) {
-    const WallTime now = wall_now();
+    const WallTime now = clock.now();
     bool steered = false;
     const std::vector<live::FromPage> wishes = monitor.wishes();
     const auto seeks = [](const live::FromPage& wish) { return wish.has_seek(); };

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "monitor/alarms.h"
 #include "monitor/event_board.h"
 #include "monitor/fleet_view.h"
 #include "monitor/order_desk.h"
@@ -34,11 +36,12 @@ class Api {
         },
         message);
   }
-  /// Once a turn: shows robots to clients that listen, and tells the time.
-  void look(const FleetView& view, WallTime now);
+  /// Once a turn: shows robots and alarms to clients that listen, and tells the time.
+  void look(const FleetView& view, WallTime now, const AlarmBoard& alarms = AlarmBoard());
   /// The answer refers to this object.
   WebAnswer answer(const WebRequest& request, const FleetView& view);
-  /// Returns the orders since the last call.
+  /// Returns the orders that are to be published now. One that the planner service has not answered comes
+  /// again every second, as long as its client waits: the service may be restarted in between.
   std::vector<OrderMessage> take_orders();
 
  private:
@@ -49,6 +52,7 @@ class Api {
   WebAnswer orders(const WebRequest& request);
   WebAnswer one_order(const WebRequest& request, const std::string& id);
   WebAnswer robots(const WebRequest& request, const FleetView& view) const;
+  WebAnswer alarms(const WebRequest& request) const;
   WebAnswer events(const WebRequest& request);
 
   WebReply list(std::string_view query) const;
@@ -58,7 +62,15 @@ class Api {
   /// `settled`: the reply, when it is known.
   WebAnswer give(OrderMessage order, std::string_view client,
                  std::function<std::optional<WebReply>()> settled);
+  bool is_late(WallTime asked) const;
+  void show_alarms(const std::vector<Alarm>& alarms);
   std::string json_of_robot(const SeenRobot& robot, const FleetView& view) const;
+
+  struct Unanswered {
+    OrderMessage order;
+    WallTime given = 0;
+    std::optional<WallTime> sent{};  ///< last
+  };
 
   std::function<std::string()> draw_id_;
   WallTime now_ = 0;
@@ -66,7 +78,8 @@ class Api {
   EventBoard board_;
   Rhythm robot_rhythm_{0.25};  // seconds between two looks at the robots
   std::vector<std::string> shown_robots_;
-  std::vector<OrderMessage> given_;
+  std::string alarms_;                            ///< as JSON
+  std::map<std::string, Unanswered> unanswered_;  ///< by id
 };
 
 }  // namespace coppice

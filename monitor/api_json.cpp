@@ -24,8 +24,9 @@ void write(Writer& out, const char* name, std::string_view text) {
   out.String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
 }
 
+/// The stricter one of a pause and a stop.
 void write(Writer& out, const char* name, Halt halt) {
-  write(out, name, halt_names.at(static_cast<std::size_t>(halt)));
+  write(out, name, halt_names.at(static_cast<std::size_t>(strictest(halt))));
 }
 
 void write_number_or_null(Writer& out, const char* name, std::optional<double> value) {
@@ -45,7 +46,14 @@ void write_text_or_null(Writer& out, const char* name, std::string_view text) {
 
 }  // namespace
 
-std::string json_of(const SeenRobot& robot, double time, const std::string* order, Halt halt) {
+std::string text_or_null(std::string_view text) {
+  if (text.empty()) return "null";
+  rapidjson::StringBuffer json;
+  Writer(json).String(text.data(), static_cast<rapidjson::SizeType>(text.size()));
+  return {json.GetString(), json.GetSize()};
+}
+
+std::string json_of(const SeenRobot& robot, double time, const std::string* order, Halt halt, WallTime now) {
   rapidjson::StringBuffer text;
   Writer out(text);
   out.SetMaxDecimalPlaces(3);
@@ -63,8 +71,10 @@ std::string json_of(const SeenRobot& robot, double time, const std::string* orde
   write_number_or_null(out, "yaw", yaw);
   write_text_or_null(out, "order", order == nullptr ? "" : *order);
   write(out, "halt", halt);
-  write_text_or_null(out, "why", sentence_of(robot, time));
-  write_number_or_null(out, "time_left", time_left(robot, time));
+  const bool is_silent = is_lost(robot, now);
+  write_text_or_null(out, "why", sentence_of(robot, time, now));
+  write_number_or_null(out, "time_left", time_left(robot, time, now));
+  write_number_or_null(out, "silent_since", is_silent ? std::optional(last_heard(robot)) : std::nullopt);
   out.EndObject();
   return {text.GetString(), text.GetSize()};
 }
@@ -80,6 +90,26 @@ std::string json_of(const HaltMessage& halts) {
     out.StartObject();
     write(out, "name", robot.robot);
     write(out, "halt", robot.halt);
+    out.EndObject();
+  }
+  out.EndArray();
+  out.EndObject();
+  return {text.GetString(), text.GetSize()};
+}
+
+std::string json_of(const std::vector<Alarm>& alarms) {
+  rapidjson::StringBuffer text;
+  Writer out(text);
+  out.SetMaxDecimalPlaces(3);
+  out.StartObject();
+  out.Key("alarms");
+  out.StartArray();
+  for (const Alarm& alarm : alarms) {
+    out.StartObject();
+    write(out, "kind", alarm_names.at(static_cast<std::size_t>(alarm.kind)));
+    write_text_or_null(out, "robot", alarm.robot);
+    write_number_or_null(out, "since", alarm.since);
+    write(out, "text", alarm.text);
     out.EndObject();
   }
   out.EndArray();

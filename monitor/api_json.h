@@ -1,14 +1,22 @@
-// Robots and halts as JSON, in one line each, as docs/openapi.yaml describes them.
+// Robots, halts and alarms as JSON, in one line each, as docs/openapi.yaml describes them.
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "monitor/alarms.h"
 #include "monitor/fleet_view.h"
 
 namespace coppice {
 
-/// `order`: the id of the order that it has; null: none. `time`: fleet time.
-std::string json_of(const SeenRobot& robot, double time, const std::string* order, Halt halt);
+/// A string of JSON, or null if it is empty.
+std::string text_or_null(std::string_view text);
+
+/// `order`: the id of the order that it has; null: none. `time`: fleet time, which it is `now`.
+std::string json_of(const SeenRobot& robot, double time, const std::string* order, Halt halt, WallTime now);
+
+std::string json_of(const std::vector<Alarm>& alarms);
 
 std::string json_of(const HaltMessage& halts);
 

@@ -13,6 +13,7 @@ constexpr const char* head_of_stream =
     "HTTP/1.1 200 OK\r\n"
     "Content-Type: text/event-stream\r\n"
     "Cache-Control: no-store\r\n"
+    "X-Accel-Buffering: no\r\n"  // nginx would hold events back
     "X-Content-Type-Options: nosniff\r\n"
     "Connection: close\r\n"
     "\r\n";

@@ -1,11 +1,14 @@
 #include "monitor/fleet_view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <variant>
 
 #include <fmt/format.h>
+
+#include "messages/silence.h"
 
 namespace coppice {
 
@@ -15,9 +18,9 @@ constexpr std::size_t most_seen = 10'000;         // names beyond that are forge
 constexpr std::size_t most_root_nodes = 200'000;  // per robot
 constexpr WallTime share_period = 1;              // seconds over which a share is computed, at least
 constexpr std::uint32_t missed_period = 20;       // control periods over which a share is computed, at least
-constexpr WallTime broker_lease = 3;              // seconds of silence after which a broker has gone
-constexpr WallTime silence = 3;                   // seconds of silence of all robots that end a run
-constexpr WallTime longest_pause = 5;             // seconds; agents send twice a second, later on a busy host
+constexpr WallTime longest_delay = 5;             // seconds that a state may take; more is another clock
+// Processes start one after the other, and the last ones of a large fleet late.
+constexpr WallTime longest_start = 10;  // seconds from a robot's mission to its first state
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -111,7 +114,24 @@ std::optional<Wait> wait_of(const SeenRobot& robot, double time) {
                                      : fmt::format("it lets {} go first", first)};
 }
 
-std::string sentence_of(const SeenRobot& robot, double time) {
+bool is_in_service(const SeenRobot& robot) {
+  return robot.mission && !robot.mission->cancelled;
+}
+
+WallTime last_heard(const SeenRobot& robot) {
+  return robot.state ? robot.heard : robot.known_since;
+}
+
+WallTime unheard_for(const SeenRobot& robot, WallTime now) {
+  return std::max(0.0, now - last_heard(robot));
+}
+
+bool is_lost(const SeenRobot& robot, WallTime now) {
+  return is_in_service(robot) && unheard_for(robot, now) > (robot.state ? lost_after : longest_start);
+}
+
+std::string sentence_of(const SeenRobot& robot, double time, WallTime now) {
+  if (is_lost(robot, now)) return "it is not heard: its agent has ended, hangs, or cannot be reached";
   const Phase phase = phase_of(robot);
   if (robot.status && (has_no_way(phase) || phase == Phase::waiting) && !robot.status->reason.empty())
     return robot.status->reason;
@@ -120,10 +140,11 @@ std::string sentence_of(const SeenRobot& robot, double time) {
   return wait ? fmt::format("{}, for {:.0f} s", wait->cause, wait->seconds) : std::string();
 }
 
-std::optional<double> time_left(const SeenRobot& robot, double time) {
+std::optional<double> time_left(const SeenRobot& robot, double time, WallTime now) {
   constexpr double usual_share = 0.9;  // of the largest speed, on a way with corners
   const auto way = way_left(robot, time);
-  const bool goes = phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0;
+  const bool goes =
+      phase_of(robot) == Phase::driving && robot.state && robot.state->max_speed > 0 && !is_lost(robot, now);
   return way && goes ? std::optional(*way / (usual_share * robot.state->max_speed)) : std::nullopt;
 }
 
@@ -150,6 +171,7 @@ void FleetView::begin_anew() {
   index_ = {};
   robots_.clear();
   active_trees_.reset();
+  ahead_ = 0;
 }
 
 void FleetView::receive(const MapMessage& map, WallTime) {
@@ -165,10 +187,10 @@ void FleetView::receive(const MapMessage& map, WallTime) {
 }
 
 /// Null if there are so many names that some must be forged.
-SeenRobot* FleetView::robot(const RobotName& name) {
+SeenRobot* FleetView::robot(const RobotName& name, WallTime at) {
   if (robots_.size() >= most_seen && !index_.find(name)) return nullptr;
   const auto [number, fresh] = index_.insert(name);
-  if (fresh) robots_.push_back({.name = name});
+  if (fresh) robots_.push_back({.name = name, .known_since = at});
   return &robots_[number];
 }
 
@@ -176,7 +198,7 @@ SeenRobot* FleetView::robot(const RobotName& name) {
 bool FleetView::is_under_way(WallTime now) const {
   return std::ranges::any_of(robots_, [&](const SeenRobot& seen) {
     const bool is_over = seen.mission && seen.mission->cancelled;
-    return seen.state && !is_over && now - seen.heard < silence;
+    return seen.state && !is_over && !is_lost(seen.heard, now);
   });
 }
 
@@ -186,7 +208,7 @@ void FleetView::receive(const Mission& mission, WallTime at) {
   if (clock_ && mission.clock.epoch < clock_->epoch && (mission.cancelled || is_under_way(at))) return;
   if (clock_ && *clock_ != mission.clock) begin_anew();
   clock_ = mission.clock;
-  SeenRobot* const seen = robot(mission.robot);
+  SeenRobot* const seen = robot(mission.robot, at);
   if (seen == nullptr || (seen->mission && seen->mission->number > mission.number)) return;
   if (seen->mission && seen->mission->number != mission.number) {
     if (seen->path_mission != mission.number) {  // else the path came before its mission
@@ -214,18 +236,19 @@ void FleetView::receive(const RootNodes& batch, WallTime) {
 
 void FleetView::receive(const RobotState& state, WallTime at) {
   if (state.passed_on || is_stale(state)) return;
-  SeenRobot* const seen = robot(state.robot);
+  SeenRobot* const seen = robot(state.robot, at);
   if (seen == nullptr) return;
   // the state is of an earlier run, or late
   if (seen->state && seen->state->promise.stamp > state.promise.stamp) return;
+  follow_clock(state, at);
   seen->progress.on(state);
   seen->state = state;
   seen->heard = heard_ = at;
 }
 
-void FleetView::receive(const PathMessage& path, WallTime) {
+void FleetView::receive(const PathMessage& path, WallTime at) {
   if (is_stale(path)) return;
-  SeenRobot* const seen = robot(path.robot);
+  SeenRobot* const seen = robot(path.robot, at);
   if (seen == nullptr || (seen->mission && seen->mission->number > path.mission)) return;
   seen->path = path.waypoints;
   seen->progress.follow(path.waypoints);
@@ -235,7 +258,7 @@ void FleetView::receive(const PathMessage& path, WallTime) {
 
 void FleetView::receive(const AgentStatus& status, WallTime at) {
   if (is_stale(status)) return;
-  SeenRobot* const seen = robot(status.robot);
+  SeenRobot* const seen = robot(status.robot, at);
   if (seen == nullptr) return;
   const bool arrives = status.phase == Phase::arrived && status.mission > 0;
   seen->missions_fulfilled = std::max(
@@ -251,22 +274,30 @@ void FleetView::receive(const BrokerStatus& status, WallTime at) {
   seen.status = status;
   seen.heard = at;
   seen.processor.on(status.processor_seconds, at);
-  std::erase_if(brokers_, [&](const auto& entry) { return at - entry.second.heard > broker_lease; });
+  std::erase_if(brokers_, [&](const auto& entry) { return is_lost(entry.second.heard, at); });
   if (active_trees_ && !brokers_.contains(std::get<ActiveTreesMessage>(*active_trees_).broker))
     active_trees_.reset();
 }
 
 std::optional<double> FleetView::fleet_time(WallTime now) const {
   if (!clock_) return std::nullopt;
-  return clock_->fleet_time(now);
+  return clock_->fleet_time(now) + ahead_;
+}
+
+/// A fleet keeps its own time when the clock of its host is set (runtime/process_clock.h), and this process
+/// may have started after that, or on a host whose clock is wrong.
+void FleetView::follow_clock(const RobotState& state, WallTime at) {
+  if (!clock_) return;
+  const double ahead = state.promise.stamp - clock_->fleet_time(at);
+  if (std::abs(ahead - ahead_) > longest_delay * clock_->scale) ahead_ = ahead;
 }
 
 Life FleetView::life(WallTime now) const {
   const auto has_mission = [](const SeenRobot& robot) { return robot.mission.has_value(); };
-  const auto goes_on = [](const SeenRobot& robot) { return robot.mission && !robot.mission->cancelled; };
-  if (std::ranges::any_of(robots_, has_mission) && std::ranges::none_of(robots_, goes_on)) return Life::ended;
+  if (std::ranges::any_of(robots_, has_mission) && std::ranges::none_of(robots_, is_in_service))
+    return Life::ended;
   if (heard_ == 0) return Life::nobody;
-  return now - heard_ < longest_pause ? Life::alive : Life::silent;
+  return is_lost(heard_, now) ? Life::silent : Life::alive;
 }
 
 FleetFigures FleetView::figures(WallTime now) const {

@@ -46,6 +46,7 @@ struct MissedShare {
 
 struct SeenRobot {
   RobotName name;
+  WallTime known_since = 0;  ///< its first message, of whatever kind, arrived
   std::optional<Mission> mission{};
   std::optional<RobotState> state{};  ///< the newest that the robot itself has sent
   WallTime heard = 0;                 ///< when `state` arrived
@@ -88,6 +89,12 @@ struct SeenBroker {
   ProcessorShare processor{};
 };
 
+/// The planner service that was heard last.
+struct SeenService {
+  ServiceStatus status{};
+  WallTime heard = 0;  ///< when `status` arrived
+};
+
 /// A fleet at one moment, in numbers.
 struct FleetFigures {
   double time = 0;  ///< fleet time
@@ -110,10 +117,21 @@ Point2 position_at(const RobotState& state, double time);
 /// The same for the yaw of a differential robot, radians.
 double yaw_at(const RobotState& state, double time);
 
-/// Why the robot stands, in one sentence for people; empty: it drives, or has arrived.
-std::string sentence_of(const SeenRobot& robot, double time);
-/// Fleet seconds until the robot arrives, if it drives on at its usual speed; none: it has nowhere to go.
-std::optional<double> time_left(const SeenRobot& robot, double time);
+/// It belongs to a run that goes on.
+bool is_in_service(const SeenRobot& robot);
+/// When the robot's last state came, or else when anything was first heard of it: its mission may come before
+/// its first state. Statuses do not count: the others avoid it by its states.
+WallTime last_heard(const SeenRobot& robot);
+/// How long nothing has been heard from the robot.
+WallTime unheard_for(const SeenRobot& robot, WallTime now);
+/// The robot is in service, and is not heard any more, or was never heard.
+bool is_lost(const SeenRobot& robot, WallTime now);
+/// Why the robot stands, in one sentence for people, or that it is not heard; empty: it drives, or has
+/// arrived. `time`: fleet time. `now`: wall clock.
+std::string sentence_of(const SeenRobot& robot, double time, WallTime now);
+/// Fleet seconds until the robot arrives, if it drives on at its usual speed; none: it has nowhere to go, or
+/// is not heard.
+std::optional<double> time_left(const SeenRobot& robot, double time, WallTime now);
 
 class FleetView {
  public:
@@ -129,6 +147,7 @@ class FleetView {
   const std::vector<std::shared_ptr<const Message>>& inactive_trees() const { return trees_; }
   const std::map<std::uint64_t, SeenBroker>& brokers() const { return brokers_; }
   const OrderCounts& orders() const { return orders_; }
+  const std::optional<SeenService>& service() const { return service_; }
   /// The trees that a broker is growing; null: none.
   const std::shared_ptr<const Message>& active_trees() const { return active_trees_; }
 
@@ -143,6 +162,7 @@ class FleetView {
   void receive(const MapMessage& map, WallTime at);
   void receive(const Mission& mission, WallTime at);
   bool is_under_way(WallTime now) const;
+  void follow_clock(const RobotState& state, WallTime at);
   template <class M>
   bool is_stale(const M& message) const {
     return clock_ && is_of_earlier_run(message, clock_->run());
@@ -153,13 +173,15 @@ class FleetView {
   void receive(const AgentStatus& status, WallTime at);
   void receive(const BrokerStatus& status, WallTime at);
   void receive(const OrderStatus& status, WallTime) { orders_.on(status); }
-  SeenRobot* robot(const RobotName& name);
+  void receive(const ServiceStatus& status, WallTime at) { service_ = {status, at}; }
+  SeenRobot* robot(const RobotName& name, WallTime at);
   void begin_anew();
 
   std::uint32_t run_ = 0;
   WallTime heard_ = 0;
   std::optional<MapMessage> map_;
   std::optional<FleetClock> clock_;
+  double ahead_ = 0;  ///< fleet seconds by which the clock of the fleet is ahead of this process's
   NameIndex index_;
   std::vector<SeenRobot> robots_;
   OrderCounts orders_;
@@ -167,6 +189,7 @@ class FleetView {
   std::set<TreesId> tree_ids_;
   std::shared_ptr<const Message> active_trees_;
   std::map<std::uint64_t, SeenBroker> brokers_;
+  std::optional<SeenService> service_;
 };
 
 }  // namespace coppice

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
 
+#include "messages/silence.h"
+
 namespace coppice::foxglove_scene {
 
 namespace {
@@ -21,7 +23,6 @@ constexpr double trees_height = 0.05;
 constexpr double paths_height = 0.1;
 constexpr double arrow_seconds = 0.5;  // seconds: an arrow shows the motion in this time
 constexpr double standing = 0.01;      // m/s: a slower robot has no heading
-constexpr double silent = 5;           // seconds without a message after which a robot is drawn as silent
 
 struct Rgb {
   double r, g, b;
@@ -266,9 +267,8 @@ fox::SceneUpdate robots(const FleetView& view, WallTime now) {
     fox::SceneEntity& entity = add_entity(scene, robot.name, now);
     *entity.mutable_lifetime() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
         static_cast<std::int64_t>(1000 * robot_lifetime));
-    const bool heard = now - robot.heard < silent;
     draw_robot(entity, robot, motion_of(*robot.state, time, projection),
-               heard ? colour_of(phase_of(robot)) : silent_colour, projection.y_down);
+               is_lost(robot.heard, now) ? silent_colour : colour_of(phase_of(robot)), projection.y_down);
   }
   return scene;
 }

@@ -1,5 +1,6 @@
 #include "monitor/http_session.h"
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -7,6 +8,7 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "monitor/event_stream.h"
 #include "monitor/web_problem.h"
@@ -19,6 +21,9 @@ namespace {
 
 constexpr const char* content_policy =
     "default-src 'self'; connect-src 'self'; img-src 'self' data:; style-src 'self'";
+constexpr const char* foreign_page =
+    "Pages of other sites are not served. If this is the page behind a proxy: the monitor needs "
+    "--proxy-origin with the origin of the page.";
 constexpr std::string_view go_on = "HTTP/1.1 100 Continue\r\n\r\n";
 
 /// True if the bytes are no HTTP; false if they are incomplete or late.
@@ -48,8 +53,10 @@ void HttpSession::on_head(error_code error) {
   if (error == http::error::header_limit) return refuse(431, "The request is too long.");
   if (is_bad_request(error)) return refuse(400, "This is not an HTTP request.");
   if (error) return;  // the client has gone, or is too slow
-  if (!is_fine_host(view_of(request_[http::field::host])))
-    return refuse(421, "Use an IP address or localhost: any other name may belong to another site.");
+  if (!is_fine_host(view_of(request_[http::field::host]), shared_.proxies))
+    return refuse(421,
+                  "Use an IP address or localhost: any other name may belong to another site. The name of a "
+                  "proxy needs --proxy-origin.");
   is_of_api(path_of(view_of(request_.target()))) ? on_api_request() : on_request();
 }
 
@@ -63,24 +70,52 @@ void HttpSession::on_request() {
 }
 
 void HttpSession::on_api_request() {
-  switch (api_access(view_of(request_[http::field::authorization]), view_of(request_[http::field::origin]),
-                     view_of(request_[http::field::host]), shared_.token)) {
-    case ApiAccess::absent:
-      return refuse(404, "This monitor has no API: it needs --control.");
-    case ApiAccess::foreign_origin:
-      return refuse(403, "Pages of other sites may not use the API.");
-    case ApiAccess::unauthorized: {
-      WebReply refusal =
-          problem_reply(401, "Expected a header Authorization: Bearer TOKEN with this monitor's token.");
-      refusal.headers = {{"WWW-Authenticate", "Bearer"}};
-      return reply(std::move(refusal));
-    }
-    case ApiAccess::granted:
-      break;
-  }
+  const ApiAccess access =
+      api_access(view_of(request_[http::field::authorization]), view_of(request_[http::field::origin]),
+                 view_of(request_[http::field::host]), shared_.token, shared_.proxies);
+  if (access == ApiAccess::absent) return refuse(404, "This monitor has no API: it needs --control.");
+  if (access == ApiAccess::foreign_origin) return refuse(403, foreign_page);
+  if (!may_log_in(access == ApiAccess::granted)) return;
   if (head_parser_->content_length().value_or(0) > shared_.limits.body)
     return refuse(413, fmt::format("Expected a body of at most {} bytes.", shared_.limits.body));
   read_body();
+}
+
+/// Replies if the request does not show the token, or if too many from its address did not.
+bool HttpSession::may_log_in(bool shows_token) {
+  WebReply refusal =
+      problem_reply(401, "Expected a header Authorization: Bearer TOKEN with this monitor's token.");
+  refusal.headers = {{"WWW-Authenticate", "Bearer"}};
+  if (request_.find(http::field::authorization) == request_.end()) return reply(std::move(refusal)), false;
+  const std::string address = client();
+  const double now = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+  const bool was_limited = shared_.guard.wait(address, now) > 0;
+  const bool is_heard = shared_.guard.on(address, shows_token, now) == LoginGuard::Verdict::heard;
+  if (is_heard && shows_token) return true;
+  ++shared_.refused_logins;
+  const double wait = std::ceil(shared_.guard.wait(address, now));
+  if (!is_heard) {
+    refusal = problem_reply(429, fmt::format("Too many wrong tokens from {}: wait {:g} s.", address, wait));
+    refusal.headers = {{"Retry-After", fmt::format("{:g}", wait)}};
+  }
+  if (!was_limited)
+    spdlog::warn("{} showed a wrong token{}", address,
+                 wait > 0 ? fmt::format(" too often: what it shows counts again in {:g} s", wait) : "");
+  reply(std::move(refusal));
+  return false;
+}
+
+/// The address for the log and for limits. A proxy on this machine says for whom it asks.
+std::string HttpSession::client() const {
+  error_code error;
+  const auto address = stream_.socket().remote_endpoint(error).address();
+  if (!shared_.proxies.empty() && address.is_loopback()) {
+    std::string_view forwarded;
+    const auto [from, until] = request_.equal_range("X-Forwarded-For");
+    for (auto field = from; field != until; ++field) forwarded = last_address(view_of(field->value()));
+    if (!forwarded.empty()) return std::string(forwarded);
+  }
+  return address.to_string();
 }
 
 void HttpSession::upgrade() {
@@ -88,8 +123,8 @@ void HttpSession::upgrade() {
   const auto channel = channel_of(path_of(view_of(request_.target())), subprotocols);
   if (!channel) return refuse(404, "WebSockets are at /live.");
   if (!may_connect(*channel, view_of(request_[http::field::origin]), view_of(request_[http::field::host]),
-                   shared_.origins))
-    return refuse(403, "Pages of other sites may not connect.");
+                   shared_.origins, shared_.proxies))
+    return refuse(403, foreign_page);
   std::make_shared<WebSocketSession>(std::move(stream_), std::move(place_), shared_, *channel)
       ->accept(request_);
 }
@@ -112,7 +147,7 @@ void HttpSession::on_body(error_code error) {
     return refuse(413, fmt::format("Expected a body of at most {} bytes.", shared_.limits.body));
   if (is_bad_request(error)) return refuse(400, "This is not an HTTP request.");
   if (error) return;
-  const std::string client = stream_.socket().remote_endpoint(error).address().to_string();
+  const std::string client = this->client();
   const std::string_view target = view_of(request_.target());
   use(shared_.handlers.api({.method = view_of(request_.method_string()),
                             .path = path_of(target),

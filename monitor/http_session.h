@@ -28,6 +28,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   void on_head(error_code error);
   void on_request();
   void on_api_request();
+  bool may_log_in(bool shows_token);
+  std::string client() const;
   void upgrade();
   void read_body();
   void on_body(error_code error);

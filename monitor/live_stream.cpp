@@ -110,7 +110,7 @@ Point2 velocity_at(const RobotState& state, double time) {
   return time < state.promise.expiry ? state.promise.next_velocity : Point2(Point2::Zero());
 }
 
-void add_unheard(live::Frame& frame) {
+void add_unheard(live::Frame& frame, WallTime silence) {
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   for (auto* list : {frame.mutable_x(), frame.mutable_y(), frame.mutable_age(), frame.mutable_to_go(),
                      frame.mutable_yaw()})
@@ -119,13 +119,14 @@ void add_unheard(live::Frame& frame) {
        {frame.mutable_vx(), frame.mutable_vy(), frame.mutable_turn(), frame.mutable_next_vx(),
         frame.mutable_next_vy(), frame.mutable_expiry(), frame.mutable_waiting(), frame.mutable_idle()})
     list->Add(0);
+  frame.add_silence(static_cast<float>(silence));
   frame.mutable_phase()->push_back(static_cast<char>(Phase::waiting));
   frame.mutable_stage()->push_back(static_cast<char>(Stage::free));
   frame.add_waits_for(-1);
 }
 
 void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot, const Point2& origin,
-               double time) {
+               double time, WallTime silence) {
   const auto as_float = [](double x) { return static_cast<float>(x); };
   const RobotState& state = *robot.state;
   const Point2 place = position_at(state, time) - origin;
@@ -148,6 +149,7 @@ void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot
   frame.add_idle(as_float(robot.progress.without_progress(time)));
   const bool turns = state.max_angular_speed > 0;
   frame.add_yaw(as_float(turns ? yaw_at(state, time) : std::numeric_limits<double>::quiet_NaN()));
+  frame.add_silence(as_float(silence));
 }
 
 live::Life life_of(const FleetView& view, bool replayed, WallTime now) {
@@ -181,9 +183,9 @@ live::Frame frame_of(const FleetView& view, const Point2& origin, WallTime now) 
   frame.set_time(time);
   for (const SeenRobot& robot : view.robots()) {
     if (robot.state) {
-      add_robot(frame, view, robot, origin, time);
+      add_robot(frame, view, robot, origin, time, unheard_for(robot, now));
     } else {
-      add_unheard(frame);
+      add_unheard(frame, unheard_for(robot, now));
     }
   }
   return frame;
@@ -212,6 +214,7 @@ void LiveStream::forget() {
   map_.bytes.reset();
   roster_.bytes.reset();
   frame_.bytes.reset();
+  alarms_.bytes.reset();
   statuses_.clear();
   figures_.clear();
   figures_dropped_ = 0;
@@ -223,7 +226,7 @@ void LiveStream::show(const live::Playback& playback) {
   renew(playback_, message);
 }
 
-void LiveStream::look(const FleetView& view, WallTime now, WallTime present) {
+void LiveStream::look(const FleetView& view, WallTime now, WallTime present, const AlarmBoard& alarms) {
   at_ = now;
   if (run_of_view_ && *run_of_view_ != view.run()) begin_anew();
   run_of_view_ = view.run();
@@ -236,7 +239,13 @@ void LiveStream::look(const FleetView& view, WallTime now, WallTime present) {
   // A frame has an entry for each robot of the roster, so with a new robot both are made at once.
   const bool other_robots = robots_ != view.robots().size();
   if (is_due || other_robots) look_at_roster(view);
-  if (is_due) look_at_statuses(view);
+  if (is_due) {
+    look_at_statuses(view);
+    look_at_alarms(view, alarms);
+    live::ToPage beat;
+    beat.mutable_beat()->set_at(present);
+    renew(beat_, beat);
+  }
   if (figures_rhythm_.due(now) && !view.robots().empty()) look_at_figures(view);
   const bool frame_is_due = frame_rhythm_.due(present) || other_robots;
   if (!frame_is_due || view.robots().empty()) return;
@@ -272,6 +281,20 @@ void LiveStream::look_at_statuses(const FleetView& view) {
     if (known.changed > 0 && known.status.SerializeAsString() == status.SerializeAsString()) continue;
     known = {slow_tick_, std::move(status)};
   }
+}
+
+void LiveStream::look_at_alarms(const FleetView& view, const AlarmBoard& board) {
+  live::ToPage message;
+  live::Alarms& all = *message.mutable_alarms();
+  for (const Alarm& alarm : board.alarms()) {
+    live::Alarms::Alarm& one = *all.add_alarms();
+    one.set_kind(std::string(alarm_names.at(static_cast<std::size_t>(alarm.kind))));
+    const auto robot = alarm.robot.empty() ? std::nullopt : view.find(alarm.robot);
+    one.set_robot(robot ? static_cast<std::int32_t>(*robot) : -1);
+    one.set_since(alarm.since);
+    one.set_text(alarm.text);
+  }
+  renew(alarms_, message);
 }
 
 void LiveStream::look_at_figures(const FleetView& view) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "live.pb.h"
+#include "monitor/alarms.h"
 #include "monitor/fleet_view.h"
 #include "monitor/outbound.h"
 #include "monitor/rhythm.h"
@@ -32,7 +33,7 @@ class LiveStream {
 
   /// Reads the view as of `now`. For a recording, `now` is the time that is shown, which may stand still, and
   /// `present` is the wall clock. Call it more often than pages need messages.
-  void look(const FleetView& view, WallTime now, WallTime present);
+  void look(const FleetView& view, WallTime now, WallTime present, const AlarmBoard& alarms = AlarmBoard());
   void look(const FleetView& view, WallTime now) { look(view, now, now); }
   /// Forgets all that was seen. Call it when the view cannot know that it is obsolete, as after winding back
   /// a recording.
@@ -54,6 +55,8 @@ class LiveStream {
   const Edition& roster() const { return roster_; }
   const Edition& frame() const { return frame_; }
   const Edition& playback() const { return playback_; }
+  const Edition& alarms() const { return alarms_; }
+  const Edition& beat() const { return beat_; }
 
   /// The last status of a robot, and the slow tick at which it changed.
   struct RobotStatus {
@@ -72,6 +75,7 @@ class LiveStream {
   void look_at_roster(const FleetView& view);
   void look_at_statuses(const FleetView& view);
   void look_at_figures(const FleetView& view);
+  void look_at_alarms(const FleetView& view, const AlarmBoard& board);
 
   Payload begin_;
   WallTime at_ = 0;
@@ -86,6 +90,8 @@ class LiveStream {
   Edition roster_;
   Edition frame_;
   Edition playback_;
+  Edition alarms_;
+  Edition beat_;
   std::vector<RobotStatus> statuses_;
   std::deque<live::Figures::Point> figures_;
   std::size_t figures_dropped_ = 0;

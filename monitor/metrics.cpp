@@ -72,6 +72,9 @@ void add_orders(Families& all, const FleetView& view) {
               "Time that these orders waited until their robots set out.", orders.waited());
   add_counter(all, "coppice_order_under_way_seconds_total", "Time from then to their ends.",
               orders.under_way());
+  add_gauge(all, "coppice_orders_refused_for_want_of_room",
+            "1 while the planner service refuses new orders, because its disk is full.",
+            view.service() && !view.service()->status.problem.empty());
   const auto robots = static_cast<double>(view.robots().size());
   const auto busy =
       static_cast<double>(orders.by_state().at(static_cast<std::size_t>(OrderState::under_way)));
@@ -111,6 +114,24 @@ void add_fleet(Families& all, const FleetView& view, WallTime now) {
   add_gauge(all, "coppice_control_periods_missed_ratio",
             "Recent share of control periods that were over before their agent decided.",
             figures.missed_share);
+}
+
+/// The number of alarms of each kind, and the alarms of robots by themselves. An alarm that is over leaves no
+/// series.
+void add_alarms(Families& all, const AlarmBoard& board) {
+  auto& counts = add_family(all, "coppice_alarms", prometheus::MetricType::Gauge,
+                            "Alarms that operators see now, by kind.");
+  for (std::size_t k = 0; k < alarm_names.size(); ++k)
+    add(counts, static_cast<double>(board.count(static_cast<AlarmKind>(k))),
+        {{"kind", std::string(alarm_names.at(k))}});
+  auto& of_robots = add_family(all, "coppice_robot_alarm", prometheus::MetricType::Gauge,
+                               "1 for each alarm of a robot that lasts.");
+  for (const Alarm& alarm : board.alarms()) {
+    if (alarm.robot.empty() || of_robots.metric.size() >= most_robots_in_detail) continue;
+    add(of_robots, 1,
+        {{"robot", alarm.robot},
+         {"kind", std::string(alarm_names.at(static_cast<std::size_t>(alarm.kind)))}});
+  }
 }
 
 /// A state set: a series for each phase, with 1 for the robot's current phase.
@@ -259,6 +280,8 @@ void add_monitor(Families& all, const MonitorLoad& load) {
             static_cast<double>(load.connections));
   add_counter(all, "coppice_monitor_sent_bytes_total", "Bytes sent to pages and Foxglove clients.",
               number(load.bytes_sent));
+  add_counter(all, "coppice_monitor_refused_logins_total", "Requests to the API that showed a wrong token.",
+              number(load.refused_logins));
   add_counter(all, "process_cpu_seconds_total", "Processor time of the monitor.", load.processor_seconds);
   add_gauge(all, "process_resident_memory_bytes", "Resident memory of the monitor.",
             number(load.resident_bytes));
@@ -266,9 +289,11 @@ void add_monitor(Families& all, const MonitorLoad& load) {
 
 }  // namespace
 
-std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now) {
+std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now,
+                         const AlarmBoard& alarms) {
   Families all;
   add_fleet(all, view, now);
+  add_alarms(all, alarms);
   add_robots(all, view, now);
   add_brokers(all, view);
   add_monitor(all, load);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 
+#include "monitor/alarms.h"
 #include "monitor/fleet_view.h"
 
 namespace coppice {
@@ -23,10 +24,12 @@ struct MonitorLoad {
   std::uint64_t rejected = 0;   ///< samples that were dropped as invalid
   std::size_t connections = 0;  ///< open WebSockets and event streams
   std::uint64_t bytes_sent = 0;
+  std::uint64_t refused_logins = 0;  ///< requests to the API with a wrong token
   double processor_seconds = 0;
   std::uint64_t resident_bytes = 0;
 };
 
-std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now);
+std::string metrics_text(const FleetView& view, const MonitorLoad& load, WallTime now,
+                         const AlarmBoard& alarms = AlarmBoard());
 
 }  // namespace coppice

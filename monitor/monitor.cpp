@@ -46,6 +46,7 @@ void Monitor::note_replay(bool replays) {
 
 void Monitor::forget() {
   view_ = {};
+  alarms_ = {};
   live_.begin_anew();
 }
 
@@ -58,8 +59,9 @@ std::vector<OrderMessage> Monitor::take_orders() {
 }
 
 void Monitor::turn(WallTime now, WallTime present, double seconds) {
-  live_.look(view_, now, present);
-  if (api_) api_->look(view_, now);
+  alarms_.look(view_, now);
+  live_.look(view_, now, present, alarms_);
+  if (api_) api_->look(view_, now, alarms_);
   server_.serve(seconds);
 }
 
@@ -69,7 +71,9 @@ std::optional<WebReply> Monitor::get(std::string_view path) const {
     MonitorLoad load = load_;
     load.connections = server_.web_sockets();
     load.bytes_sent = server_.bytes_sent();
-    return WebReply{"text/plain; version=0.0.4; charset=utf-8", metrics_text(view_, load, live_.at())};
+    load.refused_logins = server_.refused_logins();
+    return WebReply{"text/plain; version=0.0.4; charset=utf-8",
+                    metrics_text(view_, load, live_.at(), alarms_)};
   }
   const std::string_view file = path == "/" ? "/index.html" : path;
   for (const WebFile& known : web_files()) {

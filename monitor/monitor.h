@@ -15,6 +15,7 @@
 
 #include "live.pb.h"
 #include "messages/bus.h"
+#include "monitor/alarms.h"
 #include "monitor/api.h"
 #include "monitor/fleet_view.h"
 #include "monitor/live_stream.h"
@@ -62,6 +63,7 @@ class Monitor {
   bool heard_from_page(std::string_view message, bool text);
 
   FleetView view_;
+  AlarmBoard alarms_;
   LiveStream live_;
   std::optional<Api> api_;  ///< if there is a token
   MonitorLoad load_;

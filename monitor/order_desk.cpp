@@ -8,7 +8,10 @@ std::vector<std::string> OrderDesk::on(const OrderStatus& status) {
   const std::string& id = status.order.id;
   const auto known = orders_.find(id);
   if (known == orders_.end() && orders_.size() >= most_orders) return {};
-  const bool had_ended = known != orders_.end() && is_ended(known->second.state);
+  // An order that was refused may be given again.
+  if (known != orders_.end() && is_ended(known->second.state) && !is_refused(known->second)) return {};
+  const bool was_refused = known != orders_.end() && is_refused(known->second);
+  if (was_refused) std::erase(refused_, id);
   orders_[id] = status;
   if (!is_ended(status.state)) {
     if (!status.robot.empty()) by_robot_[status.robot] = id;
@@ -16,15 +19,17 @@ std::vector<std::string> OrderDesk::on(const OrderStatus& status) {
   }
   if (const auto own = by_robot_.find(status.robot); own != by_robot_.end() && own->second == id)
     by_robot_.erase(own);
-  if (!had_ended) ended_.push_back(id);
-  if (ended_.size() <= most_ended) return {};
-  const std::string oldest = ended_.front();
-  ended_.pop_front();
+  std::deque<std::string>& kind = is_refused(status) ? refused_ : ended_;
+  kind.push_back(id);
+  if (kind.size() <= (is_refused(status) ? most_refused : most_ended)) return {};
+  const std::string oldest = kind.front();
+  kind.pop_front();
   orders_.erase(oldest);
   return {oldest};
 }
 
 std::vector<std::string> OrderDesk::on(const ServiceStatus& status) {
+  if (status.run >= run_) problem_ = status.problem;
   if (status.run <= run_) return {};
   const bool is_another = static_cast<bool>(run_);
   run_ = status.run;

@@ -18,10 +18,13 @@ class OrderDesk {
  public:
   /// Of ended orders it knows the newest, as many as a restarted service tells anew (order_book.cpp).
   static constexpr std::size_t most_ended = 1000;
+  /// The same of orders that were refused: however many there are, they push out no other order.
+  static constexpr std::size_t most_refused = 1000;
   /// Further orders are forged, or more than any fleet can carry out.
   static constexpr std::size_t most_orders = 20'000;
 
-  /// Returns the ids of ended orders that it forgets in exchange.
+  /// An order that has ended stays as it is, whatever a later fleet says of it. Returns the ids of ended
+  /// orders that it forgets in exchange.
   std::vector<std::string> on(const OrderStatus& status);
   /// Returns the ids of orders that it forgets, because their service has gone and the next one does not know
   /// them. A service that goes on with the run knows them.
@@ -35,13 +38,17 @@ class OrderDesk {
   /// The id of the order that a robot has; null: none.
   const std::string* order_of(const RobotName& robot) const;
   const HaltMessage& halts() const { return halts_; }
+  /// Why the service refuses new orders; empty: it takes them.
+  const std::string& problem() const { return problem_; }
 
  private:
   std::map<std::string, OrderStatus> orders_;
   std::deque<std::string> ended_;              ///< ids, in the order of their ends
+  std::deque<std::string> refused_;            ///< ids, the same
   std::map<RobotName, std::string> by_robot_;  ///< the id of the order that a robot has
   HaltMessage halts_;
   RunId run_;
+  std::string problem_;
 };
 
 }  // namespace coppice

@@ -29,9 +29,11 @@ bool is_fine_id(std::string_view id) {
 
 Visit visit_of(const proto::OrderRequest::Goal& goal, const std::string& field) {
   if (!goal.has_x() || !goal.has_y()) fail(field + ": expected x and y");
-  for (const double value : {goal.x(), goal.y(), goal.yaw()}) {
+  for (const double value : {goal.x(), goal.y()}) {
     if (!is_sane(value)) fail(fmt::format("{}: {:g} is too large", field, value));
   }
+  if (!is_yaw(goal.yaw()))
+    fail(fmt::format("{}.yaw: {:g} is not allowed, expected {}", field, goal.yaw(), yaw_rule));
   if (!(goal.wait() >= 0 && goal.wait() <= longest_visit))
     fail(fmt::format("{}.wait: expected 0 to {:g} seconds, found {:g}", field, longest_visit, goal.wait()));
   return {
@@ -74,6 +76,8 @@ OrderMessage order_of(std::string_view body, WallTime now) {
     order.deadline = now + request.deadline();
   }
   check_name(order.by, "by");
+  order.replaces = request.replace();
+  if (order.replaces && order.robots.empty()) fail("replace: goes with a robot that is named");
   return order;
 }
 

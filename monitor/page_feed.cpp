@@ -73,6 +73,8 @@ std::vector<Payload> PageFeed::next(const FleetView& view, const LiveStream& liv
   }
   add_figures(live, batch);
   batch.add(live.playback(), playback_);
+  batch.add(live.alarms(), alarms_);
+  batch.add(live.beat(), beat_);
   batch.add(live.frame(), frame_);
   return std::move(batch.messages);
 }

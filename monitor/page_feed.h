@@ -49,6 +49,8 @@ class PageFeed {
   std::uint64_t roster_ = 0;
   std::uint64_t frame_ = 0;
   std::uint64_t playback_ = 0;
+  std::uint64_t alarms_ = 0;
+  std::uint64_t beat_ = 0;
   std::uint64_t statuses_ = 0;  ///< the slow tick of the last statuses
   std::size_t figures_ = 0;     ///< number of points received in this run
   std::size_t trees_ = 0;

@@ -14,7 +14,7 @@ constexpr WallTime longest_late = 5;  // seconds: an older message was stamped b
 /// latest of each key, or all. So a seek need not read the other chunks.
 std::size_t chunk_of(const TopicInfo& info) {
   if (info.durability == Durability::volatile_) return 0;
-  return info.depth > 0 ? 1 : 2;
+  return info.depth == 1 ? 1 : 2;
 }
 
 }  // namespace

@@ -24,12 +24,13 @@ Topics topics_that(bool (*holds)(const TopicInfo&)) {
   return topics;
 }
 Topics topics_that_keep_latest() {
-  return topics_that(
-      [](const TopicInfo& info) { return info.durability == Durability::transient_local && info.depth > 0; });
+  return topics_that([](const TopicInfo& info) {
+    return info.durability == Durability::transient_local && info.depth == 1;
+  });
 }
 Topics topics_that_keep_all() {
   return topics_that([](const TopicInfo& info) {
-    return info.durability == Durability::transient_local && info.depth == 0;
+    return info.durability == Durability::transient_local && info.depth != 1;
   });
 }
 Topics topics_that_keep_nothing() {

@@ -65,6 +65,7 @@ struct WebServer::Implementation {
 WebServer::WebServer(const WebSettings& settings, WebHandlers handlers)
     : implementation_(new Implementation{.shared = {.limits = settings.limits,
                                                     .origins = settings.origins,
+                                                    .proxies = settings.proxies,
                                                     .token = settings.token,
                                                     .handlers = std::move(handlers)}}) {
   implementation_->shared.context = &implementation_->context;
@@ -93,6 +94,10 @@ std::size_t WebServer::web_sockets() const {
 
 std::uint64_t WebServer::bytes_sent() const {
   return implementation_->shared.bytes_sent;
+}
+
+std::uint64_t WebServer::refused_logins() const {
+  return implementation_->shared.refused_logins;
 }
 
 bool WebServer::owes_replies() const {

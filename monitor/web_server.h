@@ -37,6 +37,7 @@ struct WebSettings {
   std::uint16_t port = 8090;           ///< 0: any free port
   bool else_any_port = false;          ///< if `port` is taken
   std::vector<std::string> origins{};  ///< further origins of pages that may connect as Foxglove
+  ProxyOrigins proxies{};              ///< origins at which proxies serve the page
   std::string token{};                 ///< that requests to the API show; empty: there is no API
   WebLimits limits{};
 };
@@ -95,9 +96,10 @@ class WebServer {
 
   std::uint16_t port() const;
   std::string url() const;
-  std::size_t web_sockets() const;   ///< number of open ones, with event streams
-  std::uint64_t bytes_sent() const;  ///< over these
-  bool owes_replies() const;         ///< requests wait for a reply that comes later
+  std::size_t web_sockets() const;       ///< number of open ones, with event streams
+  std::uint64_t bytes_sent() const;      ///< over these
+  std::uint64_t refused_logins() const;  ///< requests to the API with a wrong token
+  bool owes_replies() const;             ///< requests wait for a reply that comes later
 
   /// Serves for `seconds`, after asking every open WebSocket for its next messages. Returns at once when a
   /// request is to be answered later, so that its caller may act on it.

@@ -15,6 +15,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 
+#include "monitor/login_guard.h"
 #include "monitor/web_server.h"
 
 namespace coppice::web {
@@ -47,8 +48,11 @@ class HttpSession;
 struct Shared {
   WebLimits limits;
   std::vector<std::string> origins;
+  ProxyOrigins proxies;
   std::string token;
   WebHandlers handlers;
+  LoginGuard guard{};
+  std::uint64_t refused_logins = 0;
   asio::io_context* context = nullptr;
   std::size_t connections = 0;
   std::uint64_t bytes_sent = 0;  ///< by speakers

@@ -1,4 +1,4 @@
-// A client of the web server that is told each byte that it sends.
+// A client of the web server that is told each byte that it sends, and ports for servers.
 #pragma once
 
 #include <array>
@@ -15,6 +15,19 @@
 #include <unistd.h>
 
 namespace coppice::test {
+
+/// A TCP port that nobody uses now.
+inline std::uint16_t free_port() {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  bind(socket, reinterpret_cast<const sockaddr*>(&address), size);
+  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  close(socket);
+  return ntohs(address.sin_port);
+}
 
 class Client {
  public:

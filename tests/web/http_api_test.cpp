@@ -14,6 +14,7 @@
 #include "tests/processes.h"
 #include "tests/support.h"
 #include "tests/web/client.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
@@ -36,6 +37,7 @@ struct HttpApiTest : testing::Test {
   std::unique_ptr<Monitor> monitor = monitor_with({.port = 0, .token = token});
   WallTime now = 1000;
   std::string refuses = "";  ///< the reason for which the service refuses all orders
+  std::string no_room = "";  ///< why it cannot save orders, as it says of itself
   bool is_silent = false;    ///< the service
 
   static std::unique_ptr<Monitor> monitor_with(const WebSettings& settings) {
@@ -43,6 +45,8 @@ struct HttpApiTest : testing::Test {
   }
   void turn() {
     now += 0.05;  // waits are short
+    if (!no_room.empty())
+      monitor->take({arrival_of(ServiceStatus{.service = 1, .run = {1}, .problem = no_room}, now)});
     monitor->turn(now, now, 0.01);
     for (const OrderMessage& order : monitor->take_orders()) {
       if (!is_silent) answer(order);
@@ -57,11 +61,17 @@ struct HttpApiTest : testing::Test {
                                           .ended_at = fails ? now : 0},
                               now)});
   }
+  /// What this returns, which asks the monitor.
+  template <class Ask>
+  auto served(Ask&& ask, int most_turns) {
+    auto answer = std::async(std::launch::async, std::forward<Ask>(ask));
+    for (int turns = 0; turns < most_turns && answer.wait_for(0s) != std::future_status::ready; ++turns)
+      turn();
+    return answer.get();
+  }
   /// The whole answer to these bytes.
   std::string ask(const std::string& bytes) {
-    auto answer = std::async(std::launch::async, [&] { return test::Client(monitor->port()).ask(bytes); });
-    for (int turns = 0; turns < 1000 && answer.wait_for(0s) != std::future_status::ready; ++turns) turn();
-    return answer.get();
+    return served([&] { return test::Client(monitor->port()).ask(bytes); }, 1000);
   }
   int status(const std::string& bytes) {
     const std::string answer = ask(bytes);
@@ -83,6 +93,45 @@ TEST_F(HttpApiTest, ARequestNeedsTheToken) {
     EXPECT_TRUE(has(answer, "Content-Type: application/problem+json\r\n"));
   }
   EXPECT_EQ(status(request("GET", "/api/nothing", "")), 401) << "nothing is told without a token";
+}
+
+TEST_F(HttpApiTest, WrongTokensAreLimitedAndAnOperatorIsHeardAllTheSame) {
+  const auto wrong = [&](int k) {
+    return ask(request("GET", "/api/robots", fmt::format("Authorization: Bearer wrong{:011}\r\n", k)));
+  };
+  EXPECT_EQ(status(request("POST", "/api/stop")), 200) << "an operator at this address";
+  for (int k = 0; k < 10; ++k) EXPECT_TRUE(has(wrong(k), "HTTP/1.1 401 ")) << k;
+  for (int k = 10; k < 30; ++k) {
+    const std::string answer = wrong(k);
+    EXPECT_TRUE(has(answer, "HTTP/1.1 429 Too Many Requests\r\n"));
+    EXPECT_TRUE(std::regex_search(answer, std::regex("Retry-After: [1-6]\r\n"))) << answer;
+    EXPECT_TRUE(has(answer, R"("detail":"Too many wrong tokens from 127.0.0.1: wait )"));
+  }
+  EXPECT_EQ(status(request("POST", "/api/stop")), 200) << "STOP does not wait for others' mistakes";
+  EXPECT_EQ(status(request("GET", "/api/robots", "")), 401) << "a request without a token is no guess";
+  EXPECT_TRUE(has(ask("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"),
+                  "coppice_monitor_refused_logins_total 30\n"));
+}
+
+TEST_F(HttpApiTest, AGuessThatIsRightIsNotTold) {
+  for (int k = 0; k < 10; ++k)
+    EXPECT_EQ(status(request("GET", "/api/robots", "Authorization: Bearer wrong\r\n")), 401);
+  EXPECT_EQ(status(request("GET", "/api/robots")), 429)
+      << "nobody at this address has shown the token before";
+}
+
+TEST_F(HttpApiTest, AProxyOnThisMachineSaysForWhomItAsks) {
+  const auto wrong_from = [&](const std::string& address) {
+    return request("GET", "/api/robots",
+                   "Authorization: Bearer wrong\r\nX-Forwarded-For: 10.0.0.1, " + address + "\r\n");
+  };
+  monitor = monitor_with({.port = 0, .proxies = {"https://fleet.example"}, .token = token});
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(status(wrong_from("192.0.2.7")), 401);
+  EXPECT_EQ(status(wrong_from("192.0.2.7")), 429);
+  EXPECT_EQ(status(wrong_from("192.0.2.8")), 401);
+  monitor = monitor_with({.port = 0, .token = token});
+  for (int k = 0; k < 10; ++k) EXPECT_EQ(status(wrong_from(fmt::format("192.0.2.{}", k))), 401);
+  EXPECT_EQ(status(wrong_from("192.0.2.99")), 429) << "without a proxy, anybody may have written the header";
 }
 
 TEST_F(HttpApiTest, PagesOfOtherSitesAreRefused) {
@@ -255,6 +304,45 @@ TEST_F(ServedFleetTest, AFleetObeysOrdersOverHttp) {
   post("orders", R"({"id": "next", "robot": "r2", "goal": {"x": 428, "y": 360}})");
   EXPECT_TRUE(
       has(curl("-X DELETE " + url() + "api/orders/next").output, R"("state":"cancelled","robot":"r2")"));
+}
+
+/// What a fleet that is well does not answer.
+TEST_F(HttpApiTest, AnswersInTroubleFitTheDescriptionOfTheApi) {
+  ASSERT_EQ(test::missing_packages(test::web_tests()), "");
+  ASSERT_EQ(test::missing_packages(test::page_sources()), "");
+  const auto expect_fit = [&](const std::string& trouble) {
+    const std::string command =
+        fmt::format("timeout 60 node '{}/refusals_fit.mjs' http://127.0.0.1:{}/ {} {}",
+                    test::web_tests().string(), monitor->port(), token, trouble);
+    const test::Outcome outcome = served([&] { return test::shell(command); }, 10'000);
+    EXPECT_EQ(outcome.exit_code, 0) << trouble << ": " << outcome.output;
+  };
+  refuses = no_room = std::string(cannot_be_saved) + "the disk of /var/lib/hall is full";
+  expect_fit("full");
+  monitor = monitor_with({.port = 0, .token = token});
+  no_room = "";
+  is_silent = true;
+  expect_fit("silent");
+  monitor = monitor_with({.port = 0});
+  expect_fit("absent");
+}
+
+/// The page's types are made from the same description.
+TEST_F(ServedFleetTest, RealAnswersFitTheDescriptionOfTheApi) {
+  ASSERT_EQ(test::missing_packages(test::web_tests()), "");
+  ASSERT_EQ(test::missing_packages(test::page_sources()), "");
+  folder.write("token", token);
+  const test::Background fleet(
+      {test::program("coppice"), "serve", site(), "--map", (test::scenarios() / "rooms-8.map").string(),
+       "--robots", "4", "--time-scale", "4", "--quiet", "--domain", test::domain_name()},
+      path("serve.log"));
+  const test::Background monitor({test::program("coppice"), "monitor", "--domain", test::domain_name(),
+                                  "--port", "0", "--control", "--token-file", path("token")},
+                                 path("monitor.log"));
+  ASSERT_TRUE(test::within(20s, [&] { return said("monitor.log").starts_with("http://"); }));
+  const test::Outcome outcome = test::shell(fmt::format("timeout 200 node '{}/answers_fit.mjs' '{}' {} 2>&1",
+                                                        test::web_tests().string(), url(), token));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << said("monitor.log") << said("serve.log");
 }
 
 TEST_F(ServedFleetTest, ControlNeedsATokenThatIsHardToGuess) {

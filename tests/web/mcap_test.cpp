@@ -11,6 +11,7 @@
 
 #include "monitor/recording.h"
 #include "tests/support.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
@@ -18,17 +19,14 @@ namespace {
 using test::Outcome;
 using test::shell;
 
-const std::filesystem::path scripts = std::filesystem::path(COPPICE_SOURCE_DIR) / "tests" / "web";
-
 /// What `node` prints for a recording and its run's trajectory.
 Outcome reference_reader(const std::string& recording, const std::string& trajectory) {
-  return shell(
-      fmt::format("node '{}' '{}' '{}'", (scripts / "read_recording.mjs").string(), recording, trajectory));
+  return shell(fmt::format("node '{}' '{}' '{}'", (test::web_tests() / "read_recording.mjs").string(),
+                           recording, trajectory));
 }
 
 TEST(RecordedMcap, TheReferenceReaderReadsTheRecording) {
-  ASSERT_TRUE(std::filesystem::exists(scripts / "node_modules" / "@mcap"))
-      << "needs node, and `npm ci` in tests/web: tests/run installs them";
+  ASSERT_EQ(test::missing_packages(test::web_tests()), "");
   const test::TemporaryFolder folder;
   const std::string recording = (folder.path() / "run.mcap").string();
   const std::string trajectory = (folder.path() / "run.csv").string();

@@ -165,7 +165,7 @@ struct Cost {
 
 struct MonitorLoadTest : testing::Test {
   Monitor monitor{{.port = 0}, "a made-up fleet"};
-  WallTime began = wall_now();
+  WallTime began = DisciplinedClock::read().system;
   std::uint32_t step = 0;
 
   MonitorLoadTest() { monitor.take(beginning(began)); }
@@ -173,10 +173,10 @@ struct MonitorLoadTest : testing::Test {
   Cost run(double seconds, const Onlooker& onlooker) {
     const double before = processor_seconds();
     const double had = onlooker.bytes();
-    const WallTime start = wall_now();
+    const WallTime start = DisciplinedClock::read().system;
     double making = 0;  // time to make the messages, which is no cost of a monitor
-    while (wall_now() < start + seconds) {
-      const WallTime now = wall_now();
+    while (DisciplinedClock::read().system < start + seconds) {
+      const WallTime now = DisciplinedClock::read().system;
       const double made_from = processor_seconds();
       std::vector<Arrival> arrivals;
       while (step * period < now - began) {
@@ -187,7 +187,7 @@ struct MonitorLoadTest : testing::Test {
       monitor.take(arrivals);
       monitor.turn(now, now, 0.01);
     }
-    const double took = wall_now() - start;
+    const double took = DisciplinedClock::read().system - start;
     return {(processor_seconds() - before - making) / took, (onlooker.bytes() - had) / took / 1e6};
   }
 };

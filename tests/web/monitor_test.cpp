@@ -7,41 +7,24 @@
 #include <algorithm>
 #include <thread>
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 
 #include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
+#include "tests/web/client.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
 
-std::filesystem::path web() {
-  return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
-}
-
 std::string which(const std::string& name) {
   const test::Outcome found = test::shell("command -v " + name);
   return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : std::string();
-}
-
-std::uint16_t free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  bind(socket, reinterpret_cast<const sockaddr*>(&address), size);
-  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-  close(socket);
-  return ntohs(address.sin_port);
 }
 
 struct MonitorTest : testing::Test {
@@ -77,7 +60,7 @@ struct MonitorTest : testing::Test {
         path("run.log"));
   }
   test::Outcome node(const std::string& script, const std::string& arguments) const {
-    return test::shell("cd '" + web().string() + "' && node " + script + " " + arguments);
+    return test::shell("cd '" + test::web_tests().string() + "' && node " + script + " " + arguments);
   }
 };
 
@@ -123,7 +106,7 @@ TEST_F(MonitorTest, PrometheusReadsTheMetrics) {
   config.replace(config.find(usual), usual.size(), "127.0.0.1:" + port());
   config.replace(config.find("5s"), 2, "1s");
   folder.write("prometheus.yml", config);
-  const std::string server = fmt::format("127.0.0.1:{}", free_port());
+  const std::string server = fmt::format("127.0.0.1:{}", test::free_port());
   const test::Background prometheus(
       {which("prometheus"), "--config.file=" + path("prometheus.yml").string(),
        "--storage.tsdb.path=" + path("data").string(), "--web.listen-address=" + server},
@@ -169,7 +152,7 @@ TEST_F(MonitorTest, TheAlertsFireAsTheyShould) {
   const std::string rules = std::string(COPPICE_SOURCE_DIR) + "/deploy/prometheus-alerts.yml";
   const test::Outcome checked = test::shell("promtool check rules '" + rules + "' 2>&1");
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
-  std::string tests = test::contents(web() / "alerts_test.yml");
+  std::string tests = test::contents(test::web_tests() / "alerts_test.yml");
   tests.replace(tests.find("[RULES]"), 7, "[" + rules + "]");
   folder.write("alerts_test.yml", tests);
   const test::Outcome tested =

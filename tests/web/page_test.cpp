@@ -3,7 +3,7 @@
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 //
-// CTest: RESOURCE_LOCK browser
+// CTest: RESOURCE_LOCK browser_2
 
 #include <algorithm>
 #include <cstdlib>
@@ -16,22 +16,15 @@
 #include "tests/domains.h"
 #include "tests/processes.h"
 #include "tests/support.h"
+#include "tests/web/packages.h"
 
 namespace coppice {
 namespace {
 
 using namespace std::chrono_literals;
 
-std::filesystem::path web() {
-  return std::filesystem::path(COPPICE_SOURCE_DIR) / "tests/web";
-}
-
 struct Page : testing::Test {
-  void SetUp() override {
-    const bool there = test::shell("command -v node && command -v chromium").exit_code == 0 &&
-                       std::filesystem::exists(web() / "node_modules/playwright-core");
-    ASSERT_TRUE(there) << "needs node, chromium, and `npm ci` in tests/web: tests/run installs them";
-  }
+  void SetUp() override { ASSERT_EQ(test::missing_for_browser(), ""); }
 
   std::filesystem::path path(const std::string& name) const { return folder.path() / name; }
   std::unique_ptr<test::Background> start(std::vector<std::string> arguments, const std::string& log) const {
@@ -49,8 +42,9 @@ struct Page : testing::Test {
   }
   /// Runs a script of page/ at the monitor's page.
   void run_spec(const std::string& script, const std::string& arguments = {}) const {
-    const test::Outcome outcome = test::shell(fmt::format("COPPICE_PAGE_URL={} node '{}/page/{}' {} 2>&1",
-                                                          url(), web().string(), script, arguments));
+    const test::Outcome outcome =
+        test::shell(fmt::format("COPPICE_PAGE_URL={} node '{}/page/{}' {} 2>&1", url(),
+                                test::web_tests().string(), script, arguments));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"));
   }
   void use_page(const std::string& of_what) const {
@@ -58,7 +52,7 @@ struct Page : testing::Test {
     const std::string shots = kept != nullptr ? std::string(kept) + "/" + of_what : path("shots").string();
     const test::Outcome outcome = test::shell(
         fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_SHOTS='{}' node '{}/page/page.spec.mjs' 2>&1", url(),
-                    shots, web().string()));
+                    shots, test::web_tests().string()));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"));
     EXPECT_TRUE(std::filesystem::exists(shots + "/light.png"));
   }
@@ -82,9 +76,10 @@ TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
   const std::string number = test::domain_name();
   const std::string token = "0123456789abcdef";
   folder.write("token", token);
-  const auto fleet = start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4",
-                            "--domain", number, "--quiet", "--time-scale", "2"},
-                           "fleet.log");
+  const auto fleet =
+      start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4", "--domain", number,
+             "--quiet", "--time-scale", "2", "--state", path("state").string()},
+            "fleet.log");
   const auto monitor = start(
       {"monitor", "--domain", number, "--port", "0", "--control", "--token-file", path("token").string()},
       "monitor.log");
@@ -93,7 +88,36 @@ TEST_F(Page, AnOperatorControlsAFleetWithThePage) {
       fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} COPPICE_PAGE_SHOTS='{}' node "
                   "'{}/page/fleet_control.spec.mjs' 2>&1",
                   url(), token, kept != nullptr ? std::string(kept) + "/control" : path("shots").string(),
-                  web().string()));
+                  test::web_tests().string()));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
+                                  << test::contents(path("fleet.log"));
+}
+
+TEST_F(Page, WhatHangsIsSeenOnThePage) {
+  const std::string number = test::domain_name();
+  const std::string token = "0123456789abcdef";
+  folder.write("token", token);
+  const auto fleet = start({"serve", (test::scenarios() / "rooms-8.json").string(), "--robots", "4",
+                            "--domain", number, "--quiet", "--state", path("state").string()},
+                           "fleet.log");
+  const auto monitor = start(
+      {"monitor", "--domain", number, "--port", "0", "--control", "--token-file", path("token").string()},
+      "monitor.log");
+  const auto agent_of_r2 = [&] {
+    for (const test::ProcessInfo& process : test::children_of(fleet->pid())) {
+      std::string command = test::contents(fmt::format("/proc/{}/cmdline", process.pid));
+      std::ranges::replace(command, '\0', ' ');
+      if (command.find("--name r2 ") != std::string::npos) return process.pid;
+    }
+    return pid_t{0};
+  };
+  ASSERT_TRUE(test::within(20s, [&] { return agent_of_r2() != 0; })) << test::contents(path("fleet.log"));
+  const char* const kept = std::getenv("COPPICE_PAGE_SHOTS");
+  const test::Outcome outcome = test::shell(
+      fmt::format("COPPICE_PAGE_URL={} COPPICE_PAGE_TOKEN={} COPPICE_PAGE_SHOTS='{}' node "
+                  "'{}/page/hanging.spec.mjs' {} {} 2>&1",
+                  url(), token, kept != nullptr ? std::string(kept) + "/hanging" : path("shots").string(),
+                  test::web_tests().string(), monitor->pid(), agent_of_r2()));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output << test::contents(path("monitor.log"))
                                   << test::contents(path("fleet.log"));
 }
@@ -133,9 +157,10 @@ TEST_F(Page, ThePageNeverCallsAReplayLive) {
       << test::contents(path("simulate.log"));
   const std::string number = test::domain_name();
   const auto monitor = start({"monitor", "--domain", number, "--port", "0"}, "monitor.log");
-  test::Background spec({"/usr/bin/env", "COPPICE_PAGE_URL=" + url(), "node", web() / "page/badge.spec.mjs",
-                         "waiting for a fleet", "replay", "fleet silent since "},
-                        path("spec.log"));
+  test::Background spec(
+      {"/usr/bin/env", "COPPICE_PAGE_URL=" + url(), "node", test::web_tests() / "page/badge.spec.mjs",
+       "waiting for a fleet", "replay", "fleet silent since "},
+      path("spec.log"));
   const auto is_shown = [&](const std::string& text) {
     return test::within(
         60s, [&] { return test::contents(path("spec.log")).find(text + "\n") != std::string::npos; });

@@ -1,6 +1,6 @@
-// Whether this page may control the fleet: the monitor may let nobody do so, or only who has a token.
+// Whether this page may control the fleet: the monitor may let nobody do so, or only people with the token.
 import {type Api, ApiError, detail} from './api.ts';
-import {keepToken, takeToken} from './token.ts';
+import {keepName, keepToken, keptName, takeToken} from './token.ts';
 import {TokenDialog} from './token_dialog.ts';
 
 const retryAfter = 5_000;  // milliseconds
@@ -9,7 +9,8 @@ export class Access {
   isOn = false;
   private isOffered = false;  // by the monitor
   private timer = 0;
-  private readonly dialog = new TokenDialog((token) => this.unlock(token), () => this.leave());
+  private readonly dialog = new TokenDialog((token, name) => this.unlock(token, name), () => this.leave(), keptName());
+  private readonly nameless = `page ${Math.floor(Math.random() * 0x10000).toString(16).padStart(4, '0')}`;  // tells pages apart
 
   constructor(
     private readonly api: Api,
@@ -19,6 +20,7 @@ export class Access {
 
   start(): void {
     this.api.token = takeToken();
+    this.api.by = keptName() || this.nameless;
   }
 
   /// A monitor that was started anew may allow what the earlier one did not.
@@ -55,11 +57,14 @@ export class Access {
   }
 
   private retry(error: unknown): void {
-    if (this.dialog.isOpen) this.dialog.fail(detail(error));
-    this.timer = window.setTimeout(() => void this.check(), retryAfter);
+    const seconds = error instanceof ApiError ? error.retryAfter : undefined;  // too many wrong tokens came from here
+    if (this.dialog.isOpen || seconds !== undefined) this.fail(detail(error));
+    this.timer = window.setTimeout(() => void this.check(), seconds === undefined ? retryAfter : 1000 * seconds);
   }
 
-  private unlock(token: string): void {
+  private unlock(token: string, name: string): void {
+    keepName(name);
+    this.api.by = name || this.nameless;
     this.api.token = token;
     keepToken(token);
     void this.check();

@@ -1,7 +1,7 @@
 // Where a press on the map sends a robot: to the place of the press. If the pointer is then dragged, the robot shall
 // head that way.
 import {fixed} from './format.ts';
-import type {Goal, Halt} from './orders.ts';
+import type {Goal, Halt} from './api_types.ts';
 
 const leastDrag = 16;  // pixels: less is a click with an unsteady hand
 
@@ -31,6 +31,7 @@ export interface Situation {
   halt: Halt;     // of that robot
   touch: boolean;  // no mouse and no keyboard
   draft: Draft | undefined;
+  byKeys: boolean;  // that keys move
 }
 
 /// Whom a press on the map sends. Null: any robot. Undefined: nobody; the press moves the map.
@@ -48,7 +49,9 @@ export function hintOf(situation: Situation): string {
   const who = target ?? 'any robot';
   if (draft) {
     const {yaw} = goalOf(draft);
-    return `Let go to send ${who}${yaw === undefined ? '' : `, heading ${fixed(yaw, 2, 'rad')}`}. ${touch ? 'A second finger' : 'Esc'} ends this.`;
+    const heading = yaw === undefined || yaw === null ? '' : `, heading ${fixed(yaw, 2, 'rad')}`;
+    if (situation.byKeys) return `${fixed(draft.place.x, 2)}, ${fixed(draft.place.y, 2)}${heading}: Enter sends ${who}, Shift+Enter queues. Arrows move, R turns, Esc leaves.`;
+    return `Let go to send ${who}${heading}. ${touch ? 'A second finger' : 'Esc'} ends this.`;
   }
   const when = target === null ? '' : whenFor(situation);
   const leave = touch ? 'Two fingers move the map.' : 'The right button moves the map; Esc leaves.';

@@ -2,12 +2,10 @@
 import type {Fleet} from './fleet.ts';
 import {fixed, percent} from './format.ts';
 import {Phase} from './live.js';
-import {asPhase} from './phases.ts';
 
 const lateShare = 0.1;      // of the control periods of a second or two: a single late period does not matter
 const busyShare = 0.8;      // of one core: from here on the agent itself uses up the time
 const oldStates = 1;        // seconds
-const silence = 1.5;        // seconds; standing robots send five states a second
 const longWait = 10;        // seconds
 
 /// The recent share of missed control periods.
@@ -33,11 +31,10 @@ export function whyOld({statuses}: Fleet, robot: number): string {
     + 'It avoids all positions that those robots can have reached since, and so drives more slowly. Old states of distant robots are normal: they send seldom.';
 }
 
-function whySilent({frame, life, begin}: Fleet, robot: number): string {
-  const age = frame?.age[robot] ?? 0;
-  const goes = frame && asPhase(frame.phase![robot]) !== Phase.STOPPED && asPhase(frame.phase![robot]) !== Phase.ARRIVED;
-  if (!goes || !(age > silence) || (begin?.recorded && !life)) return '';
-  return `Nothing has been heard from it for ${fixed(age, 1, 's')}: its agent has ended, hangs, or cannot be reached.`;
+export function whySilent(fleet: Fleet, robot: number): string {
+  const isLost = fleet.lost.has(robot);
+  if (!isLost && !fleet.isOld(robot)) return '';
+  return `Nothing has been heard from it for ${fixed(fleet.silenceOf(robot), 1, 's')}${isLost ? ': its agent has ended, hangs, or cannot be reached' : ''}.`;
 }
 
 function whyNoProgress(fleet: Fleet, robot: number): string {

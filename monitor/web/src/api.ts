@@ -1,32 +1,37 @@
 // Requests to the fleet, over HTTP. Each fails with a text for people: no failure is silent.
 import {EventParser, type ServerEvent} from './event_parser.ts';
-import {asOrder, type Goal, type Order} from './orders.ts';
+import type {Goal, HaltRequest, Order, OrderRequest, Problem} from './api_types.ts';
+import {read} from './schema.ts';
 
 const patience = 8_000;  // milliseconds
 
 export class ApiError extends Error {
-  /// 0: there was no answer.
-  constructor(readonly status: number, detail: string) {
+  /// Status 0: there was no answer. `retryAfter`: seconds, if the monitor says how long to wait.
+  constructor(readonly status: number, detail: string, readonly retryAfter?: number) {
     super(detail);
   }
 }
 
 export class Api {
   token = '';
+  by = '';  // who gives orders, for other operators and for the log
 
   /// Whether the fleet may be controlled from here.
   async probe(): Promise<void> {
-    await this.ask('GET', 'robots');
+    await this.ask('GET', 'alarms');
   }
-  /// To any robot if none is named.
-  async go(robot: string | null, goal: Goal): Promise<Order> {
-    return asOrder(await this.ask('POST', 'orders', {robot, goal, by: 'page'}));
+  /// To any robot if none is named. `replace`: the order replaces the other open orders of the robot.
+  async go(robot: string | null, goal: Goal, replace = false): Promise<Order> {
+    const body: OrderRequest = {robot, goal, by: this.by, replace};
+    return read('Order', await this.ask('POST', 'orders', body));
   }
   async cancel(order: string): Promise<void> {
-    await this.ask('DELETE', `orders/${encodeURIComponent(order)}`);
+    const query = new URLSearchParams({by: this.by});
+    await this.ask('DELETE', `orders/${encodeURIComponent(order)}?${query}`);
   }
   async halt(what: 'stop' | 'release' | 'pause' | 'resume', robots?: string[]): Promise<void> {
-    await this.ask('POST', what, robots && {robots});
+    const body: HaltRequest = {robots, by: this.by};
+    await this.ask('POST', what, body);
   }
 
   /// Reads events until the stream ends or `signal` ends it. An EventSource could not say the token.
@@ -56,7 +61,7 @@ export class Api {
     const response = await fetch(url, {...options, headers, cache: 'no-store'}).catch((error) => {
       throw new ApiError(0, error instanceof Error && error.name === 'TimeoutError' ? 'the monitor did not answer' : 'the monitor cannot be reached');
     });
-    if (!response.ok) throw new ApiError(response.status, await detailOf(response));
+    if (!response.ok) throw new ApiError(response.status, await detailOf(response), Number(response.headers.get('Retry-After')) || undefined);
     return response;
   }
 }
@@ -66,9 +71,9 @@ async function detailOf(response: Response): Promise<string> {
   const otherwise = `${response.status} ${response.statusText}`;
   const text = await response.text().catch(() => '');
   try {
-    const {detail, title} = JSON.parse(text);
-    return String(detail || title || otherwise);
-  } catch {  // no JSON
+    const {detail, title}: Partial<Problem> = JSON.parse(text);
+    return detail || title || otherwise;
+  } catch {  // it comes from something else than the monitor
     return otherwise;
   }
 }

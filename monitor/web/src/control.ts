@@ -4,7 +4,7 @@ import {Access} from './access.ts';
 import {type Draft, type Point, type Situation, goalOf, hintOf, targetOf} from './aim.ts';
 import {Api, detail} from './api.ts';
 import {Commands} from './commands.ts';
-import type {ConnectionState} from './connection.ts';
+import type {Connection, ConnectionState} from './connection.ts';
 import {byId, setText} from './dom.ts';
 import {DutyPanel} from './duty_panel.ts';
 import type {ServerEvent} from './event_parser.ts';
@@ -12,16 +12,22 @@ import {EventStream} from './event_stream.ts';
 import type {Fleet} from './fleet.ts';
 import type {Aim} from './gestures.ts';
 import {drawDraft, drawGoals} from './goal_layer.ts';
+import {type KeyAim, onAimKey, tipOf} from './key_aim.ts';
 import {listenToKeys} from './keyboard.ts';
 import type {MapView} from './map_view.ts';
 import {OrderList} from './order_list.ts';
+import {Notices} from './notices.ts';
 import {Orders} from './orders.ts';
 import type {Palette} from './palette.ts';
+import {ReplaceDialog} from './replace_dialog.ts';
+import {readEvent} from './schema.ts';
+import {oldAfter} from './silence.ts';
 import {StopButton} from './stop_button.ts';
 import {Toasts} from './toasts.ts';
 import {type View, toPageX, toPageY} from './view.ts';
 
 const coarse = matchMedia('(pointer: coarse)');
+const doubleClick = {milliseconds: 500, pixels: 16};  // within these, a second press is no second order
 
 export class Control implements Aim {
   private sends = true;
@@ -29,6 +35,8 @@ export class Control implements Aim {
   private any = false;
   private isLost = false;  // the connection to the monitor
   private draft: Draft | undefined;
+  private keyAim: KeyAim | undefined;  // keys move the draft
+  private dropped = {at: {x: NaN, y: NaN}, time: -Infinity};  // the last press on the map that sent a robot
   private failure = '';  // of the stream of events
   private readonly api = new Api();
   private readonly orders = new Orders();
@@ -39,17 +47,19 @@ export class Control implements Aim {
     onRefused: (error) => this.access.refuse(error),
   });
   private readonly toasts = new Toasts(byId('toasts'), byId('announced'));
-  private readonly access = new Access(this.api, () => this.onAccess(), (why) => this.toasts.fail(why));
-  private readonly commands = new Commands(this.api, this.orders, this.toasts, (error) => this.access.refuse(error));
+  private readonly access = new Access(this.api, () => this.onAccess(), (why) => this.toasts.fail('access', why, {holds: () => !this.isOn}));
+  private readonly question = new ReplaceDialog();
+  private readonly commands = new Commands(this.api, this.orders, this.toasts, (robot, earlier) => this.question.ask(robot, earlier), (error) => this.access.refuse(error));
+  private readonly notices = new Notices(this.orders, this.toasts, () => this.api.by);
   private readonly list = new OrderList(this.orders, (order) => void this.commands.cancel(order));
-  private readonly stop = new StopButton(() => this.isOn, (what) => (what === 'stop' ? this.commands.stopAll() : this.commands.releaseAll()));
+  private readonly stop = new StopButton(() => this.isOn, (what) => (what === 'stop' ? this.commands.stopAll(this.connection.age <= oldAfter) : this.commands.releaseAll()));
   private readonly duty = new DutyPanel(this.orders);
   private readonly buttons = {
     send: byId('send'), queue: byId('queue'), any: byId('any'), pause: byId<HTMLButtonElement>('pause'), go: byId<HTMLButtonElement>('go'),
   };
   private readonly hint = byId('hint');
 
-  constructor(private readonly fleet: Fleet, private readonly map: MapView, private readonly onHidden: () => void) {
+  constructor(private readonly fleet: Fleet, private readonly map: MapView, private readonly connection: Connection, private readonly onHidden: () => void) {
     map.above = (context, view, palette) => this.draw(context, view, palette);
     this.buttons.send.addEventListener('click', () => this.toggleSend());
     this.buttons.queue.addEventListener('click', () => this.toggleQueue());
@@ -63,8 +73,10 @@ export class Control implements Aim {
       {keys: ['g'], shown: 'G', does: 'a press on the map sends the selected robot, or moves the map', act: () => this.toggleSend()},
       {keys: ['q'], shown: 'Q', does: 'new orders follow earlier ones (also with Shift)', act: () => this.toggleQueue()},
       {keys: ['a'], shown: 'A', does: 'send any robot', act: () => this.toggleAny()},
+      {keys: ['m'], shown: 'M', does: 'aim with the keyboard: arrow keys move the mark (with Shift by little), R turns the heading, Enter sends, Shift+Enter queues', act: () => this.aimByKeys()},
       {keys: ['p'], shown: 'P', does: 'pause or resume the selected robot', act: () => this.togglePause()},
     ], 'help-control', () => this.isOn);
+    map.canvas.addEventListener('keydown', (event) => this.onMapKey(event));
   }
 
   start(): void {
@@ -77,8 +89,13 @@ export class Control implements Aim {
   }
 
   onConnection({kind}: ConnectionState): void {
-    if (kind === 'lost' && !this.isLost) this.stream.restart();  // its connection may be dead, too, and not say so
+    if (kind === 'lost') this.onMute();
     if (kind !== 'connecting') this.isLost = kind === 'lost';
+  }
+
+  /// What the page knows of orders and stops is as old as what the map shows.
+  onMute(): void {
+    if (!this.isLost) this.stream.restart();  // its connection may be dead, too, and not say so
   }
 
   /// Whether the key had a meaning here.
@@ -96,6 +113,7 @@ export class Control implements Aim {
   }
 
   update(): void {
+    this.toasts.update();
     if (!this.isOn) return;
     const {sends, any, queues, buttons} = this;
     for (const [button, on] of [[buttons.send, sends], [buttons.any, any], [buttons.queue, queues]] as const) button.ariaPressed = String(on);
@@ -126,14 +144,19 @@ export class Control implements Aim {
   }
 
   drop(queue: boolean): void {
-    const {draft} = this;
+    const {draft, keyAim} = this;
     const target = targetOf(this.situation);
     this.leave();
-    if (draft && target !== undefined) void this.commands.send(target, goalOf(draft), queue || this.queues);
+    if (!draft || target === undefined) return;
+    if (!keyAim) {
+      if (this.isSecondClick(draft.from)) return;
+      this.dropped = {at: draft.from, time: performance.now()};
+    }
+    void this.commands.send(target, goalOf(draft), queue || this.queues);
   }
 
   leave(): void {
-    this.draft = undefined;
+    this.draft = this.keyAim = undefined;
     this.changed();
   }
 
@@ -145,7 +168,45 @@ export class Control implements Aim {
   }
   private get situation(): Situation {
     const {sends, any, robot, queues, draft} = this;
-    return {sends, any, robot, queues, draft, halt: robot === undefined ? 'none' : this.orders.haltOf(robot), touch: coarse.matches};
+    return {sends, any, robot, queues, draft, halt: robot === undefined ? 'none' : this.orders.haltOf(robot), touch: coarse.matches, byKeys: this.keyAim !== undefined};
+  }
+
+  private isSecondClick({x, y}: Point): boolean {
+    const {at, time} = this.dropped;
+    return performance.now() - time < doubleClick.milliseconds && Math.hypot(x - at.x, y - at.y) < doubleClick.pixels;
+  }
+
+  /// Begins at the selected robot, or in the middle for any robot.
+  private aimByKeys(): void {
+    const {canvas, robots, selected} = this.map;
+    if (!this.any && this.robot === undefined) return;
+    this.sends = true;
+    const [x, y] = this.any ? [NaN, NaN] : [robots.x[selected], robots.y[selected]];
+    const at = Number.isFinite(x) ? {x, y} : {x: canvas.clientWidth / 2, y: canvas.clientHeight / 2};
+    canvas.focus();
+    this.setKeyAim({at, heading: undefined});
+  }
+
+  private onMapKey(event: KeyboardEvent): void {
+    if (!this.isOn || !this.keyAim || event.ctrlKey || event.metaKey || event.altKey) return;
+    const outcome = onAimKey(event, this.keyAim);
+    if (outcome === undefined) return;
+    event.preventDefault();
+    event.stopPropagation();  // elsewhere the arrow keys move the map
+    if (typeof outcome === 'object') this.setKeyAim(outcome.aim);
+    else this.drop(outcome === 'queue');
+  }
+
+  private setKeyAim(aim: KeyAim): void {
+    const {map} = this;
+    const {clientWidth, clientHeight} = map.canvas;
+    const at = {x: Math.max(0, Math.min(clientWidth, aim.at.x)), y: Math.max(0, Math.min(clientHeight, aim.at.y))};
+    const place = map.placeAt(at.x, at.y);
+    if (!place) return;
+    this.keyAim = {at, heading: aim.heading};
+    this.draft = {place, from: at, to: tipOf(this.keyAim), up: map.up};
+    this.changed();
+    byId('announced').textContent = this.fleet.isBlocked(place) ? `${this.hint.textContent} There is an obstacle.` : this.hint.textContent;
   }
 
   private changed(): void {
@@ -163,8 +224,9 @@ export class Control implements Aim {
 
   private hide(): void {
     this.stream.close();
+    this.question.close();
     this.orders.forget();
-    this.draft = undefined;
+    this.draft = this.keyAim = undefined;
     this.map.canvas.classList.remove('sends');
     this.duty.update(undefined);
     this.onHidden();
@@ -172,12 +234,16 @@ export class Control implements Aim {
 
   private onOpen(): void {
     this.orders.forget();
+    this.notices.begin(this.fleet.beat);
     this.failure = '';
     this.changed();
   }
 
   private onEvent({kind, data}: ServerEvent): void {
-    this.orders.on(kind, JSON.parse(data));
+    const event = readEvent(kind, JSON.parse(data));
+    if (!event) return;
+    const before = this.orders.on(event);
+    if (event.kind === 'order') this.notices.on(event.data, before);
     this.changedSoon();
   }
 

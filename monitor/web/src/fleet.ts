@@ -1,8 +1,10 @@
 // All that the page knows of a fleet, and how a message changes it. Counters tell the views what has changed.
 import {
-  type Begin, EdgesKind, type FiguresPoint, type Frame, type Life, type Map as GridMap, type Path, type Playback, type RosterRobot,
+  type AlarmsAlarm, type Begin, EdgesKind, type FiguresPoint, type Frame, type Life, LifeState, type Map as GridMap, type Path, type Playback,
+  type RosterRobot,
   type StatusesStatus, type ToPage,
 } from './live.js';
+import {oldAfter} from './silence.ts';
 
 export type Robot = RosterRobot;
 export type Status = StatusesStatus;
@@ -20,7 +22,10 @@ export class Fleet {
   frame: Frame | undefined;  // the newest
   figures: FiguresPoint[] = [];
   playback: Playback | undefined;
-  revision = {roster: 0, statuses: 0, figures: 0};
+  alarms: AlarmsAlarm[] = [];
+  lost: ReadonlySet<number> = new Set();  // robots that are not heard any more
+  beat = 0;  // the newest time of the monitor, seconds since the Unix epoch
+  revision = {roster: 0, statuses: 0, figures: 0, alarms: 0};
   rank: number[] = [];  // order of the robots by name: r2 comes before r10
   private indices = new Map<string, number>();
 
@@ -32,6 +37,8 @@ export class Fleet {
     if (message.frame) this.frame = message.frame;
     if (message.figures) this.takeFigures(message.figures.points);
     if (message.playback) this.playback = message.playback;
+    if (message.alarms) this.takeAlarms(message.alarms.alarms);
+    if (message.beat) this.beat = message.beat.at;
   }
 
   indexOf(name: string): number | undefined {
@@ -42,6 +49,15 @@ export class Fleet {
   toGo(robot: number): number | undefined {
     const metres = this.frame?.to_go[robot];
     return Number.isFinite(metres) ? metres : undefined;
+  }
+
+  /// Wall seconds since the robot was last heard.
+  silenceOf(robot: number): number {
+    return this.frame?.silence[robot] ?? 0;
+  }
+  /// Whether what is shown of the robot is old, though it does not count as lost yet.
+  isOld(robot: number): boolean {
+    return this.silenceOf(robot) > oldAfter && !this.lost.has(robot) && this.life?.state !== LifeState.ENDED;
   }
 
   /// Why a robot does not come on, and for how long it has not; none if it does.
@@ -57,6 +73,16 @@ export class Fleet {
     return {x: (map?.origin_x ?? 0) + frame.x[robot], y: (map?.origin_y ?? 0) + frame.y[robot]};
   }
 
+  /// Whether the map has an obstacle there. Beside the map there is one, too.
+  isBlocked({x, y}: {x: number; y: number}): boolean {
+    const {map} = this;
+    if (!map) return false;
+    const [i, j] = [Math.floor((x - map.origin_x) / map.resolution), Math.floor((y - map.origin_y) / map.resolution)];
+    if (i < 0 || j < 0 || i >= map.width || j >= map.height) return true;
+    const bit = i + j * map.width;
+    return ((map.occupancy![bit >> 3] >> (bit & 7)) & 1) === 1;
+  }
+
   get life(): Life | undefined {
     return this.frame?.life;
   }
@@ -68,6 +94,7 @@ export class Fleet {
     this.statuses = [];
     this.figures = [];
     this.indices.clear();
+    this.takeAlarms([]);
     this.touch('roster', 'statuses', 'figures');
   }
 
@@ -82,6 +109,12 @@ export class Fleet {
   private takeStatuses(statuses: Status[]): void {
     for (const status of statuses) this.statuses[status.robot] = status;
     this.touch('statuses');
+  }
+
+  private takeAlarms(alarms: AlarmsAlarm[]): void {
+    this.alarms = alarms;
+    this.lost = new Set(alarms.filter(({kind}) => kind === 'robot_silent').map(({robot}) => robot));
+    this.touch('alarms');
   }
 
   private takeFigures(points: FiguresPoint[]): void {

@@ -1,6 +1,7 @@
 // The live page of `coppice monitor`: joins the parts.
 import './style.css';
 
+import {AlarmPanel} from './alarm_panel.ts';
 import {Charts} from './charts.ts';
 import {Connection, type ConnectionState} from './connection.ts';
 import {Control} from './control.ts';
@@ -35,7 +36,7 @@ let state: ConnectionState = {kind: 'connecting'};
 
 startTheme(restyle);
 const map = new MapView(byId<HTMLCanvasElement>('map'), fleet, playhead, () => time.frozen);
-const connection = new Connection(address(), onBytes, onState);
+const connection = new Connection(address(), onBytes, onState, () => control.onMute());
 const time = new TimeControl(fleet, (message) => connection.send(encode(message)), take, () => connection.open());
 const statusLine = new StatusLine(fleet);
 const details = new Details(fleet);
@@ -46,7 +47,11 @@ const table = new RobotTable(byId('table'), fleet, () => map.selected, (robot) =
 const phaseCounts = new PhaseCounts(byId('phases'), fleet);
 const charts = new Charts(byId('charts'), fleet);
 const legend = new Legend(map.layers, restyleMap);
-const control = new Control(fleet, map, () => { if (document.body.dataset.tab === 'orders') showTab('robots'); });
+const alarms = new AlarmPanel(fleet, byId('announced'), (robot) => {
+  pick(robot);
+  map.centre(robot);
+});
+const control = new Control(fleet, map, connection, () => { if (document.body.dataset.tab === 'orders') showTab('robots'); });
 
 function address(): string {
   const url = new URL('/live', location.href);
@@ -85,7 +90,7 @@ function restoreSelection(): void {
 function onState(now: ConnectionState): void {
   state = now;
   if (now.kind === 'connecting') time.reset();
-  statusLine.update(state, time.frozen, map.time);
+  statusLine.update(state, connection.age, time.frozen, map.time);
   control.onConnection(now);
 }
 
@@ -141,7 +146,7 @@ function switchTheme(): void {
 function toggleHelp(): void {
   const help = byId<HTMLDialogElement>('help');
   if (help.open) help.close();
-  else help.showModal();
+  else help.show();  // not modal, and beside the map: STOP and the robots stay at hand
 }
 
 function toggleLegend(): void {
@@ -169,13 +174,20 @@ const keys: Key[] = [
   {keys: ['t'], shown: 'T', does: 'follow the selected robot', act: () => follow(!map.following)},
   {keys: ['[', ']'], shown: '[ ]', does: 'select the previous or next robot', act: (key) => step(key === '[' ? -1 : 1)},
   {keys: ['/'], shown: '/', does: 'find a robot', act: () => byId('find').focus()},
-  {keys: ['Escape'], shown: 'Esc', does: 'select nothing', act: () => { if (!control.escape()) pick(-1); }},
+  {keys: ['Escape'], shown: 'Esc', does: 'select nothing', act: escape},
   {keys: ['1', '2', '3', '4', '5', '6', '7', '8'], shown: '1 … 8', does: 'layers on and off', act: (key) => legend.toggle(Number(key) - 1)},
   {keys: ['k'], shown: 'K', does: 'legend', act: toggleLegend},
+  {keys: ['!'], shown: '!', does: 'alarms', act: () => byId('alarm-list').focus()},
   {keys: ['c'], shown: 'C', does: 'charts', act: () => document.body.classList.toggle('no-charts')},
   {keys: ['d'], shown: 'D', does: 'dark or light', act: switchTheme},
   {keys: ['?'], shown: '?', does: 'this help', act: toggleHelp},
 ];
+
+function escape(): void {
+  const dialogs = [...document.querySelectorAll('dialog')].filter(({open}) => open);
+  for (const dialog of dialogs) dialog.close();
+  if (dialogs.length === 0 && !control.escape()) pick(-1);
+}
 
 function panByKey(key: string): void {
   const dx = key === 'ArrowLeft' ? panStep : key === 'ArrowRight' ? -panStep : 0;
@@ -191,6 +203,8 @@ function listenToButtons(): void {
   click('theme', switchTheme);
   click('help-open', toggleHelp);
   click('help-close', toggleHelp);
+  for (const dialog of document.querySelectorAll('dialog'))
+    dialog.addEventListener('keydown', ({key}) => { if (key === 'Escape') dialog.close(); });
   click('follow', () => follow(!map.following));
   click('deselect', () => pick(-1));
   click('reconnect', () => connection.open());
@@ -234,8 +248,9 @@ setInterval(updatePanels, panelsPause);
 setInterval(() => { if (!time.frozen) charts.updateNext(); }, chartPause);
 setInterval(() => {
   time.update();
-  statusLine.update(state, time.frozen, map.time);
+  statusLine.update(state, connection.age, time.frozen, map.time);
   showFollowing();
+  alarms.update();
   control.update();
 }, linePause);
 connection.open();

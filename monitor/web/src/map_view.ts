@@ -190,7 +190,7 @@ export class MapView {
     this.follow();
     this.background.blit(context, this.view, this.pixelRatio, this.palette);
     if (!this.shown) return;
-    this.robots.place(this.fleet.roster, this.shown, this.view);
+    this.robots.place(this.fleet, this.shown, this.view);
     this.robots.draw(context, this.fleet.roster, this.shown.after, this.view, this.layers, this, this.palette);
     this.above?.(context, this.view, this.palette);
   }

@@ -1,7 +1,10 @@
-// The list of orders, the newest first. A row stays the same element, so that the focus stays on its button.
+// The list of orders, the newest first, a page of them at a time. A row stays the same element, so that the focus stays on
+// its button.
 import {byId, element, setText} from './dom.ts';
 import {clock, fixed} from './format.ts';
 import {isEnded, type Order, type Orders} from './orders.ts';
+
+const pageOf = 100;  // orders that are shown at first, and with each press on "more"
 
 interface Row {
   item: HTMLElement;
@@ -22,6 +25,10 @@ export function describe({action, robot, goals, visited, cancels, ...order}: Ord
   return `${robot ?? (names || 'any robot')} to ${fixed(x, 2)}, ${fixed(y, 2)}${count}`;
 }
 
+export function withSender(order: Order): string {
+  return `${describe(order)}${order.by ? `, by ${order.by}` : ''}`;
+}
+
 export function ageOf({accepted_at}: Order, now: number): string {
   return accepted_at === null ? '–' : clock(now - accepted_at);
 }
@@ -31,10 +38,19 @@ export class OrderList {
   private readonly none = byId('no-orders');
   private readonly count = byId('order-count');
   private readonly rows = new Map<string, Row>();
+  private readonly more = byId<HTMLButtonElement>('more-orders');
   private revision = -1;
+  private most = pageOf;
   private shown: Order[] = [];
 
-  constructor(private readonly orders: Orders, private readonly onCancel: (order: Order) => void) {}
+  constructor(private readonly orders: Orders, private readonly onCancel: (order: Order) => void) {
+    this.more.addEventListener('click', () => {
+      const first = this.shown.length;
+      this.most += pageOf;
+      this.writeAll();
+      if (this.more.hidden) this.list.children[first]?.querySelector('button')?.focus();
+    });
+  }
 
   update(): void {
     if (this.revision !== this.orders.revision) this.writeAll();
@@ -44,7 +60,7 @@ export class OrderList {
 
   private writeAll(): void {
     this.revision = this.orders.revision;
-    this.shown = this.orders.newest();
+    this.shown = this.orders.newest(this.most);
     const ids = new Set(this.shown.map(({id}) => id));
     for (const [id, {item}] of this.rows) {
       if (ids.has(id)) continue;
@@ -52,9 +68,11 @@ export class OrderList {
       this.rows.delete(id);
     }
     this.shown.forEach((order, place) => this.write(order, place));
-    const open = this.shown.filter((order) => order.action === 'go' && !isEnded(order)).length;
-    setText(this.count, open > 0 ? `${open} open` : '');
-    this.none.hidden = this.shown.length > 0;
+    const {openCount, count} = this.orders;
+    setText(this.count, openCount > 0 ? `${openCount} open` : '');
+    this.none.hidden = count > 0;
+    this.more.hidden = this.shown.length === count;
+    setText(this.more, `Show more: ${this.shown.length} of ${count} are shown`);
   }
 
   private write(order: Order, place: number): void {
@@ -63,9 +81,9 @@ export class OrderList {
     const ended = isEnded(order);
     row.item.className = ended ? `ended ${order.state}` : order.state.replace(' ', '-');
     setText(row.state, order.state);
-    setText(row.what, describe(order));
+    setText(row.what, withSender(order));
     setText(row.reason, order.reason ?? '');
-    row.item.title = order.by ? `${order.id}, by ${order.by}` : order.id;
+    row.item.title = order.id;
     row.cancel.hidden = ended || order.action !== 'go';
     row.cancel.ariaLabel = `Cancel: ${describe(order)}`;
   }

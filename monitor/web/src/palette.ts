@@ -1,5 +1,5 @@
 // The colours of the map, from the page's style sheet, which defines them once for both themes.
-import {phaseCount} from './phases.ts';
+import {shownCount} from './phases.ts';
 
 export const hues = 10;  // number of robot colours, assigned in turn
 
@@ -38,7 +38,7 @@ export function readPalette(): Palette {
     halo: colour('map-halo'),
     aim: colour('accent'),
     selected: colour('selected'),
-    phases: Array.from({length: phaseCount}, (_, k) => colour(`phase-${k}`)),
+    phases: Array.from({length: shownCount}, (_, k) => colour(`phase-${k}`)),
     robots: Array.from({length: hues}, (_, k) => colour(`robot-${k}`)),
   };
 }

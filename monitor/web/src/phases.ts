@@ -1,7 +1,11 @@
 // The names of phases and stages. Each phase has its own colour and sign (robots_layer.ts, index.html).
 import {Phase} from './live.js';
 
-export const phaseNames: Readonly<Record<Phase, string>> = {
+/// What the page shows instead of the last phase of a robot that is not heard any more.
+export const lost = 8;
+export type Shown = Phase | typeof lost;
+
+export const phaseNames: Readonly<Record<Shown, string>> = {
   [Phase.WAITING]: 'waiting',
   [Phase.PLANNING]: 'planning',
   [Phase.DRIVING]: 'driving',
@@ -10,10 +14,12 @@ export const phaseNames: Readonly<Record<Phase, string>> = {
   [Phase.STOPPED]: 'stopped',
   [Phase.GAVE_UP]: 'gave up',
   [Phase.HALTED]: 'halted',
+  [lost]: 'silent',
 };
 
 /// The order of phases in a table: robots that need attention come first.
-export const phaseOrder: Readonly<Record<Phase, number>> = {
+export const phaseOrder: Readonly<Record<Shown, number>> = {
+  [lost]: -1,
   [Phase.NO_PATH]: 0,
   [Phase.GAVE_UP]: 0,
   [Phase.HALTED]: 0,
@@ -24,7 +30,8 @@ export const phaseOrder: Readonly<Record<Phase, number>> = {
   [Phase.STOPPED]: 5,
 };
 
-export const phaseCount = 8;
+const phaseCount = 8;        // that robots report
+export const shownCount = 9;  // with `lost`
 
 export enum Stage {
   FREE = 0,
@@ -43,6 +50,6 @@ export function asPhase(byte: number): Phase {
 }
 
 /// The robot stands and wants to go nowhere, though it has not arrived.
-export function hasNoWay(phase: Phase): boolean {
+export function hasNoWay(phase: Shown): boolean {
   return phase === Phase.NO_PATH || phase === Phase.GAVE_UP;
 }

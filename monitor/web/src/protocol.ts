@@ -33,13 +33,14 @@ function checkFrame({frame}: ToPage): void {
   const lists = [frame.y, frame.vx, frame.vy, frame.waits_for, frame.turn, frame.next_vx, frame.next_vy, frame.expiry, frame.age];
   for (const list of [...lists, frame.phase ?? [], frame.stage ?? []])
     require(list.length === robots, `a frame with lists of ${robots} and ${list.length} robots`);
-  for (const list of [frame.to_go, frame.waiting, frame.idle])  // only for the table
+  for (const list of [frame.to_go, frame.waiting, frame.idle, frame.silence])  // only for the table, and for marks
     require(list.length === robots || list.length === 0, `a frame with lists of ${robots} and ${list.length} robots`);
 }
 
-function checkRobots({roster, statuses, edges, path}: ToPage): void {
+function checkRobots({roster, statuses, edges, path, alarms}: ToPage): void {
   require((roster?.robots.length ?? 0) <= limits.robots, 'a roster of too many robots');
   for (const status of statuses?.statuses ?? []) require(status.robot < limits.robots, `a status of robot ${status.robot}`);
+  for (const alarm of alarms?.alarms ?? []) require(alarm.robot >= -1 && alarm.robot < limits.robots, `an alarm of robot ${alarm.robot}`);
   if (edges) require(edges.robot < limits.robots && edges.points.length % 4 === 0, 'edges of no robot, or not in fours');
   if (path) require(path.robot < limits.robots && path.points.length % 2 === 0, 'a path of no robot, or not in twos');
 }

@@ -1,9 +1,10 @@
 // The robots, and everything that changes with them. Drawn in every frame, so with one stroke per colour.
-import type {Robot} from './fleet.ts';
+import type {Fleet, Robot} from './fleet.ts';
+import {Labels} from './labels.ts';
 import type {Layers} from './layers.ts';
 import {type Frame, Phase} from './live.js';
 import type {Palette} from './palette.ts';
-import {hasNoWay, phaseCount, Stage} from './phases.ts';
+import {type Shown as ShownPhase, Stage, asPhase, hasNoWay, lost, shownCount} from './phases.ts';
 import type {Shown} from './playhead.ts';
 import {nearPairs, stoppingDistance} from './relations.ts';
 import {type View, toPageX, toPageY} from './view.ts';
@@ -11,8 +12,9 @@ import {type View, toPageX, toPageY} from './view.ts';
 type Context = CanvasRenderingContext2D;
 
 const leastSize = 3;        // pixels: least radius of a drawn robot
+const leastOnPhone = 8;     // the same where fingers are to hit it
 const signSize = 3.5;       // pixels of radius from which on a sign fits
-const nameSize = 8;         // pixels of radius from which on every robot shows its name
+const forFingers = matchMedia('(pointer: coarse), (max-width: 760px)');  // as in style.css
 const velocityAhead = 1;    // seconds: the line of a velocity ends where the robot will be then
 const stageRing = 1.3;      // radii
 const turningSpeed = 0.02;  // share of its greatest speed below which a robot keeps its heading
@@ -26,10 +28,13 @@ export interface Marked {
 export class RobotsLayer {
   x = new Float32Array(0);  // of each robot, pixels of the page; NaN: not visible
   y = new Float32Array(0);
+  named: number[] = [];  // robots whose names were drawn
   private size = new Float32Array(0);     // radius, pixels
   private heading = new Float32Array(0);  // on the page
-  private groups: number[][] = Array.from({length: phaseCount}, () => []);  // visible robots, by phase
+  private groups: number[][] = Array.from({length: shownCount}, () => []);  // visible robots, by phase
   private seen: number[] = [];
+  private old: number[] = [];  // visible robots of which nothing new has come for a while
+  private readonly labels = new Labels();
   private pairs: number[] = [];
   private pairsOf: Frame | undefined;
 
@@ -40,11 +45,13 @@ export class RobotsLayer {
   }
 
   /// Computes the positions of robots now. Call it before draw(), and before asking what is under the pointer.
-  place(robots: readonly Robot[], shown: Shown, view: View): void {
+  place(fleet: Fleet, shown: Shown, view: View): void {
+    const robots = fleet.roster;
+    const least = forFingers.matches ? leastOnPhone : leastSize;
     const count = Math.min(robots.length, shown.after.x.length);
     if (this.x.length !== count) this.resize(count);
     for (const group of this.groups) group.length = 0;
-    this.seen.length = 0;
+    this.seen.length = this.old.length = 0;
     const {before, after, share} = shown;
     for (let k = 0; k < count; ++k) {
       const known = k < before.x.length && before.x[k] === before.x[k];
@@ -52,7 +59,7 @@ export class RobotsLayer {
       const y = known ? before.y[k] + (after.y[k] - before.y[k]) * share : after.y[k];
       const px = (this.x[k] = toPageX(view, x));
       const py = (this.y[k] = toPageY(view, y));
-      const size = (this.size[k] = Math.max(leastSize, robots[k].radius * view.scale));
+      const size = (this.size[k] = Math.max(least, robots[k].radius * view.scale));
       const [vx, vy] = [after.vx[k], after.vy[k]];
       const turning = turningSpeed * robots[k].max_speed;
       const yaw = yawOf(before, after, k, share);
@@ -60,8 +67,14 @@ export class RobotsLayer {
       else if (vx * vx + vy * vy > turning * turning) this.heading[k] = Math.atan2(view.up ? -vy : vy, vx);
       if (!(px > -size && px < view.width + size && py > -size && py < view.height + size)) continue;
       this.seen.push(k);
-      this.groups[Math.min(after.phase![k], phaseCount - 1)].push(k);
+      this.groups[fleet.lost.has(k) ? lost : asPhase(after.phase![k])].push(k);
+      if (fleet.isOld(k)) this.old.push(k);
     }
+  }
+
+  /// Radius, pixels.
+  sizeOf(robot: number): number {
+    return this.size[robot];
   }
 
   /// The robot whose disc is there, or close by; -1: none.
@@ -83,13 +96,14 @@ export class RobotsLayer {
     context.lineJoin = 'round';
     if (layers.reserved) this.drawReservations(context, robots, frame, view, palette);
     if (layers.near) this.drawNear(context, robots, frame, palette);
-    for (let phase = 0; phase < phaseCount; ++phase) this.drawDiscs(context, phase as Phase, palette);
+    for (let phase = 0; phase < shownCount; ++phase) this.drawDiscs(context, phase as ShownPhase, palette);
+    this.drawOld(context, palette);
     this.drawFootprints(context, robots, view, palette);
     this.drawHeadings(context, frame, view, palette);
     this.drawStages(context, frame, palette);
     if (layers.waits) this.drawWaits(context, frame, palette);
     this.drawMarked(context, marked, palette);
-    this.drawNames(context, robots, layers, marked, palette);
+    this.drawNames(context, robots, view, layers, marked, palette);
   }
 
   private resize(count: number): void {
@@ -113,22 +127,39 @@ export class RobotsLayer {
     }
   }
 
-  private drawDiscs(context: Context, phase: Phase, palette: Palette): void {
+  private drawDiscs(context: Context, phase: ShownPhase, palette: Palette): void {
     const robots = this.groups[phase];
     if (robots.length === 0) return;
     const colour = palette.phases[phase];
-    const hollow = phase === Phase.WAITING || phase === Phase.PLANNING || hasNoWay(phase);
+    const hollow = phase === Phase.WAITING || phase === Phase.PLANNING || phase === lost || hasNoWay(phase);
     this.discs(context, robots, hollow ? 0.86 : 1);
     context.fillStyle = hollow ? palette.floor : colour;
     context.fill();
     context.strokeStyle = hollow ? colour : palette.mark;  // contrasts with the paths
     context.lineWidth = hollow ? 2 : 1;
+    context.setLineDash(phase === lost ? [3, 3] : []);
     context.stroke();
+    context.setLineDash([]);
     this.drawSigns(context, phase, robots.filter((k) => this.size[k] >= signSize), hollow ? colour : palette.mark);
   }
 
+  /// A ring of dashes around robots whose positions are old.
+  private drawOld(context: Context, palette: Palette): void {
+    if (this.old.length === 0) return;
+    context.beginPath();
+    for (const k of this.old) {
+      context.moveTo(this.x[k] + this.size[k] + 2, this.y[k]);
+      context.arc(this.x[k], this.y[k], this.size[k] + 2, 0, circle);
+    }
+    context.setLineDash([2, 3]);
+    context.strokeStyle = palette.phases[lost];
+    context.lineWidth = 1.5;
+    context.stroke();
+    context.setLineDash([]);
+  }
+
   /// Signs, so that phases do not differ by colour alone.
-  private drawSigns(context: Context, phase: Phase, robots: readonly number[], colour: string): void {
+  private drawSigns(context: Context, phase: ShownPhase, robots: readonly number[], colour: string): void {
     if (robots.length === 0 || phase === Phase.WAITING || phase === Phase.DRIVING) return;
     if (phase === Phase.PLANNING) {
       this.discs(context, robots, 0.35);
@@ -136,6 +167,7 @@ export class RobotsLayer {
       context.fill();
       return;
     }
+    if (phase === lost) return this.drawQuestions(context, robots, colour);
     context.beginPath();
     for (const k of robots) {
       const [x, y, s] = [this.x[k], this.y[k], this.size[k] * 0.4];
@@ -160,6 +192,15 @@ export class RobotsLayer {
     context.strokeStyle = colour;
     context.lineWidth = markWidth(this.size[robots[0]]);
     context.stroke();
+  }
+
+  private drawQuestions(context: Context, robots: readonly number[], colour: string): void {
+    context.fillStyle = colour;
+    context.textAlign = 'center';
+    for (const k of robots) {
+      context.font = `700 ${Math.min(16, 1.5 * this.size[k]).toFixed(1)}px ui-sans-serif, system-ui, "DejaVu Sans", sans-serif`;
+      context.fillText('?', this.x[k], this.y[k] + Math.min(16, 1.5 * this.size[k]) * 0.36);
+    }
   }
 
   /// The outlines of robots that are no discs.
@@ -305,19 +346,24 @@ export class RobotsLayer {
     }
   }
 
-  private drawNames(context: Context, robots: readonly Robot[], layers: Layers, {selected, hovered}: Marked, palette: Palette): void {
+  /// Names find places where they cover neither robots nor each other. Of robots that stand close, some show none until the
+  /// map is zoomed in.
+  private drawNames(context: Context, robots: readonly Robot[], view: View, layers: Layers, {selected, hovered}: Marked, palette: Palette): void {
     const isMarked = (k: number) => k === selected || k === hovered;
-    const named = this.seen.filter((k) => isMarked(k) || (layers.names && this.size[k] >= nameSize));
-    if (named.length === 0) return;
+    const wanted = layers.names ? [...this.seen].sort((a, b) => Number(isMarked(b)) - Number(isMarked(a)) || a - b) : this.seen.filter(isMarked);
+    this.named = [];
+    if (wanted.length === 0) return;
     context.font = '500 11px ui-sans-serif, system-ui, "DejaVu Sans", sans-serif';
-    context.textAlign = 'center';
+    context.textAlign = 'left';
     context.fillStyle = palette.text;
     context.strokeStyle = palette.halo;
     context.lineWidth = 4;
-    for (const k of named) {
-      const y = this.y[k] - stageRing * this.size[k] - (isMarked(k) ? 6 : 4);
-      if (isMarked(k)) context.strokeText(robots[k].name, this.x[k], y);
-      context.fillText(robots[k].name, this.x[k], y);
+    const body = (k: number) => ({x: this.x[k], y: this.y[k], size: this.size[k] * (isMarked(k) ? stageRing + 0.2 : 1)});
+    const places = this.labels.place(wanted, this.seen, (k) => robots[k].name, body, (text) => context.measureText(text).width, isMarked, view);
+    for (const {robot, x, y} of places) {
+      if (isMarked(robot)) context.strokeText(robots[robot].name, x, y);
+      context.fillText(robots[robot].name, x, y);
+      this.named.push(robot);
     }
   }
 }

@@ -2,8 +2,9 @@
 import type {ConnectionState} from './connection.ts';
 import {byId, setText} from './dom.ts';
 import type {Fleet} from './fleet.ts';
-import {clock, metres, timeOfDay} from './format.ts';
+import {clock, fixed, metres, timeOfDay} from './format.ts';
 import {LifeState} from './live.js';
+import {lostAfter, oldAfter} from './silence.ts';
 
 const separationOf = ({figures}: Fleet) => {
   const last = figures.at(-1);
@@ -22,11 +23,14 @@ export class StatusLine {
   private readonly separation = byId('separation');
   private readonly announced = byId('announced');
   private kind = '';
+  private age = Infinity;
 
   constructor(private readonly fleet: Fleet) {}
 
-  update(state: ConnectionState, frozen: boolean, shownTime: number | undefined): void {
+  /// `age`: seconds since the monitor was last heard.
+  update(state: ConnectionState, age: number, frozen: boolean, shownTime: number | undefined): void {
     const {fleet} = this;
+    this.age = age;
     this.showConnection(state, frozen);
     this.showNotice(state);
     setText(this.source, fleet.begin?.source ?? '');
@@ -43,14 +47,22 @@ export class StatusLine {
     this.kind = kind;
     this.pill.className = `pill ${kind}`;
     document.body.classList.toggle('lost', kind === 'lost');
+    document.body.classList.toggle('old', kind === 'old');
     setText(this.announced, kind === 'lost' && state.kind === 'lost' ? `Connection lost: ${state.why}` : this.words(kind, state));
+  }
+
+  /// What the page shows is too old to act by.
+  private get isOutdated(): boolean {
+    return this.fleet.begin !== undefined && this.age > lostAfter;
   }
 
   /// The kind of badge. Live means that a fleet is heard now.
   private kindOf(state: ConnectionState, frozen: boolean): string {
     const {begin, life} = this.fleet;
     const ended = life?.state === LifeState.ENDED && !begin?.recorded;
-    if (state.kind !== 'open') return ended ? 'ended' : state.kind;
+    if (state.kind !== 'open') return ended ? 'ended' : this.isOutdated ? 'lost' : state.kind;
+    if (this.isOutdated) return 'lost';
+    if (this.age > oldAfter && begin) return 'old';
     if (begin?.recorded) return 'recording';
     if (frozen) return 'held';
     if (ended) return 'ended';
@@ -61,7 +73,8 @@ export class StatusLine {
 
   private words(kind: string, state: ConnectionState): string {
     switch (kind) {
-      case 'lost': return state.kind === 'lost' ? `lost: retry in ${secondsUntil(state.retryAt)} s` : kind;
+      case 'lost': return state.kind === 'lost' ? `lost: retry in ${secondsUntil(state.retryAt)} s` : `lost: nothing heard for ${seconds(this.age)}`;
+      case 'old': return `${seconds(this.age)} old`;
       case 'ended': return 'run ended';
       case 'silent': return `fleet silent since ${timeOfDay(this.fleet.life!.heard)}`;
       case 'waiting': return 'waiting for a fleet';
@@ -75,6 +88,7 @@ export class StatusLine {
     const [title, text] =
       ended ? [`run ended: ${fleet.life!.arrived} of ${fleet.life!.robots} arrived`, state.kind === 'open' ? '' : 'the monitor has ended, too']
       : state.kind === 'lost' ? ['Connection lost', `${state.why}; next attempt in ${secondsUntil(state.retryAt)} s`]
+      : this.isOutdated ? ['The monitor does not answer', `what is shown is ${seconds(this.age)} old`]
       : state.kind === 'connecting' && !fleet.map ? ['Connecting', 'to the monitor']
       : !fleet.begin ? ['Connected', 'waiting for the first message of the monitor']
       : !fleet.map ? ['No fleet yet', `no map has been received on ${fleet.begin.source || 'this bus'}`]
@@ -86,6 +100,10 @@ export class StatusLine {
     setText(this.noticeTitle, title);
     setText(this.noticeText, text);
   }
+}
+
+function seconds(age: number): string {
+  return fixed(age, age < 10 ? 1 : 0, 's');
 }
 
 function secondsUntil(at: number): number {

@@ -2,12 +2,13 @@
 import {byId, setText} from './dom.ts';
 import {StopSwitch} from './stop_switch.ts';
 
+const longestWait = 1_000;  // milliseconds, for an answer
 const keys = ['s', 'S', 'Pause'];
 
 export class StopButton {
   private readonly button = byId<HTMLButtonElement>('stop');
   private readonly logic = new StopSwitch();
-  private underWay = 0;  // commands without an answer yet
+  private sent: number[] = [];  // times of commands without an answer yet
 
   constructor(isOn: () => boolean, private readonly act: (what: 'stop' | 'release') => Promise<void>) {
     this.button.addEventListener('click', () => this.press());
@@ -19,18 +20,17 @@ export class StopButton {
       this.logic.hurry(performance.now());
       void this.tell('stop');
     }, {capture: true});  // before a panel takes the key
-    document.addEventListener('click', (event) => {
-      if (isOn() && event.target instanceof HTMLDialogElement && holds(this.button, event)) this.press();
-    });  // the backdrop of a dialog lies over the button
   }
 
   update(allStopped: boolean): void {
     this.logic.stopped = allStopped;
-    const label = this.logic.label(performance.now());
+    const now = performance.now();
+    const label = this.logic.label(now);
     const confirms = label === 'RELEASE?';
+    const isLate = this.sent.some((at) => now - at > longestWait);
     setText(this.button.firstElementChild!, confirms ? 'PRESS AGAIN' : label);
-    setText(this.button.lastElementChild!, this.underWay > 0 ? 'sending …' : confirms ? 'to release' : 'all robots');
-    const kind = `stop${label === 'STOP' ? '' : ' release'}${confirms ? ' confirms' : ''}`;
+    setText(this.button.lastElementChild!, isLate ? 'NO ANSWER' : this.sent.length > 0 ? 'sending …' : confirms ? 'to release' : 'all robots');
+    const kind = `stop${label === 'STOP' ? '' : ' release'}${confirms ? ' confirms' : ''}${isLate ? ' late' : ''}`;
     if (this.button.className === kind) return;
     this.button.className = kind;
     this.button.title = label === 'STOP' ? 'All robots brake at once and stand (S or Pause)' : 'Press twice: the robots may drive again';
@@ -44,10 +44,11 @@ export class StopButton {
 
   private async tell(what: 'stop' | 'release'): Promise<void> {
     for (const dialog of document.querySelectorAll('dialog')) dialog.close();  // the outcome shall be seen
-    ++this.underWay;
+    const at = performance.now();
+    this.sent.push(at);
     this.update(this.logic.stopped);
     await this.act(what);
-    --this.underWay;
+    this.sent.splice(this.sent.indexOf(at), 1);
     this.update(this.logic.stopped);
   }
 }
@@ -55,9 +56,4 @@ export class StopButton {
 function takesText(target: EventTarget | null): boolean {
   if (target instanceof HTMLInputElement) return !['checkbox', 'range', 'button', 'submit'].includes(target.type);
   return target instanceof HTMLTextAreaElement || (target instanceof HTMLElement && target.isContentEditable);
-}
-
-function holds(button: HTMLElement, {clientX: x, clientY: y}: MouseEvent): boolean {
-  const {left, right, top, bottom} = button.getBoundingClientRect();
-  return x >= left && x <= right && y >= top && y <= bottom;
 }

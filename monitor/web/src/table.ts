@@ -1,12 +1,10 @@
 // The table of robots. Only visible rows exist, and only changed cells are written.
-import {missedShare, whyMissed, whyOld} from './alarms.ts';
+import {missedShare, whyMissed, whyOld, whySilent} from './alarms.ts';
 import {element, setText, sign} from './dom.ts';
 import type {Fleet} from './fleet.ts';
 import {compact} from './format.ts';
-import type {Phase} from './live.js';
-import {asPhase, phaseNames, phaseOrder} from './phases.ts';
+import {type Shown, asPhase, lost, phaseNames, phaseOrder} from './phases.ts';
 
-const rowHeight = 26;  // pixels, as in style.css
 const spare = 3;       // rows beyond the visible ones
 
 interface Column {
@@ -25,14 +23,16 @@ const share = ({statuses}: Fleet, k: number) => {
   return of !== undefined && of >= 0 ? of : undefined;
 };
 
-export function phaseOf(fleet: Fleet, robot: number): Phase {
+/// What a robot does; what it said last means nothing once it is not heard any more.
+export function phaseOf(fleet: Fleet, robot: number): Shown {
+  if (fleet.lost.has(robot)) return lost;
   const byte = fleet.frame?.phase?.[robot] ?? fleet.statuses[robot]?.phase ?? 0;
   return asPhase(byte);
 }
 
 const columns: Column[] = [
   {title: 'Robot', hint: 'name', text: ({roster}, k) => roster[k].name, key: ({rank}, k) => rank[k]},
-  {title: 'Phase', hint: 'what the robot is doing', text: (f, k) => phaseNames[phaseOf(f, k)], key: (f, k) => phaseOrder[phaseOf(f, k)]},
+  {title: 'Phase', hint: 'what the robot is doing', alarm: whySilent, text: (f, k) => phaseNames[phaseOf(f, k)], key: (f, k) => phaseOrder[phaseOf(f, k)]},
   {title: 'm/s', hint: 'speed, m/s', text: (f, k) => compact(speed(f, k), 1), key: speed},
   {title: 'To go', hint: 'distance left along its path, m', text: (f, k) => compact(f.toGo(k), 1), key: (f, k) => f.toGo(k) ?? NaN},
   {
@@ -71,6 +71,7 @@ export class RobotTable {
   private readonly above = element('tr', {className: 'spacer', ariaHidden: 'true'});
   private readonly below = element('tr', {className: 'spacer', ariaHidden: 'true'});
   private readonly table = element('table');
+  private rowHeight = 26;  // pixels: --row of style.css, which is greater for fingers
 
   constructor(
     private readonly frame: HTMLElement,  // scrolls
@@ -108,11 +109,13 @@ export class RobotTable {
     const height = this.frame.clientHeight;
     if (height === 0) return;  // not shown
     this.order = this.sort();
+    this.rowHeight = parseFloat(getComputedStyle(this.frame).getPropertyValue('--row'));
+    const {rowHeight} = this;
     const first = Math.max(0, Math.min(Math.floor(this.frame.scrollTop / rowHeight) - spare, this.order.length - 1));
     const count = Math.min(this.order.length - first, Math.ceil(height / rowHeight) + 2 * spare);
     this.setRowCount(Math.max(0, count));
-    setHeight(this.above, first);
-    setHeight(this.below, this.order.length - first - count);
+    setHeight(this.above, first * rowHeight);
+    setHeight(this.below, (this.order.length - first - count) * rowHeight);
     this.table.ariaRowCount = String(this.order.length + 1);
     this.rows.forEach((row, k) => this.write(row, first + k));
   }
@@ -121,6 +124,7 @@ export class RobotTable {
   reveal(robot: number): void {
     const place = this.order.indexOf(robot);
     if (place < 0) return;
+    const {rowHeight} = this;
     const top = place * rowHeight;
     const height = this.frame.clientHeight - 2 * rowHeight;
     if (top < this.frame.scrollTop || top > this.frame.scrollTop + height)
@@ -203,7 +207,7 @@ function setAlarm(cell: HTMLElement, why: string): void {
   cell.classList.toggle('alarm', why !== '');
 }
 
-function setHeight(spacer: HTMLTableRowElement, rows: number): void {
-  const height = `${rows * rowHeight}px`;
+function setHeight(spacer: HTMLTableRowElement, pixels: number): void {
+  const height = `${pixels}px`;
   if (spacer.style.height !== height) spacer.style.height = height;
 }

@@ -14,6 +14,8 @@ export interface TestWindow {
   readonly playing: boolean;
   readonly scale: number | null;  // pixels per metre
   positionOf(name: string): {x: number; y: number} | null;  // pixels of the page
+  readonly named: string[];  // robots whose names are on the map
+  sizeOf(name: string): number | null;  // pixels: diameter on the map
   readonly origin: {x: number; y: number} | null;  // pixels of the page, where the map's lower corner lies
   placeOf(name: string): {x: number; y: number} | null;  // metres in the map frame, in the newest frame
 }
@@ -33,6 +35,11 @@ export function exposeToTests(fleet: Fleet, map: MapView, time: TimeControl): vo
     get origin() {
       const [at, {left, top}] = [map.origin, map.canvas.getBoundingClientRect()];
       return at ? {x: left + at.x, y: top + at.y} : null;
+    },
+    get named() { return map.robots.named.map((robot) => fleet.roster[robot].name); },
+    sizeOf(name) {
+      const robot = fleet.indexOf(name);
+      return robot === undefined ? null : 2 * map.robots.sizeOf(robot);
     },
     positionOf(name) {
       const robot = fleet.indexOf(name);

@@ -1,41 +1,65 @@
-// Messages over the page. Failures stay until they are closed; successes go by themselves.
+// Messages about what was ordered. Each has a topic: what is said next of this topic replaces it. A message goes when it
+// holds no longer, after a while, or when it is closed. They lie in the side panel, not over the map.
 import {element} from './dom.ts';
 
-const successStays = 4_000;  // milliseconds
-const most = 20;             // beyond these, the oldest goes
+const successStays = 4_000;   // milliseconds
+const failureStays = 60_000;  // an operator may look elsewhere for a while
+const most = 6;               // beyond these, the oldest goes that does not stay
+
+interface Toast {
+  topic: string;
+  item: HTMLElement;
+  until: number;
+  holds: () => boolean;
+}
+
+export interface Options {
+  /// Whether the message still holds.
+  holds?: () => boolean;
+  /// It stays until it holds no longer, or is closed.
+  stays?: boolean;
+}
+
+type Kind = 'failure' | 'success' | 'notice';
 
 export class Toasts {
-  private last: {text: string; count: HTMLElement; times: number} | undefined;  // failure
-
-  private success: HTMLElement | undefined;
+  private shown: Toast[] = [];
 
   constructor(private readonly list: HTMLElement, private readonly announced: HTMLElement) {}
 
-  fail(text: string): void {
-    if (this.last?.text === text && this.last.count.isConnected) {
-      this.last.count.textContent = ` (${++this.last.times} times)`;
-      return;
-    }
-    const count = element('span');
-    this.show(element('p', {}, text, count), 'failure');
-    this.last = {text, count, times: 1};
+  fail(topic: string, text: string, options: Options = {}): void {
+    this.show('failure', topic, text, failureStays, options);
   }
 
-  succeed(text: string): void {
+  succeed(topic: string, text: string, options: Options = {}): void {
     this.announced.textContent = text;
-    this.success?.remove();
-    const toast = this.show(element('p', {}, text), 'success');
-    this.success = toast;
-    setTimeout(() => toast.remove(), successStays);
+    this.show('success', topic, text, successStays, options);
   }
 
-  private show(text: HTMLElement, kind: 'failure' | 'success'): HTMLElement {
+  /// What another operator did.
+  notice(topic: string, text: string): void {
+    this.announced.textContent = text;
+    this.show('notice', topic, text, failureStays, {});
+  }
+
+  /// Takes away what holds no longer.
+  update(): void {
+    const now = performance.now();
+    for (const toast of this.shown) if (now > toast.until || !toast.holds()) toast.item.remove();
+    this.shown = this.shown.filter(({item}) => item.isConnected);
+  }
+
+  private show(kind: Kind, topic: string, text: string, stays: number, {holds = () => true, stays: forEver = false}: Options): void {
+    for (const toast of this.shown) if (toast.topic === topic) toast.item.remove();
     const close = element('button', {type: 'button', ariaLabel: 'Close', textContent: '×'});
-    const toast = element('div', {className: `toast ${kind}`}, text, close);
-    if (kind === 'failure') toast.setAttribute('role', 'alert');
-    close.addEventListener('click', () => toast.remove());
-    this.list.append(toast);
-    while (this.list.children.length > most) this.list.firstElementChild!.remove();
-    return toast;
+    const item = element('li', {className: `toast ${kind}`}, element('p', {}, text), close);
+    if (kind === 'failure') item.firstElementChild!.setAttribute('role', 'alert');
+    close.addEventListener('click', () => item.remove());
+    this.list.prepend(item);
+    this.shown = this.shown.filter((toast) => toast.item.isConnected);
+    this.shown.push({topic, item, holds, until: forEver ? Infinity : performance.now() + stays});
+    const passing = this.shown.filter((toast) => toast.until !== Infinity);
+    for (const toast of passing.slice(0, Math.max(0, this.shown.length - most))) toast.item.remove();
+    this.shown = this.shown.filter((toast) => toast.item.isConnected);
   }
 }

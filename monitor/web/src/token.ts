@@ -1,6 +1,8 @@
-// The token of an operator. It comes from the form, or once from the address (#token=…), and lasts as long as the tab.
+// The token of an operator, and the name that others see with the orders. The token comes from the form, or once from the
+// address (#token=…), and lasts as long as the tab.
 
 const key = 'coppice-token';
+const nameKey = 'coppice-operator';
 
 /// Takes it out of the address, so that it does not stay in sight or in a bookmark.
 export function takeToken(): string {
@@ -28,6 +30,23 @@ function kept(): string {
   try {
     return sessionStorage.getItem(key) ?? '';
   } catch {  // storage is forbidden
+    return '';
+  }
+}
+
+/// The name outlives the tab, as it is no secret.
+export function keepName(name: string): void {
+  try {
+    localStorage.setItem(nameKey, name);
+  } catch {
+    // storage is forbidden: the name lasts until the page is loaded again
+  }
+}
+
+export function keptName(): string {
+  try {
+    return localStorage.getItem(nameKey) ?? '';
+  } catch {
     return '';
   }
 }

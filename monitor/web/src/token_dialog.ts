@@ -5,10 +5,12 @@ export class TokenDialog {
   readonly opener = byId<HTMLButtonElement>('control-open');
   private readonly dialog = byId<HTMLDialogElement>('token-dialog');
   private readonly input = byId<HTMLInputElement>('token');
+  private readonly name = byId<HTMLInputElement>('operator');
   private readonly failure = byId('token-failure');
 
-  constructor(onToken: (token: string) => void, onLeave: () => void) {
-    this.opener.addEventListener('click', () => this.dialog.showModal());
+  constructor(onToken: (token: string, name: string) => void, onLeave: () => void, name: string) {
+    this.name.value = name;
+    this.opener.addEventListener('click', () => { if (!this.dialog.open) this.dialog.show(); });  // not modal: STOP stays at hand
     byId('token-close').addEventListener('click', () => this.dialog.close());
     byId('control-leave').addEventListener('click', () => {
       this.dialog.close();
@@ -17,7 +19,7 @@ export class TokenDialog {
     byId('token-form').addEventListener('submit', (event) => {
       event.preventDefault();
       this.fail('');
-      onToken(this.input.value.trim());
+      onToken(this.input.value.trim(), this.name.value.trim());
     });
   }
 

@@ -15,7 +15,7 @@ function frame(time: number, x: number[], y = x.map(() => 0), vx = x.map(() => 0
   const zeros = x.map(() => 0);
   return {
     time, x, y, vx, vy: zeros, phase: new Uint8Array(x.length), stage: new Uint8Array(x.length), waits_for: x.map(() => -1),
-    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, yaw: [], life: undefined,
+    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, yaw: [], silence: zeros, life: undefined,
   };
 }
 
@@ -199,8 +199,11 @@ describe('figures that alarm', () => {
     expect(about(status({wait_cause: cause, reason: cause}), waits)).toMatch(/^Has waited for 12\ss: no odometry came\.$/);
     expect(about(status({wait_cause: cause}), {...waits, waiting: [4], idle: [4]})).toBe('');
     expect(about(status({}), {...waits, waiting: [0]})).toContain('no nearer');
-    expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([2])})).toContain('Nothing has been heard');
-    expect(about(status({}), {...frame(30, [0]), age: [4], phase: new Uint8Array([3])})).toBe('');
+    expect(about(status({}), {...frame(30, [0]), silence: [4], phase: new Uint8Array([2])})).toContain('Nothing has been heard');
+    expect(about(status({}), {...frame(30, [0]), silence: [4], phase: new Uint8Array([3])}), 'of one that has arrived, too').toContain('Nothing has been heard');
+    expect(about({alarms: {alarms: [{kind: 'robot_silent', robot: 0, since: 5, text: 'a is not heard'}]}} as ToPage)).toContain('Nothing has been heard');
+    const ended = {...frame(30, [0]), silence: [4], life: {state: 3, heard: 0, robots: 2, arrived: 2, replayed: false}} as Frame;
+    expect(about(status({}), ended), 'after the end of a run').toBe('');
   });
 
   it('do not wonder that a halted robot comes no nearer', () => {

@@ -120,6 +120,78 @@ TEST_F(ApiTest, AServiceThatSaysNothingIsWaitedForForSomeSeconds) {
   EXPECT_EQ(wait.poll().value().status, 504u);
 }
 
+TEST_F(ApiTest, AnOrderIsRepeatedUntilTheServiceAnswers) {
+  const WebWait wait = later("POST", "/api/orders", to_1_2);
+  const OrderMessage order = given();
+  EXPECT_TRUE(api.take_orders().empty());
+  pass(1.1);
+  EXPECT_EQ(given(), order);
+  say(order, OrderState::accepted);
+  pass(1.1);
+  EXPECT_TRUE(api.take_orders().empty());
+  EXPECT_EQ(wait.poll().value().status, 201u);
+  later("POST", "/api/stop");
+  given();
+  pass(Api::patience + 0.1);
+  EXPECT_TRUE(api.take_orders().empty()) << "nobody waits any more";
+}
+
+TEST_F(ApiTest, AnOrderMayReplaceThoseOfItsRobot) {
+  later("POST", "/api/orders", R"({"robot": "r2", "goal": {"x": 1, "y": 2}, "replace": true})");
+  EXPECT_TRUE(given().replaces);
+  const WebReply refusal = reply("POST", "/api/orders", R"({"goal": {"x": 1, "y": 2}, "replace": true})");
+  EXPECT_EQ(refusal.status, 400u);
+  EXPECT_NE(refusal.body.find("body: replace: goes with a robot that is named"), std::string::npos);
+}
+
+TEST_F(ApiTest, AResumeOfAStoppedRobotIsAConflict) {
+  const WebWait wait = later("POST", "/api/resume");
+  api.on(Message(OrderStatus{.order = given(),
+                             .state = OrderState::failed,
+                             .reason = "r1 stays stopped until it is released",
+                             .accepted_at = fleet.now,
+                             .begun_at = fleet.now,
+                             .ended_at = fleet.now}));
+  EXPECT_EQ(wait.poll().value().status, 409u);
+  EXPECT_NE(wait.poll().value().body.find("r1 stays stopped"), std::string::npos);
+}
+
+TEST_F(ApiTest, RefusedOrdersPushOutNoOther) {
+  taken("real", OrderState::done, "r1");
+  for (std::size_t k = 0; k < OrderDesk::most_refused + 100; ++k)
+    say({.id = "no" + std::to_string(k), .visits = {{.position = {1, 2}}}}, OrderState::failed, "", "a wall");
+  EXPECT_EQ(reply("GET", "/api/orders/real").status, 200u);
+  EXPECT_EQ(reply("GET", "/api/orders/no0").status, 404u);
+  EXPECT_EQ(reply("GET", "/api/orders/no1099").status, 200u);
+}
+
+TEST_F(ApiTest, AnEndedOrderStaysAsItIsWhateverANewFleetSaysOfIt) {
+  const OrderMessage order = taken("a", OrderState::done, "r1");
+  say(order, OrderState::failed, "", "it was given before this fleet began");
+  EXPECT_NE(reply("GET", "/api/orders/a").body.find(R"("state":"done")"), std::string::npos);
+}
+
+TEST_F(ApiTest, ARobotThatIsPausedAndStoppedIsStopped) {
+  fleet.mission("r1");
+  api.look(fleet.view, fleet.now);
+  api.on(Message(HaltMessage{.number = 1, .robots = {{"r1", Halt::paused_and_stopped}}}));
+  EXPECT_NE(reply("GET", "/api/robots").body.find(R"("halt":"stopped")"), std::string::npos);
+}
+
+TEST_F(ApiTest, ARobotThatIsNotHeardSaysSo) {
+  fleet.map();
+  fleet.mission("r1");
+  fleet.state("r1", {0.5, 1.5}, {1, 0});
+  fleet.path("r1", {{0.5, 1.5}, {3.5, 1.5}});
+  pass(12.2);
+  const std::string body = reply("GET", "/api/robots").body;
+  EXPECT_NE(
+      body.find(
+          R"("why":"it is not heard: its agent has ended, hangs, or cannot be reached","time_left":null)"),
+      std::string::npos)
+      << body;
+}
+
 TEST_F(ApiTest, AClockThatIsSetBackEndsTheWait) {
   const WebWait wait = later("POST", "/api/orders", to_1_2);
   pass(-3600);
@@ -164,11 +236,11 @@ TEST_F(ApiTest, OrdersAreListedByAcceptanceAndState) {
   taken("a", OrderState::under_way, "r1");
   EXPECT_EQ(reply("GET", "/api/orders").body.find(R"({"orders":[{"id":"z")"), 0u);
   EXPECT_NE(reply("GET", "/api/orders").body.find(R"({"id":"a")"), std::string::npos);
-  for (const char* query : {"state=under%20way", "state=under+way", "x=y&state=under way"}) {
+  for (const char* query : {"state=under%20way", "state=under+way", "&state=under way"}) {
     EXPECT_EQ(reply("GET", "/api/orders", "", query).body.find(R"({"orders":[{"id":"a")"), 0u) << query;
     EXPECT_EQ(reply("GET", "/api/orders", "", query).body.find(R"("id":"z")"), std::string::npos) << query;
   }
-  EXPECT_EQ(reply("GET", "/api/orders", "", "state=done").body, R"({"orders":[]})");
+  EXPECT_EQ(reply("GET", "/api/orders", "", "state=done").body, R"({"orders":[],"problem":null})");
   EXPECT_EQ(reply("GET", "/api/orders", "", "state=lost").status, 400u);
   EXPECT_EQ(reply("GET", "/api/orders/z").status, 200u);
   EXPECT_EQ(reply("GET", "/api/orders/%7a").status, 200u);
@@ -199,6 +271,18 @@ TEST_F(ApiTest, AnEndedOrderCannotBeCancelled) {
   EXPECT_EQ(reply("DELETE", "/api/orders/a").status, 409u);
 }
 
+TEST_F(ApiTest, AnOrderThatCannotBeSavedMayBeGivenLater) {
+  const WebWait wait = later("POST", "/api/orders", R"({"id": "a", "goal": {"x": 1, "y": 2}})");
+  const std::string reason = std::string(cannot_be_saved) + "the disk of /var/lib/hall is full";
+  say(given(), OrderState::failed, "", reason);
+  EXPECT_EQ(wait.poll().value().status, 503u);
+  EXPECT_NE(reply("GET", "/api/orders").body.find(R"("problem":null)"), std::string::npos);
+  api.on(Message(ServiceStatus{.service = 1, .run = {7}, .problem = reason}));
+  EXPECT_NE(reply("GET", "/api/orders").body.find("\"problem\":\"" + reason), std::string::npos);
+  api.on(Message(ServiceStatus{.service = 1, .run = {7}}));
+  EXPECT_NE(reply("GET", "/api/orders").body.find(R"("problem":null)"), std::string::npos);
+}
+
 TEST_F(ApiTest, HaltsAreOrdersForRobotsOrForAll) {
   const WebWait all = later("POST", "/api/stop");
   EXPECT_EQ(given(), (OrderMessage{.id = "drawn1", .action = Action::stop}));
@@ -212,6 +296,76 @@ TEST_F(ApiTest, HaltsAreOrdersForRobotsOrForAll) {
   EXPECT_EQ(all.poll().value().status, 200u);
   EXPECT_EQ(reply("POST", "/api/pause", R"({"robot": "r1"})").status, 400u);
   EXPECT_EQ(reply("POST", "/api/release", R"({"robots": [""]})").status, 400u);
+}
+
+/// A client that misspells a parameter must not get the answer to another question.
+TEST_F(ApiTest, UnknownParametersOfAQueryAreNamed) {
+  taken("a");
+  const std::vector<std::array<std::string, 4>> cases{
+      {"GET", "/api/orders", "stat=done", "unknown parameter stat in the query: expected state"},
+      {"GET", "/api/orders", "state=done&limit=3", "unknown parameter limit in the query: expected state"},
+      {"GET", "/api/orders", "state=done&state=failed", "state: expected once in the query"},
+      {"GET", "/api/orders", "%73tat=done", "unknown parameter stat in the query"},
+      {"GET", "/api/orders/a", "full", "unknown parameter full in the query: expected none"},
+      {"DELETE", "/api/orders/a", "reason=x", "unknown parameter reason in the query: expected by, why"},
+      {"POST", "/api/orders", "dry=1", "unknown parameter dry in the query: expected none"},
+      {"GET", "/api/robots", "name=r1", "unknown parameter name in the query: expected none"},
+      {"GET", "/api/alarms", "a=1", "unknown parameter a in the query: expected none"},
+      {"GET", "/api/events", "since=1", "unknown parameter since in the query: expected none"},
+      {"POST", "/api/stop", "robots=r1", "unknown parameter robots in the query: expected none"},
+      {"POST", "/api/pause", "=r1", "unknown parameter  in the query: expected none"}};
+  for (const auto& [method, path, query, expected] : cases) {
+    const WebReply refusal = reply(method, path, method == "POST" ? to_1_2 : "", query);
+    EXPECT_EQ(refusal.status, 400u) << path << "?" << query;
+    EXPECT_NE(refusal.body.find(expected), std::string::npos) << refusal.body;
+  }
+  EXPECT_TRUE(api.take_orders().empty()) << "nothing was done";
+}
+
+TEST_F(ApiTest, ACancellationSaysWhoAndWhy) {
+  taken("a", OrderState::under_way, "r1");
+  std::get<WebWait>(ask("DELETE", "/api/orders/a", "", "by=anna&why=replaced+by+b"));
+  EXPECT_EQ(
+      given(),
+      (OrderMessage{
+          .id = "drawn1", .action = Action::cancel, .cancels = "a", .by = "anna", .why = "replaced by b"}));
+  EXPECT_EQ(reply("DELETE", "/api/orders/a", "", "why=" + std::string(129, 'x')).status, 400u);
+  EXPECT_EQ(reply("DELETE", "/api/orders/a", "", "by=" + std::string(65, 'x')).status, 400u);
+  EXPECT_EQ(reply("DELETE", "/api/orders/a", "", "by=a%0ab").status, 400u);
+  EXPECT_TRUE(api.take_orders().empty());
+}
+
+TEST_F(ApiTest, AlarmsAreToldAndASilentRobotIsNoneThatArrived) {
+  fleet.mission("r1");
+  fleet.state("r1", {3.5, 1.5});
+  fleet.status("r1", Phase::arrived);
+  AlarmBoard board;
+  const auto look = [&] {
+    board.look(fleet.view, fleet.now);
+    api.look(fleet.view, fleet.now, board);
+  };
+  look();
+  EXPECT_EQ(reply("GET", "/api/alarms").body, R"({"alarms":[]})");
+  EXPECT_NE(reply("GET", "/api/robots").body.find(R"("silent_since":null)"), std::string::npos);
+  const auto stream = std::get<WebStream>(ask("GET", "/api/events"));
+  EXPECT_NE(stream.next().find("event: alarms\ndata: {\"alarms\":[]}"), std::string::npos);
+  fleet.now += 4;
+  look();
+  const std::string alarms =
+      R"({"alarms":[{"kind":"robot_silent","robot":"r1","since":100.0,"text":"r1 is not heard: its agent has ended, hangs, or cannot be reached"}]})";
+  EXPECT_EQ(reply("GET", "/api/alarms").body, alarms);
+  EXPECT_NE(stream.next().find("event: alarms\ndata: " + alarms), std::string::npos);
+  const std::string robots = reply("GET", "/api/robots").body;
+  EXPECT_NE(
+      robots.find(
+          R"("why":"it is not heard: its agent has ended, hangs, or cannot be reached","time_left":null,"silent_since":100.0)"),
+      std::string::npos)
+      << robots;
+  for (int k = 0; k < 10; ++k) {
+    fleet.now += 1;
+    look();
+    EXPECT_EQ(stream.next(), "") << "a robot that stays silent is no news";
+  }
 }
 
 TEST_F(ApiTest, OtherMethodsAndPathsAreRefused) {

@@ -15,8 +15,10 @@ struct FleetTableTest : testing::Test {
     hear(
         Mission{.robot = name, .number = 1, .map_id = "m", .goal = {100, 0}, .radius = 1, .clock = {100, 1}});
     hear(PathMessage{name, 1, {place, {100, 0}}});
-    hear(RobotState{
-        .robot = name, .promise = {.stamp = stamp, .position = place}, .radius = 1, .phase = phase});
+    hear(
+        RobotState{
+            .robot = name, .promise = {.stamp = stamp, .position = place}, .radius = 1, .phase = phase},
+        100 + stamp);
   }
   std::vector<std::string> names(RobotOrder order) const {
     std::vector<std::string> first_words;

@@ -1,6 +1,8 @@
 // Tests of what a monitor knows after the messages of a fleet.
 #include "monitor/fleet_view.h"
 
+#include <memory>
+
 #include <gtest/gtest.h>
 
 namespace coppice {
@@ -50,6 +52,24 @@ TEST_F(FleetViewTest, RobotsAreListedInTheOrderOfTheirFirstMessages) {
   EXPECT_EQ(view.robots()[2].name, "c");
   EXPECT_EQ(robot("b").state->promise.stamp, 2);
   EXPECT_EQ(robot("b").heard, 102);
+}
+
+// The fleet keeps its own time when the clock of its host is set, and this process started after that.
+TEST_F(FleetViewTest, FleetTimeIsThatOfTheFleetHoweverTheClocksDiffer) {
+  for (const double off : {3600.0, -3600.0, 30.0, -30.0}) {
+    FleetView late;
+    const auto tell = [&](const Message& message, WallTime at) {
+      late.on(std::make_shared<const Message>(message), at);
+    };
+    tell(mission_of("a", 1, {1000, 2}), 1100 + off);
+    tell(state_of("a", 200, {0, 0}), 1100 + off);
+    EXPECT_NEAR(late.fleet_time(1110 + off).value(), 220, 0.01) << off;
+    tell(state_of("a", 219, {0, 0}), 1110 + off);
+    EXPECT_NEAR(late.fleet_time(1110 + off).value(), 220, 0.01) << "a state that took half a second";
+  }
+  hear(mission_of("a", 1));
+  hear(state_of("a", 1, {0, 0}), 102);
+  EXPECT_EQ(view.fleet_time(102), 2) << "a state that took a second";
 }
 
 TEST_F(FleetViewTest, ARelayedStateAddsNoRobot) {

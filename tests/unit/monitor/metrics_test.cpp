@@ -47,6 +47,29 @@ TEST(Metrics, TheMetricsDescribeTheFleet) {
   EXPECT_EQ(lines_of(text, "coppice_robot_speed_meters_per_second"), 2) << "c was not heard";
 }
 
+TEST(Metrics, AlarmsAreCountedAndNamed) {
+  test::SeenFleet fleet;
+  for (const char* name : {"a", "b"}) {
+    fleet.mission(name);
+    fleet.state(name, {1, 1});
+    fleet.status(name, Phase::arrived);
+  }
+  AlarmBoard board;
+  board.look(fleet.view, fleet.now);
+  const std::string calm = metrics_text(fleet.view, {}, fleet.now, board);
+  EXPECT_TRUE(has_line(calm, "coppice_alarms{kind=\"robot_silent\"} 0")) << calm;
+  EXPECT_EQ(lines_of(calm, "coppice_robot_alarm"), 0);
+  fleet.now += 4;
+  fleet.state("b", {1, 1});
+  board.look(fleet.view, fleet.now);
+  const std::string text = metrics_text(fleet.view, {.refused_logins = 7}, fleet.now, board);
+  for (const char* line :
+       {"coppice_alarms{kind=\"robot_silent\"} 1", "coppice_alarms{kind=\"periods_missed\"} 0",
+        "coppice_robot_alarm{robot=\"a\",kind=\"robot_silent\"} 1", "coppice_monitor_refused_logins_total 7"})
+    EXPECT_TRUE(has_line(text, line)) << line << "\n" << text;
+  EXPECT_EQ(lines_of(text, "coppice_robot_alarm"), 1);
+}
+
 TEST(Metrics, OrdersAreCountedOnceByState) {
   test::SeenFleet fleet;
   fleet.mission("a");

@@ -73,8 +73,8 @@ TEST_F(PageFeedTest, APageThatConnectsLateGetsAllThatIsKnown) {
   fleet.root_nodes("a", 0, 4);
   const auto told = page.after(0.5);
   using enum ToPage::WhatCase;
-  EXPECT_EQ(kinds(told),
-            (std::vector{kBegin, kMap, kRoster, kPath, kStatuses, kEdges, kEdges, kFigures, kFrame}));
+  EXPECT_EQ(kinds(told), (std::vector{kBegin, kMap, kRoster, kPath, kStatuses, kEdges, kEdges, kFigures,
+                                      kAlarms, kBeat, kFrame}));
   EXPECT_EQ(told[0].begin().source(), "here");
   EXPECT_EQ(told[1].map().occupancy(), std::string("\x01\x02", 2));
   EXPECT_FALSE(told[1].map().y_up());
@@ -85,7 +85,7 @@ TEST_F(PageFeedTest, APageThatConnectsLateGetsAllThatIsKnown) {
   EXPECT_DOUBLE_EQ(told[4].statuses().statuses(0).path_length(), 3);
   EXPECT_EQ(edges(told, Edges::INACTIVE), 2);
   EXPECT_EQ(edges(told, Edges::ROOT_START), 3);
-  const live::Frame& frame = told[8].frame();
+  const live::Frame& frame = told[10].frame();
   EXPECT_DOUBLE_EQ(frame.time(), 0.5);
   EXPECT_FLOAT_EQ(frame.x(0), 1.5);
   EXPECT_FLOAT_EQ(frame.turn(0), 0.5);
@@ -103,7 +103,7 @@ TEST_F(PageFeedTest, NothingIsSentTwice) {
   page.after(0.5);
   EXPECT_TRUE(page.now().empty());
   const auto later = page.after(0.4);
-  EXPECT_EQ(kinds(later), std::vector{ToPage::kFrame});
+  EXPECT_EQ(kinds(later), (std::vector{ToPage::kBeat, ToPage::kFrame}));
   fleet.status("a", Phase::arrived);
   fleet.tree(2);
   fleet.root_nodes("a", 4, 2);
@@ -281,6 +281,49 @@ TEST_F(PageFeedTest, MessagesOfAPausedRecordingAreInAFrame) {
   EXPECT_EQ(frames_until(1002, 1003), 0);
 }
 
+/// A page that hears no beat knows that the monitor hangs, also if a recording stands or no fleet is there.
+TEST_F(PageFeedTest, ABeatIsSentFourTimesASecondThoughNothingChanges) {
+  int beats = 0;
+  double last = 0;
+  for (double present = 1000; present < 1002; present += 0.01) {
+    live.look(fleet.view, 105, present);
+    for (const ToPage& message : page.now()) {
+      if (!message.has_beat()) continue;
+      ++beats;
+      EXPECT_GT(message.beat().at(), last);
+      last = message.beat().at();
+    }
+  }
+  EXPECT_NEAR(beats, 8, 1);
+  EXPECT_NEAR(last, 1002, 0.3);
+}
+
+TEST_F(PageFeedTest, AlarmsAreSentWhenTheyChange) {
+  fleet.mission("a");
+  fleet.mission("b");
+  fleet.state("b", {2, 1});
+  AlarmBoard board;
+  const auto alarms_after = [&](double seconds) {
+    fleet.now += seconds;
+    board.look(fleet.view, fleet.now);
+    live.look(fleet.view, fleet.now, fleet.now, board);
+    std::vector<live::Alarms> all;
+    for (const ToPage& message : page.now())
+      if (message.has_alarms()) all.push_back(message.alarms());
+    return all;
+  };
+  const auto first = alarms_after(0.3);
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0].alarms_size(), 0);
+  const auto then = alarms_after(4);
+  ASSERT_EQ(then.size(), 1u);
+  ASSERT_EQ(then[0].alarms_size(), 1);
+  EXPECT_EQ(then[0].alarms(0).kind(), "robot_silent");
+  EXPECT_EQ(then[0].alarms(0).robot(), 1);
+  EXPECT_NEAR(then[0].alarms(0).since(), 100, 1);
+  EXPECT_TRUE(alarms_after(1).empty());
+}
+
 TEST_F(PageFeedTest, ARobotThatWasNotHeardHasNoPosition) {
   fleet.map();
   fleet.mission("a");
@@ -294,7 +337,7 @@ TEST_F(PageFeedTest, ARobotThatWasNotHeardHasNoPosition) {
   for (const int size :
        {frame.y_size(), frame.vx_size(), frame.vy_size(), frame.waits_for_size(), frame.turn_size(),
         frame.next_vx_size(), frame.next_vy_size(), frame.expiry_size(), frame.age_size(),
-        static_cast<int>(frame.phase().size()), static_cast<int>(frame.stage().size())})
+        frame.silence_size(), static_cast<int>(frame.phase().size()), static_cast<int>(frame.stage().size())})
     EXPECT_EQ(size, 2);
 }
 
@@ -327,7 +370,7 @@ TEST_F(PageFeedTest, ARecordingThatIsRewoundClearsThePage) {
   fleet.now = 90;
   const auto told = page.after(0);
   using enum ToPage::WhatCase;
-  EXPECT_EQ(kinds(told), (std::vector{kBegin, kPlayback}));
+  EXPECT_EQ(kinds(told), (std::vector{kBegin, kPlayback, kAlarms, kBeat}));
   live.show(playback);
   EXPECT_TRUE(page.now().empty());
 }

@@ -64,6 +64,50 @@ TEST(WebRules, ForeignPagesMayNotConnectExceptAsFoxglove) {
   EXPECT_FALSE(may(Channel::page, "http://viewer.example:8080"));
 }
 
+/// The page at https://fleet.example, through a proxy that keeps the Host (Caddy) or not (nginx).
+TEST(WebRules, APageBehindAProxyIsServedByTheNameThatWasGiven) {
+  const ProxyOrigins proxies{"https://fleet.example"};
+  for (const char* host : {"fleet.example", "Fleet.Example:443", "127.0.0.1:8090"}) {
+    EXPECT_TRUE(is_fine_host(host, proxies)) << host;
+    EXPECT_TRUE(is_same_origin("https://fleet.example", host, proxies)) << host;
+    EXPECT_TRUE(may_connect(Channel::page, "https://fleet.example", host, {}, proxies)) << host;
+    EXPECT_EQ(
+        api_access("Bearer 0123456789abcdef", "https://fleet.example", host, "0123456789abcdef", proxies),
+        ApiAccess::granted);
+    for (const char* origin : {"http://fleet.example", "https://fleet.example:8443", "https://evil.example",
+                               "https://fleet.example.evil.example", "null"}) {
+      EXPECT_FALSE(is_same_origin(origin, host, proxies)) << origin << " at " << host;
+      EXPECT_FALSE(may_connect(Channel::page, origin, host, {}, proxies)) << origin << " at " << host;
+      EXPECT_EQ(api_access("Bearer 0123456789abcdef", origin, host, "0123456789abcdef", proxies),
+                ApiAccess::foreign_origin)
+          << origin << " at " << host;
+    }
+  }
+  for (const char* host :
+       {"evil.example", "fleet.example.evil.example", "fleet.example:x", "", "a.fleet.example"})
+    EXPECT_FALSE(is_fine_host(host, proxies)) << host;
+  EXPECT_FALSE(is_fine_host("fleet.example")) << "without the option";
+}
+
+TEST(WebRules, OriginsOfProxiesAreSchemeNameAndPort) {
+  for (const char* origin : {"https://fleet.example", "http://fleet.example:8080", "https://[::1]:8443",
+                             "https://192.0.2.1", "HTTPS://Fleet"})
+    EXPECT_TRUE(is_origin(origin)) << origin;
+  for (const char* origin :
+       {"", "fleet.example", "https://", "https://fleet.example/", "https://fleet.example/page",
+        "https://a b", "ftp://fleet.example", "https://fleet.example:", "https://fleet.example:x",
+        "https://a:1:2", "https://[::1", "https://me@fleet.example", "*", "https://fleet.example?x"})
+    EXPECT_FALSE(is_origin(origin)) << origin;
+}
+
+TEST(WebRules, TheNearestProxySaysForWhomItAsks) {
+  EXPECT_EQ(last_address("192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(last_address("10.0.0.1, 192.0.2.7"), "192.0.2.7");
+  EXPECT_EQ(last_address("made up,  2001:db8::1 "), "2001:db8::1");
+  for (const char* text : {"", "unknown", "192.0.2.7,", "192.0.2.7, x", "192.0.2.7:80"})
+    EXPECT_EQ(last_address(text), "") << text;
+}
+
 TEST(WebRules, APathEndsBeforeTheQuery) {
   EXPECT_EQ(path_of("/metrics?x=1"), "/metrics");
   EXPECT_EQ(path_of("/#a"), "/");
@@ -105,6 +149,8 @@ TEST(WebRules, QueriesAreDecoded) {
   EXPECT_EQ(query_value("a=1&b=x%20y+z%2B&b=3", "b"), "x y z+");
   EXPECT_EQ(query_value("ab=1&b", "b"), "");
   EXPECT_EQ(query_value("&&ab=1&", "b"), std::nullopt);
+  EXPECT_EQ(query_value("%62=1", "b"), "1");
+  EXPECT_EQ(parameter_names("a=1&b%20c&&=d"), (std::vector<std::string>{"a", "b c", ""}));
   EXPECT_EQ(decoded("%7a%7A+%"), "zz+%");
   EXPECT_EQ(decoded("%4%g0%0"), "%4%g0%0");
 }

@@ -3,50 +3,15 @@
 // COPPICE_PAGE_SHOTS: a folder for screenshots. An argument selects the checks whose names contain it.
 import assert from 'node:assert/strict';
 
-import {close, finish, openReady, pause, positionOf, run, shoot, small, state, until} from './in_browser.mjs';
+import {close, finish, openReady, pause, run, shoot, small, state, until} from './in_browser.mjs';
 import {startMock} from './mock-monitor.mjs';
+import {freePlace, isNear, last, openControlled as open, orders, select, within} from './operator.mjs';
 
 const token = 'oak tree';
-const withToken = (url) => `${url}#token=${encodeURIComponent(token)}`;
 const tablet = {viewport: {width: 1024, height: 768}, hasTouch: true};
 const phone = {viewport: small, hasTouch: true, isMobile: true, deviceScaleFactor: 2};
 
-async function openControlled(mock, options) {
-  const page = await openReady(withToken(mock.url), options);
-  await page.locator('#stop').waitFor();
-  return page;
-}
-
-/// A place on the map, in pixels of the page and in metres, that no robot is near.
-async function freePlace(page, from = 0) {
-  const {scale, origin} = await state(page);
-  const box = await page.locator('#map').boundingBox();
-  const names = await page.evaluate(() => Array.from({length: window.coppice.robots}, (_, k) => `r${k + 1}`));
-  const robots = (await Promise.all(names.map((name) => positionOf(page, name)))).filter((at) => at);
-  for (let k = from; k < 400; ++k) {
-    const at = {x: box.x + 60 + (k * 97) % (box.width - 180), y: box.y + 60 + (k * 61) % (box.height - 120)};
-    const metres = {x: (at.x - origin.x) / scale, y: (origin.y - at.y) / scale};
-    const isFree = robots.every((robot) => Math.hypot(robot.x - at.x, robot.y - at.y) > 70);
-    if (isFree && metres.x > 0 && metres.x < 400 && metres.y > 0 && metres.y < 300) return {at, metres};
-  }
-  return assert.fail('no place is free');
-}
-
-const select = async (page, name) => {
-  await page.locator('#table tbody tr', {has: page.locator(`td:text-is("${name}")`)}).click();
-  await page.keyboard.press('0');  // the whole map
-  await pause(300);
-};
-const last = (mock) => [...mock.api.orders.values()].at(-1);
-const orders = (mock) => [...mock.api.orders.values()];
-async function within(check, what) {
-  for (let k = 0; k < 100; ++k) {
-    if (check()) return;
-    await pause(50);
-  }
-  assert.fail(what);
-}
-const isNear = (goal, metres) => Math.hypot(goal.x - metres.x, goal.y - metres.y) < 1;
+const openControlled = (mock, options) => open(mock, token, options);
 
 /// One finger presses, is dragged, and is let go.
 async function touchAndDrag(page, from, by) {
@@ -123,6 +88,7 @@ const checks = {
     await pause(300);
     await shoot(page, 'control-aim');
     await page.mouse.up();
+    await page.getByRole('button', {name: 'Replace'}).click();
     await within(() => mock.api.orders.size === 2 && orders(mock)[0].state === 'cancelled', 'it replaces the first order');
     assert(isNear(last(mock).goals[0], second.metres));
     assert(Math.abs(last(mock).goals[0].yaw - Math.PI / 4) < 0.05, `${last(mock).goals[0].yaw}`);
@@ -232,7 +198,7 @@ const checks = {
     assert.match(await page.locator('#order-list li').first().textContent(), /accepted.*any robot to 12\.50, 20\.00.*waits for a robot/);
     await page.getByRole('button', {name: 'Cancel: any robot to 12.50, 20.00'}).click();
     await within(() => last(mock).state === 'cancelled', 'it was cancelled');
-    await until(page, () => document.querySelector('#order-list li').className === 'ended cancelled');
+    await until(page, () => /any robot to 12.50.*cancelled by page ....$/.test(document.querySelector('#order-list .ended.cancelled')?.textContent.replace(/Cancel$/, '')));
     mock.api.change('o1', {state: 'failed', robot: 'r4', reason: 'no way leads to the goal'});
     await until(page, () => document.querySelector('#order-list .failed .reason')?.textContent === 'no way leads to the goal');
     assert(!mock.api.asked.includes('POST /api/stop'), 'S in a text field is no stop');
@@ -286,6 +252,7 @@ const checks = {
     mock.api.tell('r1', {why: 'an operator paused it', time_left: 83});
     await until(page, () => document.querySelector('#duty-why').textContent === 'an operator paused it');
     assert.equal(await page.locator('#duty-left').textContent(), '1:23');
+    await pause(700);  // else it would be the second click of a double click
     await page.keyboard.press('p');
     await until(page, () => document.querySelector('#pause').textContent === 'Pause r1');
     await close(page);
@@ -309,6 +276,7 @@ const checks = {
     await until(page, () => document.querySelectorAll('#order-list li').length === 1);
     await page.getByLabel('x, m').fill('-5');
     await page.locator('#go').click();
+    await page.getByRole('button', {name: 'Replace'}).click();
     await alarm('The order for r2 failed: the goal is blocked by an obstacle');
     assert.equal(last(mock).state, 'under way', 'a refused order does not cancel the earlier one');
     mock.api.broken = 'the service does not answer';

@@ -160,6 +160,7 @@ function frameAt(fleet, time, life) {
     waits_for: each((p, k) => (k % 3 === 2 ? at.findIndex((q, j) => j !== k && Math.hypot(q.x - p.x, q.y - p.y) < 20) : -1)),
     turn: each(() => 0.05), next_vx: each((p) => p.vx), next_vy: each((p) => p.vy), expiry: each(() => 0.1), age: each(() => 0.02),
     to_go: each((p, k, robot) => (hasPath(robot) ? fleet.longest ?? robot.lengths.at(-1) - p.driven : NaN)), waiting: each((p, k) => (k % 3 === 2 ? fleet.waiting : 0)), idle: each(() => 0.1),
+    silence: each((p, k, robot) => robot.silence ?? 0.02),
     life: lifeOf(fleet, life),
   };
 }
@@ -208,14 +209,21 @@ function serve(socket, fleet, {recorded, controlled, hz, history, seconds}, cont
   begin();
   playback();
   let beats = 0;
+  let alarms = '';
   const timer = setInterval(() => {
     const now = performance.now();
+    if (control.hangs) return;
+    if (JSON.stringify(control.alarms) !== alarms) {
+      alarms = JSON.stringify(control.alarms);
+      say({alarms: {alarms: control.alarms}});
+    }
     if (playing) at += ((now - last) / 1000) * speed;
     last = now;
     if (recorded && at >= seconds) { at = seconds; playing = false; }
     for (const robot of fleet.robots) robot.halted = robot.stands ? robot.halted ?? along(robot, at) : undefined;
     if (playing || beats % hz === 0) say({frame: frameAt(fleet, at, control.life)});
     if (++beats % Math.ceil(hz / 4) === 0) {
+      say({beat: {at: Date.now() / 1000}});
       say({statuses: {statuses: statusesAt(fleet, at)}});
       playback();
     }
@@ -255,7 +263,7 @@ export async function startMock({robots = 20, port = 0, recorded = false, hz = 2
   fleet.late = late;  // share of control periods that some robots miss
   fleet.waiting = waiting;  // seconds for which every third robot has waited
   fleet.longest = longest;  // metres that each robot has to go, for table cells that must hold them
-  const control = {life: {}};
+  const control = {life: {}, alarms: [], hangs: false};
   const stand = (names) => { for (const robot of fleet.robots) robot.stands = names.includes(robot.name); };
   const api = token === undefined ? undefined : new MockApi(fleet.robots.map(({name}) => name), token, stand);
   const server = createServer((request, response) => answer(request, response, api));
@@ -266,6 +274,11 @@ export async function startMock({robots = 20, port = 0, recorded = false, hz = 2
     url: `http://127.0.0.1:${server.address().port}/`,
     port: server.address().port,
     api,
+    /// Says and answers nothing, like a process that is stopped.
+    hang: (hangs) => { control.hangs = hangs; if (api) api.hangs = hangs; },
+    /// In the form of idl/live.proto; a robot that is silent is not heard any more.
+    alarm: (alarms) => { control.alarms = alarms; },
+    robots: fleet.robots,
     tell: (life) => { control.life = life; },  // in the form of lifeOf
     say: (bytes) => { for (const socket of sockets.clients) socket.send(bytes); },
     close: () => new Promise((resolve) => {
