@@ -109,6 +109,8 @@ class RobotReport:
     """Metres."""
     driven_length: float = 0.0
     """Metres."""
+    points_missing: int = 0
+    """Points of its track that never came, or too late to be counted."""
     path: Array = dataclasses.field(default_factory=lambda: np.empty((0, 2)))
     """Shape (n, 2), metres."""
     nodes_valid: int = 0

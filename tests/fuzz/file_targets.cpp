@@ -15,6 +15,7 @@
 #include "monitor/mcap_writer.h"
 #include "monitor/recording.h"
 #include "runtime/journal.h"
+#include "runtime/journal_examination.h"
 #include "tests/fuzz/targets.h"
 
 namespace coppice::fuzz {
@@ -177,13 +178,18 @@ std::filesystem::path new_journal() {
   return file;
 }
 
-/// Behind the first line, the whole records count. They are the same whenever the journal is opened, and more
-/// can be added.
+/// Behind the first line, the sound records count, once damaged ones are discarded. They are the same
+/// whenever the journal is opened, and more can be added.
 void journal(Bytes data) {
   const std::filesystem::path file = new_journal();
   std::ofstream(file, std::ios::binary | std::ios::app)
       .write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
   std::size_t count = 0;
+  try {
+    const Journal refused_if_damaged(file);
+  } catch (const std::runtime_error&) {
+    std::filesystem::remove(discard_damaged(file));
+  }
   {
     Journal journal(file);
     count = journal.messages().size();

@@ -97,8 +97,9 @@ const std::vector<Reserved> reserved = {
          tests_and_benches,
      "chance is passed in"},
     {"<(iostream|fstream|filesystem)>",
-     "(include/coppice/)?files/.*|runtime/(journal|order_history|command_line).*" + mains + commands +
-         tests_and_benches,
+     "(include/coppice/)?files/.*|runtime/(journal|disk_file|process_clock|order_history|command_line).*|"
+     "planner_service/fleet_memory.*" +
+         mains + commands + tests_and_benches,
      "what reads or writes is at the edges"},
 };
 
