@@ -18,6 +18,7 @@ address change; all of this in namespaces of its own. What must hold:
 Exit code 1 if something is wrong. `Day.events` is the list of what befalls the fleet; each is a function of the day.
 """
 import argparse
+import itertools
 import json
 import math
 import os
@@ -201,15 +202,18 @@ class Day:
         except (OSError, ValueError):
             return 0
 
-    def expect_answer(self, name, expected, patience=40):
-        """The service looks at the disk four times a second, and has room for what it answers meanwhile."""
+    def expect_answer(self, expected, names, patience=40):
+        """Gives orders with these names until one is answered as expected, and returns its name."""
         until = time.time() + patience
-        tries = 1
-        while (code := self.give(name if expected == 200 else f"{name}-{tries}")) != expected and time.time() < until:
-            tries += 1
+        for name in names:
+            code = self.give(name)
+            if code == expected:
+                return name
+            if time.time() > until:
+                break
             time.sleep(1)
-        if code != expected:
-            self.wrong(f"an order is answered with {code}, expected {expected}")
+        self.wrong(f"an order is answered with {code}, expected {expected}")
+        return name
 
     def fill_disk(self):
         with self.operating:
@@ -220,12 +224,13 @@ class Day:
                         file.write(bytes(4096))
                 except OSError:
                     pass
-            self.expect_answer("full", 503)
+            # The service looks at the disk four times a second, and has room for what it answers meanwhile.
+            refused = self.expect_answer(503, (f"full-{k}" for k in itertools.count()))
             self.kill("planner_service")
             time.sleep(3)
-            self.expect_answer("full-after-a-kill", 503)
+            self.expect_answer(503, (f"full-after-a-kill-{k}" for k in itertools.count()))
             ballast.unlink()
-            self.expect_answer("full-1", 200)  # that was refused
+            self.expect_answer(200, itertools.repeat(refused))
 
     def damage_journal(self):
         """As after a loss of power: all processes are gone. The operator has a copy of the file."""

@@ -48,6 +48,7 @@
 
 #include "dds/address_hash.h"
 #include "dds/own_networks.h"
+#include "dds/rtps_message.h"
 #include "dds/whereabouts.h"
 #include "messages/messages.h"
 
@@ -135,24 +136,6 @@ RobotName robot_of(std::span<const std::uint8_t> user_data);
 /// The user data of a participant that replays a recording.
 std::vector<std::uint8_t> user_data_of_replayer();
 
-/// The number of the announcement, if an RTPS message does nothing but announce its participant.
-std::optional<std::uint64_t> announcement_in(std::span<const std::uint8_t> message);
-
-/// The sender of an RTPS message; unknown if the message is none.
-eprosima::fastrtps::rtps::GuidPrefix_t sender_of(std::span<const std::uint8_t> message);
-/// The addresses at which the announced participant receives announcements of others.
-std::vector<eprosima::fastrtps::rtps::Locator_t> addresses_in(std::span<const std::uint8_t> announcement);
-
-/// Content of a heartbeat about a participant's endpoints: the numbers of the first and the last sample.
-struct EndpointHeartbeat {
-  std::uint32_t writer = 0;  ///< entity id
-  std::uint64_t first = 0;   ///< in the octets' order, only to be compared
-  std::uint64_t last = 0;
-  bool operator==(const EndpointHeartbeat&) const = default;
-};
-/// The heartbeat, if an RTPS message is nothing else.
-std::optional<EndpointHeartbeat> endpoint_heartbeat_in(std::span<const std::uint8_t> message);
-
 /// When each destination was last told that this participant is alive, and how many endpoints it has. A
 /// multicast group spans several networks (also the loopback), and each has its own sender.
 class Announcements {
@@ -204,9 +187,6 @@ class Announcements {
   std::unordered_map<Way, Told, WayHash> told_;
   std::unordered_map<Way, LastHeartbeat, WayHash> last_heartbeats_;
 };
-
-/// Whether an RTPS message is a step of an authentication between participants other than its receiver.
-bool is_handshake_of_others(std::span<const std::uint8_t> message);
 
 struct SparingTransportParts {
   Recipients& recipients;

@@ -109,7 +109,7 @@ bool CoordinationRound::waits_too_long(const Fleet& fleet, double now) const {
 
 /// Plans as soon as all robots within reach that are not failed wait in this round and stand. A robot that
 /// stands elsewhere and wants to go nowhere is an obstacle. A robot that reports a position off the map is
-/// neither a member nor an obstacle.
+/// neither a member nor an obstacle. Calls anew if somebody does not wait in time.
 void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, const Reserver& reserver,
                              MapRoadmaps& places, double now) {
   if (maker_) {

@@ -78,7 +78,7 @@ bool Run::lets_others_go_first() const {
 void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours) {
   HeldReservation& held = reserver_.held();
   const bool is_bound = body_.bound_to_stand();
-  const Point2 next = body_.position() + control_period * body_.velocity();
+  const Point2 next = body_.turn_position();
   trail_.begin(next);
   const double open = held.open_before(neighbours, map_->field.inflation(), body_.limits());
   // Faster, a differential robot would come to the edge of its strip, stop, and turn back on the spot.

@@ -79,6 +79,13 @@ struct AgentRun {
   std::vector<Message> said{};
 };
 
+/// Runs the agent of a driving robot and stops at `time`.
+inline void run_until_killed_at(double time, AgentRun& before) {
+  before.hear(map_message(), 0);
+  before.hear(mission_of_a(0), 0);
+  before.run(0, time);
+}
+
 /// The whole track. Its batches have to follow each other.
 inline std::vector<TrackMessage::Point> track_in(const std::vector<Message>& said) {
   std::vector<TrackMessage::Point> track;
