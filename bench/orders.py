@@ -379,7 +379,7 @@ class Clients:
     def by_dds(self):
         while drawn := self.draw("dds"):
             name, robot, x, y = drawn
-            subprocess.run([CYCLONE, str(self.day.options.domain), name, robot or self.day.robots[0], str(x), str(y), "60"],
+            subprocess.run([CYCLONE, str(self.day.options.domain), name, robot or self.random.choice(self.day.robots), str(x), str(y), "60"],
                            capture_output=True, check=False)
 
     def wait_for_capacity(self):

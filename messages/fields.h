@@ -224,7 +224,8 @@ COPPICE_FIELDS(RobotState, "RobotState",
   COPPICE_NEW_FIELD(30, max_angular_acceleration),
   COPPICE_NEW_FIELD_AT(31, yaw, promise.yaw, yaw()),
   COPPICE_NEW_FIELD_AT(32, angular_velocity, promise.angular_velocity, angular_velocity()),
-  COPPICE_NEW_FIELD_AT(33, promise_angular_velocity, promise.next_angular_velocity, promise_angular_velocity()));
+  COPPICE_NEW_FIELD_AT(33, promise_angular_velocity, promise.next_angular_velocity, promise_angular_velocity()),
+  COPPICE_NEW_FIELD(34, may_be_unknown));
 
 COPPICE_FIELDS(TimedPoint, "TimedPoint",
   COPPICE_FIELD(1, time),

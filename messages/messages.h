@@ -237,6 +237,9 @@ struct RobotState {
   /// The agent was started in mid-run, or was out of touch of late: it may not know where all others are.
   bool is_new = false;
   bool wants_echo = false;  ///< no peer has echoed its states of late
+  /// Some peer may not have heard the robot since it was started or was out of touch. Its echoes prove no
+  /// contact.
+  bool may_be_unknown = false;
   std::vector<RobotName>
       misses{};                ///< peers that are silent here, in turn; a robot that hears them echoes them
   std::vector<Echo> echoes{};  ///< of states of other robots, in turn

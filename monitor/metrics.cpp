@@ -72,9 +72,6 @@ void add_orders(Families& all, const FleetView& view) {
               "Time that these orders waited until their robots set out.", orders.waited());
   add_counter(all, "coppice_order_under_way_seconds_total", "Time from then to their ends.",
               orders.under_way());
-  add_gauge(all, "coppice_orders_refused_for_want_of_room",
-            "1 while the planner service refuses new orders, because its disk is full.",
-            view.service() && !view.service()->status.problem.empty());
   const auto robots = static_cast<double>(view.robots().size());
   const auto busy =
       static_cast<double>(orders.by_state().at(static_cast<std::size_t>(OrderState::under_way)));

@@ -28,6 +28,13 @@ constexpr int most_times_stranded = 5;    // joint plans that may fail a robot b
 constexpr int most_calls_in_vain = 30;    // rounds called from one place before it gives up
 constexpr double around_radii = 16;
 
+/// Seconds without progress for which a robot carries out its part of a joint plan. A robot that brakes
+/// slowly speeds up slowly, too.
+double plan_patience(const Limits& limits) {
+  constexpr double of_braking = 0.2;
+  return std::max(Timing::plan_patience, of_braking * braking_time(limits));
+}
+
 }  // namespace
 
 /// Brings the body up to the present, and decides once for the newest period.
@@ -293,7 +300,7 @@ void Run::call_if_it_stalls(double now) {
   const bool executes = reserver_.executes_plan();
   if ((!driving() && !executes) || !calls_rounds(mission_.coordination)) return;
   if (fleet_.is_suspected_near(body_.position(), around())) return progress_.excuse(now);
-  const double patience = executes            ? Timing::plan_patience
+  const double patience = executes            ? plan_patience(body_.limits())
                           : reserver_.holds() ? stall
                                               : Timing::patience_without_trajectory;
   const bool stalls =
@@ -339,7 +346,9 @@ void Run::watch_arrival(double now) {
   const auto* const gave_up = std::get_if<GaveUp>(&task_);
   const bool others_go_elsewhere = gave_up != nullptr && fleet_.new_goals() != gave_up->new_goals &&
                                    now - gave_up->at > between_retries * fleet_.second();
-  if (fleet_.recoveries() != recoveries_ || others_go_elsewhere) retry_after_change();
+  const bool was_led_away = gave_up != nullptr && round_.stage() == Stage::free && body_.stands() &&
+                            !comes_on && (gave_up->place - body_.position()).norm() > body_.radius();
+  if (fleet_.recoveries() != recoveries_ || others_go_elsewhere || was_led_away) retry_after_change();
   const bool may_improve = fleet_.is_suspected_near(body_.position(), everywhere);
   if (driving() && round_.calls_in_vain() > most_calls_in_vain && !may_improve)
     return give_up(fmt::format("a way past the others was not found within {} joint plans from this place",
@@ -362,10 +371,12 @@ void Run::watch_arrival(double now) {
 void Run::give_up(std::string reason) {
   if (connectivity_.joining() || connectivity_.isolated()) round_.leave();
   status_.reason = std::move(reason);
-  enter(GaveUp{std::move(std::get<Driving>(task_).route), body_.time(), fleet_.new_goals()});
+  enter(
+      GaveUp{std::move(std::get<Driving>(task_).route), body_.position(), body_.time(), fleet_.new_goals()});
 }
 
-/// A failed peer is back or is known to stand, or others go elsewhere: what was closed may be open.
+/// A failed peer is back or is known to stand, others go elsewhere, or a joint plan of others has led the
+/// robot elsewhere: what was closed may be open.
 void Run::retry_after_change() {
   recoveries_ = fleet_.recoveries();
   times_stranded_ = 0;

@@ -98,20 +98,20 @@ void Run::keep_to_reservation(double now, std::span<const Neighbour> neighbours)
   }
   note_movement(now);
   // Several robots may keep clear of each other's next moves: one of them must go.
-  if (now - last_moved_ > Timing::waiting_lease) give_way(held, wanted, now);
+  const bool is_held_up = now - last_moved_ > Timing::waiting_lease;
+  if (is_held_up || fleet_.longest_braking() > Timing::longest_lease) give_way(held, wanted, now);
   progress_.comes_to(held.progress(), least_gain(body_.radius(), body_.limits()), now);
 }
 
-/// The robot is held up by others that are held up, too. Who goes is agreed at once, and kept to after
+/// The robot may be held up by others that are held up, too. Who goes is agreed at once, and kept to after
 /// `stall`.
 void Run::give_way(const HeldReservation& held, const Point2& wanted, double now) {
-  double lease = 0;
-  if (now - last_moved_ > stall) {
-    const double slowly = std::min(1.0, crawl(body_.limits()) / std::max(wanted.norm(), 1e-9));
-    lease = held.lets_others_pass_for(body_, slowly * wanted, fleet_, now);
-  } else if (!body_.bound_to_stand() && held.gives_way(self(), fleet_)) {
+  const double held_up_for = now - last_moved_;
+  const double slowly = std::min(1.0, crawl(body_.limits()) / std::max(wanted.norm(), 1e-9));
+  double lease = held.lets_others_pass_for(body_, slowly * wanted, fleet_, held_up_for > stall, now);
+  const bool may_agree = held_up_for > Timing::waiting_lease && held_up_for <= stall;
+  if (lease == 0 && may_agree && !body_.bound_to_stand() && held.gives_way(self(), fleet_))
     lease = Timing::waiting_lease;
-  }
   if (lease == 0) return;
   body_.brake();
   stand_for(now, lease);

@@ -33,18 +33,43 @@ void FailureDetector::forget_peers() {
   count_.silent_failed.clear();
   count_.elsewhere.reset();
   back_at_ = new_at_ = long_ago;
+  own_echo_ = any_echo_ = away_at_ = 0;
+  may_be_unknown_ = true;
 }
 
 void FailureDetector::keep(const Peer& p) {
   if (p.state->is_new) new_at_ = std::max(new_at_, own_.clock().fleet_time(p.heard_at));
 }
 
-void FailureDetector::hear_own_echoes(const RobotState& state, ClockOffset& clock, double now) {
+void FailureDetector::hear_own_echoes(const RobotState& state, Peer& teller, double now) {
   for (const Echo& echo : state.echoes) {
     if (echo.robot != own_.name || echo.stamp > now) continue;  // nobody has heard what is still to be said
-    clock.hear_echo(echo.stamp, echo.received, now);
-    own_echo_ = std::max(own_echo_, echo.stamp);
+    teller.clock.hear_echo(echo.stamp, echo.received, now);
+    teller.has_heard = std::max(teller.has_heard, echo.stamp);
+    any_echo_ = std::max(any_echo_, echo.stamp);
+    if (!state.may_be_unknown) own_echo_ = std::max(own_echo_, echo.stamp);
   }
+}
+
+/// Others may take this robot for failed, and may not notice at once that it is back.
+void FailureDetector::go_away(double now) {
+  away_at_ = now;
+  may_be_unknown_ = true;
+}
+
+/// All know a robot again when each peer that is alive has said that it heard the robot since. They heard the
+/// oldest of the states that they name, all of them: so that one proves contact.
+void FailureDetector::note_whether_all_know(double now) {
+  if (is_away(now)) return go_away(now);
+  if (!may_be_unknown_) return;
+  double all_have_heard = now;
+  for (const Peer& p : peers_) {
+    const bool is_expected = !p.alive() && !p.failed() && p.mission && !p.mission->cancelled;
+    if (p.alive() || is_expected) all_have_heard = std::min(all_have_heard, p.has_heard);
+  }
+  if (all_have_heard <= away_at_) return;
+  may_be_unknown_ = false;
+  own_echo_ = std::max(own_echo_, count_.alive > 0 ? all_have_heard : 0.0);
 }
 
 /// An echo of a state of another peer shows that peer alive. A newer echo is to be expected as soon as the
@@ -145,14 +170,20 @@ void FailureDetector::judge(double now, const ClearanceField& field, const LossC
   if (count_.failed > 0 && now >= next_pruning_) prune_zones(now);
   if (some_suspected_) end_suspicions(now);
   if (count_.never_came + count_.absent > 0) declare_silent_failed(now, field, loss);
+  note_whether_all_know(now);
   contact_ = contact(now);
 }
 
 FailureDetector::Contact FailureDetector::contact(double now) const {
-  const bool lost_all = is_alone() || unheard_by_all(now);
+  const bool lost_all = is_alone() || is_unheard(own_echo_, now);
   const std::size_t lost = count_.long_absent;
-  return {.cut_off = now < minority_until_ || lost_all || lost > 1 || count_.elsewhere,
+  return {.cut_off = is_away(now) || lost_all || count_.elsewhere,
           .out_of_touch = lost_all || (lost > 0 && 2 * lost >= count_.alive)};
+}
+
+/// So that all others may take this robot for failed.
+bool FailureDetector::is_away(double now) const {
+  return now < minority_until_ || count_.long_absent > 1 || is_alone() || is_unheard(any_echo_, now);
 }
 
 /// Of two robots that miss each other, the one with the first name goes on.
@@ -162,8 +193,9 @@ bool FailureDetector::is_alone() const {
          std::ranges::any_of(peers_, [&](const Peer& p) { return p.alive() && p.robot < own_.name; });
 }
 
-bool FailureDetector::unheard_by_all(double now) const {
-  return count_.alive > 0 && own_echo_ > 0 && now - own_echo_ > Timing::longest_unheard * own_.second();
+/// By anybody, with the newest of the echoes that count.
+bool FailureDetector::is_unheard(double newest_echo, double now) const {
+  return count_.alive > 0 && newest_echo > 0 && now - newest_echo > Timing::longest_unheard * own_.second();
 }
 
 /// All others have said something since. So the peer is not part of a piece of the network. If it is cut off,

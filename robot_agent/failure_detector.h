@@ -32,7 +32,10 @@ class FailureDetector {
   // The detector learns from messages.
 
   /// The process was started in mid-run.
-  void begin_anew(double now) { back_at_ = now; }
+  void begin_anew(double now) {
+    back_at_ = now;
+    go_away(now);
+  }
   /// A process that comes only now does not know where the others have gone, and which of them failed there.
   bool is_under_way(double now) const { return now > Timing::longest_startup * own_.second(); }
   /// The table has new peers, or others.
@@ -42,8 +45,8 @@ class FailureDetector {
   /// A peer is known from the time before the first mission.
   void keep(const Peer& peer);
   /// Some echoes tell which states of this robot were heard.
-  void hear_own_echoes(const RobotState& state, ClockOffset& clock, double now);
-  /// Somebody said of late that it heard this robot.
+  void hear_own_echoes(const RobotState& state, Peer& teller, double now);
+  /// Somebody whom all know said of late that it heard this robot.
   bool echoed(double now) const { return now - own_echo_ < Timing::recent_echo * own_.second(); }
   /// While somebody is missing: other echoes tell which peers the sender hears.
   void hear_of_missing(const RobotState& state, const Peer& teller, double now);
@@ -66,6 +69,8 @@ class FailureDetector {
   std::optional<std::size_t> heard_by_others_only() const { return count_.elsewhere; }
   /// Peers that were heard and are not failed.
   std::size_t alive() const { return count_.alive; }
+  /// Some peer that is alive may not have heard this robot since it was started or was out of touch.
+  bool may_be_unknown() const { return may_be_unknown_; }
   /// Numbers of the peers that were silent at the last count: those that are not failed, and those that are.
   const std::vector<std::size_t>& missing() const { return count_.missing; }
   const std::vector<std::size_t>& silent_failed() const { return count_.silent_failed; }
@@ -123,7 +128,10 @@ class FailureDetector {
   void count(Peer& peer, double now);
   Contact contact(double now) const;
   bool is_alone() const;
-  bool unheard_by_all(double now) const;
+  bool is_unheard(double newest_echo, double now) const;
+  bool is_away(double now) const;
+  void go_away(double now);
+  void note_whether_all_know(double now);
 
   void adopt_reported_failures(const ClearanceField& field, const LossCount& loss);
   void declare_silent_failed(double now, const ClearanceField& field, const LossCount& loss);
@@ -145,7 +153,10 @@ class FailureDetector {
   double settled_until_ = 0;   ///< no peer can be silent before
   Contact contact_;            ///< at the last judgement
   double minority_until_ = 0;  ///< more peers fell silent at once than are left: this robot stands
-  double own_echo_ = 0;        ///< the newest stamp of this robot that somebody says to have heard
+  double own_echo_ = 0;        ///< the newest stamp of this robot that somebody whom all know has heard
+  double any_echo_ = 0;        ///< the newest stamp of this robot that anybody says to have heard
+  double away_at_ = 0;         ///< when this robot was out of touch, or started; others may have given it up
+  bool may_be_unknown_ = true;
   double back_at_ = long_ago;
   double new_at_ = long_ago;
   double next_pruning_ = 0;

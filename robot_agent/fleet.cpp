@@ -61,6 +61,7 @@ void Fleet::forget_other_runs() {
   for (Peer& p : peers_.take_all()) {
     if (!p.state || !is_of_run(*p.state, own_.clock().run())) continue;
     p.clock = {};
+    p.has_heard = 0;
     p.exchange.handshakes = 0;
     detector_.keep(p);
     Peer& kept = peer(p.robot);
@@ -72,8 +73,8 @@ inline void Fleet::compare_clocks(const RobotState& state, Peer& p, double now) 
   p.clock.hear(state.promise.stamp, now);
   // Nearly all echoes tell nothing new. But a clock that was set shows in states that seem late.
   const bool prompt = now - state.promise.stamp < p.clock.estimate() + Timing::prompt_sample;
-  const bool known = p.clock.error(now) < Timing::good_clock && prompt && echoed(now);
-  if (!known) detector_.hear_own_echoes(state, p.clock, now);
+  const bool known = p.clock.error(now) < Timing::good_clock && prompt && echoed(now) && !may_be_unknown();
+  if (!known) detector_.hear_own_echoes(state, p, now);
 }
 
 inline void Fleet::take_up(std::shared_ptr<const RobotState>&& state, std::size_t number, double now) {

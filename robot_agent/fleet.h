@@ -58,8 +58,10 @@ inline double way_until_rest(const FleetMember& m) {
   return (m.promise.expiry - m.promise.turn) * speed + braking_distance(speed, m.limits, control_period);
 }
 
-/// When a robot comes to rest by its promise, fleet time, if it decides nothing more.
+/// When a robot comes to rest by its promise, fleet time, if it decides nothing more. However long it has
+/// bound itself to stand, it rests already.
 inline double rests_at(const FleetMember& m) {
+  if (m.promise.stands()) return m.promise.stamp;
   return m.promise.expiry +
          control_period * braking_periods(m.promise.next_velocity.norm(), m.limits, control_period);
 }
@@ -114,6 +116,7 @@ class Fleet {
   bool out_of_touch() const { return detector_.out_of_touch(); }
   /// Somebody said of late that it heard this robot.
   bool echoed(double now) const { return detector_.echoed(now); }
+  bool may_be_unknown() const { return detector_.may_be_unknown(); }
   /// How often to send each state: several times where few listen or much is lost.
   int copies() const { return dissemination_.copies(); }
 

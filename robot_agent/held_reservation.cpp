@@ -27,6 +27,18 @@ bool passed_closed(std::span<const Gate> gates, double committed, double others_
   return closed != gates.end() && closed->at < committed - 1e-6;
 }
 
+/// Whether the first leg of what is left of a way leads into another robot where that is now.
+bool leads_into(const Trajectory& rest, const Point2& other, double radii) {
+  const Point2& from = rest.front().position;
+  const auto next = std::ranges::find_if(rest, [&](const TimedPoint& p) { return p.position != from; });
+  if (next == rest.end()) return false;
+  const Point2 leg = next->position - from;
+  const Point2 heading = leg.normalized();
+  const double ahead = heading.dot(other - from);
+  const double beside = (other - from - ahead * heading).norm();
+  return ahead > 0 && beside < radii && leg.norm() > ahead - std::sqrt(radii * radii - beside * beside);
+}
+
 /// Metres along its way to which a robot comes, whatever it decides.
 double committed(double progress, double speed, const Limits& limits) {
   return progress + control_period * speed + braking_distance(speed, limits, control_period);
@@ -291,9 +303,9 @@ bool HeldReservation::is_worth_waiting(const Fleet& fleet, double now) {
   return now - awaited_.since < Timing::longest_wait_at_gate;
 }
 
-/// Whether only promises keep the robot apart from another one that goes first: the one that is less far in
-/// time. Times are compared in whole turns, seconds, and by the clock of the robot with the first name, so
-/// that both agree.
+/// Whether only promises keep the robot apart from another one that goes first. If the way of just one of
+/// them leads into the other one, that one goes first; else the one that is less far in time. Times are
+/// compared in whole turns, seconds, and by the clock of the robot with the first name, so that both agree.
 bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   const ReservationMessage* const theirs = others_->find(m.robot, own_->run);
   const bool drives = theirs != nullptr && !theirs->trajectory.empty() && m.reservation == theirs->number &&
@@ -302,6 +314,8 @@ bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   const auto pair = pairs_.find(m.robot);
   if (pair != pairs_.end() && pair->second.is_confirmed && keeps_apart(pair->second, m.reservation_progress))
     return false;
+  const bool is_behind = leads_into_robot(m);
+  if (is_behind != is_in_the_way_of(m, *theirs)) return is_behind;
   const double offset = offset_between(*own_, *theirs, m.clock_offset);
   const bool is_first_by_name = m.robot < own_->robot;
   const auto turn_at = [&](const Trajectory& trajectory, double progress, double later) {
@@ -313,6 +327,15 @@ bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   return their_turn < own_turn || (their_turn == own_turn && is_first_by_name);
 }
 
+bool HeldReservation::leads_into_robot(const FleetMember& m) const {
+  return leads_into(rest_of(own_->trajectory, progress()), m.position, own_->radius + m.radius);
+}
+
+bool HeldReservation::is_in_the_way_of(const FleetMember& m, const ReservationMessage& theirs) const {
+  const Point2 own = rest_of(own_->trajectory, progress()).front().position;
+  return leads_into(rest_of(theirs.trajectory, m.reservation_progress), own, own_->radius + m.radius);
+}
+
 bool HeldReservation::gives_way(const FleetMember& self, const Fleet& fleet) const {
   return std::ranges::any_of(fleet.beside(self.position, self.radius, close_radii),
                              [&](const FleetMember& m) { return goes_first(m, same_time); });
@@ -320,14 +343,18 @@ bool HeldReservation::gives_way(const FleetMember& self, const Fleet& fleet) con
 
 /// Turns of a few seconds: or each robot would let the other one go as soon as it has moved a little.
 double HeldReservation::lets_others_pass_for(const Driver& body, const Point2& wanted, const Fleet& fleet,
-                                             double now) const {
+                                             bool stalls, double now) const {
   double seconds = 0;
   for (const FleetMember& m : fleet.beside(body.position(), body.radius(), close_radii, now)) {
     if (!goes_first(m, Timing::turn_of_passing)) continue;
-    const bool is_held_up = m.promise.next_velocity.norm() <= crawl(m.limits);
-    if (!is_held_up || !body.is_blocked_by({m.promise, m.radius, m.limits, m.clock_error}, wanted)) continue;
+    const double speed = m.promise.next_velocity.norm();
+    const bool is_ahead = braking_time(m.limits) > Timing::longest_lease && leads_into_robot(m);
+    const bool is_held_up = stalls && speed <= crawl(m.limits) &&
+                            body.is_blocked_by({m.promise, m.radius, m.limits, m.clock_error}, wanted);
+    if (!is_ahead && !is_held_up) continue;
     const double passes = Timing::waiting_lease + braking_time(m.limits);
-    seconds = std::max(seconds, std::min(passes, Timing::longest_lease));
+    const double stops = speed / m.limits.max_acceleration;
+    seconds = std::max(seconds, std::min(passes, stops + Timing::longest_lease));  // it may speed up
   }
   return seconds;
 }

@@ -110,9 +110,11 @@ class HeldReservation {
   /// Of two robots close by that only promises keep apart, the one that is further behind its trajectory goes
   /// first. The other one, if it is held up, is to stand for a moment.
   bool gives_way(const FleetMember& self, const Fleet& fleet) const;
-  /// The same where that has not helped for long. Seconds for which the robot, which wants this velocity, is
-  /// to stand, so that a robot that blocks it can pass; 0: not at all.
-  double lets_others_pass_for(const Driver& body, const Point2& wanted, const Fleet& fleet, double now) const;
+  /// Seconds for which the robot, which wants this velocity, is to stand, so that a robot that blocks it can
+  /// pass; 0: not at all. That is where the above has not helped for long (`stalls`), or where the other
+  /// robot is ahead, and so slow to speed up that this one would close every gap.
+  double lets_others_pass_for(const Driver& body, const Point2& wanted, const Fleet& fleet, bool stalls,
+                              double now) const;
 
  private:
   struct Pair {                ///< this robot and another one
@@ -153,6 +155,8 @@ class HeldReservation {
   bool may_be_confirmed(const Pair& pair, const RobotState& other) const;
   bool keeps_apart(const Pair& pair, double others_progress) const;
   bool goes_first(const FleetMember& m, double turn) const;
+  bool leads_into_robot(const FleetMember& m) const;
+  bool is_in_the_way_of(const FleetMember& m, const ReservationMessage& theirs) const;
 
   std::shared_ptr<const ReservationMessage> own_;
   Path rest_{};  ///< of the way, beyond the end of the reservation; empty: it leads to the end of the way

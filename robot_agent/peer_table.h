@@ -103,6 +103,7 @@ struct alignas(64) Peer {
   std::unique_ptr<const Mission> mission{};  ///< null: none yet
   std::optional<double> back_at{};           ///< when it was heard again after it was out of touch
   double echo_sent = 0;                      ///< the newest of its stamps that was echoed
+  double has_heard = 0;                      ///< the newest stamp of this robot that it says to have heard
   HeardElsewhere elsewhere{};
 
   /// Suspected or failed.

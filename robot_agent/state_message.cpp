@@ -65,6 +65,7 @@ RobotState Run::state(double now, std::vector<Echo> echoes) const {
           .copies = copies(),
           .is_new = connectivity_.joining() || asks_for_news,
           .wants_echo = !fleet_.echoed(now),
+          .may_be_unknown = fleet_.may_be_unknown(),
           .echoes = std::move(echoes),
           .run = mission_.clock.run(),
           .max_angular_speed = body_.limits().max_angular_speed,

@@ -40,8 +40,9 @@ struct Impossible {};
 /// The robot stands, and tries again when something has changed.
 struct GaveUp {
   Route route;
-  double at = 0;                ///< fleet time
-  std::uint32_t new_goals = 0;  ///< that other robots had been given by then
+  Point2 place = Point2::Zero();  ///< where the robot stood then
+  double at = 0;                  ///< fleet time
+  std::uint32_t new_goals = 0;    ///< that other robots had been given by then
 };
 /// The run has ended, or the process is to end: the robot brakes and stands.
 struct Stopped {

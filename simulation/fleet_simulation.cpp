@@ -15,7 +15,14 @@ constexpr double longest_foreseen = 3600;  // seconds
 constexpr double ending = 10;              // seconds, about, until all robots stand after the end of the time
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding_of_time = 1e-9;        // seconds
-constexpr double longest_without_command = 0.5;  // seconds, after which a robot stops by itself
+constexpr double longest_without_command = 0.5;  // seconds, after which a robot stops by itself at the latest
+
+/// Seconds without a command after which a robot stops by itself: as docs/ros.md assumes, so soon that it
+/// keeps within its tolerance while its reference has braked.
+double time_without_command(const RobotTask& task, const DriveFaults& drive, double scale) {
+  const Limits reference = reference_limits({limits_of(task), task.radius, task.tracking_tolerance}, scale);
+  return std::min(longest_without_command, task.tracking_tolerance / reference.max_speed - drive.lag);
+}
 
 /// The points of a track of a lifelong run, whose duration is known. Reserving them avoids copies of growing
 /// tracks.
@@ -175,9 +182,10 @@ void FleetSimulation::command_robot(Agent& agent, const Run& run) {
   const double fleet_now = clock.fleet_time(now_);
   if (!agent.follower) {
     const std::uint64_t seed = scenario_.seed * 1'000'003ull + agent.index;
-    agent.follower.emplace(
-        Follower{.robot = FollowingRobot(scenario_.robots[agent.index], drive_, fleet_now, Random(seed)),
-                 .clock = clock});
+    const RobotTask& task = scenario_.robots[agent.index];
+    agent.follower.emplace(Follower{.robot = FollowingRobot(task, drive_, fleet_now, Random(seed)),
+                                    .stops_after = time_without_command(task, drive_, clock.scale),
+                                    .clock = clock});
   }
   agent.follower->command = agent.process->role.command(agent.faults.clock.local(now_));
   agent.follower->commanded_at = fleet_now;
@@ -187,7 +195,7 @@ void FleetSimulation::move_robot(Agent& agent, double until) {
   Follower& follower = *agent.follower;
   while (follower.robot.time() + control_period <= until + rounding_of_time) {
     tracks_[agent.index].track.points.push_back(follower.robot.at());
-    const bool stops = follower.robot.time() > follower.commanded_at + longest_without_command;
+    const bool stops = follower.robot.time() > follower.commanded_at + follower.stops_after;
     follower.robot.advance(stops ? DriveCommand{} : follower.command, control_period);
   }
 }

@@ -72,6 +72,7 @@ class FleetSimulation {
   /// A robot that follows the body of its agent.
   struct Follower {
     FollowingRobot robot;
+    double stops_after = 0;  ///< seconds without a command
     DriveCommand command{};
     double commanded_at = 0;  ///< fleet time
     FleetClock clock;         ///< of the run

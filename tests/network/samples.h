@@ -47,6 +47,7 @@ inline RobotState some_state(std::uint32_t sequence) {
           .counts_as_failed = true,
           .is_new = true,
           .wants_echo = true,
+          .may_be_unknown = true,
           .misses = {"r4", "r5"},
           .echoes = {{"r2", 4.5, 4.625}, {"r3", 4.75, 4.5}}};
 }

@@ -230,6 +230,21 @@ const std::vector<KeptCase>& kept_cases() {
                            .reorder = true},
                    .kill_rate = 163.1160680737627,
                    .restart_after = 0.9247414527823988}}},
+      // Clocks were so wrong that some robots came late. In a partition they were alone in hearing a robot
+      // that
+      // all others took for cut off: it drove on, out of the disc that these kept clear.
+      {"HeardByLatecomersAlone",
+       49700586,
+       {.timeout = 36000,
+        .plan_budget = 0.05,
+        .lifelong = 233.65775333921803,
+        .faults = {.bus = {.loss = 0.17141624032027492,
+                           .duplicate = 0.066801026732594207,
+                           .reorder = true,
+                           .partitions = {{14.679220066587755, 63.826105938073972}}},
+                   .pause_rate = 13.978941730713167,
+                   .pause = 0.35556873028285996,
+                   .clock_skew = 45.907645033186185}}},
   };
   return cases;
 }

@@ -37,5 +37,34 @@ TEST(SlowRobots, RobotsThatStandBindThemselvesWhileASlowOnePasses) {
   EXPECT_LT(report.robots(0).run_time(), 1.5 * report.robots(0).free_flow_time());
 }
 
+/// The way of the quick robot leads into the slow one, and a joint plan lets both set off at once. They stood
+/// for ever: the turn of the quick one came first, by its name.
+TEST(SlowRobots, AQuickRobotLetsASlowOneThatStandsInItsWayGetAway) {
+  Scenario scenario{.map_name = "cells", .map = test::open_map(9, 7), .robots = {}};
+  for (const auto& [x, y] : {std::pair(1, 0), {5, 0}, {6, 0}, {2, 1}, {1, 2}, {3, 3}, {0, 4}, {5, 4}, {4, 5}})
+    test::block(scenario.map, x, y, x + 1, y + 1);
+  const auto add = [&](const std::string& name, const Point2& start, const Point2& goal, double radius,
+                       double max_acceleration) {
+    RobotTask& task = scenario.robots.emplace_back(robot(name, start, goal, 0.103, max_acceleration));
+    task.radius = radius;
+  };
+  add("a quick", {3.5592, 2.61617}, {7.5, 2.5}, 0.3154, 0.65);
+  add("b slow", {4.061, 2.7845}, {5.5, 3.5}, 0.2117, 0.00103);
+  scenario.robots.front().max_angular_speed = 0.55;
+  scenario.robots.front().max_angular_acceleration = 2.4;
+  scenario.robots.front().start_yaw = 2.1;
+  SimulationSettings settings{.timeout = 3600, .plan_budget = 0};
+  for (const RobotTask& task : scenario.robots) {
+    const double arrives = (task.goal - task.start).norm() / task.max_speed + 0.01;
+    settings.plan.push_back({{0, task.start}, {arrives, task.goal}});
+  }
+  FleetSimulation simulation(scenario, settings);
+  simulation.run([](const PlannerService&, double) { return true; });
+  const proto::Report report = simulation.service().report();
+  ASSERT_EQ(report.outcome(), "arrived");
+  EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
+  for (const auto& each : report.robots()) EXPECT_LT(each.run_time(), 300) << each.name();
+}
+
 }  // namespace
 }  // namespace coppice

@@ -137,6 +137,7 @@ RobotState any(const Any& a) {
           a.flag(),
           a.flag(),
           a.flag(),
+          a.flag(),
           a.some([&] { return a.name(); }),
           a.some([&] {
             return Echo{a.name(), a.number(), a.number()};

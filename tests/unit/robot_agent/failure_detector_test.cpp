@@ -73,6 +73,46 @@ TEST(FailureDetector, ARobotThatNobodyHearsStands) {
   }
 }
 
+// Peers that do not know the echoing robot take this one for cut off from all, and count on it to stand. With
+// clocks 46 s apart and a partition two robots overlapped by 2.85 m (coppice fuzz --replay 49700586).
+TEST(FailureDetector, AnEchoOfARobotThatSomePeerMayNotKnowIsNoContact) {
+  Listener a;
+  for (double now = 0; now < 8; now += period) {
+    RobotState late = state_of("b", now, {100, 100});
+    late.echoes = {{"a", now - 0.01, now}};
+    late.may_be_unknown = true;
+    a.hear(late);
+    a.hear("c", now, {{"a", std::min(now, 5.0) - 0.01, now}});
+    a.judge(now);
+    EXPECT_EQ(a.cut_off(), now - 4.99 > 1.8) << now;
+  }
+}
+
+TEST(FailureDetector, ARobotIsKnownToAllWhenEachPeerHasHeardItSinceItWasOutOfTouch) {
+  Listener a;
+  const auto hear_both = [&](double now, double heard_by_b, double heard_by_c) {
+    a.hear("b", now, {{"a", heard_by_b, now}});
+    a.hear("c", now, {{"a", heard_by_c, now}});
+    a.judge(now);
+  };
+  a.judge(0);
+  EXPECT_TRUE(a.may_be_unknown());
+  hear_both(0.1, 0.05, 0);
+  EXPECT_TRUE(a.may_be_unknown()) << "c has not heard it";
+  hear_both(0.2, 0.15, 0.15);
+  EXPECT_FALSE(a.may_be_unknown());
+  double now = 0.25;
+  for (; now < 3; now += period) a.judge(now);
+  EXPECT_TRUE(a.may_be_unknown()) << "both may have given it up";
+  hear_both(now, now - 0.01, 0.15);
+  hear_both(now + period, now + period - 0.01, 0.15);
+  EXPECT_TRUE(a.may_be_unknown()) << "c has not heard that it is back";
+  now += 2 * period;
+  hear_both(now, now - 0.01, now - 0.01);
+  hear_both(now + period, now, now);
+  EXPECT_FALSE(a.may_be_unknown());
+}
+
 // The peer may only be cut off. It then drives on until it misses the others.
 TEST(FailureDetector, TheReachableSetOfASinglySilentPeerIsKeptClearForAMinute) {
   Listener a;

@@ -76,6 +76,7 @@ class Listener {
   }
   std::vector<RobotName> peers_to_inform(double now) { return fleet_.news_for_those_back(now).hearers; }
   bool cut_off() const { return fleet_.cut_off(); }
+  bool may_be_unknown() const { return fleet_.may_be_unknown(); }
   std::vector<Disc> failed_seen_from(const Point2& position, double now) const {
     return fleet_.zones_of_failed(position, now);
   }

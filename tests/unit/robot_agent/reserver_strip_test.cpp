@@ -63,6 +63,23 @@ TEST_F(ReserverStripTest, ARobotThatBrakesSlowlyIsWaitedForUntilItStands) {
   EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.62));
 }
 
+// A robot that waited at a gate had bound itself for 45 s, and others stayed in their strips for all that
+// time.
+TEST_F(ReserverStripTest, ARobotThatHasBoundItselfToStandIsNotWaitedFor) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  a.drop(1);
+  tell(b, a);
+  b.self.position = {50, 100};
+  RobotState stands = b.state(1.2);
+  stands.promise.expiry = 1.2 + 45;
+  stands.echoes = {{"a", 1.199, 1.2}};
+  a.fleet.hear(std::make_shared<const RobotState>(stands), 1.201);
+  a.reserver.hear(stands);
+  a.reserver.note_who_heard(a.fleet, 1.21);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.2));
+}
+
 TEST_F(ReserverStripTest, ARobotLeavesItsStripAtOnceIfThoseThatHaveHeardStandTooFarAwayToMeetIt) {
   reserve_both();
   tell_state(b, a, 0.3);
