@@ -137,9 +137,14 @@ const checks = {
     const held = await state(page);
     assert.equal(held.playing, false);
     const at = await positionOf(page, name);
-    await comesToRest(page, 'held');
-    await pause(1500);
-    assert.equal(await pixelsChanged(page, 'held'), 0, 'nothing moves');
+    // A robot that moved would change every picture. Where the machine is busy, the page may mark data of more than a second in between.
+    let changed = 1;
+    for (let k = 0; k < 5 && changed > 0; ++k) {
+      await comesToRest(page, 'held');
+      await pause(1500);
+      changed = await pixelsChanged(page, 'held');
+    }
+    assert.equal(changed, 0, 'nothing moves');
     assert.equal((await state(page)).time, held.time);
     assert.deepEqual(await positionOf(page, name), at);
     await shoot(page, 'held');
