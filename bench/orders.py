@@ -379,8 +379,11 @@ class Clients:
     def by_dds(self):
         while drawn := self.draw("dds"):
             name, robot, x, y = drawn
-            subprocess.run([CYCLONE, str(self.day.options.domain), name, robot or self.random.choice(self.day.robots), str(x), str(y), "60"],
-                           capture_output=True, check=False)
+            arguments = [str(self.day.options.domain), name, robot or self.random.choice(self.day.robots), str(x), str(y), "60"]
+            try:
+                subprocess.run([CYCLONE, *arguments], capture_output=True, check=False, timeout=70)
+            except subprocess.TimeoutExpired:
+                pass  # Cyclone DDS waits by the wall clock: once that is set back, for as long as it was set
 
     def wait_for_capacity(self):
         """The fleet always has a little more to do than it can."""
