@@ -57,15 +57,15 @@ void FailureDetector::go_away(double now) {
   may_be_unknown_ = true;
 }
 
-/// All know a robot again when each peer that is alive has said that it heard the robot since. They heard the
-/// oldest of the states that they name, all of them: so that one proves contact.
+/// All know a robot again when each peer that is alive has said that it heard the robot since. All of these
+/// peers heard the oldest of the states that they name. So that state proves contact.
 void FailureDetector::note_whether_all_know(double now) {
   if (is_away(now)) return go_away(now);
   if (!may_be_unknown_) return;
   double all_have_heard = now;
   for (const Peer& p : peers_) {
-    const bool is_expected = !p.alive() && !p.failed() && p.mission && !p.mission->cancelled;
-    if (p.alive() || is_expected) all_have_heard = std::min(all_have_heard, p.has_heard);
+    const bool may_come = p.expected() && p.mission && !p.mission->cancelled;
+    if (p.alive() || may_come) all_have_heard = std::min(all_have_heard, p.has_heard);
   }
   if (all_have_heard <= away_at_) return;
   may_be_unknown_ = false;
@@ -181,7 +181,7 @@ FailureDetector::Contact FailureDetector::contact(double now) const {
           .out_of_touch = lost_all || (lost > 0 && 2 * lost >= count_.alive)};
 }
 
-/// So that all others may take this robot for failed.
+/// All others may take this robot for failed.
 bool FailureDetector::is_away(double now) const {
   return now < minority_until_ || count_.long_absent > 1 || is_alone() || is_unheard(any_echo_, now);
 }
@@ -193,7 +193,7 @@ bool FailureDetector::is_alone() const {
          std::ranges::any_of(peers_, [&](const Peer& p) { return p.alive() && p.robot < own_.name; });
 }
 
-/// By anybody, with the newest of the echoes that count.
+/// Whether the newest of the echoes that count is too old.
 bool FailureDetector::is_unheard(double newest_echo, double now) const {
   return count_.alive > 0 && newest_echo > 0 && now - newest_echo > Timing::longest_unheard * own_.second();
 }
@@ -232,8 +232,8 @@ std::vector<Peer*> FailureDetector::lost_peers(double now) {
   });
   std::vector<Peer*> lost;
   for (Peer& p : peers_) {
-    const bool is_expected = !p.alive() && !p.failed() && p.mission && !own_.began_in_mid_run;
-    const bool never_came = is_expected && silence(p, now) > Timing::longest_startup * own_.second();
+    const bool may_come = p.expected() && p.mission && !own_.began_in_mid_run;
+    const bool never_came = may_come && silence(p, now) > Timing::longest_startup * own_.second();
     const bool given_up = never_came || (over && is_missing(p, Timing::absence, now));
     if (given_up && !heard_elsewhere(p, now)) lost.push_back(&p);
   }

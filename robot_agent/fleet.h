@@ -116,6 +116,7 @@ class Fleet {
   bool out_of_touch() const { return detector_.out_of_touch(); }
   /// Somebody said of late that it heard this robot.
   bool echoed(double now) const { return detector_.echoed(now); }
+  /// Some peer that is alive may not have heard this robot since it was started or was out of touch.
   bool may_be_unknown() const { return detector_.may_be_unknown(); }
   /// How often to send each state: several times where few listen or much is lost.
   int copies() const { return dissemination_.copies(); }

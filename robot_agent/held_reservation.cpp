@@ -314,26 +314,23 @@ bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   const auto pair = pairs_.find(m.robot);
   if (pair != pairs_.end() && pair->second.is_confirmed && keeps_apart(pair->second, m.reservation_progress))
     return false;
-  const bool is_behind = leads_into_robot(m);
-  if (is_behind != is_in_the_way_of(m, *theirs)) return is_behind;
+  const Trajectory own_rest = rest_of(own_->trajectory, progress());
+  const Trajectory their_rest = rest_of(theirs->trajectory, m.reservation_progress);
+  const double radii = own_->radius + m.radius;
+  const bool is_behind = leads_into(own_rest, m.position, radii);
+  if (is_behind != leads_into(their_rest, own_rest.front().position, radii)) return is_behind;
   const double offset = offset_between(*own_, *theirs, m.clock_offset);
   const bool is_first_by_name = m.robot < own_->robot;
-  const auto turn_at = [&](const Trajectory& trajectory, double progress, double later) {
-    return std::floor((rest_of(trajectory, progress).front().time + later) / turn);
+  const auto turn_at = [&](const Trajectory& rest, double later) {
+    return std::floor((rest.front().time + later) / turn);
   };
-  const double own_turn = turn_at(own_->trajectory, progress(), is_first_by_name ? -offset : 0);
-  const double their_turn =
-      turn_at(theirs->trajectory, m.reservation_progress, is_first_by_name ? 0 : offset);
+  const double own_turn = turn_at(own_rest, is_first_by_name ? -offset : 0);
+  const double their_turn = turn_at(their_rest, is_first_by_name ? 0 : offset);
   return their_turn < own_turn || (their_turn == own_turn && is_first_by_name);
 }
 
 bool HeldReservation::leads_into_robot(const FleetMember& m) const {
   return leads_into(rest_of(own_->trajectory, progress()), m.position, own_->radius + m.radius);
-}
-
-bool HeldReservation::is_in_the_way_of(const FleetMember& m, const ReservationMessage& theirs) const {
-  const Point2 own = rest_of(own_->trajectory, progress()).front().position;
-  return leads_into(rest_of(theirs.trajectory, m.reservation_progress), own, own_->radius + m.radius);
 }
 
 bool HeldReservation::gives_way(const FleetMember& self, const Fleet& fleet) const {

@@ -156,7 +156,6 @@ class HeldReservation {
   bool keeps_apart(const Pair& pair, double others_progress) const;
   bool goes_first(const FleetMember& m, double turn) const;
   bool leads_into_robot(const FleetMember& m) const;
-  bool is_in_the_way_of(const FleetMember& m, const ReservationMessage& theirs) const;
 
   std::shared_ptr<const ReservationMessage> own_;
   Path rest_{};  ///< of the way, beyond the end of the reservation; empty: it leads to the end of the way

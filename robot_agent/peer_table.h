@@ -107,7 +107,8 @@ struct alignas(64) Peer {
   HeardElsewhere elsewhere{};
 
   /// Suspected or failed.
-  bool failed() const { return !alive() && !std::holds_alternative<liveness::Expected>(liveness); }
+  bool failed() const { return !alive() && !expected(); }
+  bool expected() const { return std::holds_alternative<liveness::Expected>(liveness); }
   bool alive() const { return std::holds_alternative<liveness::Alive>(liveness); }
   /// Null: the peer is neither suspected nor failed.
   const Failure* failure() const;

@@ -126,6 +126,46 @@ TEST(RobotAgent, TheAgentLeavesARoundWhoseJointPlanOmitsIt) {
   EXPECT_EQ(last.stage, Stage::free);
 }
 
+/// Robot b stands, and leads a round as soon as a is free or leads one. Its plans lead a along `way`; empty:
+/// they bring a nowhere. Runs until a is in `phase`, for 20 s at most. Returns a's last state.
+RobotState while_b_plans(const Path& way, RobotAgent& agent, RobotState last, Phase phase) {
+  RoundId round = last.round;
+  const double from = last.promise.stamp + 0.1;
+  double planned_at = 0;
+  for (double now = from; now < from + 20 && last.phase != phase; now += 0.1) {
+    const bool waits = last.round == round && last.stage == Stage::waiting;
+    if (last.round.leader == "a" || (last.stage == Stage::free && now > planned_at + 2))
+      round = {last.round.epoch + 1, "b", {20, 20}, everywhere};
+    RobotState other = state_of("b", now, {20, 20});
+    other.echoes = {{"a", last.promise.stamp, now}};
+    other.round = round;
+    other.stage = now > planned_at + 1 ? Stage::waiting : Stage::free;
+    agent.on(arrival_of(other, now));
+    if (waits && last.promise.stands() && now > planned_at + 1) {
+      JointPlanMessage::Member a{"a", 5, way.empty()};
+      for (const Point2& p : way)
+        a.trajectory.push_back({now + 1 + 3 * static_cast<double>(a.trajectory.size()), p});
+      agent.on(arrival_of(JointPlanMessage{round, {a, {"b", 5, false}}}, now));
+      planned_at = now;
+    }
+    last = last_of("a", run(agent, now, now + 0.1), last);
+  }
+  return last;
+}
+
+// Where others have led the robot, the way may be open.
+TEST(RobotAgent, AnAgentThatGaveUpTriesAgainWhereAJointPlanOfOthersHasLedIt) {
+  PlannerService service(two_robots(), {}, 0);
+  RobotAgent agent("a");
+  for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
+  const RobotState stuck = while_b_plans({}, agent, {}, Phase::gave_up);
+  ASSERT_EQ(stuck.phase, Phase::gave_up);
+  const Point2 from = stuck.promise.position;
+  const RobotState last = while_b_plans({from, from + Point2(0, 12)}, agent, stuck, Phase::driving);
+  EXPECT_EQ(last.phase, Phase::driving);
+  EXPECT_GT((last.promise.position - from).norm(), 5);
+}
+
 TEST(RobotAgent, TheAgentIgnoresARoundWhoseReachItIsOutside) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-/// Of the next run of a standing fleet, whose service takes the robot to be at its start.
+/// The mission of the next run of a standing fleet. Its service takes the robot to be at its start.
 Mission staying(double epoch) {
   Mission mission = mission_of_a(epoch, {20, 60});
   mission.starts_where_it_stands = true;

@@ -7,7 +7,25 @@
 namespace coppice {
 namespace {
 
-class ReserverStripTest : public TwoReservers {};
+class ReserverStripTest : public TwoReservers {
+ protected:
+  /// a gives up its reservation, on which b relies. Returns the state in which b then says that it has heard.
+  RobotState after_a_drops(const Point2& place_of_b) {
+    reserve_both();
+    tell_state(b, a, 0.3);  // a says that it heeds b's reservation
+    a.drop(1);
+    tell(b, a);
+    b.self.position = place_of_b;
+    RobotState said = b.state(1.2);
+    said.echoes = {{"a", 1.199, 1.2}};
+    return said;
+  }
+  void a_hears(const RobotState& said) {
+    a.fleet.hear(std::make_shared<const RobotState>(said), 1.201);
+    a.reserver.hear(said);
+    a.reserver.note_who_heard(a.fleet, 1.21);
+  }
+};
 
 TEST_F(ReserverStripTest, ARobotLeavesItsStripWhenThoseWhoRelyOnItHaveHeardAndCouldHaveBraked) {
   reserve_both();
@@ -48,17 +66,9 @@ TEST_F(ReserverStripTest, ARobotStaysInItsStripForOneThatMayRelyOnItAlthoughThei
 }
 
 TEST_F(ReserverStripTest, ARobotThatBrakesSlowlyIsWaitedForUntilItStands) {
-  reserve_both();
-  tell_state(b, a, 0.3);
-  a.drop(1);
-  tell(b, a);
-  b.self.position = {31, 100};
-  RobotState drives = b.state(1.2);
+  RobotState drives = after_a_drops({31, 100});
   drives.promise.velocity = drives.promise.next_velocity = {20, 0};
-  drives.echoes = {{"a", 1.199, 1.2}};
-  a.fleet.hear(std::make_shared<const RobotState>(drives), 1.201);
-  a.reserver.hear(drives);
-  a.reserver.note_who_heard(a.fleet, 1.21);
+  a_hears(drives);
   EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.5));
   EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.62));
 }
@@ -66,17 +76,9 @@ TEST_F(ReserverStripTest, ARobotThatBrakesSlowlyIsWaitedForUntilItStands) {
 // A robot that waited at a gate had bound itself for 45 s, and others stayed in their strips for all that
 // time.
 TEST_F(ReserverStripTest, ARobotThatHasBoundItselfToStandIsNotWaitedFor) {
-  reserve_both();
-  tell_state(b, a, 0.3);
-  a.drop(1);
-  tell(b, a);
-  b.self.position = {50, 100};
-  RobotState stands = b.state(1.2);
+  RobotState stands = after_a_drops({50, 100});
   stands.promise.expiry = 1.2 + 45;
-  stands.echoes = {{"a", 1.199, 1.2}};
-  a.fleet.hear(std::make_shared<const RobotState>(stands), 1.201);
-  a.reserver.hear(stands);
-  a.reserver.note_who_heard(a.fleet, 1.21);
+  a_hears(stands);
   EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1.2 + 0.2));
 }
 
