@@ -110,8 +110,10 @@ TEST_P(ChangingHosts, AFleetOnTwoHostsStaysTogetherAndIsFoundFromBoth) {
   expect_obeyed(1, "send r1 --to 1,1", "the robot on the host that has changed");
 }
 
-TEST_P(ChangingHosts, AFleetThatStartedWithoutANetworkIsFoundOnceThereIsOne) {
-  if (GetParam().find(':') != std::string::npos) GTEST_SKIP() << "its server is on another host";
+/// Discovery that needs no server on another host.
+class HostsWithoutAServer : public ChangingHosts {};
+
+TEST_P(HostsWithoutAServer, AFleetThatStartedWithoutANetworkIsFoundOnceThereIsOne) {
   ip(0, "address flush dev eth0");
   start(0);
   expect_obeyed(0, "stop", "without a network");
@@ -126,6 +128,9 @@ INSTANTIATE_TEST_SUITE_P(ByDiscovery, ChangingHosts,
                            return discovery.param.find(':') == std::string::npos ? discovery.param
                                                                                  : std::string("server");
                          });
+
+INSTANTIATE_TEST_SUITE_P(ByDiscovery, HostsWithoutAServer, testing::Values("multicast", "static"),
+                         [](const auto& discovery) { return discovery.param; });
 
 class LoopbackOnly : public testing::Test {};
 
