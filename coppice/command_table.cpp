@@ -95,6 +95,14 @@ void add_state(CLI::App& app, StateOptions& options, ChosenCommand& chosen) {
   command->callback([&] { chosen = [&] { return state_command(options); }; });
 }
 
+void add_inspect(CLI::App& app, InspectOptions& options, ChosenCommand& chosen) {
+  auto* command = app.add_subcommand("inspect", "prints what a file of a fleet's state holds, as JSON");
+  command->add_option("file", options.file, "a journal in the folder of --state")
+      ->required()
+      ->type_name("FILE");
+  command->callback([&] { chosen = [&] { return inspect_command(options); }; });
+}
+
 void add_discovery(CLI::App& app, DiscoveryOptions& options, ChosenCommand& chosen) {
   auto* command = app.add_subcommand("discovery", "runs a discovery server, for networks without multicast");
   command
@@ -320,6 +328,7 @@ void add_commands(CLI::App& app, CommandOptions& options, ChosenCommand& chosen)
   add_watching_commands(app, options.watching, chosen);
   add_order_commands(app, options.order, chosen);
   add_state(app, options.state, chosen);
+  add_inspect(app, options.inspect, chosen);
   add_discovery(app, options.discovery, chosen);
   add_doctor(app, options.fleet_plan, chosen);
   add_simulate(app, options.run, options.faults, options.record, chosen);

@@ -20,6 +20,7 @@ struct CommandOptions {
   WatchingOptions watching;
   OrderOptions order;
   StateOptions state;
+  InspectOptions inspect;
   DiscoveryOptions discovery;
   FleetPlan fleet_plan;
   Faults faults;

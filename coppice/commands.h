@@ -58,6 +58,13 @@ struct StateOptions {
 /// Lists the journals of a fleet's state. Exit code 1: some are damaged.
 int state_command(const StateOptions& options);
 
+struct InspectOptions {
+  std::string file;  ///< a journal
+};
+
+/// Prints each record of a journal as a line of JSON. Exit code 1: some are damaged.
+int inspect_command(const InspectOptions& options);
+
 struct DiscoveryOptions {
   std::string address = "0.0.0.0";  ///< of this host, as clients are told it; 0.0.0.0: all addresses
   std::uint16_t port = 11811;

@@ -26,13 +26,14 @@ namespace {
 }
 
 DiskFile opened(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) refuse(file, "there is no such file");
   if (!std::filesystem::is_regular_file(file)) refuse(file, "is not a journal");
   return DiskFile(file);
 }
 
-using OnRecord = std::function<void(std::span<const std::uint8_t>)>;
+using OnRecord = std::function<void(std::size_t, std::span<const std::uint8_t>)>;
 
-/// Calls `on_record` with the whole bytes of each sound record.
+/// Calls `on_record` with the place and the bytes of each sound record.
 JournalExamination examined(const std::filesystem::path& path, const DiskFile& file,
                             const OnRecord& on_record) {
   const auto head = head_of(file);
@@ -46,7 +47,7 @@ JournalExamination examined(const std::filesystem::path& path, const DiskFile& f
   while (place < all.bytes) {
     if (const auto record = reader.at(place)) {
       ++all.records;
-      on_record(*record);
+      on_record(place, *record);
       place = RecordReader::end_of(place, *record);
       continue;
     }
@@ -66,9 +67,12 @@ std::filesystem::path name_for_copy(const std::filesystem::path& file) {
 
 }  // namespace
 
-JournalExamination examine_journal(const std::filesystem::path& path) {
+JournalExamination examine_journal(const std::filesystem::path& path,
+                                   const std::function<void(std::size_t, const Recorded&)>& on_record) {
   DiskFile file = opened(path);
-  JournalExamination all = examined(path, file, [](std::span<const std::uint8_t>) {});
+  JournalExamination all = examined(path, file, [&](std::size_t place, std::span<const std::uint8_t> record) {
+    if (on_record) on_record(place, recorded_in(record));
+  });
   all.in_use = !file.lock();
   return all;
 }
@@ -77,10 +81,11 @@ std::filesystem::path discard_damaged(const std::filesystem::path& path) {
   DiskFile file = opened(path);
   if (!file.lock()) refuse(path, "is in use by a process that runs: end the fleet first");
   std::vector<std::uint8_t> sound(first_line_size);
-  const JournalExamination found = examined(path, file, [&](std::span<const std::uint8_t> record) {
-    const std::vector<std::uint8_t> whole = framed(record);
-    sound.insert(sound.end(), whole.begin(), whole.end());
-  });
+  const JournalExamination found =
+      examined(path, file, [&](std::size_t, std::span<const std::uint8_t> record) {
+        const std::vector<std::uint8_t> whole = framed(record);
+        sound.insert(sound.end(), whole.begin(), whole.end());
+      });
   std::ranges::copy(first_line({found.complete, sound.size()}), sound.begin());
   const std::filesystem::path copy = name_for_copy(path);
   const std::filesystem::path repaired = path.string() + ".repaired";

@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <vector>
+
+#include "runtime/journal_format.h"
 
 namespace coppice {
 
@@ -21,9 +24,12 @@ struct JournalExamination {
   std::vector<JournalDamage> damages{};
 };
 
-/// Throws std::runtime_error, which names the file, if it cannot be read, is not a journal, or is of another
+/// Calls `on_record` with the place of each sound record, in bytes, and what it holds. Throws
+/// std::runtime_error, which names the file, if it cannot be read, is not a journal, or is of another
 /// version.
-JournalExamination examine_journal(const std::filesystem::path& file);
+JournalExamination examine_journal(
+    const std::filesystem::path& file,
+    const std::function<void(std::size_t, const Recorded&)>& on_record = nullptr);
 
 /// Leaves the sound records, and a copy of the damaged file beside it. Returns the name of the copy. Throws
 /// std::runtime_error, which names the file, if a process has it open or the disk has no room; then the file
