@@ -71,16 +71,20 @@ void run(benchmark::State& state, Step&& step) {
   }
 }
 
-void choose(benchmark::State& state) {
-  run(state, [](Scene& s, const ClearanceField& field) { s.body.choose(s.preferred, s.others, field); });
+void evade(benchmark::State& state) {
+  run(state, [](Scene& s, const ClearanceField& field) {
+    s.body.take(s.body.evading(s.preferred, s.others, field));
+  });
 }
 
 void follow(benchmark::State& state) {
-  run(state, [](Scene& s, const ClearanceField& field) { s.body.follow(s.preferred, s.others, field); });
+  run(state, [](Scene& s, const ClearanceField& field) {
+    s.body.take(s.body.following(s.preferred, s.others, field).next);
+  });
 }
 
 // The argument: the percentage of moving robots.
-BENCHMARK(choose)->Arg(0)->Arg(50)->Arg(100);
+BENCHMARK(evade)->Arg(0)->Arg(50)->Arg(100);
 BENCHMARK(follow)->Arg(0)->Arg(50)->Arg(100);
 
 }  // namespace

@@ -45,11 +45,11 @@ void Driver::advance() {
   yaw_ = turn_yaw();
   time_ += period_;
   twist_ = next_;
-  next_ = braked(twist_, limits_, period_);
+  next_ = braking();
 }
 
-void Driver::turn_to(double yaw) {
-  next_ = {Point2::Zero(), turning_to(yaw, twist_, turn_yaw(), limits_, period_)};
+Twist Driver::facing(double yaw) const {
+  return {Point2::Zero(), turning_to(yaw, twist_, turn_yaw(), limits_, period_)};
 }
 
 void Driver::stay(double until) {
@@ -126,13 +126,13 @@ std::vector<Twist> Driver::around_present() const {
   return twists;
 }
 
-void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbours,
-                    const ClearanceField& field) {
-  if (bound_to_stand()) return;
+Twist Driver::evading(const Point2& preferred, std::span<const Neighbour> neighbours,
+                      const ClearanceField& field) const {
+  if (bound_to_stand()) return braking();
   const Point2 wanted = proposal(preferred, neighbours, field);
-  next_ = nearest_to(wanted);
+  const Twist nearest = nearest_to(wanted);
   std::size_t suspect = neighbours.size();
-  if (safe(next_, neighbours, field, suspect)) return;
+  if (safe(nearest, neighbours, field, suspect)) return nearest;
 
   std::vector<Twist> candidates = around_present();
   if (!is_differential(limits_)) candidates.push_back(twist_);
@@ -141,7 +141,7 @@ void Driver::choose(const Point2& preferred, std::span<const Neighbour> neighbou
   const auto first =
       std::ranges::find_if(candidates, [&](const Twist& m) { return safe(m, neighbours, field, suspect); });
   // The choice of the present twist has shown that braking is clear.
-  next_ = first != candidates.end() ? *first : braked(twist_, limits_, period_);
+  return first != candidates.end() ? *first : braking();
 }
 
 bool Driver::is_blocked_by(const Neighbour& other, const Point2& wanted) const {
@@ -157,34 +157,35 @@ Point2 Driver::slow_to_turn(const Point2& wanted, double stray) const {
   return drift > stray ? Point2(wanted * (stray / drift)) : wanted;
 }
 
-bool Driver::follow(const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
-                    const Allowed& allowed) {
-  if (bound_to_stand()) return true;
+Driver::Followed Driver::following(const Point2& wanted, std::span<const Neighbour> neighbours,
+                                   const ClearanceField& field, const Allowed& allowed) const {
+  if (bound_to_stand()) return {braking()};
   std::size_t suspect = neighbours.size();
-  const auto takes = [&](const Twist& m) {
-    if (!allowed(m) || !safe(m, neighbours, field, suspect)) return false;
-    next_ = m;
-    return true;
-  };
-  const auto takes_share = [&](double speed) { return takes(nearest_to(speed * wanted)); };
-  if (std::ranges::any_of(speeds, takes_share)) return true;
+  const auto may_take = [&](const Twist& m) { return allowed(m) && safe(m, neighbours, field, suspect); };
+  const auto share = [&](double speed) { return nearest_to(speed * wanted); };
+  for (const double speed : speeds) {
+    if (const Twist fast = share(speed); may_take(fast)) return {fast};
+  }
   std::vector<Twist> beside = around_present();
   std::erase_if(beside, [&](const Twist& m) {
     return m.velocity.norm() > wanted.norm() || m.velocity.dot(wanted) <= 0;
   });
   std::ranges::sort(beside, std::less{}, [&](const Twist& m) { return (m.velocity - wanted).squaredNorm(); });
-  if (std::ranges::any_of(beside, takes)) return false;
-  if (std::ranges::any_of(low_speeds, takes_share)) return true;
-  next_ = braked(twist_, limits_, period_);
+  if (const auto first = std::ranges::find_if(beside, may_take); first != beside.end())
+    return {*first, false};
+  for (const double speed : low_speeds) {
+    if (const Twist slow = share(speed); may_take(slow)) return {slow};
+  }
+  const Twist slow = share(low_speeds.back());
+  const bool is_led =
+      allowed(slow) && safe(slow, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
+        if (!n.promise.stands()) return true;
+        n.promise.expiry = std::numeric_limits<double>::max();
+        return safe(slow, {&n, 1}, field, suspect);
+      });
   // Between obstacles without slack the robot must head exactly along its way before it can drive.
-  if (is_differential(limits_) && next_.velocity.isZero(0) && !wanted.isZero(0))
-    turn_to(std::atan2(wanted.y(), wanted.x()));
-  const Twist slow = nearest_to(low_speeds.back() * wanted);
-  return allowed(slow) && safe(slow, {}, field, suspect) && std::ranges::all_of(neighbours, [&](Neighbour n) {
-           if (!n.promise.stands()) return true;
-           n.promise.expiry = std::numeric_limits<double>::max();
-           return safe(slow, {&n, 1}, field, suspect);
-         });
+  const bool turns = is_differential(limits_) && braking().velocity.isZero(0) && !wanted.isZero(0);
+  return {turns ? facing(std::atan2(wanted.y(), wanted.x())) : braking(), is_led};
 }
 
 /// On the line of the decision: one period with the twist, and then braking. A robot that curves would leave
@@ -197,26 +198,22 @@ bool Driver::leads_out(const Twist& twist, const ClearanceField& field) const {
                             driving_radius(radius_, limits_));
 }
 
-bool Driver::drive_out(const Point2& to, std::span<const Neighbour> neighbours, const ClearanceField& field) {
-  next_ = braked(twist_, limits_, period_);
+std::optional<Twist> Driver::driving_out(const Point2& to, std::span<const Neighbour> neighbours,
+                                         const ClearanceField& field) const {
   const Point2 way = to - turn_position();
-  if (bound_to_stand() || field.is_free(turn_position(), driving_radius(radius_, limits_))) return true;
+  if (bound_to_stand() || field.is_free(turn_position(), driving_radius(radius_, limits_))) return braking();
   const double gap = way.norm();
   const double yaw = std::atan2(way.y(), way.x());
-  if (is_differential(limits_) && stands() && std::abs(wrapped(yaw - yaw_)) > faces) {
-    turn_to(yaw);
-    return true;
-  }
+  const bool comes_to_stand = twist_.velocity.isZero(0) && braking().velocity.isZero(0);
+  if (is_differential(limits_) && comes_to_stand && std::abs(wrapped(yaw - yaw_)) > faces) return facing(yaw);
   const double fast = std::min(limits_.max_speed, std::sqrt(limits_.max_acceleration * gap));
   for (const double share : {1.0, 0.5, 0.2, 0.05}) {
     const Twist twist = nearest_to(share * fast / gap * way);
     const bool is_clear = first_in_the_way(turn_position(), twist, time_ + period_, radius_, limits_, period_,
                                            neighbours) == neighbours.size();
-    if (!is_clear || !leads_out(twist, field)) continue;
-    next_ = twist;
-    return true;
+    if (is_clear && leads_out(twist, field)) return twist;
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace coppice

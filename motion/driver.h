@@ -1,7 +1,7 @@
-// A robot's body and its control step: a velocity is proposed, and promises decide whether it is safe. The
-// proposal is that of a way which a plan has cleared (follow), or that of reciprocal velocity obstacles for a
-// preferred velocity (choose): along the robot's path in a fleet without reservations, else to stand and
-// evade.
+// A robot's body and what it may choose in a control step: a velocity is proposed, and promises decide
+// whether it is safe. The proposal is that of a way which a plan has cleared (following), or that of
+// reciprocal velocity obstacles for a preferred velocity (evading): along the robot's path in a fleet without
+// reservations, else to stand and evade.
 //
 // Time runs in control periods. The velocity is constant during a period. It was chosen one period earlier,
 // so that all peers could receive it (promise.h). If no velocity is chosen in time, the body brakes on a line
@@ -13,6 +13,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,9 +41,17 @@ class Driver {
   /// another one is chosen.
   void advance();
 
-  /// Chooses the velocity of the period after the current one: the safe velocity nearest to the one that
-  /// reciprocal velocity obstacles propose for `preferred`.
-  void choose(const Point2& preferred, std::span<const Neighbour> neighbours, const ClearanceField& field);
+  /// Chooses the twist of the period after the current one, from the turn on.
+  void take(const Twist& next) { next_ = next; }
+
+  // What the robot may choose. A robot that is bound to stand brakes, whatever it wants.
+
+  /// To brake, as if nothing was chosen.
+  Twist braking() const { return braked(twist_, limits_, period_); }
+
+  /// The safe velocity nearest to the one that reciprocal velocity obstacles propose for `preferred`.
+  Twist evading(const Point2& preferred, std::span<const Neighbour> neighbours,
+                const ClearanceField& field) const;
 
   /// `wanted`, but no faster than a differential robot may drive while it turns there from its heading: it
   /// strays by `stray` metres at most meanwhile.
@@ -51,26 +60,29 @@ class Driver {
   /// Whether a robot may take a twist from turn_position() on, for one period, and then brake.
   using Allowed = std::function<bool(const Twist&)>;
 
-  /// Chooses the velocity along a way that a plan has cleared: towards `wanted`, or beside it, as fast as is
-  /// safe and allowed, without reciprocal avoidance. Returns false if the robot can take no velocity towards
-  /// `wanted`, or a low one, because of an obstacle, of a robot that stands, or of what is allowed.
-  bool follow(
+  struct Followed {
+    Twist next;
+    /// False: the robot can take no velocity towards `wanted`, or a low one, because of an obstacle, of a
+    /// robot that stands, or of what is allowed.
+    bool is_led = true;
+  };
+  /// Along a way that a plan has cleared: towards `wanted`, or beside it, as fast as is safe and allowed,
+  /// without reciprocal avoidance.
+  Followed following(
       const Point2& wanted, std::span<const Neighbour> neighbours, const ClearanceField& field,
-      const Allowed& allowed = [](const Twist&) { return true; });
+      const Allowed& allowed = [](const Twist&) { return true; }) const;
 
-  /// Chooses the velocity of a robot that overlaps an obstacle a little: straight towards `to`, so that its
-  /// clearance only grows (planning/way_out.h). It keeps clear of other robots as always. False: it brakes,
-  /// because another robot, or the obstacle, is in the way.
-  bool drive_out(const Point2& to, std::span<const Neighbour> neighbours, const ClearanceField& field);
+  /// For a robot that overlaps an obstacle a little: straight towards `to`, so that its clearance only grows
+  /// (planning/way_out.h). It keeps clear of other robots as always. None: another robot, or the obstacle, is
+  /// in the way.
+  std::optional<Twist> driving_out(const Point2& to, std::span<const Neighbour> neighbours,
+                                   const ClearanceField& field) const;
 
-  /// Takes the choice of this period back: the robot brakes.
-  void brake() { next_ = braked(twist_, limits_, period_); }
+  /// A differential robot that stands turns on the spot, towards a yaw.
+  Twist facing(double yaw) const;
 
   /// Whether another robot alone keeps this one from driving towards `wanted` as fast as that.
   bool is_blocked_by(const Neighbour& other, const Point2& wanted) const;
-
-  /// A differential robot that stands turns on the spot, towards a yaw.
-  void turn_to(double yaw);
 
   /// If the robot stands, binds it to stand at least until the time `until`.
   void stay(double until);

@@ -20,36 +20,38 @@ std::optional<TrackingSettings> tracking_of(const RosOptions& options) {
   return TrackingSettings{.patience = options.patience};
 }
 
-Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile) {
-  Past past{journal_in(options.process.state, "robot-" + robot, room_for_states, meanwhile),
-            StateKeeper(robot, options.ros.drives())};
-  if (!options.black_boxes.empty()) past.black_box.emplace(options.black_boxes, robot);
-  if (!past.journal) return past;
-  if (!past.journal->complete()) {
+RestoredProcess restored_process(const RobotName& robot, const AgentOptions& options,
+                                 const std::function<void()>& meanwhile) {
+  RestoredProcess restored{journal_in(options.process.state, "robot-" + robot, room_for_states, meanwhile),
+                           StateKeeper(robot, options.ros.drives())};
+  if (!options.black_boxes.empty()) restored.black_box.emplace(options.black_boxes, robot);
+  if (!restored.journal) return restored;
+  if (!restored.journal->complete()) {
     throw std::runtime_error(
         fmt::format("{}: the disk was full when it was written, so that it does not say where the robot is: "
                     "remove it once the robot stands where its next mission starts",
-                    past.journal->file().string()));
+                    restored.journal->file().string()));
   }
-  past.journal->for_each([&](const Message& message) {
-    past.chooser.restore({&message, 1});
+  restored.journal->for_each([&](const Message& message) {
+    restored.chooser.restore({&message, 1});
     meanwhile();
   });
-  past.saved_state = past.chooser.saved_state();
-  if (past.saved_state && past.saved_state->mission.robot != robot)
+  restored.saved_state = restored.chooser.saved_state();
+  if (restored.saved_state && restored.saved_state->mission.robot != robot)
     throw std::runtime_error(fmt::format("{}: is of robot {}: remove it, or name another folder",
-                                         past.journal->file().string(), past.saved_state->mission.robot));
-  return past;
+                                         restored.journal->file().string(),
+                                         restored.saved_state->mission.robot));
+  return restored;
 }
 
-Listeners::Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
-                     const RobotAgent& own, ProcessClock& own_clock)
-    : keeper(past.keeper()),
+Listeners::Listeners(RestoredProcess& restored, const AgentOptions& options, DdsBus& bus,
+                     const RobotName& robot, const RobotAgent& own, ProcessClock& own_clock)
+    : keeper(restored.keeper()),
       ros(options.ros.on ? std::make_unique<RosLink>(bus, robot, options.ros.robot) : nullptr),
       event_log(robot),
       agent(own),
       clock(own_clock),
-      black_box(std::move(past.black_box)) {}
+      black_box(std::move(restored.black_box)) {}
 
 void Listeners::heard(const Message& message) {
   keeper.heard(message);

@@ -24,7 +24,7 @@ namespace coppice {
 std::optional<TrackingSettings> tracking_of(const RosOptions& options);
 
 /// The content of the robot's journal, which the process before this one wrote.
-struct Past {
+struct RestoredProcess {
   std::optional<Journal> journal;
   StateKeeper chooser;
   std::optional<SavedState> saved_state{};
@@ -35,7 +35,8 @@ struct Past {
 
 /// Opens the journal and the black box of a robot, and reads the journal. `meanwhile` is called again and
 /// again. Throws JournalInUse if another process has them open, and std::runtime_error if they are of no use.
-Past past_of(const RobotName& robot, const AgentOptions& options, const std::function<void()>& meanwhile);
+RestoredProcess restored_process(const RobotName& robot, const AgentOptions& options,
+                                 const std::function<void()>& meanwhile);
 
 /// The listeners to all that a robot's agent hears and says.
 struct Listeners {
@@ -47,7 +48,7 @@ struct Listeners {
   std::optional<BlackBox> black_box;
 
   /// `agent`: of the robot. It and `clock` outlive this object.
-  Listeners(Past& past, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
+  Listeners(RestoredProcess& restored, const AgentOptions& options, DdsBus& bus, const RobotName& robot,
             const RobotAgent& agent, ProcessClock& clock);
   void heard(const Message& message);
   void said(const Message& message);

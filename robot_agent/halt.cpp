@@ -6,12 +6,12 @@
 
 namespace coppice {
 
-/// Whether an operator has told the robot to stand. It lets go of all that others count on, once it stands.
-bool Run::is_halted(double now) {
+/// The robot stands while an operator wants it to. It lets go of all that others count on, once it stands.
+void Run::heed_halt(double now) {
   const Halt halt = process_.halt;
   if (halt == Halt::none || stopped()) {
     if (halted()) go_on(now);
-    return false;
+    return;
   }
   if (!halted()) {
     Halted standing;
@@ -23,13 +23,9 @@ bool Run::is_halted(double now) {
     round_.leave();
     enter(std::move(standing));
   }
-  if (std::exchange(std::get<Halted>(task_).halt, halt) != halt) {
-    status_.reason = halt == Halt::paused ? "paused by the operator" : "stopped by the operator";
-    status_changed_ = true;
-  }
-  progress_.excuse(now);
-  if (body_.stands()) stand_for(now, Timing::waiting_lease);
-  return true;
+  if (std::exchange(std::get<Halted>(task_).halt, halt) == halt) return;
+  status_.reason = halt == Halt::paused ? "paused by the operator" : "stopped by the operator";
+  status_changed_ = true;
 }
 
 /// The robot goes on with its work where it stands.

@@ -183,11 +183,9 @@ double HeldReservation::open_before(std::span<const Neighbour> neighbours, doubl
   return open;
 }
 
-Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet& fleet,
-                                           const Point2& position, const Limits& limits, double now,
-                                           double open) {
+void HeldReservation::look_at_gates(const Fleet& fleet, double now, double open) {
   look_at_others(fleet);
-  const double slack = gate_slack_radii * self.radius;
+  const double slack = gate_slack_radii * own_->radius;
   first_.clear();
   const RobotName* next = nullptr;
   for (auto& [robot, pair] : pairs_) {
@@ -213,8 +211,9 @@ Point2 HeldReservation::preferred_velocity(const FleetMember& self, const Fleet&
         std::max(now, m->rests_until) + least_time(pair.gates.metres_until(until, certain), speed, m->limits);
     longest_lease_ = std::max(Timing::longest_lease, braking_time(m->limits));
   }
+  open_ = open;
   waits_for_ = next != nullptr && open - progress() < slack ? *next : RobotName();
-  return follower_.preferred_velocity(position, limits, control_period, open);
+  is_worth_waiting_ = !waits_for_.empty() && last_one_comes_on(fleet, now);
 }
 
 bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
@@ -289,7 +288,7 @@ double HeldReservation::lease(double now) const {
   return std::clamp(waits_until_ - now, Timing::waiting_lease, longest_lease_);
 }
 
-bool HeldReservation::is_worth_waiting(const Fleet& fleet, double now) {
+bool HeldReservation::last_one_comes_on(const Fleet& fleet, double now) {
   RobotName last = waits_for_;
   auto m = fleet.find(last);
   for (std::size_t hops = 0; m && !m->waits_for.empty() && hops < 1000; ++hops) {
@@ -333,8 +332,8 @@ bool HeldReservation::leads_into_robot(const FleetMember& m) const {
   return leads_into(rest_of(own_->trajectory, progress()), m.position, own_->radius + m.radius);
 }
 
-bool HeldReservation::gives_way(const FleetMember& self, const Fleet& fleet) const {
-  return std::ranges::any_of(fleet.beside(self.position, self.radius, close_radii),
+bool HeldReservation::gives_way(const Point2& position, const Fleet& fleet) const {
+  return std::ranges::any_of(fleet.beside(position, own_->radius, close_radii),
                              [&](const FleetMember& m) { return goes_first(m, same_time); });
 }
 

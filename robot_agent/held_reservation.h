@@ -91,12 +91,15 @@ class HeldReservation {
   double open_before(std::span<const Neighbour> neighbours, double margin, const Limits& limits) const;
   /// To be called for each period of the body, whoever decides what it does.
   void come_to(const Driver& body);
-  /// To be called in each control period: the preferred velocity. `position`: where it takes effect. `open`:
-  /// metres along the way up to which the robot may come.
-  Point2 preferred_velocity(const FleetMember& self, const Fleet& fleet, const Point2& position,
-                            const Limits& limits, double now, double open);
+  /// To be called in each control period, before what follows: looks how far the gates are open. `open`:
+  /// metres along the way up to which the robot may come at most.
+  void look_at_gates(const Fleet& fleet, double now, double open);
+  /// `position`: where it takes effect.
+  Point2 preferred_velocity(const Point2& position, const Limits& limits) const {
+    return follower_.preferred_velocity(position, limits, control_period, open_);
+  }
   /// Whether the robot stays in its strip and heeds its gates if it takes a twist from the turn on, for one
-  /// period, and then brakes. Valid after preferred_velocity() of the same period.
+  /// period, and then brakes.
   bool allows(const Driver& body, const Twist& twist) const;
   void led_past(bool everything) { follower_.led_past(everything); }
 
@@ -106,10 +109,10 @@ class HeldReservation {
   /// enough before. A robot that brakes slowly speeds up no further than it can brake within the lease.
   double lease(double now) const;
   /// The robots that wait for each other, one for the next: whether the last one of them comes on.
-  bool is_worth_waiting(const Fleet& fleet, double now);
+  bool is_worth_waiting() const { return is_worth_waiting_; }
   /// Of two robots close by that only promises keep apart, the one that is further behind its trajectory goes
   /// first. The other one, if it is held up, is to stand for a moment.
-  bool gives_way(const FleetMember& self, const Fleet& fleet) const;
+  bool gives_way(const Point2& position, const Fleet& fleet) const;
   /// Seconds for which the robot, which wants this velocity, is to stand, so that a robot that blocks it can
   /// pass; 0: not at all. That is where the above has not helped for long (`stalls`), or where the other
   /// robot is ahead, and so slow to speed up that this one would close every gap.
@@ -156,6 +159,7 @@ class HeldReservation {
   bool keeps_apart(const Pair& pair, double others_progress) const;
   bool goes_first(const FleetMember& m, double turn) const;
   bool leads_into_robot(const FleetMember& m) const;
+  bool last_one_comes_on(const Fleet& fleet, double now);
 
   std::shared_ptr<const ReservationMessage> own_;
   Path rest_{};  ///< of the way, beyond the end of the reservation; empty: it leads to the end of the way
@@ -166,7 +170,9 @@ class HeldReservation {
   std::vector<First> first_;  ///< in this period
   bool is_overridden_ = false;
   std::uint32_t news_ = ~std::uint32_t{0};  ///< up to which the pairs are taken up
+  double open_ = 0;  ///< metres along the way up to which the robot may come in this period
   RobotName waits_for_;
+  bool is_worth_waiting_ = false;
   double waits_until_ = 0;  ///< fleet time before which that robot cannot have come far enough
   double longest_lease_ = Timing::longest_lease;
   Awaited awaited_;

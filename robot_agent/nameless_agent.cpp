@@ -23,7 +23,7 @@ void NamelessAgent::note(const BusCounts& counts, WallTime now) {
 
 void NamelessAgent::begin(std::optional<SavedState> saved, const std::optional<TrackingSettings>& tracking) {
   agent_.emplace(*robot());
-  if (tracking) agent_->lead(*tracking);
+  if (tracking) agent_->track_robot(*tracking);
   agent_->restore(std::move(saved));
 }
 

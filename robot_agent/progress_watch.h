@@ -25,11 +25,11 @@ class ProgressWatch {
   /// A new path begins: progress along it counts from 0.
   void begin_path() { gain_ = turned_ = 0; }
   /// The robot has a reason to stand.
-  void excuse(double now) { gain_time_ = now; }
+  void pause_stall_clock(double now) { gain_time_ = now; }
   /// The robot turned on the spot for some seconds. That excuses it, for `most` seconds until it comes on.
   void turns(double seconds, double most, double now) {
     turned_ += seconds;
-    if (turned_ <= most) excuse(now);
+    if (turned_ <= most) pause_stall_clock(now);
   }
   /// The robot bound itself to stand.
   void is_bound(double now) { bound_time_ = now; }

@@ -54,7 +54,7 @@ class Reserver {
   bool waits_for_its_turn() const { return wants() && !is_urgent_; }
   std::uint32_t number() const { return holds() ? held().message().number : 0; }
   /// Grows with each reservation of another robot that this robot heeds.
-  std::uint32_t heeds() const { return holds() ? others_->news() : 0; }
+  std::uint32_t reservations_version() const { return holds() ? others_->news() : 0; }
   /// To be called for each period of the body.
   void come_to(const Driver& body) {
     if (holds()) held().come_to(body);

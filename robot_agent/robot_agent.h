@@ -37,7 +37,7 @@ class RobotAgent {
   void restore(std::optional<SavedState> saved);
 
   /// The robot is elsewhere and follows this body: the track is that of the robot. Before anything else.
-  void lead(const TrackingSettings& settings) { process_->tracking = settings; }
+  void track_robot(const TrackingSettings& settings) { process_->tracking = settings; }
 
   /// These will be handed over next. A hint for processes of many agents, which know more than the
   /// processor's caches hold: all of it comes from memory at once.

@@ -329,7 +329,7 @@ void Run::take_result(PathFinder::Result result, std::unique_ptr<PathFinder> fin
     status_.reason = failure->reason;
     return enter(Impossible{});
   }
-  progress_.excuse(mission_.clock.fleet_time(now));
+  progress_.pause_stall_clock(mission_.clock.fleet_time(now));
   Route route{PathFollower(std::get<Path>(result), mission_.radius), std::move(finder), now};
   follow(route, std::get<Path>(result), out);
   enter(Driving{std::move(route)});

@@ -1,8 +1,8 @@
 // A robot in one run, from its first mission on: its body, its task, and what it tells the others.
 //
 // A state machine. The body (motion/driver.h) exists all the time, whatever the robot does. Each control
-// period the run brings the body up to the present, decides what the body does next, and says so
-// (control_step.cpp, drive_step.cpp).
+// period the run brings the body up to the present, decides what the body does next (decision.h), and says so
+// (control_step.cpp).
 //
 // Metres in the map frame; fleet time in seconds unless a name or a comment says wall clock.
 #pragma once
@@ -21,6 +21,7 @@
 #include "robot_agent/agent_process.h"
 #include "robot_agent/connectivity.h"
 #include "robot_agent/coordination_round.h"
+#include "robot_agent/decision.h"
 #include "robot_agent/fleet.h"
 #include "robot_agent/progress_watch.h"
 #include "robot_agent/reserver.h"
@@ -128,46 +129,45 @@ class Run {
   double listening_time() const;
   bool is_too_long(double seconds) const;
   void decide(double now, std::vector<Outgoing>& out);
-  bool joins(double now);
-  bool is_halted(double now);
-  void go_on(double now);
-  bool waits_for_its_robot(double now);
+  void watch_contact(double now);
+  void heed_halt(double now);  // halt.cpp
+  void go_on(double now);      // halt.cpp
+  void watch_joining(double now);
+  void watch_isolation(double now);
+  bool its_robot_is_behind(double now) const;
+  void look_for_neighbours(double now);
+  void take_up_plans(double now, std::vector<Outgoing>& out);
+  void look_along_the_way(double now);
+  Situation situation(double now);
+  void carry_out(const Decision& decision, double now);
+  void note_progress(const Decision& decision, double now);
+  void leave_the_wall(double now);
+  bool may_set_off();
+  bool takes_part() const;
+  Stage stage() const;
+  FleetMember self() const;
+
+  // reserving.cpp: reservations and rounds
+  void reserve(double now, std::vector<Outgoing>& out);
+  bool may_reserve(double now) const;
+  bool leads_elsewhere() const;
+  void follow_reservation(std::vector<Outgoing>& out);
+  void call_if_it_stalls(double now);
+  Path way_ahead() const;
+  double time_to_face(const Path& way) const;
+  double around() const;
+  bool all_free_around() const;
+
+  // arrival.cpp: whether the robot comes on
+  void watch_arrival(double now);
+  bool is_at_its_goal() const;
+  bool heads_as_wanted() const;
   bool its_robot_is_there(double now);
   Rest rest_of_its_robot() const;
   double yaw_arrives_within() const;
-  void watch_isolation(double now);
-  bool is_at_large(double now) const;
-  bool may_move(double now);
-  bool may_reserve(double now) const;
-  bool may_drive(double now);
-  bool carries_on(double now);
-  bool leads_elsewhere() const;
-  bool heads_as_wanted() const;
-  double time_to_face(const Path& way) const;
-  double around() const;
-  Stage stage() const;
-  void reserve(double now, std::vector<Outgoing>& out);
-  void drive_out(double now, std::span<const Neighbour> neighbours);
-  void evade(Driving& driving, double now, std::span<const Neighbour> neighbours);
-  void drive_along_path(Driving& driving, double now, std::span<const Neighbour> neighbours);
-  void note_movement(double now);
-  bool lets_others_go_first() const;
-  void follow_reservation(std::vector<Outgoing>& out);
-  void keep_to_reservation(double now, std::span<const Neighbour> neighbours);
-  void give_way(const HeldReservation& held, const Point2& wanted, double now);
-  void call_if_it_stalls(double now);
-  Path way_ahead() const;
-  void stand_for(double now, double seconds);
-  double idle_lease() const;
-  void watch_arrival(double now);
   void give_up(std::string reason);
   void retry_after_change();
   void watch_movement(double now, double lived);
-  bool all_free_around() const;
-  bool may_set_off();
-  std::span<const Neighbour> neighbours(double now);
-  FleetMember self() const;
-  bool takes_part() const;
   bool is_under_way() const;
   bool stands_still(double now) const;
 
@@ -181,10 +181,8 @@ class Run {
   bool records(double now) const;
 
   // wait_cause.cpp
-  using WaitKind = double WaitTimes::*;
-  WaitKind wait_kind(double now);
-  std::string wait_cause(double now);
-  std::string what_it_has_not_heard() const;
+  static double WaitTimes::*wait_kind(Cause cause);
+  std::string wait_cause(double now) const;
   std::string what_is_wrong_with_the_odometry(WallTime now) const;
   std::string which_plan_it_waits_for() const;
   std::string whom_it_does_not_know() const;
@@ -216,7 +214,8 @@ class Run {
   StateCounter counter_;
   ControlTiming timing_;
   ProgressWatch progress_;
-  std::vector<Neighbour> near_;   ///< of the last decision
+  std::vector<Neighbour> near_;  ///< of the last decision
+  Decision decision_;
   std::uint32_t recoveries_ = 0;  ///< of peers, that the robot has reckoned with
 
   // begin() sets these anew for each mission.

@@ -11,14 +11,14 @@ namespace coppice {
 int run_named(const AgentOptions& options, Heartbeat& heart) {
   const RobotName& name = options.name;
   ProcessClock clock(options.process.state);
-  Past past = past_of(name, options, [&] { heart.beat(clock.now()); });
+  RestoredProcess restored = restored_process(name, options, [&] { heart.beat(clock.now()); });
   DdsSettings network = options.process.network;
   network.robot = name;
   DdsBus bus(network, Role::agent, "robot_agent " + name);
   RobotAgent agent(name);
-  Listeners listeners(past, options, bus, name, agent, clock);
-  if (const auto tracking = tracking_of(options.ros)) agent.lead(*tracking);
-  agent.restore(std::move(past.saved_state));
+  Listeners listeners(restored, options, bus, name, agent, clock);
+  if (const auto tracking = tracking_of(options.ros)) agent.track_robot(*tracking);
+  agent.restore(std::move(restored.saved_state));
   spdlog::info("on domain {}", network.domain);
   while (!stop_requested()) {
     turn(bus, agent, listeners, clock);

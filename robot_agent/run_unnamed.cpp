@@ -40,12 +40,13 @@ bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart, Pr
 /// Opens the robot's journal. The agent that had the robot before may only be paused, and hold the journal
 /// open. It ends when it continues, because its lease has ended. None: the process was told to stop before
 /// that, or another agent has the robot.
-std::optional<Past> past_once_it_is_free(const AgentOptions& options, DdsBus& asking, NamelessAgent& agent,
-                                         ProcessClock& clock, const std::function<void()>& meanwhile) {
+std::optional<RestoredProcess> restored_process_once_it_is_free(const AgentOptions& options, DdsBus& asking,
+                                                                NamelessAgent& agent, ProcessClock& clock,
+                                                                const std::function<void()>& meanwhile) {
   KeepsNothing keeper;
   for (bool told = false; !agent.lost() && !stop_requested(); told = true) {
     try {
-      return past_of(*agent.robot(), options, meanwhile);
+      return restored_process(*agent.robot(), options, meanwhile);
     } catch (const JournalInUse& problem) {
       if (!told) spdlog::warn("{}: waits for that one to end", problem.what());
     }
@@ -80,14 +81,15 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
     heart.beat(clock.now());
     if (asking && clock.now() - last_claim >= claim_period) claim_again(*asking);
   };
-  if (std::optional<Past> past = past_once_it_is_free(all_options, *asking, agent, clock, keep_the_claim)) {
-    agent.begin(std::move(past->saved_state), tracking_of(all_options.ros));
+  if (std::optional<RestoredProcess> restored =
+          restored_process_once_it_is_free(all_options, *asking, agent, clock, keep_the_claim)) {
+    agent.begin(std::move(restored->saved_state), tracking_of(all_options.ros));
     // The bus bears the robot's name, so that peers know from the beginning whose agent this is. Until it has
     // found the service, the other bus renews the lease.
     DdsSettings network = options.network;
     network.robot = robot;
     DdsBus bus(network, Role::claimant, "robot_agent " + robot);
-    Listeners listeners(*past, all_options, bus, robot, agent.agent(), clock);
+    Listeners listeners(*restored, all_options, bus, robot, agent.agent(), clock);
     claim_again(bus);
     while (!stop_requested()) {
       keep_the_claim();  // first: the process may have slept

@@ -12,16 +12,16 @@
 namespace coppice {
 
 /// A robot that stands has news if one of these changes.
-struct Steady {
+struct SpokenState {
   bool stands = false;
   Phase phase = Phase::waiting;
   RoundId round{};
   Stage stage = Stage::free;
   RobotName waits_for{};
-  std::uint32_t reservation = 0;  ///< number
-  std::uint32_t heeds = 0;        ///< grows with each reservation of another robot that it heeds
-  bool shakes_hands = false;      ///< some peers may not know its clock
-  bool operator==(const Steady&) const = default;
+  std::uint32_t reservation = 0;           ///< number
+  std::uint32_t reservations_version = 0;  ///< of the reservations of others that it heeds
+  bool shakes_hands = false;               ///< some peers may not know its clock
+  bool operator==(const SpokenState&) const = default;
 };
 
 class StateCounter {
@@ -43,7 +43,7 @@ class StateCounter {
   std::uint32_t heartbeats() const { return last_heartbeat_; }
 
   /// Once in each control step: what the robot says now.
-  void note(const Steady& now) {
+  void note(const SpokenState& now) {
     const bool same_part = now.round == last_.round && now.stage == last_.stage;
     since_change_ = now.stands && !now.shakes_hands && now == last_ ? since_change_ + 1 : 0;
     since_round_change_ = same_part ? since_round_change_ + 1 : 0;
@@ -75,7 +75,7 @@ class StateCounter {
   std::uint32_t last_heartbeat_ = 0;
   std::uint32_t since_change_ = 0;        ///< control steps
   std::uint32_t since_round_change_ = 0;  ///< control steps
-  Steady last_{};
+  SpokenState last_{};
   std::uint8_t copies_promised_ = 1;
 };
 

@@ -20,7 +20,7 @@ constexpr double share_of_overload = 0.25;  // of the last decisions that came l
 void Run::speak(double now, bool heartbeat, std::vector<Outgoing>& out) {
   // A robot that turns on the spot says so: the process after this one must know its yaw.
   counter_.note({body_.stands() && !body_.turns_on_the_spot(), phase(), round_.id(), stage(),
-                 reserver_.waits_for(), reserver_.number(), reserver_.heeds(),
+                 reserver_.waits_for(), reserver_.number(), reserver_.reservations_version(),
                  fleet_.shakes_hands() && !overloaded()});
   if (counter_.rests() && !heartbeat) return;
   const RoundId* const news = counter_.has_news_of_round() ? &round_.id() : nullptr;

@@ -33,7 +33,6 @@ struct Arrived {
 /// The robot began a little too near to an obstacle, and drives straight to a place where it has room.
 struct DrivingOut {
   Point2 to = Point2::Zero();
-  bool is_blocked = false;  ///< by another robot
 };
 /// It is proved that no path exists.
 struct Impossible {};

@@ -1,4 +1,4 @@
-// Part of class Run: the reason why the robot does not come on, as a kind and in words.
+// Part of class Run: the cause of the last decision, as a kind of wait and in words.
 #include <algorithm>
 #include <utility>
 
@@ -15,43 +15,71 @@ constexpr double in_the_way = 2;  // sums of radii between two of which one stop
 
 }  // namespace
 
-/// In the order in which a control step looks at what keeps a robot that has a goal to reach.
-Run::WaitKind Run::wait_kind(double now) {
+double WaitTimes::*Run::wait_kind(Cause cause) {
   using W = WaitTimes;
-  if (is(Phase::planning)) return &W::planning;
-  if (connectivity_.joining()) return &W::connection;
-  const WallTime wall_now = mission_.clock.wall_time(now);
-  if (tracking_ && !(tracking_->is_recent(wall_now) && tracking_->keeps_up(wall_now))) return &W::odometry;
-  if (fleet_.cut_off() || connectivity_.listens(now)) return &W::connection;
-  if (round_.stage() == Stage::waiting) return &W::joint_plan;
-  if (!may_set_off()) return &W::startup;
-  if (!reserver_.waits_for().empty()) return &W::gate;
-  if (round_.stranded()) return &W::joint_plan;
-  return reserver_.holds() || !reserves(mission_.coordination) ? &W::promise : &W::reservation;
+  switch (cause) {
+    case Cause::planning:
+      return &W::planning;
+    case Cause::joining:
+    case Cause::listening:
+      return &W::connection;
+    case Cause::odometry:
+      return &W::odometry;
+    case Cause::joint_plan:
+    case Cause::stranded:
+      return &W::joint_plan;
+    case Cause::startup:
+      return &W::startup;
+    case Cause::gate:
+      return &W::gate;
+    case Cause::strip:
+    case Cause::plans_anew:
+    case Cause::reservation:
+      return &W::reservation;
+    case Cause::halted:
+    case Cause::idle:
+    case Cause::wall:
+    case Cause::promise:
+      return &W::promise;
+  }
+  return &W::promise;
 }
 
-std::string Run::wait_cause(double now) {
-  using W = WaitTimes;
-  const WaitKind kind = wait_kind(now);
-  if (const auto* out = std::get_if<DrivingOut>(&task_))
-    return "it stands too near to an obstacle, and drives out first" +
-           (out->is_blocked ? ": " + what_is_in_the_way() : std::string());
-  if (kind == &W::planning) return "no path yet: it looks for one";
-  if (kind == &W::connection) return what_it_has_not_heard();
-  if (kind == &W::odometry) return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));
-  if (kind == &W::joint_plan) return which_plan_it_waits_for();
-  if (kind == &W::gate) return fmt::format("it waits for {}, which goes first", reserver_.waits_for());
-  if (kind == &W::reservation)
-    return reserver_.wants() ? "it waits for its turn to reserve a trajectory"
-                             : "no trajectory to its goal is free: it tries again";
-  if (kind == &W::startup) return whom_it_does_not_know();
-  return what_is_in_the_way();
-}
-
-std::string Run::what_it_has_not_heard() const {
-  if (connectivity_.joining())
-    return "its agent was started or woke in mid-run, and has not heard where all others are";
-  return fleet_.cut_off() ? why_it_is_cut_off() : "it was cut off or paused, and listens for what it missed";
+std::string Run::wait_cause(double now) const {
+  switch (decision_.cause) {
+    case Cause::planning:
+      return "no path yet: it looks for one";
+    case Cause::joining:
+      return "its agent was started or woke in mid-run, and has not heard where all others are";
+    case Cause::listening:
+      return fleet_.cut_off() ? why_it_is_cut_off()
+                              : "it was cut off or paused, and listens for what it missed";
+    case Cause::odometry:
+      return what_is_wrong_with_the_odometry(mission_.clock.wall_time(now));
+    case Cause::joint_plan:
+      return which_plan_it_waits_for();
+    case Cause::stranded:
+      return "no joint plan brings it to its goal: it stands until the others are done";
+    case Cause::startup:
+      return whom_it_does_not_know();
+    case Cause::gate:
+      return fmt::format("it waits for {}, which goes first", reserver_.waits_for());
+    case Cause::strip:
+      return "others may not have heard yet that it gave up its reservation";
+    case Cause::plans_anew:
+      return "its reservation leads where it may not go any more: it stops, and reserves another one";
+    case Cause::reservation:
+      return reserver_.wants() ? "it waits for its turn to reserve a trajectory"
+                               : "no trajectory to its goal is free: it tries again";
+    case Cause::wall:
+      return "it stands too near to an obstacle, and drives out first" +
+             (std::holds_alternative<Follow>(decision_.action) ? std::string() : ": " + what_is_in_the_way());
+    case Cause::halted:
+    case Cause::idle:
+    case Cause::promise:
+      return what_is_in_the_way();
+  }
+  return {};
 }
 
 std::string Run::what_is_wrong_with_the_odometry(WallTime now) const {
@@ -60,8 +88,6 @@ std::string Run::what_is_wrong_with_the_odometry(WallTime now) const {
 }
 
 std::string Run::which_plan_it_waits_for() const {
-  if (round_.stage() == Stage::free)
-    return "no joint plan brings it to its goal: it stands until the others are done";
   if (round_.id().leader != process_.name)
     return fmt::format("it stands until {} has made a joint plan", round_.id().leader);
   return round_.plans() ? "it makes a joint plan for the robots around it"

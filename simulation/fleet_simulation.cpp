@@ -96,7 +96,7 @@ void FleetSimulation::start(Agent& agent) {
   agent.process = std::make_unique<Participant<RobotAgent>>(
       Participant<RobotAgent>{.role = RobotAgent(agent.name, map_contexts_), .port = port});
   if (is_any(drive_))
-    agent.process->role.lead(
+    agent.process->role.track_robot(
         {.noise = drive_.odometry_noise, .yaw_noise = FollowingRobot::yaw_noise * drive_.odometry_noise});
   agent.process->role.restore(saved_state_of(agent.kept->messages, is_any(drive_)));
   StateKeeper keeper(agent.name, is_any(drive_));

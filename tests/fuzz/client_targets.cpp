@@ -71,7 +71,7 @@ void ros_odometry(Bytes data) {
   scenario.robots[0].tracking_tolerance = 1;
   PlannerService service(scenario, {.plan_budget = 0}, 0);
   RobotAgent agent("a");
-  agent.lead({});
+  agent.track_robot({});
   RosSide side("a");
   for (const WallTime at : {0.0, missions_at}) {
     for (const Message& message : service.step(at)) {

@@ -105,9 +105,9 @@ RC_GTEST_PROP(Driver, NoRobotTouchesAnythingHoweverLittleIsHeard, (std::uint64_t
       if (random.uniform() < 0.05) body.stay(body.time() + random.uniform(0, 1));
       const auto neighbours = neighbours_of(k, robots);
       if (random.uniform() < 0.5) {
-        body.choose(robots[k].wanted, neighbours, field);
+        body.take(body.evading(robots[k].wanted, neighbours, field));
       } else {
-        body.follow(robots[k].wanted, neighbours, field);
+        body.take(body.following(robots[k].wanted, neighbours, field).next);
       }
     }
     for (std::size_t k = 0; k < robots.size(); ++k) {
@@ -146,7 +146,7 @@ TEST(Driver, ARobotPassesAPeerThatIsBoundToStand) {
   for (int step = 0; step < 200; ++step) {
     standing.stay(standing.time() + 1);
     const std::vector<Neighbour> others{{standing.promise(), 5, limits}};
-    passing.follow({20, 0}, others, field);
+    passing.take(passing.following({20, 0}, others, field).next);
     standing.advance();
     passing.advance();
   }
@@ -162,7 +162,7 @@ TEST(Driver, ARobotThatIsBlockedStraightAheadPassesBeside) {
   const ClearanceField field(map);
   Driver body({20, 19.9}, 0, 5, {20, 40}, period);
   for (int step = 0; step < 200; ++step) {
-    body.follow({20, 0}, {}, field);
+    body.take(body.following({20, 0}, {}, field).next);
     body.advance();
   }
   EXPECT_GT(body.position().x(), 70);
@@ -176,11 +176,11 @@ TEST(Driver, ARobotStandsForAsLongAsItIsBound) {
   const double expiry = body.promise().expiry;
   EXPECT_GE(expiry, 0.5);
   while (body.time() < expiry - period / 2) {
-    body.choose({20, 0}, {}, field);
+    body.take(body.evading({20, 0}, {}, field));
     EXPECT_TRUE(body.velocity().isZero(0)) << body.time();
     body.advance();
   }
-  body.choose({20, 0}, {}, field);
+  body.take(body.evading({20, 0}, {}, field));
   body.advance();
   EXPECT_FALSE(body.velocity().isZero(0));
 }
@@ -193,7 +193,7 @@ TEST(Driver, ARobotStandsForAsLongAsItAnnounced) {
     driver.stay(until);
     EXPECT_DOUBLE_EQ(driver.promise().expiry, until);
     while (driver.velocity().isZero(0) && driver.time() < 1) {
-      driver.choose({20, 0}, {}, field);
+      driver.take(driver.evading({20, 0}, {}, field));
       driver.advance();
     }
     EXPECT_GE(driver.time(), until - 1e-6);
@@ -209,12 +209,14 @@ TEST(Driver, ARobotLeavesAPeerThatStandsTooClose) {
   const Neighbour failed{
       .promise = {.position = there, .expiry = 1e9}, .radius = 5, .limits = limits, .clock_error = 0};
   for (const double gap : {-0.01, 0.0, 0.0005}) {
-    Driver away({60 + gap, 50}, 0, 5, limits, period);
-    EXPECT_TRUE(away.follow({10, 0}, {&failed, 1}, field));
-    EXPECT_GT(away.promise().next_velocity.x(), 0) << gap;
-    Driver closer({60 + gap, 50}, 0, 5, limits, period);
-    EXPECT_FALSE(closer.follow({-10, 0}, {&failed, 1}, field));
-    const Point2 next = closer.turn_position() + period * closer.promise().next_velocity;
+    const Driver away({60 + gap, 50}, 0, 5, limits, period);
+    const Driver::Followed leaves = away.following({10, 0}, {&failed, 1}, field);
+    EXPECT_TRUE(leaves.is_led);
+    EXPECT_GT(leaves.next.velocity.x(), 0) << gap;
+    const Driver closer({60 + gap, 50}, 0, 5, limits, period);
+    const Driver::Followed comes = closer.following({-10, 0}, {&failed, 1}, field);
+    EXPECT_FALSE(comes.is_led);
+    const Point2 next = closer.turn_position() + period * comes.next.velocity;
     EXPECT_GE((next - there).norm(), 10 + gap) << gap;
   }
 }

@@ -21,12 +21,12 @@ TEST(DifferentialDrive, ARobotTurnsOnTheSpotBeforeItDrivesToTheSide) {
   Driver body({5, 5}, 0, 0.22, turtlebot, control_period, 0);
   while (body.yaw() < pi / 2 - 0.4 && body.time() < 10) {
     EXPECT_EQ(body.position(), Point2(5, 5)) << body.time();
-    body.follow({0, 0.5}, {}, field);
+    body.take(body.following({0, 0.5}, {}, field).next);
     body.advance();
   }
   EXPECT_NEAR(body.time(), time_to_turn(pi / 2 - 0.4, turtlebot), 0.3);
   while (body.position().y() < 9 && body.time() < 30) {
-    body.follow({0, 0.5}, {}, field);
+    body.take(body.following({0, 0.5}, {}, field).next);
     body.advance();
   }
   EXPECT_NEAR(body.yaw(), pi / 2, 1e-6);
@@ -39,7 +39,7 @@ TEST(DifferentialDrive, ARobotComesToRestAtTheYawToWhichItTurns) {
     Driver body({5, 5}, 0, 0.22, turtlebot, control_period, 0.2);
     int periods = 0;
     do {
-      body.turn_to(yaw);
+      body.take(body.facing(yaw));
       body.advance();
       ++periods;
     } while (body.turns_on_the_spot() && periods < 1000);
@@ -56,7 +56,8 @@ TEST(DifferentialDrive, ARobotThatBrakesInACurveComesToRestWhereItsPromiseSays) 
       .max_speed = 3, .max_acceleration = 4, .max_angular_speed = 2, .max_angular_acceleration = 3};
   Driver body({20, 20}, 0, 0.5, limits, control_period, 0);
   for (int k = 0; k < 60; ++k) {  // in a circle
-    body.follow(3 * Point2(std::cos(body.yaw() + 0.3), std::sin(body.yaw() + 0.3)), {}, field);
+    const Point2 wanted = 3 * Point2(std::cos(body.yaw() + 0.3), std::sin(body.yaw() + 0.3));
+    body.take(body.following(wanted, {}, field).next);
     body.advance();
   }
   ASSERT_GT(body.velocity().norm(), 1);
@@ -76,7 +77,7 @@ TEST(DifferentialDrive, ARobotTurnsOnTheSpotInACorridorWithoutSlack) {
   for (const double yaw : {0.001, -0.1, 0.3, 2.0}) {
     Driver body({5, 1}, 0, 1, turtlebot, control_period, yaw);
     while (body.position().x() < 6 && body.time() < 20) {
-      body.follow({0.5, 0}, {}, field);
+      body.take(body.following({0.5, 0}, {}, field).next);
       body.advance();
     }
     EXPECT_LT(body.time(), 6) << yaw;

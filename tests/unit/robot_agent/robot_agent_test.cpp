@@ -231,7 +231,7 @@ TEST(RobotAgent, AnAgentWithoutOdometrySaysSo) {
   scenario.robots[0].tracking_tolerance = 1;
   PlannerService service(scenario, {}, 0);
   RobotAgent agent("a");
-  agent.lead({});
+  agent.track_robot({});
   Mission mission;
   for (const Message& message : map_and_missions(service)) {
     agent.on(arrival_of(message, 0));
@@ -246,7 +246,7 @@ TEST(RobotAgent, AnAgentWithoutOdometrySaysSo) {
 TEST(RobotAgent, AnAgentWhoseRobotMayNotBeOffItsReferenceSaysSo) {
   PlannerService service(two_robots(), {}, 0);
   RobotAgent agent("a");
-  agent.lead({});
+  agent.track_robot({});
   for (const Message& message : map_and_missions(service)) agent.on(arrival_of(message, 0));
   const AgentStatus status = of<AgentStatus>(run(agent, 0, 1)).back();
   EXPECT_EQ(status.phase, Phase::no_path);

@@ -24,7 +24,7 @@ Mission mission_to(const Point2& goal, double scale = 1) {
 /// A single agent, its ROS side, and an external robot that is moved by `follow`.
 struct Fleet {
   explicit Fleet(const Mission& mission, std::optional<TrackingSettings> tracking = {}) {
-    if (tracking) agent.lead(*tracking);
+    if (tracking) agent.track_robot(*tracking);
     hear(MapMessage{"wall", wall_with_door(), {}}, 0);
     hear(mission, 0);
   }

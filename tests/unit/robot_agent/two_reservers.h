@@ -52,7 +52,7 @@ class TwoReservers : public testing::Test {
       reserver.held().look_at_others(fleet);
       return reserver.held().is_overridden();
     }
-    void look() { reserver.held().preferred_velocity(self, fleet, path.front(), limits, 0, open); }
+    void look() { reserver.held().look_at_gates(fleet, 0, open); }
     RobotState state(double now) {
       RobotState state = state_of(self.robot, now, self.position);
       state.phase = Phase::driving;
@@ -109,7 +109,9 @@ class TwoReservers : public testing::Test {
     Point2 v = Point2::Zero();
     for (double at = 20; at < x + 0.01; at += 0.02) {
       a.reserver.come_to(Driver({at, 100}, 0.6, 5, limits, control_period));
-      v = a.reserver.held().preferred_velocity(a.self, a.fleet, {at, 100}, limits, 0.6, open);
+      HeldReservation& held = a.reserver.held();
+      held.look_at_gates(a.fleet, 0.6, open);
+      v = held.preferred_velocity({at, 100}, limits);
     }
     return v.norm();
   }
