@@ -49,6 +49,7 @@ double committed(double progress, double speed, const Limits& limits) {
 HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, const Limits& limits,
                                  const Reservations& others)
     : own_(std::move(own)),
+      since_(own_->number),
       others_(&others),
       follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius),
       own_limits_(limits) {}
@@ -100,7 +101,7 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   if (!come_near(own, other)) return pair;
   const auto m = fleet.find(other.robot);
   const double estimate = m ? m->clock_offset : 0;
-  const double offset = offset_between(own, other, estimate);
+  const double offset = offset_between(own_one(), renewed(other), estimate);
   pair.offset = offset;
   Order order = order_of(own.trajectory, own.radius, other.trajectory, other.radius, offset);
   Order theirs = order_of(other.trajectory, other.radius, own.trajectory, own.radius, -offset);
@@ -109,7 +110,7 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   pair.too_close = std::move(order.too_close);
   pair.too_close.insert(pair.too_close.end(), theirs.other_too_close.begin(), theirs.other_too_close.end());
   pair.they_beyond = std::max(beyond(theirs.too_close), beyond(order.other_too_close));
-  pair.is_related = are_related(own, other);
+  pair.is_related = are_related(own_one(), renewed(other));
   if (pair.is_related || !overrides(other, own)) return pair;
   pair.overrides = come_too_close(own.trajectory, shifted(other.trajectory, estimate),
                                   kept_apart(own.radius, other.radius), own.trajectory.front().time);
@@ -318,7 +319,7 @@ bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   const double radii = own_->radius + m.radius;
   const bool is_behind = leads_into(own_rest, m.position, radii);
   if (is_behind != leads_into(their_rest, own_rest.front().position, radii)) return is_behind;
-  const double offset = offset_between(*own_, *theirs, m.clock_offset);
+  const double offset = offset_between(own_one(), renewed(*theirs), m.clock_offset);
   const bool is_first_by_name = m.robot < own_->robot;
   const auto turn_at = [&](const Trajectory& rest, double later) {
     return std::floor((rest.front().time + later) / turn);

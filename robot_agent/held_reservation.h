@@ -24,6 +24,7 @@
 #include "motion/reserved_order.h"
 #include "motion/way_follower.h"
 #include "robot_agent/fleet.h"
+#include "robot_agent/reservation_pair.h"
 #include "robot_agent/reservations.h"
 #include "robot_agent/timing.h"
 
@@ -157,11 +158,16 @@ class HeldReservation {
   bool has_left(const Pair& pair, const FleetMember& m) const;
   bool may_be_confirmed(const Pair& pair, const RobotState& other) const;
   bool keeps_apart(const Pair& pair, double others_progress) const;
+  RenewedReservation own_one() const { return {*own_, since_}; }
+  RenewedReservation renewed(const ReservationMessage& other) const {
+    return {other, others_->since(other.robot)};
+  }
   bool goes_first(const FleetMember& m, double turn) const;
   bool leads_into_robot(const FleetMember& m) const;
   bool last_one_comes_on(const Fleet& fleet, double now);
 
   std::shared_ptr<const ReservationMessage> own_;
+  std::uint32_t since_;  ///< the first number of the trajectory
   Path rest_{};  ///< of the way, beyond the end of the reservation; empty: it leads to the end of the way
   const Reservations* others_;
   WayFollower follower_;

@@ -9,9 +9,12 @@ namespace coppice {
 
 namespace {
 
-bool is_in_basis(const ReservationMessage& of, const RobotName& robot, std::uint32_t number) {
-  return std::ranges::any_of(
-      of.basis, [&](const ReservationBasis& b) { return b.robot == robot && b.number == number; });
+/// Null: the trajectory was planned without the other one.
+const ReservationBasis* named_in(const ReservationMessage& of, const RenewedReservation& other) {
+  const auto named = std::ranges::find_if(of.basis, [&](const ReservationBasis& b) {
+    return b.robot == other.message.robot && b.number >= other.since;
+  });
+  return named != of.basis.end() ? &*named : nullptr;
 }
 
 Box<2> box_of(const Trajectory& trajectory) {
@@ -40,18 +43,15 @@ bool come_near(const ReservationMessage& a, const ReservationMessage& b) {
   return distance(box_of(a.trajectory), box_of(b.trajectory)) < kept_apart(a.radius, b.radius);
 }
 
-bool are_related(const ReservationMessage& a, const ReservationMessage& b) {
-  return are_of_one_plan(a, b) || is_in_basis(a, b.robot, b.number) || is_in_basis(b, a.robot, a.number);
+bool are_related(const RenewedReservation& a, const RenewedReservation& b) {
+  return are_of_one_plan(a.message, b.message) || named_in(a.message, b) != nullptr ||
+         named_in(b.message, a) != nullptr;
 }
 
-double offset_between(const ReservationMessage& own, const ReservationMessage& other, double estimate) {
-  if (are_of_one_plan(own, other)) return own.plan.shift - other.plan.shift;
-  for (const ReservationBasis& b : own.basis) {
-    if (b.robot == other.robot && b.number == other.number) return b.offset;
-  }
-  for (const ReservationBasis& b : other.basis) {
-    if (b.robot == own.robot && b.number == own.number) return -b.offset;
-  }
+double offset_between(const RenewedReservation& own, const RenewedReservation& other, double estimate) {
+  if (are_of_one_plan(own.message, other.message)) return own.message.plan.shift - other.message.plan.shift;
+  if (const auto* const named = named_in(own.message, other)) return named->offset;
+  if (const auto* const named = named_in(other.message, own)) return -named->offset;
   return estimate;
 }
 

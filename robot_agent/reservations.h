@@ -23,7 +23,10 @@ class Reservations {
 
   void hear(std::shared_ptr<const ReservationMessage> reservation) {
     auto& known = known_[reservation->robot];
-    if (known && known->run == reservation->run && known->number >= reservation->number) return;
+    const bool is_of_the_run = known && known->run == reservation->run;
+    if (is_of_the_run && known->number >= reservation->number) return;
+    const bool renews = is_of_the_run && known->trajectory == reservation->trajectory;
+    if (!renews) since_[reservation->robot] = reservation->number;
     known = std::move(reservation);
     ++news_;
   }
@@ -32,6 +35,12 @@ class Reservations {
     const auto known = known_.find(robot);
     return known != known_.end() && known->second->run == run ? known->second.get() : nullptr;
   }
+  /// The first number, as far as was heard, of the trajectory that a robot has reserved. Whoever named one of
+  /// the numbers from then on planned around that trajectory.
+  std::uint32_t since(const RobotName& robot) const {
+    const auto known = since_.find(robot);
+    return known != since_.end() ? known->second : 0;
+  }
   auto begin() const { return known_.begin(); }
   auto end() const { return known_.end(); }
   /// Grows with each message that tells something new.
@@ -39,6 +48,7 @@ class Reservations {
 
  private:
   Known known_{};
+  std::map<RobotName, std::uint32_t> since_{};
   std::uint32_t news_ = 0;
 };
 

@@ -60,15 +60,14 @@ void Reserver::want(const Path& path, const FleetMember& self, const ClearanceFi
 }
 
 /// Another robot may leave this one out of its decisions, wherever its own way leads, once this robot has
-/// told it that it heeds its reservation. Its last such decision is made `recent_state` from now on, at the
-/// latest.
+/// told it that it heeds its reservation, perhaps under an earlier number: the other one may have renewed it
+/// on its way. Its last such decision is made `recent_state` from now on, at the latest.
 void Reserver::leave_strip(const Fleet& fleet, double now) {
   if (!holds()) return;
   std::erase_if(rely_on_strip_, [&](const Relies& other) { return now >= other.until; });
   for (const auto& [robot, told] : told_) {
     const ReservationMessage* const r = others_->find(robot, run_);
-    const bool heeds = r != nullptr && told.number == r->number && !r->trajectory.empty();
-    if (heeds)
+    if (r != nullptr && !r->trajectory.empty() && told.number >= others_->since(robot))
       rely_on_strip_.push_back(
           {robot, number(), now + (1 + clock_drift) * (recent_state + longest_window(fleet))});
   }

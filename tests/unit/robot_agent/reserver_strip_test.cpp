@@ -102,6 +102,33 @@ TEST_F(ReserverStripTest, ARobotThatHearsNothingLeavesItsStripWhenNoRecentStateN
   EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.7));
 }
 
+// b relied on the strip on its way, until it renewed its reservation. Nothing of the new one is confirmed
+// yet.
+TEST_F(ReserverStripTest, ARobotThatHasRenewedItsReservationMayStillBrakeWhereItReliedOnTheStrip) {
+  reserve_both();
+  tell_state(b, a, 0.3);  // a says that it heeds b's reservation
+  ReservationMessage renewed = b.last();
+  renewed.number += 1;
+  a.others.hear(std::make_shared<const ReservationMessage>(renewed));
+  b.self.position = {50, 100};
+  tell_state(a, b, 0.9);
+  a.drop(1);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1 + 2.7));
+}
+
+// It stood in between, so it has come to rest.
+TEST_F(ReserverStripTest, ARobotThatHasReservedAnewIsNotWaitedForUntilItIsToldSo) {
+  reserve_both();
+  tell_state(b, a, 0.3);
+  ReservationMessage another = b.last();
+  another.number += 1;
+  another.trajectory.back().position += Point2(5, 0);
+  a.others.hear(std::make_shared<const ReservationMessage>(another));
+  a.drop(1);
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
+}
+
 TEST_F(ReserverStripTest, ARobotInWhoseStatesNobodyIsHeededMayLeaveItsStripAtOnce) {
   reserve_both();
   a.drop(1);
