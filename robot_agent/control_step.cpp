@@ -433,9 +433,13 @@ std::span<const Neighbour> Run::neighbours(double now) {
   const Limits& limits = body_.limits();
   const double horizon = std::max(Driver::horizon, braking_time(limits)) + 3 * control_period;
   const double reach = body_.radius() + horizon * limits.max_speed;
-  fleet_.collect_neighbours(
-      body_.position(), reach, horizon, now, process_.state_ages, near_,
-      [&](const RobotState& state, double age) { return reserver_.passes(state, age); });
+  left_out_.clear();
+  fleet_.collect_neighbours(body_.position(), reach, horizon, now, process_.state_ages, near_,
+                            [&](const RobotState& state, double age) {
+                              if (!reserver_.passes(state, age)) return false;
+                              left_out_.push_back({state.robot, state.reservation});
+                              return true;
+                            });
   return near_;
 }
 
