@@ -33,6 +33,7 @@ struct Sum {
   std::size_t failed = 0;
   std::size_t shut_in = 0;  ///< robots
   double robot_hours = 0;
+  std::size_t decisions = 0;
   SufferedFaults suffered;
 
   void add(const FuzzResult& result) {
@@ -40,6 +41,7 @@ struct Sum {
     failed += !result.failures.empty();
     shut_in += result.shut_in.size();
     robot_hours += result.robot_hours;
+    decisions += result.decisions;
     suffered.lost += result.suffered.lost;
     suffered.kills += result.suffered.kills;
     suffered.restarts += result.suffered.restarts;
@@ -47,10 +49,11 @@ struct Sum {
   }
   std::string in_words() const {
     return fmt::format(
-        "{} cases, {} failed; {:.2f} robot-hours, {} samples lost, {} agents killed, {} of them restarted, "
-        "{} pauses, {} robots blocked by failed robots",
-        cases, failed, robot_hours, suffered.lost, suffered.kills, suffered.restarts, suffered.pauses,
-        shut_in);
+        "{} cases, {} failed; {:.2f} robot-hours, {} decisions checked, {} samples lost, {} agents killed, "
+        "{} "
+        "of them restarted, {} pauses, {} robots blocked by failed robots",
+        cases, failed, robot_hours, decisions, suffered.lost, suffered.kills, suffered.restarts,
+        suffered.pauses, shut_in);
   }
 };
 

@@ -52,7 +52,7 @@ int simulate_command(const RunOptions& options, const Faults& faults, const NewR
   const proto::Report report = service.report(in_parts(tracks));
   write_results(options, report, in_parts(tracks), [&] { return service.picture(); });
   if (!options.quiet) std::cout << '\n' << report_table(report);
-  const auto broken = broken_invariants(scenario, tracks, control_period);
+  const auto broken = broken_invariants(scenario, simulation);
   for (const std::string& line : broken) std::cerr << line << '\n';
   return report.outcome() == "arrived" && broken.empty() ? 0 : 1;
 }

@@ -55,7 +55,7 @@ class ClockOffset {
 
   double least_ = -infinity;
   double most_ = infinity;
-  double updated_ = 0;
+  double updated_ = -infinity;  ///< times may be below 0: a clock may be behind when a run begins
 };
 
 }  // namespace coppice

@@ -100,6 +100,7 @@ void Run::decide(double now, std::vector<Outgoing>& out) {
   if (!halted()) watch_joining(now);
   const bool takes_notice = !halted() && !connectivity_.joining() && !its_robot_is_behind(now);
   near_.clear();
+  left_out_.clear();
   if (takes_notice) {
     watch_isolation(now);
     if (!body_.bound_to_stand()) look_for_neighbours(now);
@@ -261,9 +262,12 @@ void Run::look_for_neighbours(double now) {
   const Limits& limits = body_.limits();
   const double horizon = std::max(Driver::horizon, braking_time(limits)) + 3 * control_period;
   const double reach = body_.radius() + horizon * limits.max_speed;
-  fleet_.collect_neighbours(
-      body_.position(), reach, horizon, now, process_.state_ages, near_,
-      [&](const RobotState& state, double age) { return reserver_.passes(state, age); });
+  fleet_.collect_neighbours(body_.position(), reach, horizon, now, process_.state_ages, near_,
+                            [&](const RobotState& state, double age) {
+                              if (!reserver_.passes(state, age)) return false;
+                              left_out_.push_back({state.robot, state.reservation});
+                              return true;
+                            });
 }
 
 FleetMember Run::self() const {

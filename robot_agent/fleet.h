@@ -140,6 +140,11 @@ class Fleet {
 
   /// With `now`, its clock's error from that time on.
   std::optional<FleetMember> find(const RobotName& robot, double now = 0) const;
+  /// Null: nothing is known of the robot.
+  const ClockOffset* clock_of(const RobotName& robot) const {
+    const auto number = peers_.find(robot);
+    return number ? &peers_[*number].clock : nullptr;
+  }
   std::vector<FleetMember> others() const;
   /// The robots within so many sums of radii of a robot at p.
   std::vector<FleetMember> beside(const Point2& p, double radius, double sums, double now = 0) const;

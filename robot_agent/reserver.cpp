@@ -59,25 +59,33 @@ void Reserver::want(const Path& path, const FleetMember& self, const ClearanceFi
   state_ = wanted;
 }
 
-/// Another robot may leave this one out of its decisions, wherever its own way leads, once this robot has
-/// told it that it heeds its reservation, perhaps under an earlier number: the other one may have renewed it
-/// on its way. Its last such decision is made `recent_state` from now on, at the latest.
+/// Another robot may rely on this one to stay in its strip. Its last decision that does is made
+/// `recent_state` from now on, at the latest.
 void Reserver::leave_strip(const Fleet& fleet, double now) {
   if (!holds()) return;
   std::erase_if(rely_on_strip_, [&](const Relies& other) { return now >= other.until; });
-  for (const auto& [robot, told] : told_) {
-    const ReservationMessage* const r = others_->find(robot, run_);
-    if (r != nullptr && !r->trajectory.empty() && told.number >= others_->since(robot))
-      rely_on_strip_.push_back(
-          {robot, number(), now + (1 + clock_drift) * (recent_state + longest_window(fleet))});
+  const double until = now + (1 + clock_drift) * (recent_state + longest_window(fleet));
+  for (const FleetMember& m : fleet.others()) {
+    if (may_rely(m.robot)) rely_on_strip_.push_back({m.robot, number(), until});
   }
+}
+
+/// A robot may leave this one out of its decisions, wherever its own way leads, once this robot has told it
+/// that it heeds its reservation: perhaps under an earlier number, for the other one may have renewed it on
+/// its way; and perhaps before this process was started. A robot without a reservation stands.
+bool Reserver::may_rely(const RobotName& robot) const {
+  const ReservationMessage* const r = others_->find(robot, run_);
+  if (r != nullptr && r->trajectory.empty()) return false;
+  const auto told = told_.find(robot);
+  const bool was_told = r != nullptr && told != told_.end() && told->second.number >= others_->since(robot);
+  return was_told || has_begun_anew_;
 }
 
 /// The process before this one may have held a reservation.
 void Reserver::begin_anew(const Fleet& fleet, double last_state, double now) {
   state_ = nothing;
   number_ = next_number(now);
-  is_news_ = true;
+  is_news_ = has_begun_anew_ = true;
   rely_on_strip_.clear();
   if (fleet.size_of_the_run() < 2) return;
   // Without a name: it is not known who relies on it.

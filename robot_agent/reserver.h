@@ -137,6 +137,7 @@ class Reserver {
                         std::vector<Outgoing>& out);
   std::vector<OtherRobot> others_to_reckon_with(const Fleet& fleet, double now) const;
   void leave_strip(const Fleet& fleet, double now);
+  bool may_rely(const RobotName& robot) const;
   bool may_be_met(const Relies& other, const FleetMember& self, const Fleet& fleet, double now) const;
 
   RobotName robot_;
@@ -146,6 +147,7 @@ class Reserver {
   std::uint32_t number_ = 0;  ///< of the last message
   bool is_urgent_ = false;    ///< it has planned in vain on its way to its goal
   bool is_news_ = false;      ///< others have not been told that there is no reservation
+  bool has_begun_anew_ = false;
   std::variant<None, Wanted, HeldReservation> state_;
   std::map<RobotName, std::uint32_t> knows_this_;  ///< the number of this robot that another one has heard of
   struct Told {

@@ -82,6 +82,10 @@ class Run {
   std::vector<Disc> places_of_failed() const {
     return fleet_.zones_of_failed(body_.position(), body_.time());
   }
+  /// The reservations that other robots hold, and because of which the last decision left these out.
+  std::span<const ReservationId> left_out() const { return left_out_; }
+  /// The offset of another robot's clock; null: nothing is known of that robot.
+  const ClockOffset* clock_of(const RobotName& robot) const { return fleet_.clock_of(robot); }
   const Mission& mission() const { return mission_; }
   const std::optional<Tracking>& tracking() const { return tracking_; }
   const std::shared_ptr<MapContext>& map() const { return map_; }
@@ -214,7 +218,8 @@ class Run {
   StateCounter counter_;
   ControlTiming timing_;
   ProgressWatch progress_;
-  std::vector<Neighbour> near_;  ///< of the last decision
+  std::vector<Neighbour> near_;          ///< of the last decision
+  std::vector<ReservationId> left_out_;  ///< of the last decision
   Decision decision_;
   std::uint32_t recoveries_ = 0;  ///< of peers, that the robot has reckoned with
 

@@ -49,7 +49,8 @@ void SavedStateBuilder::drive_on(double until) {
 void SavedStateBuilder::receive(const RobotState& state) {
   if (!mission_) return;
   if (state.passed_on) {
-    if (saved_) silent_[state.robot] = {state, saved_->body.time()};
+    // It was heard before the control step that passes it on, which may come nearly a period late.
+    if (saved_) silent_[state.robot] = {state, saved_->body.time() + control_period};
   } else if (state.robot != mission_->robot) {
     silent_.erase(state.robot);
   } else {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace coppice {
@@ -49,7 +50,8 @@ FleetSimulation::FleetSimulation(const Scenario& scenario, const SimulationSetti
       drive_(settings.faults.drive),
       bus_(bus_delay, settings.faults.bus, Random(scenario.seed)),
       service_(started_service()),
-      broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)} {
+      broker_{TreeBroker(1, scenario.seed), bus_.attach(Role::broker)},
+      sentinel_(scenario) {
   if (!settings.takes_orders) bus_.keep_for(Role::agent);
   std::vector<AgentFaults> drawn = draw_faults(settings.faults, scenario, settings.timeout);
   for (const RobotTask& task : scenario.robots) {
@@ -141,6 +143,7 @@ void FleetSimulation::step(Participant<R>& participant, K&& keeper, const AgentC
     Outgoing outgoing(std::move(said));
     keeper.said(outgoing.message);
     if (listener_) listener_(outgoing.message, now_);
+    if constexpr (std::is_same_v<R, RobotAgent>) sentinel_.hear(outgoing.message, now_);
     participant.port.publish(std::move(outgoing));
   }
   participant.earliest = now_ + step_duration;
@@ -159,10 +162,22 @@ void FleetSimulation::step(Agent& agent) {
   step(*agent.process, *agent.keeper, agent.faults.clock);
   const Run* const run = agent.process->role.run();
   if (run == nullptr) return;
+  show(agent, *run);
   if (is_any(drive_)) return command_robot(agent, *run);
   record(agent, run->body().time());
   agent.body = run->body();
   agent.clock_of_run = agent.faults.clock.counted_from(run->mission().clock.epoch);
+}
+
+/// To the sentinel. With each decision it looks at one of the clocks that the agent knows: so the cost does
+/// not grow with the square of the fleet, and each clock of 100 robots is looked at every 5 s.
+void FleetSimulation::show(Agent& agent, const Run& run) {
+  const RunId id = run.mission().clock.run();
+  const AgentClock clock{agent.faults.clock.offset - id.epoch, agent.faults.clock.drift};
+  if (!sentinel_.look(agent.index, {run.body(), clock, id, run.left_out(), run.map()->field}, now_)) return;
+  agent.peer_in_turn = (agent.peer_in_turn + 1) % agents_.size();
+  if (const ClockOffset* const known = run.clock_of(agents_[agent.peer_in_turn].name))
+    sentinel_.check_clock(agent.index, agent.peer_in_turn, *known, now_);
 }
 
 /// The robot drives on until now, and its agent sees where it is.
@@ -235,7 +250,7 @@ void FleetSimulation::set_wake(const Agent& agent) {
 
 void FleetSimulation::run(const std::function<bool(const PlannerService&, double)>& watch) {
   double next_watch = 0;
-  while (!service_->role.finished()) {
+  while (!service_->role.finished() && !sentinel_.broken()) {
     now_ = std::max(now_, next_event());
     bus_.set_time(now_);
     step(*service_, *keeper_of_service_);

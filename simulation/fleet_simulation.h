@@ -6,7 +6,8 @@
 //
 // Agents may be killed or paused, have wrong clocks, and receive messages late or not at all (faults.h). A
 // robot whose agent does not decide brakes in a straight line. The simulation keeps its own record of the
-// bodies' positions, also for agents that can no longer report them.
+// bodies' positions, also for agents that can no longer report them. A sentinel checks each decision
+// (sentinel.h).
 #pragma once
 
 #include <functional>
@@ -24,6 +25,7 @@
 #include "robot_agent/robot_agent.h"
 #include "simulation/fault_schedule.h"
 #include "simulation/following_robot.h"
+#include "simulation/sentinel.h"
 #include "simulation/simulated_bus.h"
 #include "tree_broker/tree_broker.h"
 
@@ -40,8 +42,8 @@ class FleetSimulation {
   /// before run().
   void set_listener(std::function<void(const Message&, double)> listener) { listener_ = std::move(listener); }
 
-  /// Runs to the end. `watch` is called about every 0.1 s of virtual time; it stops the run by returning
-  /// false.
+  /// Runs to the end, or until a lemma is broken. `watch` is called about every 0.1 s of virtual time; it
+  /// stops the run by returning false.
   void run(const std::function<bool(const PlannerService&, double)>& watch);
 
   /// Gives an order, as a dispatcher does. Within run().
@@ -53,6 +55,7 @@ class FleetSimulation {
 
   /// Positions and velocities of the bodies, in fleet time by the true clock.
   const std::vector<NamedTrack>& tracks() const { return tracks_; }
+  const Sentinel& sentinel() const { return sentinel_; }
   /// The faults that have occurred so far.
   SufferedFaults suffered() const;
   /// Whether the robot's agent is killed and not restarted yet.
@@ -89,6 +92,7 @@ class FleetSimulation {
     std::optional<Keeper<StateKeeper, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was after the agent's last step
     AgentClock clock_of_run{};     ///< its clock, in fleet time
+    std::size_t peer_in_turn = 0;  ///< whose clock the sentinel looks at next
     std::optional<Follower> follower{};
     double next_event() const;
   };
@@ -107,6 +111,7 @@ class FleetSimulation {
   void step(Agent& agent);
   void kill(Agent& agent);
   void start(Agent& agent);
+  void show(Agent& agent, const Run& run);
   void record(Agent& agent, double until);
   void meet_robot(Agent& agent);
   void command_robot(Agent& agent, const Run& run);
@@ -129,6 +134,7 @@ class FleetSimulation {
   std::vector<Agent> agents_;
   std::vector<Wake> wakes_;  ///< by agent
   std::vector<NamedTrack> tracks_;
+  Sentinel sentinel_;
 };
 
 }  // namespace coppice

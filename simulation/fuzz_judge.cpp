@@ -63,12 +63,14 @@ bool could_be_sorted_out(std::size_t robot, const ClearanceField& field, const s
 
 FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
   const std::vector<NamedTrack>& tracks = simulation.tracks();
-  FuzzResult result{.failures = broken_invariants(fuzz_case.scenario, tracks, control_period),
+  FuzzResult result{.failures = broken_invariants(fuzz_case.scenario, simulation),
+                    .decisions = simulation.sentinel().decisions(),
                     .suffered = simulation.suffered()};
   if (result.suffered.rejected > 0)
     result.failures.push_back(fmt::format("{} messages that no reader takes", result.suffered.rejected));
   for (const NamedTrack& track : tracks)
     result.robot_hours += static_cast<double>(track.track.points.size()) * control_period / 3600;
+  if (simulation.sentinel().broken()) return result;  // the run ended there: nobody is stuck
   const proto::Report report = simulation.service().report(in_parts(tracks));
   const double bound = arrival_bound(fuzz_case, simulation);
   const std::vector<JointTask> ends = ends_of(tracks, simulation);

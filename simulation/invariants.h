@@ -1,4 +1,5 @@
-// Invariants of every run, whatever faults occurred. They are checked on the recorded tracks alone.
+// Invariants of every run, whatever faults occurred: those of the recorded tracks, and the lemmas that a
+// sentinel checks at each decision (sentinel.h).
 #pragma once
 
 #include <string>
@@ -6,6 +7,7 @@
 
 #include "coppice/files/scenario.h"
 #include "files/trajectory_file.h"
+#include "simulation/fleet_simulation.h"
 
 namespace coppice {
 
@@ -15,5 +17,7 @@ namespace coppice {
 /// of a track.
 std::vector<std::string> broken_invariants(const Scenario& scenario, const std::vector<NamedTrack>& tracks,
                                            double period);
+/// The same of a run. First comes the lemma that a decision broke, which ended the run.
+std::vector<std::string> broken_invariants(const Scenario& scenario, const FleetSimulation& simulation);
 
 }  // namespace coppice

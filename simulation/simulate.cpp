@@ -16,7 +16,7 @@ SimulatedRun simulate(const Scenario& scenario, const SimulationSettings& settin
   SimulatedRun run{.arrived = report.outcome() == "arrived",
                    .run_time = report.run_time(),
                    .report = report_json(report),
-                   .broken = broken_invariants(scenario, simulation.tracks(), control_period)};
+                   .broken = broken_invariants(scenario, simulation)};
   for (const NamedTrack& track : simulation.tracks()) run.tracks.push_back(track.track);
   return run;
 }

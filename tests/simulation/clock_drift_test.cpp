@@ -42,7 +42,7 @@ TEST(ClockDrift, ClocksRunApartAndNothingTouches) {
   FleetSimulation simulation(scenario, settings);
   simulation.run([](const PlannerService&, double) { return true; });
   EXPECT_EQ(simulation.service().report(in_parts(simulation.tracks())).outcome(), "arrived");
-  const auto broken = broken_invariants(scenario, simulation.tracks(), control_period);
+  const auto broken = broken_invariants(scenario, simulation);
   EXPECT_TRUE(broken.empty()) << broken.front();
   for (std::size_t k = 0; k < drawn.size(); ++k) {
     const std::vector<TrackPoint>& points = simulation.tracks()[k].track.points;

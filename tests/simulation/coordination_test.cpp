@@ -60,7 +60,7 @@ void expect_all_arrive(const Scenario& scenario) {
   FleetSimulation simulation(scenario, {.timeout = 600});
   simulation.run([](const PlannerService&, double) { return true; });
   EXPECT_EQ(simulation.service().report().outcome(), "arrived");
-  EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
+  EXPECT_TRUE(broken_invariants(scenario, simulation).empty());
 }
 
 /// A robot with a radius of 5 m.
@@ -103,7 +103,7 @@ TEST(Coordination, ALifelongFleetKeepsGettingGoals) {
     const proto::Report report = simulation.service().report();
     EXPECT_EQ(report.outcome(), "arrived") << name;
     EXPECT_GE(report.missions(), 40u) << name;  // at least one more mission for each robot
-    EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty()) << name;
+    EXPECT_TRUE(broken_invariants(scenario, simulation).empty()) << name;
   }
 }
 

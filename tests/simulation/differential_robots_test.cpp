@@ -23,9 +23,8 @@ struct Driven {
 Driven driven(const Scenario& scenario, const SimulationSettings& settings = {}) {
   FleetSimulation simulation(scenario, settings);
   simulation.run([](const PlannerService&, double) { return true; });
-  Driven result{.report = simulation.service().report(),
-                .broken = broken_invariants(scenario, simulation.tracks(), control_period),
-                .last = {}};
+  Driven result{
+      .report = simulation.service().report(), .broken = broken_invariants(scenario, simulation), .last = {}};
   for (const NamedTrack& named : simulation.tracks()) result.last.push_back(named.track.points.back());
   for (const auto& robot : result.report.robots()) result.sum += robot.run_time();
   return result;

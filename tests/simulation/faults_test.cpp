@@ -25,7 +25,7 @@ Outcome simulate(const Scenario& scenario, const Faults& faults, double timeout 
   FleetSimulation simulation(scenario, {.timeout = timeout, .faults = faults});
   simulation.run([](const PlannerService&, double) { return true; });
   const std::vector<NamedTrack>& tracks = simulation.tracks();
-  return {simulation.service().report(in_parts(tracks)), broken_invariants(scenario, tracks, control_period)};
+  return {simulation.service().report(in_parts(tracks)), broken_invariants(scenario, simulation)};
 }
 
 Outcome simulate(const std::string& name, int robots, std::uint32_t seed, const Faults& faults) {

@@ -63,8 +63,7 @@ void expect_to_keep_within_tolerances(const Scenario& scenario, const DriveFault
     EXPECT_GT(furthest, 0);
     EXPECT_LT(furthest, scenario.robots.front().tracking_tolerance) << track.robot;
   }
-  for (const std::string& line : broken_invariants(scenario, simulation.tracks(), control_period))
-    ADD_FAILURE() << line;
+  for (const std::string& line : broken_invariants(scenario, simulation)) ADD_FAILURE() << line;
 }
 
 /// Once such robots overtook their references by up to three times their tolerances.

@@ -43,7 +43,7 @@ Driven driven(const Scenario& scenario, double seconds) {
   });
   simulation.run([](const PlannerService&, double) { return true; });
   result.report = simulation.service().report();
-  result.broken = broken_invariants(scenario, simulation.tracks(), control_period);
+  result.broken = broken_invariants(scenario, simulation);
   return result;
 }
 

@@ -78,7 +78,7 @@ void expect_each_order_is_done(Standing& fleet, std::size_t orders) {
           << id;
     }
   }
-  const auto broken = broken_invariants(fleet.scenario, fleet.simulation.tracks(), control_period);
+  const auto broken = broken_invariants(fleet.scenario, fleet.simulation);
   EXPECT_TRUE(broken.empty()) << broken.front();
 }
 
@@ -204,7 +204,7 @@ TEST(Orders, AfterStopAllEverybodyBrakesAtOnceAndStandsUntilReleased) {
     EXPECT_LT(last, stopped_at + 2 * control_period + braking + network) << named.robot;
   }
   EXPECT_GT(all_stand_at(fleet.simulation, released_at), released_at + 1);
-  const auto broken = broken_invariants(scenario, fleet.simulation.tracks(), control_period);
+  const auto broken = broken_invariants(scenario, fleet.simulation);
   EXPECT_TRUE(broken.empty()) << broken.front();
 }
 

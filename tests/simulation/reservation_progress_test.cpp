@@ -90,7 +90,7 @@ void expect_true_progress(const Scenario& scenario, const char* what) {
   EXPECT_GT(check.states(), 500) << what;
   EXPECT_GT(check.braking(), 50) << what;
   EXPECT_LE(check.worst(), reserved_stray_radii + 0.02) << what << " at " << check.worst_at();
-  const auto broken = broken_invariants(scenario, simulation.tracks(), control_period);
+  const auto broken = broken_invariants(scenario, simulation);
   EXPECT_TRUE(broken.empty()) << what << ": " << broken.front();
 }
 

@@ -33,7 +33,7 @@ TEST(SlowRobots, RobotsThatStandBindThemselvesWhileASlowOnePasses) {
   simulation.run([](const PlannerService&, double) { return true; });
   const proto::Report report = simulation.service().report();
   ASSERT_EQ(report.outcome(), "arrived");
-  EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
+  EXPECT_TRUE(broken_invariants(scenario, simulation).empty());
   EXPECT_LT(report.robots(0).run_time(), 1.5 * report.robots(0).free_flow_time());
 }
 
@@ -62,7 +62,7 @@ TEST(SlowRobots, AQuickRobotLetsASlowOneThatStandsInItsWayGetAway) {
   simulation.run([](const PlannerService&, double) { return true; });
   const proto::Report report = simulation.service().report();
   ASSERT_EQ(report.outcome(), "arrived");
-  EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
+  EXPECT_TRUE(broken_invariants(scenario, simulation).empty());
   for (const auto& each : report.robots()) EXPECT_LT(each.run_time(), 300) << each.name();
 }
 

@@ -22,7 +22,7 @@ void expect_all_arrive(const test::Arrangement& a, double radius, std::uint32_t 
   FleetSimulation simulation(scenario, {.timeout = 600});
   simulation.run([](const PlannerService&, double) { return true; });
   EXPECT_EQ(simulation.service().report().outcome(), "arrived");
-  EXPECT_TRUE(broken_invariants(scenario, simulation.tracks(), control_period).empty());
+  EXPECT_TRUE(broken_invariants(scenario, simulation).empty());
 }
 
 TEST(SmallArrangements, AllRobotsArriveInEveryOrientationOfTheMap) {

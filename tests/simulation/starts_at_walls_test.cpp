@@ -57,8 +57,7 @@ void expect_that_it_drives_out(const Scenario& scenario,
   EXPECT_EQ(report.outcome(), "arrived") << report.robots(0).reason();
   EXPECT_EQ(report.collisions(), 0u);
   EXPECT_LT(report.least_clearance(), 0) << "the start is told as it is";
-  for (const std::string& line : broken_invariants(scenario, simulation.tracks(), control_period))
-    ADD_FAILURE() << line;
+  for (const std::string& line : broken_invariants(scenario, simulation)) ADD_FAILURE() << line;
   const ClearanceField field(scenario.map);
   double before = 0;
   for (const TrackPoint& point : simulation.tracks().at(0).track.points) {

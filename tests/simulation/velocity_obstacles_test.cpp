@@ -48,8 +48,7 @@ Driven driven(const Scenario& scenario, SimulationSettings settings) {
   });
   simulation.run([](const PlannerService&, double) { return true; });
   result.report = simulation.service().report(in_parts(simulation.tracks()));
-  for (const std::string& line : broken_invariants(scenario, simulation.tracks(), control_period))
-    ADD_FAILURE() << line;
+  for (const std::string& line : broken_invariants(scenario, simulation)) ADD_FAILURE() << line;
   return result;
 }
 

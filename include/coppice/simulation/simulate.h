@@ -40,7 +40,8 @@ struct SimulatedRun {
   double run_time = 0;          ///< until the last robot stood at its goal
   std::string report{};         ///< JSON; docs/report.md lists its fields
   std::vector<Track> tracks{};  ///< where each body was, in the scenario's order of robots
-  /// A line for each broken promise: robots that touched, left their limits, or jumped. Empty in every run.
+  /// A line for each broken promise: a lemma of docs/safety.md that a decision broke, which ends the run;
+  /// robots that touched, left their limits, or jumped. Empty in every run.
   std::vector<std::string> broken{};
 };
 

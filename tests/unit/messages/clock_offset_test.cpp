@@ -61,5 +61,16 @@ TEST(ClockOffset, TheBoundsLoosenWithTimeAndFollowAClockThatIsSet) {
   EXPECT_NEAR(clock.estimate(), -989, 0.1);
 }
 
+// The clock of a robot may be behind when a run begins. Its fleet time begins below 0.
+TEST(ClockOffset, TheBoundsLoosenBeforeFleetTimeZeroAsWell) {
+  ClockOffset clock;
+  clock.hear(0, -20);
+  clock.hear_echo(-20, 0.0001, -19.9999);
+  const double at_first = clock.error(-19.9999);
+  EXPECT_NEAR(clock.error(-9.9999), at_first + 10 * clock_drift, 1e-9);
+  clock.hear(15, -5);
+  EXPECT_NEAR(clock.error(-5), at_first + 15 * clock_drift, 1e-6);
+}
+
 }  // namespace
 }  // namespace coppice

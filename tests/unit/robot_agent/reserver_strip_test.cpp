@@ -129,6 +129,20 @@ TEST_F(ReserverStripTest, ARobotThatHasReservedAnewIsNotWaitedForUntilItIsToldSo
   EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 1));
 }
 
+// b counts on what the process of a before this one has told it, as long as b's reservation stays the same.
+TEST_F(ReserverStripTest, AfterARestartAllWithReservationsMayRelyOnTheStrip) {
+  reserve_both();
+  b.self.position = {50, 100};
+  tell_state(a, b, 0.3);
+  a.reserver.begin_anew(a.fleet, 0.3, 0.3);
+  a.want(3.5);
+  a.plan(3.6);
+  ASSERT_TRUE(a.reserver.holds());
+  a.drop(4);
+  EXPECT_FALSE(a.reserver.may_leave_strip(a.self, a.fleet, 4 + 2.5));
+  EXPECT_TRUE(a.reserver.may_leave_strip(a.self, a.fleet, 4 + 2.7));
+}
+
 TEST_F(ReserverStripTest, ARobotInWhoseStatesNobodyIsHeededMayLeaveItsStripAtOnce) {
   reserve_both();
   a.drop(1);
