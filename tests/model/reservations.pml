@@ -22,17 +22,27 @@
    restart                      L13                      Reserver::begin_anew
 
    Faults. In a step at most one thing goes wrong, and at most FAULTS in a run: an agent decides nothing, a state is
-   lost, or one of these begins: a partition between two robots, once (`partition` says which robot still hears all); the reservations of one robot come late to another, once; with -DRESTART, an agent restarts, once. Partitions and
-   late messages end at any time. A message that comes again is no news, as in Reservations::hear.
+   lost, a partition between two robots begins (once; `partition` says which robot still hears all), or the reservations
+   of one robot begin to come late to another (once). Partitions and late messages end at any time. With -DRESTART an
+   agent restarts as well, once. With -DCUT_OFF only B and C are parted, once, and agents pause as often as they like.
+   A message that comes again is no news, as in Reservations::hear.
+
+   Liveness (-DLIVENESS): a robot reserves as soon as it may, who plans later passes second, and of two that planned
+   without each other one plans anew: the model has no times, and free choices could close a circle of gates. A run is
+   fair if its partition and its late messages end and its restarted agent comes back.
 
    Left out: clocks that differ, failed robots and A6 to A10, joint plans, motion between cells, and the way of a robot
    that waits for a gate until the other one is sure to have passed: here it waits until that one has passed.
 
-   The rules of the code that are wrong or were, by macro. The model finds a contact with each:
-   RELIANCE_BY_GEOMETRY  once: only robots whose ways come near rely on a reservation.
-   TOLD_EXACT            today: a robot relies only if it was told of its newest number. That number may be new.
-   RELATED_BY_NUMBER     today: a basis names one number. Two robots that get new numbers at once lose their order.
-   EARLY=1               a robot leaves its strip a step too early. */
+   One rule at a time is taken out by macro, and the model finds a contact with each:
+   RELIANCE_BY_GEOMETRY  the old rule: only robots whose ways come near rely on a reservation.
+   TOLD_EXACT            Reserver::leave_strip: a robot relies if it was told of its newest number. It may have got that
+                         number on its way, after decisions that relied on the old one.
+   RELATED_BY_NUMBER     are_related: a basis names one number. Two robots that get new numbers at once lose their order.
+   NO_BRAKING            who has heard of the dropped reservation has braked.
+   EARLY=n               the wait ends n steps early. A few steps are covered by the reachable set, so n = 5.
+   NO_KNOWS, NO_PASSED   an order is confirmed without `knows`; although somebody passed a closed gate.
+   KEEPS_IT_FOR_EVER     who is overridden does not drop its reservation: with -DLIVENESS it waits for ever. */
 #define A 0
 #define B 1
 #define C 2
@@ -50,7 +60,7 @@
 #define NEVER (OLD + 1)
 #define P(i, j) (3 * (i) + (j))
 
-// A: 0 1 x=2 y=3 4 ; B: 0 z=1 2 x=3 4 ; C: 0 y=1 z=2 3
+// The cell of i's lane that it shares with j's.
 #define CROSS(i, j) ((i) == A -> ((j) == B -> 2 : 3) : ((i) == B -> ((j) == A -> BRAKES : 1) : ((j) == A -> 1 : 2)))
 #ifndef BRAKES
 #define BRAKES 3
@@ -67,7 +77,7 @@
 byte at[3], to[3], kind[3], number[3], since[3], heard_since[9], basis[9], told[9], knows[9], heard[9], heard_kind[9], heard_basis[9];
 byte age[9], seen_at[9], seen_to[9], names[9], until[9], given[9];
 bool first[9], heard_first[9], confirmed[9], has_heard[9], overridden[3], down[3];
-byte partition, lost, late, paused, faults;   // pair codes
+byte partition, lost, late, paused, faults;   // lost, late: 1 + P(i, j), j is not heard by i; 0: none
 bool has_parted, has_been_late, has_restarted;
 byte i, j, k, q;
 
@@ -256,26 +266,45 @@ inline restart(r) {
   od; j = 0 }
 }
 
+#ifdef CUT_OFF
+#define may_pause true
+#else
+#define may_pause may_fail -> fails
+#endif
 #define may_fail (faults < FAULTS)
 #define fails faults++
 
 inline network() {
   if
   :: true
-  :: may_fail -> fails; if :: paused = 1 :: paused = 2 :: paused = 3 fi
+  :: may_pause; if :: paused = 1 :: paused = 2 :: paused = 3 fi
+#ifndef CUT_OFF
   :: may_fail -> fails; if :: lost = 2 :: lost = 3 :: lost = 4 :: lost = 6 :: lost = 7 :: lost = 8 fi
   :: may_fail && !has_parted -> fails; has_parted = true;
      if :: partition = 1 :: partition = 2 :: partition = 3 fi
+#else
+  :: !has_parted -> has_parted = true; partition = 1
+#endif
   :: partition != 0 -> partition = 0
+#ifndef CUT_OFF
   :: may_fail && !has_been_late -> fails; has_been_late = true;
      if :: late = 2 :: late = 3 :: late = 4 :: late = 6 :: late = 7 :: late = 8 fi
   :: late != 0 -> late = 0
+#endif
 #ifdef RESTART
-  :: may_fail && !has_restarted -> fails; has_restarted = true;
+  :: !has_restarted -> has_restarted = true;
      if :: restart(A) :: restart(B) :: restart(C) fi
 #endif
   fi
 }
+
+#define HAS_TO_DROP(r) (stands(r) && kind[r] == NEAR && at[r] == strip_end(r))
+
+#ifdef KEEPS_IT_FOR_EVER
+#define KEEPS_IT (kind[r] != NEAR)
+#else
+#define KEEPS_IT false
+#endif
 
 inline reserve(r) {
   if
@@ -286,15 +315,22 @@ inline reserve(r) {
      fi
   :: !down[r] && holds(r) ->
      if
-     :: stands(r) && (kind[r] == NEAR || overridden[r]) -> d_step { drop(r); j = 0 }
+     :: stands(r) && (kind[r] == NEAR || overridden[r]) && !KEEPS_IT -> d_step { drop(r); j = 0 }
      :: !overridden[r] && unnamed(r, (r + 1) % 3) -> j = (r + 1) % 3; beside(r)
      :: !overridden[r] && unnamed(r, (r + 2) % 3) -> j = (r + 2) % 3; beside(r)
-     :: !(overridden[r] || unnamed(r, (r + 1) % 3) || unnamed(r, (r + 2) % 3)) || !stands(r) || true
+#ifdef LIVENESS
+     :: overridden[r] && (!stands(r) || KEEPS_IT)
+     :: !(overridden[r] || unnamed(r, (r + 1) % 3) || unnamed(r, (r + 2) % 3)) && !HAS_TO_DROP(r)
+#else
+     :: true
+#endif
      fi
   :: !down[r] && !holds(r) ->
      if
      :: has_joined(r) && at[r] < END(r) -> plan(r)
+#ifndef LIVENESS
      :: number[r] == 0
+#endif
      :: !has_joined(r) || at[r] == END(r)
      fi
   fi
@@ -303,13 +339,19 @@ inline reserve(r) {
 inline beside(r) {
   if
   :: j = 0; overridden[r] = true
+#ifndef LIVENESS
   :: first[P(r,j)] = false; goto_name(r)
   :: first[P(r,j)] = true; goto_name(r)
+#endif
   fi
 }
 inline goto_name(r) { d_step { name(r, true); number[r]++; j = 0 } }
 
+#ifdef LIVENESS
+#define may_choose(r, o) false
+#else
 #define may_choose(r, o) (heard_kind[P(r,o)] == WHOLE && (r) != A || (o) == B && heard_kind[P(r,o)] == WHOLE)
+#endif
 inline plan(r) {
   if
   :: first[P(r,(r + 1) % 3)] = false
@@ -405,10 +447,17 @@ active proctype fleet() {
      decide(B);
      decide(C);
      d_step {
-     printf("A %d-%d #%d k%d u%d,%d told%d,%d | B %d-%d #%d k%d conf%d,%d hA%d | C %d-%d #%d k%d | part %d late %d paused %d\n", at[0],to[0],number[0],kind[0],until[1],until[2],told[1],heard[1], at[1],to[1],number[1],kind[1],confirmed[3],confirmed[5],heard[3], at[2],to[2],number[2],kind[2],partition,late,paused);
+     printf("A %d-%d #%d, B %d-%d #%d, C %d-%d #%d\n", at[A], to[A], number[A], at[B], to[B], number[B], at[C], to[C], number[C]);
      assert(!overlap(A, B));
      assert(!overlap(A, C));
      assert(!overlap(B, C));
      step() } }
   od
 }
+
+#ifdef LIVENESS
+// Spin takes the conditional expression of END for an implication.
+#define ALL_HOME (at[A] == 4 && at[B] == BRAKES + 1 && at[C] == 3)
+#define FAIR (partition == 0 && late == 0 && !down[A] && !down[B] && !down[C])
+ltl nobody_waits_for_ever { (<>[] FAIR) -> (<> ALL_HOME) }
+#endif
