@@ -165,6 +165,7 @@ TEST(CoppiceFuzz, TheFuzzerReportsRobotHoursAndReplaysACase) {
   const Outcome outcome = shell(program("coppice") + " fuzz --hours 0.05 --seed 3");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("robot-hours"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("decisions checked"), std::string::npos) << outcome.output;
   const std::string trajectory = (folder.path() / "t.csv").string();
   EXPECT_EQ(shell(program("coppice") + " fuzz --replay 3 --trajectory " + trajectory).exit_code, 0);
   EXPECT_NE(test::contents(trajectory).find("time,robot,x,y,vx,vy,yaw,omega"), std::string::npos);

@@ -103,7 +103,9 @@ TEST(Fuzz, EachKindIsDrawnAmongTheFirstSeeds) {
 TEST(Fuzz, TheFirstSeedsPass) {
   for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     const FuzzCase fuzz_case = draw_fuzz_case(seed);
-    for (const std::string& failure : run(fuzz_case).failures)
+    const FuzzResult result = run(fuzz_case);
+    EXPECT_GT(result.decisions, 0U);
+    for (const std::string& failure : result.failures)
       ADD_FAILURE() << "seed " << seed << ": " << fuzz_case.what << ": " << failure;
   }
 }

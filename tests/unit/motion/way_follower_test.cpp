@@ -99,7 +99,7 @@ double driven(const Path& way, double radius, const Limits& limits, double yaw =
     follower.come_to(body.turn_position());
     const Point2 wanted =
         body.slow_to_turn(follower.preferred_velocity(body.turn_position(), limits, period, open), stray);
-    body.follow(wanted, {}, field, stays_in_strip);
+    body.take(body.following(wanted, {}, field, stays_in_strip).next);
     body.advance();
     EXPECT_LE(point_path_distance(body.position(), way), stray + 1e-6) << body.time();
   }
