@@ -157,7 +157,7 @@ TEST_F(SavedState, AFlippedByteStopsTheStartUntilTheOperatorDiscardsIt) {
   EXPECT_NE(found.output.find(journal + ": damaged"), std::string::npos) << found.output;
   const Outcome inspected = shell(test::program("coppice") + " inspect " + journal);
   EXPECT_EQ(inspected.exit_code, 1) << inspected.output;
-  EXPECT_NE(inspected.output.find(R"("order":{"id":")"), std::string::npos) << inspected.output;
+  EXPECT_NE(inspected.output.find(R"("order_status":{"id":")"), std::string::npos) << inspected.output;
   EXPECT_NE(inspected.output.find("damaged from byte"), std::string::npos) << inspected.output;
   const Outcome repaired = shell(state + " --discard-damaged");
   EXPECT_EQ(repaired.exit_code, 0) << repaired.output;
