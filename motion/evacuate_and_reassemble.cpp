@@ -1,6 +1,7 @@
 #include "motion/evacuate_and_reassemble.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "motion/segments.h"
 #include "planning/shuffle.h"
@@ -9,6 +10,7 @@ namespace coppice {
 
 namespace {
 
+constexpr int ways_a_step = 8;                   // about 10 ms
 constexpr std::size_t most_effort = 20'000'000;  // lattice vertices examined or marked: about 1 s
 constexpr int most_attempts = 6;
 constexpr int first_with_everybody = 1;  // first attempt that also evacuates robots that stand at their goals
@@ -26,8 +28,11 @@ EvacuateAndReassemble::EvacuateAndReassemble(const ClearanceField& field, std::v
     tasks_[i].goal.reset();
     stranded_.push_back(i);
   }
-  done_ = somebody_has_no_room();
-  if (!done_) begin_attempt();
+  if (somebody_has_no_room()) {
+    outcome_ = GivesUp();
+  } else {
+    begin_attempt();
+  }
 }
 
 /// Whether a goal is so near to another goal, or to a robot that stays, that two robots cannot stand there.
@@ -72,8 +77,13 @@ void EvacuateAndReassemble::enter(Stage stage) {
   next_ = in_vain_ = 0;
 }
 
-bool EvacuateAndReassemble::step() {
-  if (done_) return true;
+Progress EvacuateAndReassemble::step() {
+  for (int k = 0; k < ways_a_step && std::holds_alternative<Searching>(outcome_); ++k) advance();
+  return outcome_;
+}
+
+/// Moves one robot, or goes on to the next stage or attempt.
+void EvacuateAndReassemble::advance() {
   const bool too_long = lattices_.effort() > most_effort;
   if (pending_.empty()) {
     if (stage_ == Stage::between) {
@@ -82,10 +92,12 @@ bool EvacuateAndReassemble::step() {
       enter(stage_ == Stage::from_the_beginning ? Stage::from_the_end : Stage::between);
     }
   } else if (too_long || (!go_on() && in_vain_ == pending_.size() && !make_room())) {
-    done_ = too_long || ++attempts_ == most_attempts;
-    if (!done_) begin_attempt();
+    if (too_long || ++attempts_ == most_attempts) {
+      outcome_ = GivesUp();
+    } else {
+      begin_attempt();
+    }
   }
-  return done_;
 }
 
 /// Moves one of the remaining robots. False if it has no way now.
@@ -130,8 +142,7 @@ void EvacuateAndReassemble::drive(std::size_t robot, const Path& way) {
 
 void EvacuateAndReassemble::finish() {
   moves_.insert(moves_.end(), back_.rbegin(), back_.rend());
-  plan_ = JointPlan{std::move(moves_), stranded_};
-  done_ = true;
+  outcome_ = JointPlan{std::move(moves_), stranded_};
 }
 
 }  // namespace coppice

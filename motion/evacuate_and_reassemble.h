@@ -13,7 +13,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "coppice/planning/random.h"
@@ -28,15 +27,15 @@ class EvacuateAndReassemble {
   /// may stand anywhere.
   EvacuateAndReassemble(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
-  /// Does a bounded amount of work, about one robot's way. Returns true once the search has ended.
-  bool step();
-  /// The joint plan; none if there is no such plan, or if the search takes too long.
-  std::optional<JointPlan> take_plan() { return std::exchange(plan_, std::nullopt); }
+  /// Does a bounded amount of work, about the ways of some robots. Gives up if there is no such plan, or if
+  /// the search takes too long.
+  Progress step();
 
  private:
   enum class Stage { from_the_beginning, from_the_end, between };
 
   bool somebody_has_no_room() const;
+  void advance();
   void begin_attempt();
   void enter(Stage stage);
   bool go_on();
@@ -58,8 +57,7 @@ class EvacuateAndReassemble {
   std::vector<Point2> first_;  ///< parking positions, by robot, of the first evacuation
   std::vector<Move> moves_;
   std::vector<Move> back_;  ///< moves of the evacuation from the end, to be reversed
-  bool done_ = false;
-  std::optional<JointPlan> plan_;
+  Progress outcome_{};
 };
 
 }  // namespace coppice

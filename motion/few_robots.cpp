@@ -7,56 +7,54 @@ namespace coppice {
 
 namespace {
 
+constexpr std::ptrdiff_t most_robots = 4;
 constexpr std::size_t moves_a_step = 20'000;
+constexpr std::size_t most_anchors = 8;
+constexpr std::size_t vertices_of_anchors = 1'000'000;  // over the lattices of all anchors; takes about 1 s
 
 }  // namespace
 
-FewRobots::FewRobots(const ClearanceField& field, double radius, double spacing,
-                     std::vector<JointTask> robots, std::vector<Disc> obstacles, std::vector<Point2> anchors)
-    : field_(field),
+bool FewRobots::are_few(std::span<const JointTask> tasks) {
+  return std::ranges::count_if(tasks, &JointTask::movable) <= most_robots;
+}
+
+FewRobots::FewRobots(MapRoadmaps& places, double radius, double spacing, std::vector<JointTask> tasks,
+                     std::vector<std::size_t> shut_in, std::span<const Point2> centres)
+    : field_(places.field()),
       radius_(radius),
       spacing_(spacing),
-      robots_(std::move(robots)),
-      obstacles_(std::move(obstacles)),
-      anchors_(std::move(anchors)) {
+      tasks_(std::move(tasks)),
+      shut_in_(std::move(shut_in)) {
+  for (const std::size_t i : shut_in_) tasks_[i].goal.reset();
+  const PackedRoadmap& packed = places.packed(radius, spacing);
+  anchors_ = packed.ends(centres);
+  const std::size_t most =
+      std::clamp<std::size_t>(vertices_of_anchors / packed.lattice_size(), 1, most_anchors);
+  anchors_.resize(std::min(anchors_.size(), most));
   std::ranges::reverse(anchors_);
 }
 
 void FewRobots::begin_at(const Point2& anchor) {
   packed_.emplace(field_, radius_, spacing_, anchor);
-  std::vector<Point2> ends;
-  const auto place_of = [&](const Point2& p) {
-    const auto known = std::ranges::find(ends, p);
-    const auto place = static_cast<Vertex>(packed_->size()) + static_cast<Vertex>(known - ends.begin());
-    if (known == ends.end()) ends.push_back(p);
-    return place;
-  };
-  std::vector<VertexTask> tasks;
-  for (const JointTask& robot : robots_) {
-    const Vertex start = place_of(robot.position);
-    tasks.push_back({start, robot.goal ? std::optional(place_of(*robot.goal)) : std::nullopt});
-  }
-  graph_ = packed_->with(ends, obstacles_);
-  if (JointAStar::fits(graph_.size(), tasks.size())) search_.emplace(graph_, std::move(tasks));
+  roadmap_.emplace(*packed_, tasks_, std::span<const Point2>());
+  if (JointAStar::fits(roadmap_->graph.size(), roadmap_->their_tasks.size()))
+    search_.emplace(roadmap_->graph, roadmap_->their_tasks);
 }
 
-bool FewRobots::step() {
+Progress FewRobots::step() {
   if (!search_) {
-    if (anchors_.empty()) return true;
+    if (anchors_.empty()) return GivesUp();
     begin_at(anchors_.back());
     anchors_.pop_back();
-    return false;
+    return Searching();
   }
   const JointAStar::Outcome outcome = search_->search(moves_a_step);
-  if (outcome == JointAStar::Outcome::searching) return false;
-  if (outcome == JointAStar::Outcome::solved) {
-    moves_.emplace();
-    for (const VertexMove& move : search_->moves())
-      moves_->push_back({move.robot, graph_.edges(move.from)[move.edge].path});
-    anchors_.clear();
-  }
+  if (outcome == JointAStar::Outcome::searching) return Searching();
+  if (outcome == JointAStar::Outcome::solved)
+    return JointPlan{roadmap_->paths_of(search_->moves()), std::move(shut_in_)};
   search_.reset();
-  return anchors_.empty();
+  if (anchors_.empty()) return GivesUp();
+  return Searching();
 }
 
 }  // namespace coppice

@@ -2,8 +2,8 @@
 // configurations (joint_a_star.h), on several packed roadmaps in turn.
 //
 // Which vertices robots can take side by side depends on where packing begins: in a dead end that holds three
-// robots, three fit only if the first vertex lies at its end. So packing begins at each of several anchors in
-// turn.
+// robots, three fit only if the first vertex lies at its end. So packing begins at each of several ends and
+// bends of the passages in turn.
 //
 // Metres in the map frame.
 #pragma once
@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "coppice/planning/clearance_field.h"
+#include "motion/cluster_roadmap.h"
 #include "motion/joint_a_star.h"
 #include "motion/joint_plan.h"
 #include "motion/packed_roadmap.h"
@@ -22,18 +22,17 @@ namespace coppice {
 
 class FewRobots {
  public:
-  /// Largest number of robots. More robots have too many configurations.
-  static constexpr std::size_t most = 4;
+  /// Whether the robots are few. More robots have too many configurations.
+  static bool are_few(std::span<const JointTask> tasks);
 
-  /// `field` must outlive it. All robots are planned for as discs of `radius` (metres), on a lattice of
-  /// `spacing` (metres). The obstacles do not move. Each goal must be reachable for its robot alone.
-  FewRobots(const ClearanceField& field, double radius, double spacing, std::vector<JointTask> robots,
-            std::vector<Disc> obstacles, std::vector<Point2> anchors);
+  /// `places` and its field must outlive it. All robots are planned for as discs of `radius` (metres), on a
+  /// lattice of `spacing` (metres). `shut_in` have no way to their goals, and may stand anywhere. Packing
+  /// begins at the ends around `centres`.
+  FewRobots(MapRoadmaps& places, double radius, double spacing, std::vector<JointTask> tasks,
+            std::vector<std::size_t> shut_in, std::span<const Point2> centres);
 
-  /// Does a bounded amount of work. Returns true once the search has ended.
-  bool step();
-  /// The moves, by index of the robot; none if no plan was found. Valid once the search has ended.
-  const std::optional<std::vector<Move>>& moves() const { return moves_; }
+  /// Does a bounded amount of work.
+  Progress step();
 
  private:
   void begin_at(const Point2& anchor);
@@ -41,13 +40,12 @@ class FewRobots {
   const ClearanceField& field_;
   double radius_;
   double spacing_;
-  std::vector<JointTask> robots_;
-  std::vector<Disc> obstacles_;
+  std::vector<JointTask> tasks_;
+  std::vector<std::size_t> shut_in_;
   std::vector<Point2> anchors_;  ///< the anchors still to be tried, the next one last
-  std::optional<PackedRoadmap> packed_;
-  AnnotatedRoadmap graph_;
-  std::optional<JointAStar> search_;
-  std::optional<std::vector<Move>> moves_;
+  std::optional<PackedRoadmap> packed_{};
+  std::optional<ClusterRoadmap> roadmap_{};
+  std::optional<JointAStar> search_{};
 };
 
 }  // namespace coppice

@@ -9,9 +9,12 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
+#include <variant>
 #include <vector>
 
 #include "coppice/planning/geometry.h"
+#include "motion/segments.h"
 
 namespace coppice {
 
@@ -29,6 +32,14 @@ inline std::optional<Point2> end_of(const JointTask& task) {
 inline bool wants_to_move(const JointTask& task) {
   return task.movable && task.goal && *task.goal != task.position;
 }
+/// The robots that are not movable.
+inline std::vector<Disc> immovable(std::span<const JointTask> tasks) {
+  std::vector<Disc> discs;
+  for (const JointTask& task : tasks) {
+    if (!task.movable) discs.push_back({task.position, task.radius});
+  }
+  return discs;
+}
 
 struct Move {
   std::size_t robot = 0;  ///< index among the robots of the plan
@@ -40,5 +51,12 @@ struct JointPlan {
   std::vector<Move> moves;
   std::vector<std::size_t> stranded;  ///< robots that the moves do not bring to their goals
 };
+
+struct Searching {};
+struct GivesUp {
+  std::optional<JointPlan> best{};  ///< a plan that brings some robots to their goals
+};
+/// What a bounded amount of work on a joint plan has come to.
+using Progress = std::variant<Searching, GivesUp, JointPlan>;
 
 }  // namespace coppice

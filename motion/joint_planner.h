@@ -1,38 +1,22 @@
-// Looks for a joint plan (joint_plan.h) by several methods in turn:
-//
-// LaCAM on a packed roadmap (lacam.h, packed_roadmap.h). It solves most clusters at once.
-//
-// For four robots or fewer: weighted A* on packed roadmaps that follow the passages (few_robots.h).
-//
-// LaCAM on more vertices. Two robots may stand in a clinch: so close side by side that neither can drive to
-// another vertex without touching the other. So vertices are added beside robots that did not get away, and
-// in a row from the ends of passages.
-//
-// Evacuate and reassemble (evacuate_and_reassemble.h).
-//
-// Push and rotate (push_and_rotate.h), which is slower. If many robots have a way to drive, the plan that
-// brought the most robots to their goals is taken instead. The other robots ask again from where they stand
-// then.
-//
-// Robots of several sizes are planned for as if all were as large as the largest. If they have no room for
-// that, push and rotate comes first. If it strands robots, the small ones are set aside for the large ones
-// (small_ones_aside.h), and evacuate and reassemble comes last.
+// Looks for a joint plan (joint_plan.h) by several strategies, one after the other:
+// JointPlanner::strategies(). The first plan that strands no robot without need is taken. Otherwise the plan
+// is taken that brought the most robots to their goals; the others ask again from where they stand then.
 //
 // Metres in the map frame.
 #pragma once
 
-#include <memory>
+#include <cstddef>
 #include <optional>
 #include <span>
-#include <utility>
+#include <string_view>
+#include <variant>
 #include <vector>
 
-#include "coppice/planning/clearance_field.h"
 #include "coppice/planning/random.h"
+#include "motion/crowd_search.h"
 #include "motion/evacuate_and_reassemble.h"
 #include "motion/few_robots.h"
 #include "motion/joint_plan.h"
-#include "motion/lacam.h"
 #include "motion/packed_roadmap.h"
 #include "motion/push_and_rotate.h"
 #include "motion/small_ones_aside.h"
@@ -41,6 +25,15 @@ namespace coppice {
 
 class JointPlanner {
  public:
+  struct Strategy {
+    std::string_view name;
+    std::string_view serves;  ///< what it is for
+    /// Begins it, with a bound on its effort. False: it does not apply.
+    bool (JointPlanner::*begin)();
+  };
+  /// In the order in which they are tried. The last one always applies, and has a plan.
+  static std::span<const Strategy> strategies();
+
   /// A part of a plan is not planned in parts again.
   enum class Methods { all, for_a_part };
 
@@ -48,49 +41,50 @@ class JointPlanner {
   /// stranded from the start.
   JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random,
                Methods methods = Methods::all);
+  JointPlanner(const JointPlanner&) = delete;  // its searches refer to its tasks
+  JointPlanner& operator=(const JointPlanner&) = delete;
+  ~JointPlanner() = default;
 
-  /// Does a bounded amount of work. Returns true once the plan is complete.
-  bool step();
-  /// The plan. It strands no robot without need, or else few robots. Valid once step() has returned true.
-  const JointPlan& plan() const { return plan_; }
-  /// Moves the plan out. The planner must not be used afterwards.
-  JointPlan take_plan() { return std::move(plan_); }
+  /// Does a bounded amount of work. Returns the plan once it is complete: then this must not be called again.
+  std::optional<JointPlan> step();
+  /// The strategy that is being tried, or that has found the plan.
+  const Strategy& strategy() const { return strategies()[next_ - 1]; }
 
  private:
-  void set_up_crowd(std::span<const Point2> elbow_room);
-  void use_finer_places(double spacing, std::span<const Point2> elbow_room);
-  PackedRoadmap& packed() { return places_.packed(radius_, spacing_); }
-  bool has_room_for_the_largest() const;
-  bool set_small_ones_aside();
-  bool evacuate();
-  bool search_few();
-  bool search_crowd();
-  bool in_a_clinch(const JointTask& task) const;
-  std::vector<Point2> elbow_room() const;
-  void set_up_few(std::span<const Point2> centres);
-  std::vector<Point2> under_way() const;
-  std::vector<Move> moves_of(std::span<const VertexMove> moves) const;
-  JointPlan best_of_crowd() const;
-  bool take_up(JointPlan plan);
+  struct BestSoFar {
+    JointPlan plan;
+    Progress step() { return std::move(plan); }
+  };
+  struct GoesOn {  ///< a search that several strategies continue
+    CrowdSearch& crowd;
+    std::size_t most_configurations;
+    Progress step() { return crowd.go_on(most_configurations); }
+  };
+
+  void begin_next();
+  JointPlan completed(JointPlan plan);
+  bool begin_crowd();
+  bool begin_few();
+  bool begin_crowd_with_more_vertices();
+  bool begin_evacuation();
+  bool begin_crowd_for_long();
+  bool begin_push_and_rotate();
+  bool begin_small_ones_aside();
+  bool begin_evacuation_at_last();
+  bool take_best();
+  bool is_better(const JointPlan& plan) const;
 
   MapRoadmaps& places_;
   std::vector<JointTask> tasks_;
-  double radius_;   ///< metres, of the largest robot
-  double spacing_;  ///< metres, of the lattice on which the vertices lie
   Random random_;
-  AnnotatedRoadmap graph_{};
-  std::vector<std::size_t> movable_;  ///< indices of the robots of `crowd_`
-  std::optional<Lacam> crowd_;
-  std::unique_ptr<FewRobots> few_;
-  std::size_t configurations_ = 0;
-  bool second_try_ = false;
-  std::unique_ptr<SmallOnesAside> parts_;  ///< null: it has failed, or cannot help
-  std::unique_ptr<EvacuateAndReassemble> evacuation_;
-  bool evacuated_ = false;  ///< or evacuation was tried in vain
-  std::unique_ptr<PushAndRotate> refuges_;
-  std::optional<JointPlan> partial_;  ///< the best plan of the searches that did not solve the cluster
-  std::vector<std::size_t> shut_in_;
-  JointPlan plan_;
+  Methods methods_;
+  std::size_t next_ = 0;                ///< of the strategies
+  std::optional<CrowdSearch> crowd_{};  ///< none: the robots have no room as the largest
+  std::optional<JointPlan> best_{};     ///< of the strategies that gave up
+  std::variant<BestSoFar, GoesOn, FewRobots, EvacuateAndReassemble, PushAndRotate, SmallOnesAside> search_{};
 };
+
+/// The whole plan at once.
+JointPlan joint_plan(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
 
 }  // namespace coppice

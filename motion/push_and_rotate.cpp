@@ -71,11 +71,10 @@ void PushAndRotate::end_attempt() {
   const bool nobody_without_need =
       std::ranges::none_of(plan.stranded, [&](std::size_t i) { return hopeful(i); });
   const std::size_t stranded = plan.stranded.size();
-  if (!found_ || stranded < found_->stranded.size()) found_ = std::move(plan);
+  if (!best_ || stranded < best_->stranded.size()) best_ = std::move(plan);
   ++attempts_;
-  done_ = nobody_without_need || attempts_ == most_attempts || finders_.effort() > most_effort;
-  if (done_) {
-    best_ = *std::move(found_);
+  if (nobody_without_need || attempts_ == most_attempts || finders_.effort() > most_effort) {
+    outcome_ = best_->stranded.empty() ? Progress(*std::move(best_)) : Progress(GivesUp{std::move(best_)});
     return;
   }
   if (attempts_ % attempts_at_a_spacing == 0) finders_.refine(finders_.share() / 2);
@@ -113,8 +112,12 @@ void PushAndRotate::commit(std::size_t robot, Path path) {
   tried_.assign(tasks_.size(), false);
 }
 
-bool PushAndRotate::step() {
-  if (done_) return true;
+Progress PushAndRotate::step() {
+  advance();
+  return outcome_;
+}
+
+void PushAndRotate::advance() {
   const bool all_there = std::ranges::none_of(priority_, [&](std::size_t i) { return wants_to_move(i); });
   if (all_there || moves_.size() > moves_a_robot * (tasks_.size() + 2)) {
     end_attempt();
@@ -122,7 +125,6 @@ bool PushAndRotate::step() {
              std::ranges::all_of(priority_, [&](std::size_t i) { return tried_[i] || !wants_to_move(i); })) {
     if (!clear_a_way()) end_attempt();
   }
-  return done_;
 }
 
 /// Moves the first robot that has a way to its goal and shuts no robot in there.

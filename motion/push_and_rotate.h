@@ -24,10 +24,9 @@ class PushAndRotate {
   /// the start.
   PushAndRotate(const ClearanceField& field, std::vector<JointTask> tasks, Random random);
 
-  /// Does a bounded amount of work, some tens of route searches. Returns true once the plan is complete.
-  bool step();
-  /// The first plan that strands no robot without need, or else the plan that strands the fewest.
-  const JointPlan& plan() const { return best_; }
+  /// Does a bounded amount of work, some tens of route searches. Gives up with the plan that strands the
+  /// fewest robots if each plan strands some.
+  Progress step();
 
  private:
   struct Discs {
@@ -43,6 +42,7 @@ class PushAndRotate {
   bool wants_to_move(std::size_t robot) const { return hopeful(robot) && !at_goal(robot); }
   std::vector<Disc> others(std::size_t robot) const;
   Discs discs_around(std::size_t robot, const std::vector<std::size_t>& fixed) const;
+  void advance();
   void begin_attempt();
   void spread_out();
   void end_attempt();
@@ -62,14 +62,13 @@ class PushAndRotate {
   std::vector<Path> direct_;
 
   int attempts_ = 0;
-  bool done_ = false;
+  Progress outcome_{};
   std::vector<Point2> at_;
   std::vector<Path> stood_;  ///< the positions at which each robot has already been in this attempt
   std::vector<Move> moves_;
   std::vector<std::size_t> priority_;
   std::vector<bool> tried_;  ///< whether a direct move was tried in vain since a robot last moved
-  std::optional<JointPlan> found_;
-  JointPlan best_;
+  std::optional<JointPlan> best_;
 };
 
 }  // namespace coppice

@@ -24,10 +24,7 @@ std::size_t RouteFinders::effort() const {
 
 std::vector<Path> ways_alone(const ClearanceField& field, std::span<const JointTask> tasks,
                              RouteFinders& finders) {
-  std::vector<Disc> failed;
-  for (const JointTask& task : tasks) {
-    if (!task.movable) failed.push_back({task.position, task.radius});
-  }
+  const std::vector<Disc> failed = immovable(tasks);
   std::vector<Path> ways(tasks.size());
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const JointTask& task = tasks[i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <utility>
 
 #include "motion/joint_planner.h"
 #include "motion/route_finder.h"
@@ -45,32 +46,30 @@ bool SmallOnesAside::may_help(std::span<const JointTask> tasks) {
 
 /// A robot could not reach its goal even if it were alone.
 bool SmallOnesAside::is_in_vain() const {
-  std::vector<Disc> failed;
-  for (const JointTask& task : tasks_) {
-    if (!task.movable) failed.push_back({task.position, task.radius});
-  }
+  const std::vector<Disc> failed = immovable(tasks_);
   return std::ranges::any_of(tasks_, [&](const JointTask& task) {
     return wants_to_move(task) &&
            coarsest_route(places_.field(), task.radius, task.position, *task.goal, failed, 1).path.empty();
   });
 }
 
-bool SmallOnesAside::step() {
-  if (attempt_ == 0 && is_in_vain()) return true;
-  if (!planner_) return !begin_attempt();
-  if (!planner_->step()) return false;
-  JointPlan plan = std::exchange(planner_, nullptr)->take_plan();
-  if (!plan.stranded.empty()) return false;
-  for (Move& move : plan.moves) {
+Progress SmallOnesAside::step() {
+  if (attempt_ == 0 && is_in_vain()) return GivesUp();
+  if (!planner_) {
+    if (!begin_attempt()) return GivesUp();
+    return Searching();
+  }
+  std::optional<JointPlan> plan = planner_->step();
+  if (!plan) return Searching();
+  planner_.reset();
+  if (!plan->stranded.empty()) return Searching();
+  for (Move& move : plan->moves) {
     at_[move.robot] = move.path.back();
     moves_.push_back(std::move(move));
   }
-  if (part_ == Part::back) {
-    plan_ = JointPlan{.moves = std::move(moves_), .stranded = {}};
-    return true;
-  }
+  if (part_ == Part::back) return JointPlan{std::move(moves_), {}};
   begin(part_ == Part::aside ? Part::large : Part::back);
-  return false;
+  return Searching();
 }
 
 /// False: all attempts were made.

@@ -15,7 +15,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "coppice/planning/random.h"
@@ -35,10 +34,8 @@ class SmallOnesAside {
   /// For a few robots that are not all alike.
   static bool may_help(std::span<const JointTask> tasks);
 
-  /// Does a bounded amount of work. Returns true once the search has ended.
-  bool step();
-  /// The joint plan, which strands nobody; none: none was found.
-  std::optional<JointPlan> take_plan() { return std::exchange(plan_, std::nullopt); }
+  /// Does a bounded amount of work. The plan strands nobody.
+  Progress step();
 
  private:
   enum class Part { aside, large, back };
@@ -58,7 +55,6 @@ class SmallOnesAside {
   Part part_ = Part::aside;
   std::unique_ptr<JointPlanner> planner_;  ///< of the part; null: an attempt is to begin
   std::vector<Move> moves_{};              ///< of the parts so far
-  std::optional<JointPlan> plan_{};
 };
 
 }  // namespace coppice

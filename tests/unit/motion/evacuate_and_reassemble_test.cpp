@@ -22,9 +22,11 @@ OccupancyMap hall_and_aisle() {
 std::optional<JointPlan> solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
   EvacuateAndReassemble evacuation(field, tasks, Random(1));
-  while (!evacuation.step()) {
+  while (true) {
+    Progress progress = evacuation.step();
+    if (auto* const plan = std::get_if<JointPlan>(&progress)) return std::move(*plan);
+    if (std::holds_alternative<GivesUp>(progress)) return std::nullopt;
   }
-  return evacuation.take_plan();
 }
 
 void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
