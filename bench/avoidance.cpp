@@ -11,8 +11,8 @@
 #include "bench/trial.h"
 #include "coppice/motion/reciprocal_velocity.h"
 #include "coppice/motion/separation.h"
-#include "motion/path_follower.h"
-#include "robot_agent/fleet.h"
+#include "motion/body/path_follower.h"
+#include "robot_agent/peers/fleet.h"
 #include "simulation/fleet_simulation.h"
 
 namespace coppice {

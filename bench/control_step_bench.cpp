@@ -8,7 +8,7 @@
 
 #include "coppice/planning/clearance_field.h"
 #include "coppice/planning/random.h"
-#include "motion/driver.h"
+#include "motion/body/driver.h"
 
 namespace coppice {
 namespace {

@@ -10,7 +10,7 @@
 #include "coppice/files/scenario_file.h"
 #include "coppice/planning/clearance_field.h"
 #include "coppice/planning/random.h"
-#include "motion/joint_planner.h"
+#include "motion/joint/joint_planner.h"
 
 namespace coppice {
 namespace {

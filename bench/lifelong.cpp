@@ -4,8 +4,8 @@
 #include "bench/output.h"
 #include "bench/statistics.h"
 #include "bench/trial.h"
-#include "planning/ma_rrdt_star.h"
-#include "planning/suggestions.h"
+#include "planning/trees/ma_rrdt_star.h"
+#include "planning/trees/suggestions.h"
 
 namespace coppice {
 

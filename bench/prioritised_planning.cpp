@@ -4,8 +4,8 @@
 #include "bench/centralised.h"
 #include "coppice/planning/clearance_field.h"
 #include "coppice/planning/plan_paths.h"
-#include "motion/packed_roadmap.h"
-#include "motion/safe_interval_search.h"
+#include "motion/lattice/packed_roadmap.h"
+#include "motion/lattice/safe_interval_search.h"
 
 namespace coppice {
 

@@ -7,9 +7,9 @@
 #include "bench/jump_point_search.h"
 #include "bench/visibility_graph.h"
 #include "coppice/files/map_file.h"
-#include "planning/path_shortening.h"
-#include "planning/rrt_star.h"
-#include "planning/suggestions.h"
+#include "planning/geometry/path_shortening.h"
+#include "planning/trees/rrt_star.h"
+#include "planning/trees/suggestions.h"
 
 namespace coppice {
 

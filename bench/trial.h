@@ -12,7 +12,7 @@
 
 #include "coppice/planning/clearance_field.h"
 #include "coppice/planning/map_generator.h"
-#include "planning/fleet_plan.h"
+#include "planning/trees/fleet_plan.h"
 
 namespace coppice {
 

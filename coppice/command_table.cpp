@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "coppice/fault_options.h"
 #include "coppice/files/map_file.h"
 #include "coppice/files/scenario_generator.h"
+#include "coppice/simulate/fault_options.h"
 #include "files/number_check.h"
 #include "files/output_check.h"
 #include "files/report_terms.h"

@@ -8,8 +8,8 @@
 #include <CLI/CLI.hpp>
 
 #include "coppice/commands.h"
-#include "coppice/order_options.h"
-#include "coppice/watching_options.h"
+#include "coppice/orders/order_options.h"
+#include "coppice/run/watching_options.h"
 
 namespace coppice {
 

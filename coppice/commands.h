@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "coppice/diagnosis.h"
 #include "coppice/files/plan_file.h"
+#include "coppice/run/diagnosis.h"
 #include "coppice/simulation/faults.h"
 #include "dds/dds_bus.h"
 #include "files/run_options.h"
-#include "monitor/web_server.h"
+#include "monitor/server/web_server.h"
 #include "runtime/process_options.h"
 
 namespace coppice {
@@ -32,7 +32,7 @@ struct FleetOptions {
   std::string discovery;      ///< as in dds/dds_bus.h
   std::string security;       ///< folder with a folder of credentials for each role; empty: no security
   /// Folder for the state that processes leave to their successors; empty: see `restart`, and
-  /// coppice/state_folder.h for standing fleets.
+  /// coppice/run/state_folder.h for standing fleets.
   std::string state;
   std::string start_at;  ///< file of poses where the robots of a standing fleet begin; empty: none
   bool standby = false;  ///< starts a second broker, which takes over if the first one fails
@@ -84,7 +84,7 @@ struct RecordOptions {
   LogOptions log;
 };
 
-/// Records a fleet's messages in a file (monitor/recording.h).
+/// Records a fleet's messages in a file (monitor/recording/recording.h).
 int record_command(const RecordOptions& options);
 
 /// Describes a recording, and tells whether it is complete.
@@ -115,7 +115,7 @@ int monitor_command(const MonitorOptions& options);
 
 struct TopOptions {
   DdsSettings network;
-  std::string order = "name";  ///< order of the robots (monitor/fleet_table.h)
+  std::string order = "name";  ///< order of the robots (monitor/view/fleet_table.h)
   bool once = false;           ///< prints the table once instead of showing it continuously
 };
 

@@ -19,7 +19,7 @@
 #include "coppice/planning/clearance_field.h"
 #include "files/file_kind.h"
 #include "files/text_file.h"
-#include "motion/segments.h"
+#include "motion/trajectory/segments.h"
 
 namespace coppice {
 

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "coppice/files/input_error.h"
-#include "motion/segments.h"
+#include "motion/trajectory/segments.h"
+#include "planning/geometry/way_out.h"
 #include "planning/number_text.h"
-#include "planning/way_out.h"
 
 namespace coppice {
 

@@ -1,8 +1,8 @@
 // Where robots begin, whoever says so: the scenario, a file of poses, or what a fleet has saved.
 //
 // Nobody knows better than to its tolerance where a robot stands. So a robot may stand too near to an
-// obstacle by less than that. It drives straight out to where it has room (planning/way_out.h), and plans
-// from there.
+// obstacle by less than that. It drives straight out to where it has room (planning/geometry/way_out.h), and
+// plans from there.
 //
 // Metres in the map frame.
 #pragma once

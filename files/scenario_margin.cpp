@@ -10,8 +10,8 @@
 #include "coppice/files/scenario.h"
 #include "coppice/planning/clearance_field.h"
 #include "files/robot_starts.h"
-#include "planning/reachability.h"
-#include "planning/room_for_margin.h"
+#include "planning/geometry/reachability.h"
+#include "planning/geometry/room_for_margin.h"
 
 namespace coppice {
 

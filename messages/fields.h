@@ -1,6 +1,6 @@
 // The fields of all messages, once. Each format of a message walks this list: DDS (dds/conversion.cpp) and
-// recordings (monitor/recorded_messages.cpp). So a new field is written in three places: in messages.h, in
-// idl/fleet.idl, and here.
+// recordings (monitor/recording/recorded_messages.cpp). So a new field is written in three places: in
+// messages.h, in idl/fleet.idl, and here.
 //
 // Recordings name a field by its number: a number is never given to another field.
 #pragma once

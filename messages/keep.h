@@ -31,9 +31,9 @@ struct KeepsNothing {
   void said(const Message&) {}
 };
 
-/// Puts the messages that a chooser selects (StateKeeper in robot_agent/saved_state.h and the like) into a
-/// store. A chooser with a `snapshot` knows what all kept messages amount to, and a long store is rewritten
-/// with that. A chooser with a `slim` leaves out what no successor needs.
+/// Puts the messages that a chooser selects (StateKeeper in robot_agent/control/saved_state.h and the like)
+/// into a store. A chooser with a `snapshot` knows what all kept messages amount to, and a long store is
+/// rewritten with that. A chooser with a `slim` leaves out what no successor needs.
 template <class Chooser, class Store>
 class Keeper {
  public:

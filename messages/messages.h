@@ -21,8 +21,8 @@
 #include "coppice/planning/tree_parameters.h"
 #include "messages/fleet_clock.h"
 #include "messages/orders.h"
-#include "motion/promise.h"
-#include "planning/root.h"
+#include "motion/body/promise.h"
+#include "planning/trees/root.h"
 
 namespace coppice {
 
@@ -263,7 +263,7 @@ struct ReservationBasis {
 inline constexpr const char* service_as_leader = "planner service";
 
 /// joint_plan: agent, service -> agents, monitor. The joint plan that the leader of a round made
-/// (motion/joint_schedule.h).
+/// (motion/joint/joint_schedule.h).
 struct JointPlanMessage {
   RoundId round;
   struct Member {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "messages/messages.h"
-#include "planning/frozen_trees.h"
+#include "planning/trees/frozen_trees.h"
 
 namespace coppice {
 

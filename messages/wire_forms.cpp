@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "messages/validation.h"
-#include "planning/packed_cells.h"
+#include "planning/geometry/packed_cells.h"
 
 namespace coppice {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <utility>
 
-#include "monitor/foxglove.h"
-#include "monitor/page_feed.h"
-#include "monitor/web_files.h"
+#include "monitor/foxglove/foxglove.h"
+#include "monitor/server/page_feed.h"
+#include "monitor/server/web_files.h"
 
 namespace coppice {
 

@@ -15,12 +15,12 @@
 
 #include "live.pb.h"
 #include "messages/bus.h"
-#include "monitor/alarms.h"
-#include "monitor/api.h"
-#include "monitor/fleet_view.h"
-#include "monitor/live_stream.h"
-#include "monitor/metrics.h"
-#include "monitor/web_server.h"
+#include "monitor/server/api.h"
+#include "monitor/server/web_server.h"
+#include "monitor/view/alarms.h"
+#include "monitor/view/fleet_view.h"
+#include "monitor/view/live_stream.h"
+#include "monitor/view/metrics.h"
 
 namespace coppice {
 

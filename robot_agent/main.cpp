@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "robot_agent/options.h"
-#include "robot_agent/run_named.h"
-#include "robot_agent/run_unnamed.h"
+#include "robot_agent/process/run_named.h"
+#include "robot_agent/process/run_unnamed.h"
 #include "runtime/command_line.h"
 #include "runtime/process.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "robot_agent/reference_limits.h"
+#include "robot_agent/process/reference_limits.h"
 #include "robot_agent/timing.h"
 
 namespace coppice {

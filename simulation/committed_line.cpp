@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "motion/segments.h"
+#include "motion/trajectory/segments.h"
 
 namespace coppice {
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "coppice/planning/geometry.h"
-#include "motion/driver.h"
+#include "motion/body/driver.h"
 #include "simulation/fault_schedule.h"
 
 namespace coppice {

@@ -10,7 +10,7 @@
 
 #include "coppice/files/input_error.h"
 #include "coppice/files/scenario_file.h"
-#include "robot_agent/reference_limits.h"
+#include "robot_agent/process/reference_limits.h"
 #include "simulation/fault_limits.h"
 #include "simulation/following_robot.h"
 

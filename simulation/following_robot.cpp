@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "motion/differential_drive.h"
+#include "motion/body/differential_drive.h"
 
 namespace coppice {
 

@@ -8,8 +8,8 @@
 #include "coppice/motion/separation.h"
 #include "coppice/planning/random.h"
 #include "coppice/simulation/faults.h"
-#include "robot_agent/reference_limits.h"
-#include "robot_agent/tracking.h"
+#include "robot_agent/control/tracking.h"
+#include "robot_agent/process/reference_limits.h"
 
 namespace coppice {
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "motion/joint_planner.h"
-#include "motion/route_finder.h"
+#include "motion/joint/joint_planner.h"
+#include "motion/lattice/route_finder.h"
 #include "simulation/arrival_bound.h"
 #include "simulation/invariants.h"
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "messages/clock_offset.h"
-#include "motion/way_out_of_track.h"
+#include "motion/trajectory/way_out_of_track.h"
 
 namespace coppice {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <limits>
 
-#include "motion/segments.h"
-#include "motion/space_time.h"
+#include "motion/trajectory/segments.h"
+#include "motion/trajectory/space_time.h"
 
 namespace coppice {
 

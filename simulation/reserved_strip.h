@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "messages/messages.h"
-#include "motion/polyline.h"
+#include "motion/trajectory/polyline.h"
 #include "simulation/committed_line.h"
 
 namespace coppice {

@@ -26,7 +26,7 @@
 #include "messages/clock_offset.h"
 #include "messages/messages.h"
 #include "messages/name_index.h"
-#include "motion/driver.h"
+#include "motion/body/driver.h"
 #include "simulation/committed_line.h"
 #include "simulation/fault_schedule.h"
 #include "simulation/reserved_strip.h"

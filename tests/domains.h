@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-#include "coppice/unused_domain.h"
+#include "coppice/run/unused_domain.h"
 
 namespace coppice::test {
 

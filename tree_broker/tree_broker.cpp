@@ -8,7 +8,7 @@
 #include "messages/tree_message.h"
 #include "messages/validation.h"
 #include "planning/quantities.h"
-#include "planning/suggestions.h"
+#include "planning/trees/suggestions.h"
 
 namespace coppice {
 

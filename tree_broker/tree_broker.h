@@ -23,7 +23,7 @@
 #include "coppice/planning/clearance_field.h"
 #include "messages/bus.h"
 #include "messages/messages.h"
-#include "planning/ma_rrdt_star.h"
+#include "planning/trees/ma_rrdt_star.h"
 
 namespace coppice {
 

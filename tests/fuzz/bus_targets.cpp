@@ -17,8 +17,8 @@
 #include "dds/transport.h"
 #include "messages/topics.h"
 #include "messages/validation.h"
-#include "planner_service/planner_service.h"
-#include "robot_agent/robot_agent.h"
+#include "planner_service/run/planner_service.h"
+#include "robot_agent/process/robot_agent.h"
 #include "tests/fuzz/targets.h"
 #include "tree_broker/tree_broker.h"
 

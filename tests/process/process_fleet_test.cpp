@@ -2,7 +2,7 @@
 //
 // CTest: PARALLEL
 
-#include "coppice/process_fleet.h"
+#include "coppice/run/process_fleet.h"
 
 #include <chrono>
 #include <csignal>

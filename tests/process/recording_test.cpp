@@ -3,7 +3,7 @@
 //
 // CTest: RESOURCE_LOCK lane_2
 
-#include "monitor/recording.h"
+#include "monitor/recording/recording.h"
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +23,7 @@
 #include "coppice/files/input_error.h"
 #include "dds/dds_bus.h"
 #include "messages/topics.h"
-#include "monitor/fleet_view.h"
+#include "monitor/view/fleet_view.h"
 #include "runtime/process.h"
 #include "tests/domains.h"
 #include "tests/processes.h"

@@ -9,7 +9,7 @@
 
 #include "coppice/files/scenario_file.h"
 #include "coppice/planning/random.h"
-#include "planning/reachability.h"
+#include "planning/geometry/reachability.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 #include "tests/support.h"

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "coppice/files/scenario_generator.h"
-#include "motion/polyline.h"
-#include "motion/space_time.h"
+#include "motion/trajectory/polyline.h"
+#include "motion/trajectory/space_time.h"
 #include "simulation/fleet_simulation.h"
 #include "simulation/invariants.h"
 #include "tests/unit/motion/plans.h"

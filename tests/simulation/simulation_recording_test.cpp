@@ -1,5 +1,5 @@
 // Tests of a recorded simulation: the recording holds all messages, and the run is the same without it.
-#include "coppice/simulation_recording.h"
+#include "coppice/simulate/simulation_recording.h"
 
 #include <fstream>
 #include <map>
@@ -9,7 +9,7 @@
 
 #include "coppice/files/input_error.h"
 #include "coppice/files/scenario_file.h"
-#include "monitor/recording.h"
+#include "monitor/recording/recording.h"
 #include "tests/support.h"
 
 namespace coppice {

@@ -14,10 +14,10 @@
 #include <gtest/gtest.h>
 
 #include "messages/validation.h"
-#include "motion/driver.h"
-#include "planner_service/planner_service.h"
-#include "planner_service/saved_run.h"
-#include "robot_agent/saved_state.h"
+#include "motion/body/driver.h"
+#include "planner_service/run/planner_service.h"
+#include "planner_service/run/saved_run.h"
+#include "robot_agent/control/saved_state.h"
 #include "runtime/journal.h"
 #include "runtime/order_history.h"
 #include "tests/support.h"

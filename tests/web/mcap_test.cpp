@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "monitor/recording.h"
+#include "monitor/recording/recording.h"
 #include "tests/support.h"
 #include "tests/web/packages.h"
 

@@ -3,7 +3,7 @@
 //
 // CTest: PARALLEL
 
-#include "monitor/web_server.h"
+#include "monitor/server/web_server.h"
 
 #include <gtest/gtest.h>
 

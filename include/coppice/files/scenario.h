@@ -40,8 +40,8 @@ struct RobotTask {
   double start_yaw = 0;                 ///< radians, of a differential robot, like the next two
   double goal_yaw = 0;                  ///< where it is to head in the end
   double goal_yaw_tolerance = 0;        ///< 0: it may head anywhere
-  /// Metres by which a robot that follows may be off its reference (robot_agent/tracking.h): the reference
-  /// takes as much more room. 0 for a robot that Coppice moves itself.
+  /// Metres by which a robot that follows may be off its reference (robot_agent/control/tracking.h): the
+  /// reference takes as much more room. 0 for a robot that Coppice moves itself.
   double tracking_tolerance = 0;
   /// Corners of the robot seen from above, metres in its own frame: x ahead, y to the side where the yaw
   /// grows. They lie within the radius, as the robot turns. Empty: a disc.
@@ -103,7 +103,7 @@ double radius_of_footprint(const std::vector<Point2>& footprint, const std::stri
 void check_scenario(const Scenario& scenario);
 
 /// Gives the scenario the largest margin up to `wished` (metres) with which starts and goals have room, and
-/// all passages stay open (planning/room_for_margin.h).
+/// all passages stay open (planning/geometry/room_for_margin.h).
 void fit_margin(Scenario& scenario, double wished);
 
 /// Metres that a robot may be off its reference.

@@ -38,7 +38,7 @@ struct ScenarioOptions {
   MapWarnings warnings = MapWarnings::logged;
   std::string kinematics{};        ///< holonomic or differential, of every robot; empty: as the scenario says
   std::optional<double> margin{};  ///< metres; none: the scenario's, or a tenth of the least radius
-  bool follow = false;             ///< the robots follow references (robot_agent/tracking.h)
+  bool follow = false;             ///< the robots follow references (robot_agent/control/tracking.h)
   /// Metres, of robots that follow. None: what a robot drives in a quarter of a second.
   std::optional<double> tracking_tolerance{};
   bool is_site = false;  ///< robots may have no goals: they stay where they start until they get orders

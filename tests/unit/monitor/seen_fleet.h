@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "messages/messages.h"
-#include "monitor/fleet_view.h"
+#include "monitor/view/fleet_view.h"
 
 namespace coppice::test {
 

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "coppice/planning/clearance_field.h"
-#include "motion/joint_plan.h"
-#include "motion/segments.h"
+#include "motion/joint/joint_plan.h"
+#include "motion/trajectory/segments.h"
 
 namespace coppice::test {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "messages/messages.h"
-#include "planner_service/planner_service.h"
+#include "planner_service/run/planner_service.h"
 
 namespace coppice {
 

@@ -1,5 +1,6 @@
 // Checks that sources include only what their layer may include. The rules are the two tables below.
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
 #include <regex>
@@ -70,6 +71,21 @@ const std::vector<MayInclude> layers = {
     {"(tests|bench)/.*", ".*"},
 };
 
+/// The rooms of each folder, lowest first, as patterns of files. The first pattern that matches a file is its
+/// room. A file includes only files of its own room and of rooms before it.
+const std::vector<std::vector<std::string>> rooms = {
+    {"planning/[^/]*", "planning/geometry/.*", "planning/trees/.*"},
+    {"motion/trajectory/.*", "motion/body/.*", "motion/lattice/.*", "motion/joint/.*"},
+    {"robot_agent/(timing|limits)\\.h", "robot_agent/peers/.*", "robot_agent/agreement/.*",
+     "robot_agent/control/.*", "robot_agent/options\\..*", "robot_agent/process/.*",
+     "robot_agent/main\\.cpp"},
+    {"planner_service/timing\\.h", "planner_service/orders/.*", "planner_service/report/.*",
+     "planner_service/run/.*", "planner_service/[^/]*"},
+    {"monitor/view/.*", "monitor/recording/.*", "monitor/foxglove/.*", "monitor/server/.*", "monitor/[^/]*"},
+    {"coppice/run/diagnosis\\.h", "coppice/commands\\.h", "coppice/run/.*", "coppice/orders/.*",
+     "coppice/watch/.*", "coppice/simulate/.*", "coppice/bench/.*", "coppice/[^/]*"},
+};
+
 struct Reserved {
   std::string include;  ///< pattern
   std::string file;     ///< pattern of the only files that may include it
@@ -78,8 +94,8 @@ struct Reserved {
 
 const std::string tests_and_benches = "|(tests|bench)/.*";
 const std::string mains =
-    "|(tree_broker|robot_agent|planner_service)/(main\\.cpp|options\\.(h|cpp))|robot_agent/"
-    "(ros_link|agent_loop|run_named|run_unnamed)\\.(h|cpp)|planner_service/service_loop\\.(h|cpp)";
+    "|(tree_broker|robot_agent|planner_service)/(main\\.cpp|options\\.(h|cpp))|robot_agent/process/"
+    "(ros_link|agent_loop|run_named|run_unnamed)\\.(h|cpp)|planner_service/run/service_loop\\.(h|cpp)";
 const std::string commands = "|coppice/.*";
 
 const std::vector<Reserved> reserved = {
@@ -89,16 +105,17 @@ const std::vector<Reserved> reserved = {
      "(dds|runtime)/.*|ros2/dds_.*" + mains + commands + tests_and_benches,
      "only a main joins a role to the real bus"},
     {"<(thread|mutex|shared_mutex|condition_variable|future|semaphore|stop_token|chrono|ctime)>",
-     "dds/.*|ros2/dds_.*|runtime/(process|disciplined_clock).*|monitor/web_shared\\.h|python/core\\.cpp" +
+     "dds/.*|ros2/dds_.*|runtime/(process|disciplined_clock).*|monitor/server/web_shared\\.h|python/"
+     "core\\.cpp" +
          commands + tests_and_benches,
      "time is passed in, and nothing below the mains waits"},
     {"<random>",
-     "((tree_broker|planner_service)/main|robot_agent/run_unnamed|coppice/order_id)\\.cpp" +
+     "((tree_broker|planner_service)/main|robot_agent/process/run_unnamed|coppice/orders/order_id)\\.cpp" +
          tests_and_benches,
      "chance is passed in"},
     {"<(iostream|fstream|filesystem)>",
      "(include/coppice/)?files/.*|runtime/(journal|disk_file|process_clock|order_history|command_line).*|"
-     "planner_service/fleet_memory.*" +
+     "planner_service/run/fleet_memory.*" +
          mains + commands + tests_and_benches,
      "what reads or writes is at the edges"},
 };
@@ -107,11 +124,30 @@ bool matches(std::string_view text, const std::string& pattern) {
   return std::regex_match(text.begin(), text.end(), std::regex(pattern));
 }
 
+/// The place of a file in `order`; its size if it is in none of these rooms.
+std::size_t room_of(const std::string& file, const std::vector<std::string>& order) {
+  return std::ranges::find_if(order, [&](const std::string& room) { return matches(file, room); }) -
+         order.begin();
+}
+
+/// `include` is written as in the source.
+bool points_up_within_its_folder(const std::string& file, const std::string& include) {
+  const std::string included = include.substr(1, include.size() - 2);
+  const std::string folder = file.substr(0, file.find('/') + 1);
+  if (!included.starts_with(folder)) return false;
+  const auto order =
+      std::ranges::find_if(rooms, [&](const auto& row) { return row.back().starts_with(folder); });
+  if (order == rooms.end()) return false;
+  const std::size_t to = room_of(included, *order);
+  return to < order->size() && to > room_of(file, *order);
+}
+
 /// Why `file` must not include `include`; nothing if it may.
 std::optional<std::string> problem(const std::string& file, const std::string& include) {
   for (const Reserved& rule : reserved) {
     if (matches(include, rule.include) && !matches(file, rule.file)) return rule.reason;
   }
+  if (points_up_within_its_folder(file, include)) return "includes point down within a folder, too"s;
   for (const MayInclude& rule : layers) {
     if (!matches(file, rule.file)) continue;
     return matches(include, rule.include) ? std::nullopt : std::optional("includes point down only"s);
@@ -144,37 +180,41 @@ TEST(Layering, EveryIncludePointsDown) {
 
 TEST(Layering, WrongIncludesAreFound) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"planning/trees.h", "\"motion/driver.h\""},
-      {"planning/trees.h", "\"coppice/motion/kinematics.h\""},
-      {"planning/trees.h", "\"coppice/command_table.h\""},
-      {"include/coppice/planning/plan_paths.h", "\"planning/trees.h\""},
+      {"planning/trees/trees.h", "\"motion/body/driver.h\""},
+      {"planning/trees/trees.h", "\"coppice/motion/kinematics.h\""},
+      {"planning/trees/trees.h", "\"coppice/command_table.h\""},
+      {"include/coppice/planning/plan_paths.h", "\"planning/trees/trees.h\""},
       {"include/coppice/planning/plan_paths.h", "\"coppice/motion/kinematics.h\""},
       {"include/coppice/files/map_file.h", "<yaml-cpp/yaml.h>"},
       {"include/coppice/simulation/faults.h", "\"simulation/fleet_simulation.h\""},
-      {"planning/trees.h", "<thread>"},
-      {"planning/trees.h", "<chrono>"},
-      {"planning/trees.h", "<spdlog/spdlog.h>"},
+      {"planning/trees/trees.h", "<thread>"},
+      {"planning/trees/trees.h", "<chrono>"},
+      {"planning/trees/trees.h", "<spdlog/spdlog.h>"},
       {"planning/trees.cpp", "<fstream>"},
-      {"planning/trees.h", "\"scenario.pb.h\""},
-      {"motion/driver.h", "\"messages/messages.h\""},
-      {"motion/driver.h", "<mutex>"},
+      {"planning/trees/trees.h", "\"scenario.pb.h\""},
+      {"motion/body/driver.h", "\"messages/messages.h\""},
+      {"motion/body/driver.h", "<mutex>"},
       {"files/map_file.h", "\"messages/messages.h\""},
       {"messages/messages.h", "\"coppice/files/scenario.h\""},
       {"messages/bus.h", "\"fleet.h\""},
       {"ros2/conversion.h", "\"ros2.h\""},
       {"simulation/simulated_bus.h", "<fastdds/dds/topic/Topic.hpp>"},
-      {"robot_agent/robot_agent.h", "\"tree_broker/tree_broker.h\""},
-      {"robot_agent/robot_agent.h", "\"dds/dds_bus.h\""},
-      {"robot_agent/robot_agent.cpp", "<chrono>"},
-      {"planner_service/planner_service.cpp", "\"simulation/fleet_simulation.h\""},
+      {"robot_agent/process/robot_agent.h", "\"tree_broker/tree_broker.h\""},
+      {"robot_agent/process/robot_agent.h", "\"dds/dds_bus.h\""},
+      {"robot_agent/process/robot_agent.cpp", "<chrono>"},
+      {"planner_service/run/planner_service.cpp", "\"simulation/fleet_simulation.h\""},
       {"simulation/fleet_simulation.h", "\"coppice/commands.h\""},
       {"simulation/fleet_simulation.h", "\"dds/dds_bus.h\""},
       {"simulation/fleet_simulation.h", "<random>"},
       {"nowhere/file.h", "<vector>"},
+      {"planning/geometry/space.h", "\"planning/trees/forest.h\""},
+      {"robot_agent/peers/fleet.h", "\"robot_agent/agreement/reserver.h\""},
+      {"robot_agent/timing.h", "\"robot_agent/peers/loss.h\""},
+      {"monitor/view/fleet_view.h", "\"monitor/monitor.h\""},
   };
   for (const auto& [file, include] : wrong) EXPECT_TRUE(problem(file, include)) << file << ": " << include;
   EXPECT_FALSE(problem("robot_agent/main.cpp", "\"dds/dds_bus.h\""));
-  EXPECT_FALSE(problem("motion/driver.h", "\"coppice/planning/geometry.h\""));
+  EXPECT_FALSE(problem("motion/body/driver.h", "\"coppice/planning/geometry.h\""));
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "robot_agent/robot_agent.h"
-#include "robot_agent/saved_state.h"
+#include "robot_agent/control/saved_state.h"
+#include "robot_agent/process/robot_agent.h"
 #include "tests/unit/planner_service/roles.h"
 #include "tests/unit/robot_agent/states.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "coppice/planning/clearance_field.h"
-#include "robot_agent/fleet.h"
+#include "robot_agent/peers/fleet.h"
 #include "tests/unit/robot_agent/states.h"
 
 namespace coppice {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "messages/messages.h"
-#include "robot_agent/fleet.h"
+#include "robot_agent/peers/fleet.h"
 
 namespace coppice {
 

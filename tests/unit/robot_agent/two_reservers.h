@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "robot_agent/reserver.h"
+#include "robot_agent/agreement/reserver.h"
 #include "robot_agent/timing.h"
 #include "tests/unit/motion/plans.h"
 #include "tests/unit/robot_agent/states.h"

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "coppice/files/input_error.h"
-#include "motion/differential_drive.h"
-#include "robot_agent/reference_limits.h"
+#include "motion/body/differential_drive.h"
+#include "robot_agent/process/reference_limits.h"
 #include "simulation/fault_limits.h"
 #include "simulation/following_robot.h"
 

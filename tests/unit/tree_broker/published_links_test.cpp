@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "coppice/planning/map_generator.h"
-#include "planning/suggestions.h"
+#include "planning/trees/suggestions.h"
 #include "tests/unit/planner_service/roles.h"
 #include "tree_broker/tree_broker.h"
 

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "robot_agent/robot_agent.h"
+#include "robot_agent/process/robot_agent.h"
 #include "tests/unit/planner_service/roles.h"
 
 namespace coppice {

@@ -1,0 +1,119 @@
+#include "motion/joint/joint_a_star.h"
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+#include <utility>
+
+namespace coppice {
+
+namespace {
+
+// Weight of the heuristic: plans are at most this many times as long as the shortest.
+constexpr float weight = 2;
+constexpr std::size_t most_remembered = 200'000;  // configurations, of about 80 bytes each
+constexpr std::size_t key_bits = 64;
+
+std::size_t bits_for(std::size_t places) {
+  return static_cast<std::size_t>(std::bit_width(places));
+}
+
+}  // namespace
+
+bool JointAStar::fits(std::size_t places, std::size_t robots) {
+  return robots * bits_for(places) <= key_bits;
+}
+
+JointAStar::JointAStar(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks)
+    : graph_(graph),
+      tasks_(std::move(tasks)),
+      bits_(bits_for(graph.size())),
+      numbers_(numbers_by_neighbourhood(graph)),
+      cost_to_go_(tasks_.size()) {
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    start_ |= Key{tasks_[i].start} << (i * bits_);
+    if (tasks_[i].goal) cost_to_go_[i].emplace(graph_, numbers_, *tasks_[i].goal, tasks_[i].start);
+  }
+  reach(start_, {.cost = 0});
+}
+
+JointAStar::Key JointAStar::moved(Key at, std::size_t robot, Vertex to) const {
+  return at ^ Key { place(at, robot) ^ to } << (robot * bits_);
+}
+
+bool JointAStar::is_goal(Key at) const {
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (tasks_[i].goal && *tasks_[i].goal != place(at, i)) return false;
+  }
+  return true;
+}
+
+/// Whether a robot that drives along the edge touches none of the others.
+bool JointAStar::is_clear(Key at, std::size_t robot, const AnnotatedRoadmap::Edge& edge) const {
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (i != robot && std::ranges::binary_search(edge.near, place(at, i))) return false;
+  }
+  return true;
+}
+
+float JointAStar::to_go(Key at) {
+  float sum = 0;
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if (cost_to_go_[i]) sum += cost_to_go_[i]->from(place(at, i));
+  }
+  return sum;
+}
+
+void JointAStar::reach(Key at, const Node& node) {
+  const auto [known, fresh] = nodes_.try_emplace(at, node);
+  if (!fresh && known->second.cost <= node.cost) return;
+  known->second = node;
+  open_.push_back({node.cost + weight * to_go(at), node.cost, at});
+  std::ranges::push_heap(open_, std::greater{}, &Entry::estimate);
+}
+
+/// Returns the number of moves that were examined.
+std::size_t JointAStar::expand(Key at) {
+  const float cost = nodes_.at(at).cost;
+  std::size_t moves = 0;
+  for (std::uint16_t robot = 0; robot < tasks_.size(); ++robot) {
+    const std::vector<AnnotatedRoadmap::Edge>& edges = graph_.edges(place(at, robot));
+    moves += edges.size();
+    for (std::uint16_t k = 0; k < edges.size(); ++k) {
+      if (!is_clear(at, robot, edges[k])) continue;
+      reach(moved(at, robot, edges[k].to), {cost + static_cast<float>(edges[k].length), robot, k, at});
+    }
+  }
+  return moves;
+}
+
+JointAStar::Outcome JointAStar::search(std::size_t moves) {
+  for (std::size_t k = 0; k < moves;) {
+    if (end_) return Outcome::solved;
+    if (open_.empty()) return Outcome::no_solution;
+    if (nodes_.size() > most_remembered) return Outcome::too_large;
+    const Entry next = open_.front();
+    std::ranges::pop_heap(open_, std::greater{}, &Entry::estimate);
+    open_.pop_back();
+    // The configuration was reached by a shorter way after this entry was made.
+    if (next.cost > nodes_.at(next.at).cost) continue;
+    if (is_goal(next.at)) {
+      end_ = next.at;
+    } else {
+      k += expand(next.at);
+    }
+  }
+  return Outcome::searching;
+}
+
+std::vector<VertexMove> JointAStar::moves() const {
+  std::vector<VertexMove> moves;
+  for (Key at = *end_; at != start_; at = nodes_.at(at).parent) {
+    const Node& node = nodes_.at(at);
+    moves.push_back({node.robot, place(node.parent, node.robot), node.edge});
+  }
+  std::ranges::reverse(moves);
+  return moves;
+}
+
+}  // namespace coppice

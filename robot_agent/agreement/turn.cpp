@@ -1,0 +1,41 @@
+#include "robot_agent/agreement/turn.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace coppice {
+
+namespace {
+
+constexpr double winding = 1.4;       // of the straight line
+constexpr double beside_radii = 2.2;  // radii between the centres of two robots that pass each other
+constexpr int directions = 32;
+
+}  // namespace
+
+bool closes_a_passage(const Point2& p, double radius, const ClearanceField& field) {
+  std::array<bool, directions> is_free{};
+  for (std::size_t k = 0; k < directions; ++k) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(k) / directions;
+    is_free[k] = field.is_free(p + beside_radii * radius * Point2(std::cos(angle), std::sin(angle)), radius);
+  }
+  int parts = 0;
+  for (std::size_t k = 0; k < directions; ++k)
+    parts += is_free[k] && !is_free[(k + directions - 1) % directions];
+  return parts > 1;
+}
+
+Turn turn_of(const Path& way, double radius, const ClearanceField& field) {
+  if (length_of(way) > winding * (way.back() - way.front()).norm()) return Turn::winding;
+  return closes_a_passage(way.back(), radius, field) ? Turn::last : Turn::usual;
+}
+
+bool plans_first(Turn turn, double way, const RobotName& robot, Turn other_turn, double other_way,
+                 const RobotName& other) {
+  if (turn != other_turn) return turn < other_turn;
+  if (way != other_way) return turn == Turn::usual ? way < other_way : way > other_way;
+  return robot < other;
+}
+
+}  // namespace coppice

@@ -1,0 +1,85 @@
+#include "motion/joint/evacuate_and_reassemble.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/motion/plans.h"
+
+namespace coppice {
+namespace {
+
+using test::block;
+using test::driven;
+using test::open_map;
+
+/// A hall of 100 m x 100 m with an aisle 14 m wide that ends blind.
+OccupancyMap hall_and_aisle() {
+  OccupancyMap map = open_map(300, 100);
+  block(map, 100, 0, 300, 100);
+  block(map, 100, 43, 290, 57, false);
+  return map;
+}
+
+std::optional<JointPlan> solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
+  const ClearanceField field(map);
+  EvacuateAndReassemble evacuation(field, tasks, Random(1));
+  while (!evacuation.step()) {
+  }
+  return evacuation.take_plan();
+}
+
+void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
+  const auto plan = solve(map, tasks);
+  ASSERT_TRUE(plan);
+  EXPECT_TRUE(plan->stranded.empty());
+  const std::vector<Point2> ends = driven(map, tasks, *plan);
+  for (std::size_t i = 0; i < tasks.size(); ++i) EXPECT_EQ(ends[i], tasks[i].goal.value_or(ends[i])) << i;
+}
+
+// The robot that stands nearest to the exit must go in deepest.
+TEST(EvacuateAndReassemble, ADeadEndFilledInTheWrongOrderIsFilledAgain) {
+  for (const int robots : {2, 6, 12}) {
+    std::vector<JointTask> tasks;
+    for (int k = 0; k < robots; ++k) tasks.push_back({{120.0 + 11 * k, 50}, Point2(280 - 11 * k, 50), 5});
+    expect_solved(hall_and_aisle(), tasks);
+  }
+}
+
+TEST(EvacuateAndReassemble, ARobotAtItsGoalComesOutAndReturns) {
+  const std::vector<JointTask> tasks{
+      {{50, 50}, Point2(280, 50), 5}, {{200, 50}, Point2(200, 50), 5}, {{230, 50}, std::nullopt, 5}};
+  expect_solved(hall_and_aisle(), tasks);
+}
+
+TEST(EvacuateAndReassemble, RobotsOfSeveralSizesAreReassembled) {
+  std::vector<JointTask> tasks;
+  for (int k = 0; k < 6; ++k) tasks.push_back({{120.0 + 13 * k, 50}, Point2(280 - 13 * k, 50), 3 + 0.5 * k});
+  expect_solved(hall_and_aisle(), tasks);
+}
+
+// No vertex is so wide that others can drive around it, so that robots park in the ends of branches.
+TEST(EvacuateAndReassemble, RobotsParkInBranchesOfCorridors) {
+  OccupancyMap map = open_map(200, 200);
+  block(map, 0, 0, 200, 200);
+  block(map, 10, 93, 190, 107, false);
+  block(map, 93, 10, 107, 93, false);
+  expect_solved(map, {{{30, 100}, Point2(170, 100), 5}, {{170, 100}, Point2(30, 100), 5}});
+}
+
+TEST(EvacuateAndReassemble, ThereIsNoPlanWithoutAVertexToParkOn) {
+  OccupancyMap map = open_map(200, 40);
+  block(map, 0, 0, 200, 40);
+  block(map, 10, 13, 190, 27, false);
+  EXPECT_FALSE(solve(map, {{{30, 20}, Point2(170, 20), 5}, {{170, 20}, Point2(30, 20), 5}}));
+}
+
+TEST(EvacuateAndReassemble, ARobotWithoutAPathIsStrandedAndTheOthersArrive) {
+  const std::vector<JointTask> tasks{
+      {{60, 20}, Point2(280, 50), 5}, {{150, 50}, Point2(20, 80), 5}, {{230, 50}, std::nullopt, 5, false}};
+  const auto plan = solve(hall_and_aisle(), tasks);
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->stranded, std::vector<std::size_t>{0});
+  EXPECT_EQ(driven(hall_and_aisle(), tasks, *plan)[1], Point2(20, 80));
+}
+
+}  // namespace
+}  // namespace coppice

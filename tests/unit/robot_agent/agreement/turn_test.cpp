@@ -1,0 +1,72 @@
+// Tests of the turn in which a robot plans its reservation.
+#include "robot_agent/agreement/turn.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/motion/plans.h"
+
+namespace coppice {
+namespace {
+
+constexpr double radius = 5;
+
+/// A corridor from left to right, 200 m long, between walls.
+ClearanceField corridor(std::size_t width) {
+  OccupancyMap map{.width = 200, .height = 100, .blocked = std::vector<std::uint8_t>(20'000, 1)};
+  for (std::size_t y = 50 - width / 2; y < 50 + width / 2; ++y)
+    std::fill_n(map.blocked.begin() + static_cast<std::ptrdiff_t>(y * 200), 200, std::uint8_t{0});
+  return ClearanceField(map);
+}
+
+TEST(Turn, ARobotInACorridorForOneClosesIt) {
+  EXPECT_TRUE(closes_a_passage({100, 50}, radius, corridor(14)));
+  EXPECT_TRUE(closes_a_passage({100, 50}, radius, corridor(30)));  // it stands in the middle
+}
+
+TEST(Turn, ARobotThatOthersGetPastClosesNothing) {
+  EXPECT_FALSE(closes_a_passage({100, 31}, radius, corridor(50)));
+  EXPECT_FALSE(closes_a_passage({100, 50}, radius, corridor(80)));
+  EXPECT_FALSE(closes_a_passage({5.1, 50}, radius, corridor(14)));  // at the dead end
+}
+
+TEST(Turn, TheTurnFollowsFromTheWay) {
+  const ClearanceField field = corridor(14);
+  EXPECT_EQ(turn_of({{20, 50}, {100, 50}}, radius, field), Turn::last);
+  EXPECT_EQ(turn_of({{100, 50}, {5.1, 50}}, radius, field), Turn::usual);
+  EXPECT_EQ(turn_of({{60, 50}, {180, 50}, {100, 50}}, radius, field), Turn::winding);
+}
+
+TEST(Turn, ShortWaysAreFirstAmongUsualOnesAndLongWaysAmongTheRest) {
+  EXPECT_TRUE(plans_first(Turn::usual, 10, "b", Turn::usual, 20, "a"));
+  for (const Turn turn : {Turn::urgent, Turn::winding, Turn::last})
+    EXPECT_TRUE(plans_first(turn, 20, "b", turn, 10, "a"));
+  EXPECT_TRUE(plans_first(Turn::usual, 10, "a", Turn::usual, 10, "b"));
+}
+
+TEST(Turn, TheOrderIsStrictAndComplete) {
+  struct Robot {
+    Turn turn;
+    double way;
+    RobotName name;
+  };
+  std::vector<Robot> robots;
+  for (const Turn turn : {Turn::urgent, Turn::winding, Turn::usual, Turn::last})
+    for (const double way : {10.0, 20.0})
+      for (const char* name : {"a", "b"}) robots.push_back({turn, way, name});
+  const auto first = [](const Robot& a, const Robot& b) {
+    return plans_first(a.turn, a.way, a.name, b.turn, b.way, b.name);
+  };
+  for (const Robot& a : robots) {
+    EXPECT_FALSE(first(a, a));
+    for (const Robot& b : robots) EXPECT_TRUE(&a == &b || first(a, b) != first(b, a));
+  }
+  std::ranges::sort(robots, first);
+  EXPECT_EQ(robots.front().turn, Turn::urgent);
+  EXPECT_EQ(robots.back().turn, Turn::last);
+}
+
+}  // namespace
+}  // namespace coppice
