@@ -86,7 +86,7 @@ COPPICE_ENUMERATORS(Restarts, "Restarts", "EVEN", "RANDOM");
 COPPICE_ENUMERATORS(Root, "Side", "START", "GOAL");
 COPPICE_ENUMERATORS(Phase, "Phase", "WAITING", "PLANNING", "DRIVING", "ARRIVED", "NO_PATH", "STOPPED", "GAVE_UP", "HALTED");
 COPPICE_ENUMERATORS(Stage, "Stage", "FREE", "WAITING_FOR_PLAN", "EXECUTING");
-COPPICE_ENUMERATORS(Turn, "Turn", "URGENT", "WINDING", "USUAL", "LAST");
+COPPICE_ENUMERATORS(Priority, "Priority", "URGENT", "WINDING", "USUAL", "LAST");
 
 COPPICE_ENUMERATORS(Action, "Action", "GO", "CANCEL", "PAUSE", "RESUME", "STOP", "RELEASE");
 COPPICE_ENUMERATORS(OrderState, "OrderState", "ACCEPTED", "ASSIGNED", "UNDER_WAY", "DONE", "CANCELLED", "FAILED");
@@ -258,7 +258,7 @@ COPPICE_FIELDS(ReservationMessage, "Reservation",
   COPPICE_FIELD_AT(8, plan_leader, plan.leader, plan_leader()),
   COPPICE_FIELD_AT(9, plan_epoch, plan.epoch, plan_epoch()),
   COPPICE_FIELD_AT(10, plan_shift, plan.shift, plan_shift()),
-  COPPICE_FIELD(11, turn));
+  COPPICE_FIELD(11, priority));
 
 COPPICE_FIELDS(PathMessage, "Path",
   COPPICE_FIELD(1, robot),

@@ -280,7 +280,7 @@ struct JointPlanMessage {
 };
 
 /// Which of the robots that want a reservation plans first (docs/coordination.md).
-enum class Turn : std::uint8_t {
+enum class Priority : std::uint8_t {
   urgent,   ///< it found no trajectory around the others: these give way to it
   winding,  ///< its way is much longer than the straight line; the longest way is first
   usual,    ///< the shortest way is first
@@ -304,7 +304,7 @@ struct ReservationMessage {
     bool operator==(const Plan&) const = default;
   };
   Plan plan{};
-  Turn turn = Turn::usual;
+  Priority priority = Priority::usual;
   RunId run;
   bool operator==(const ReservationMessage&) const = default;
 };

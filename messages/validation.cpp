@@ -256,7 +256,7 @@ Problem check(const ReservationMessage& m) {
                 {std::isfinite(m.run.epoch), "run has no time"},
                 {is_sane_size(m.radius), "radius is out of range"},
                 {not_negative(m.way), "way is negative or not finite"},
-                {m.turn <= Turn::last, "unknown turn"},
+                {m.priority <= Priority::last, "unknown priority"},
                 {!of_plan || (named(m.plan.leader) && m.plan.epoch > 0 && is_sane(m.plan.shift)),
                  "joint plan has no epoch, or an odd leader or time"}});
   if (!problem) problem = problem_with(m.trajectory, m.radius);

@@ -165,6 +165,9 @@ struct Timing {
   /// scaled s. Network: a partition heals within this time. A suspected peer, and several silent peers, are
   /// declared failed after it.
   static constexpr double longest_partition = 60;
+  /// scaled s after a robot has come to rest until each agent that is not cut off holds it for failed:
+  /// distant ones miss ten of its states first, and then a partition may have to heal.
+  static constexpr double all_know_of_failures_after = 2 * longest_partition + 10;
   /// scaled s. Network: the last state of a peer that is silent alone is older than those of all others by so
   /// much, for the last sample may have been lost or late.
   static constexpr double said_since = 0.5;
@@ -222,6 +225,9 @@ struct Timing {
 
   /// wall s between two claims.
   static constexpr WallTime claim_period = 0.5;
+  /// wall s between two claims of an agent that has its robot. Network: several of them may be lost within a
+  /// lease.
+  static constexpr WallTime claim_renewal = claim_lease / 10;
   /// wall s. An answer that comes later leaves too little of the lease to be heard as the robot.
   static constexpr WallTime answer_counts = claim_lease / 2;
   /// wall s of its own silence after which an agent gives up its robot. Network: shorter than the lease that

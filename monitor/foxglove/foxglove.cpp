@@ -25,16 +25,16 @@ namespace socket = foxglove_socket;
 constexpr std::size_t most_nodes_at_once = 1 << 14;  // nodes of trees in one message
 constexpr std::size_t most_complaints = 8;           // waiting to be sent; further ones are dropped
 
-struct Channel {
+struct AdvertisedChannel {
   FoxgloveFeed::Topic topic;
   const char* name;
   const google::protobuf::Descriptor* schema;
 };
 
 /// A channel's id is its index here plus one.
-const std::array<Channel, 9>& channels() {
+const std::array<AdvertisedChannel, 9>& channels() {
   using enum FoxgloveFeed::Topic;
-  static const std::array<Channel, 9> all{{
+  static const std::array<AdvertisedChannel, 9> all{{
       {map, "/map", ::foxglove::Grid::descriptor()},
       {robots, "/robots", ::foxglove::SceneUpdate::descriptor()},
       {poses, "/poses", ::foxglove::PosesInFrame::descriptor()},

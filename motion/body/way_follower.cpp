@@ -137,12 +137,12 @@ WayFollower::Arc WayFollower::arc_at(std::size_t corner) const {
   const Point2 out = way_.points[corner + 1] - way_.points[corner];
   const double infinity = std::numeric_limits<double>::infinity();
   if (in.isZero(0) || out.isZero(0)) return {infinity, 0, 0};
-  const double turn = std::acos(std::clamp(in.normalized().dot(out.normalized()), -1.0, 1.0));
-  const double tangent = std::tan(turn / 2);
+  const double bend = std::acos(std::clamp(in.normalized().dot(out.normalized()), -1.0, 1.0));
+  const double tangent = std::tan(bend / 2);
   if (tangent < 1e-6) return {infinity, 0, 0};
   const double room = std::min(in.norm(), out.norm()) / (2 * tangent);
   const double radius = std::min(arc_radius(in.normalized(), out.normalized(), stray_), room);
-  return {radius, turn, radius * tangent};
+  return {radius, bend, radius * tangent};
 }
 
 /// The point at `along` metres of the way with rounded corners.
@@ -157,7 +157,7 @@ Point2 WayFollower::rounded_at(double along) const {
     const Point2 in = (way_.points[i] - way_.points[i - 1]).normalized();
     const Point2 out = (way_.points[i + 1] - way_.points[i]).normalized();
     const Point2 inwards = (out - in.dot(out) * in).normalized();
-    const double angle = arc.turn * (along - from) / (2 * arc.tangent);
+    const double angle = arc.bend * (along - from) / (2 * arc.tangent);
     return way_.points[i] - arc.tangent * in +
            arc.radius * (std::sin(angle) * in + (1 - std::cos(angle)) * inwards);
   }

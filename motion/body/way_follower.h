@@ -52,7 +52,7 @@ class WayFollower {
   /// The arc on which the robot drives around a corner, close to it.
   struct Arc {
     double radius = 0;   ///< metres; infinite where the way goes straight on
-    double turn = 0;     ///< radians
+    double bend = 0;     ///< radians
     double tangent = 0;  ///< metres before the corner at which it begins, and after it at which it ends
   };
   Arc arc_at(std::size_t corner) const;

@@ -17,7 +17,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_expansions = 40'000;
 constexpr std::size_t most_expansions_in_all = 80'000;
 constexpr double detour = 1.5;       // of the shortest way: vertices further away are not looked at
-constexpr double worthwhile = 1.2;   // of the path: if the lattice's way is longer, the path is looked at too
+constexpr double winding = 1.2;      // of the path: if the lattice's way is longer, the path is looked at too
 constexpr double detour_steps = 40;  // spacings beyond that
 
 /// Metres along lines in the eight directions of a lattice, across a box of this size.
@@ -33,7 +33,7 @@ SafeIntervalSearch::SafeIntervalSearch(const ClearanceField& field, Lattice& lat
   start_ = add_point(path.front());
   goal_ = add_point(path.back());
   begin_distances();
-  if (distance(start_) <= worthwhile * length_of(path)) return;
+  if (distance(start_) <= winding * length_of(path)) return;
   add_path(path);
   begin_distances();
 }

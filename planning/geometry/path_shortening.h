@@ -19,10 +19,10 @@ namespace coppice {
 namespace shortening {
 
 inline constexpr int most_rounds = 12;      // each round gains less; further rounds are not worth their time
-inline constexpr double worthwhile = 1e-3;  // share of the length; a round that gains less is the last
+inline constexpr double least_gain = 1e-3;  // share of the length; a round that gains less is the last
 inline constexpr int halvings = 6;          // of the cut, until it is free
 // Share of the two edges' length that a corner's detour must exceed.
-inline constexpr double least_turn = 1e-3;
+inline constexpr double least_detour = 1e-3;
 
 /// Cuts the corner at `corner` between `before` and `after`. `from` and `to` become the ends of the largest
 /// free chord among cuts of 1, 1/2, 1/4, ... of the shorter edge. Returns false if none is free.
@@ -32,7 +32,7 @@ bool cut_corner(const S& space, const Point<S::dimension>& before, const Point<S
                 Point<S::dimension>& to) {
   const double in = (corner - before).norm();
   const double out = (after - corner).norm();
-  if (in + out - (after - before).norm() < least_turn * (in + out)) return false;
+  if (in + out - (after - before).norm() < least_detour * (in + out)) return false;
   double cut = std::min(in, out);
   for (int i = 0; i < halvings; ++i, cut /= 2) {
     from = corner + (before - corner) * (cut / in);
@@ -77,7 +77,7 @@ std::vector<Point<S::dimension>> shorten(const S& space, std::vector<Point<S::di
         optimise_line_of_sight(space, shortening::cut_corners(space, path, radius), radius);
     const double next_length = length_of(next);
     if (next_length >= length) break;
-    const bool done = length - next_length < shortening::worthwhile * length;
+    const bool done = length - next_length < shortening::least_gain * length;
     path = std::move(next);
     length = next_length;
     if (done) break;

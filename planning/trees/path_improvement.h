@@ -102,8 +102,6 @@ class PathImprover {
   static constexpr std::size_t places_a_step = 64;
   static constexpr std::size_t least_batch =
       400;  // new places of a round; later rounds add half as many again
-  // Share of the fleet's total length; a round that gains less is in vain.
-  static constexpr double worthwhile = 1e-3;
   static constexpr int rounds_in_vain = 4;
   static constexpr int steps_to_edge = 8;  // each as long as the radius
   static constexpr double straight = 1 + 1e-9;
@@ -165,7 +163,7 @@ class PathImprover {
       if (length_of(path) < known) robot.path = std::move(path);
       return true;
     }
-    vain_ = before_ - total() < worthwhile * before_ && round_ > 0 ? vain_ + 1 : 0;
+    vain_ = before_ - total() < shortening::least_gain * before_ && round_ > 0 ? vain_ + 1 : 0;
     ++round_;
     dense_ = dense_ || vain_ == rounds_in_vain || !draw_places();
     if (dense_) stage_ = Stage::done;

@@ -39,9 +39,10 @@ bool leads_into(const Trajectory& rest, const Point2& other, double radii) {
   return ahead > 0 && beside < radii && leg.norm() > ahead - std::sqrt(radii * radii - beside * beside);
 }
 
-/// Metres along its way to which a robot comes, whatever it decides.
-double committed(double progress, double speed, const Limits& limits) {
-  return progress + control_period * speed + braking_distance(speed, limits, control_period);
+/// Metres along its way to which a robot comes at most, whatever it decides.
+double committed(double progress, double speed, const Limits& limits, std::span<const Corner> corners) {
+  const double driven = control_period * speed + braking_distance(speed, limits, control_period);
+  return progress + driven + gained_at(corners, progress, progress + driven);
 }
 
 }  // namespace
@@ -52,6 +53,7 @@ HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, 
       since_(own_->number),
       others_(&others),
       follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius),
+      corners_(corners_of(path_of(own_->trajectory), reserved_stray_radii * own_->radius)),
       own_limits_(limits) {}
 
 void HeldReservation::come_to(const Driver& body) {
@@ -110,6 +112,7 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   pair.too_close = std::move(order.too_close);
   pair.too_close.insert(pair.too_close.end(), theirs.other_too_close.begin(), theirs.other_too_close.end());
   pair.they_beyond = std::max(beyond(theirs.too_close), beyond(order.other_too_close));
+  pair.their_corners = corners_of(path_of(other.trajectory), reserved_stray_radii * other.radius);
   pair.is_related = are_related(own_one(), renewed(other));
   if (pair.is_related || !overrides(other, own)) return pair;
   pair.overrides = come_too_close(own.trajectory, shifted(other.trajectory, estimate),
@@ -147,7 +150,10 @@ void HeldReservation::renew(std::shared_ptr<const ReservationMessage> own) {
 double HeldReservation::First::progress_at(double time) const {
   const Promise& p = promise;
   const double t = time - clock_error;
-  if (t < p.turn) return progress - (p.turn - t) * p.velocity.norm();
+  if (t < p.turn) {
+    const double before = progress - (p.turn - t) * p.velocity.norm();
+    return before - gained_at(pair->their_corners, before, progress);
+  }
   double driven = (std::min(t, p.expiry) - p.turn) * p.next_velocity.norm();
   double speed = p.next_velocity.norm();
   for (double begin = p.expiry; begin < t && speed > 0; begin += control_period) {
@@ -200,7 +206,7 @@ void HeldReservation::look_at_gates(const Fleet& fleet, double now, double open)
                       m->clock_error,
                       drives ? m->reservation_progress : 0,
                       2 * reserved_stray_radii * m->radius};
-    if (pair.gates.open(progress(), slack, first.progress) == infinity) continue;
+    if (pair.gates.open(progress(), slack, drives ? first.progress_at(now) : 0) == infinity) continue;
     first_.push_back(first);
     const double certain = drives ? first.progress_at(infinity) : 0;
     const double until = pair.gates.open_if(progress(), slack, certain);
@@ -248,10 +254,11 @@ bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
 bool HeldReservation::may_be_confirmed(const Pair& pair, const RobotState& other) const {
   if (!pair.is_related || other.passed_on) return false;
   const double slack = gate_slack_radii * std::min(own_->radius, other.radius);
-  const double theirs =
-      committed(other.reservation_progress, other.promise.next_velocity.norm(), limits_of(other));
+  const double theirs = committed(other.reservation_progress, other.promise.next_velocity.norm(),
+                                  limits_of(other), pair.their_corners);
   // What the robot chooses next heeds its gates.
-  const double own = progress() + braking_distance(own_speed_, own_limits_, control_period);
+  const double brakes_at = progress() + braking_distance(own_speed_, own_limits_, control_period);
+  const double own = brakes_at + gained_at(corners_, progress(), brakes_at);
   return !passed_closed(pair.theirs, theirs, progress(), slack) &&
          !passed_closed(pair.gates.all(), own, other.reservation_progress, slack);
 }
@@ -264,7 +271,7 @@ bool HeldReservation::keeps_apart(const Pair& pair, double others_progress) cons
   if (others_progress > pair.they_beyond + further) return true;
   const double fastest =
       std::min(own_limits_.max_speed, own_speed_ + own_limits_.max_acceleration * control_period);
-  const double comes_to = committed(progress(), fastest, own_limits_);
+  const double comes_to = committed(progress(), fastest, own_limits_, corners_);
   return std::ranges::none_of(pair.too_close, [&](const Stretch& close) {
     return progress() <= close.end + further && comes_to >= close.begin - further;
   });

@@ -22,6 +22,7 @@
 #include "messages/messages.h"
 #include "motion/body/driver.h"
 #include "motion/body/way_follower.h"
+#include "motion/trajectory/corners.h"
 #include "motion/trajectory/reserved_order.h"
 #include "robot_agent/agreement/reservation_pair.h"
 #include "robot_agent/agreement/reservations.h"
@@ -134,7 +135,8 @@ class HeldReservation {
     double offset = 0;                 ///< seconds, to be added to the other's times
     std::vector<Stretch> too_close{};  ///< of this robot's way, where the two do not keep apart
     double they_beyond = -1;           ///< metres along the other's way beyond which the two keep apart
-    bool is_confirmed = false;         ///< both heed the order
+    std::vector<Corner> their_corners{};
+    bool is_confirmed = false;  ///< both heed the order
   };
   /// A robot that goes first at the next gates: how far it has come, at least.
   struct First {
@@ -143,7 +145,7 @@ class HeldReservation {
     Limits limits;
     double clock_error;
     double progress;
-    double slip;  ///< metres by which its progress may be less than what it drives
+    double slip;  ///< metres by which its progress may be less than what it drives from the turn on
 
     double progress_at(double time) const;
   };
@@ -176,6 +178,7 @@ class HeldReservation {
   std::vector<First> first_;  ///< in this period
   bool is_overridden_ = false;
   std::uint32_t news_ = ~std::uint32_t{0};  ///< up to which the pairs are taken up
+  std::vector<Corner> corners_;
   double open_ = 0;  ///< metres along the way up to which the robot may come in this period
   RobotName waits_for_;
   bool is_worth_waiting_ = false;

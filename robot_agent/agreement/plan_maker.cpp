@@ -19,7 +19,7 @@ namespace {
 constexpr double roomy = 0.1;    // of the radii
 constexpr int most_in_vain = 3;  // plans in a row that are no better
 // Another plan is made if a robot waits on average so many times as long as it takes to make it.
-constexpr double worthwhile = 100;
+constexpr double waits_that_are_worth_a_plan = 100;
 
 /// A position close to p at which a larger robot has room; none: there is none.
 std::optional<Point2> with_room_near(const Point2& p, double radius, double larger,
@@ -141,7 +141,7 @@ bool PlanMaker::make_moves(MakesMoves& phase, double now, bool everybody) {
 }
 
 void PlanMaker::compare(FindsTimes& phase, double now) {
-  const bool is_worthwhile = waiting(phase) >= worthwhile * (now - phase.since);
+  const bool is_worthwhile = waiting(phase) >= waits_that_are_worth_a_plan * (now - phase.since);
   const bool goes_on = phase.plan.stranded.empty() && is_worthwhile;
   const double sum = phase.schedule->sum_of_arrivals();
   if (!best_ || sum < best_->sum) {

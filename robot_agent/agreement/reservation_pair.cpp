@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "motion/trajectory/space_time.h"
-#include "robot_agent/agreement/turn.h"
+#include "robot_agent/agreement/priority.h"
 
 namespace coppice {
 
@@ -36,7 +36,7 @@ bool overrides(const ReservationMessage& other, const ReservationMessage& own) {
   if (is_of_plan(other) != is_of_plan(own)) return is_of_plan(other);
   if (is_of_plan(own) && other.plan.epoch != own.plan.epoch)
     return is_later_epoch(other.plan.epoch, own.plan.epoch);
-  return plans_first(other.turn, other.way, other.robot, own.turn, own.way, own.robot);
+  return plans_first(other.priority, other.way, other.robot, own.priority, own.way, own.robot);
 }
 
 bool come_near(const ReservationMessage& a, const ReservationMessage& b) {

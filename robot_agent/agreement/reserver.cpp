@@ -6,8 +6,8 @@
 
 #include "messages/validation.h"
 #include "motion/trajectory/space_time.h"
+#include "robot_agent/agreement/priority.h"
 #include "robot_agent/agreement/reservation_pair.h"
-#include "robot_agent/agreement/turn.h"
 #include "robot_agent/timing.h"
 
 namespace coppice {
@@ -32,7 +32,7 @@ bool is_wish(const ReservationMessage& r) {
   return r.trajectory.empty() && r.way > 0;
 }
 bool plans_first(const ReservationMessage& a, const ReservationMessage& b) {
-  return plans_first(a.turn, a.way, a.robot, b.turn, b.way, b.robot);
+  return plans_first(a.priority, a.way, a.robot, b.priority, b.way, b.robot);
 }
 
 }  // namespace
@@ -54,8 +54,9 @@ void Reserver::say(ReservationMessage message, const FleetMember& self, double n
 
 void Reserver::want(const Path& path, const FleetMember& self, const ClearanceField& field, double now,
                     std::vector<Outgoing>& out) {
-  const Wanted wanted{is_urgent_ ? Turn::urgent : turn_of(path, self.radius, field), length_of(path), now};
-  say({.robot = {}, .way = wanted.way, .turn = wanted.turn, .run = {}}, self, now, out);
+  const Wanted wanted{is_urgent_ ? Priority::urgent : priority_of(path, self.radius, field), length_of(path),
+                      now};
+  say({.robot = {}, .way = wanted.way, .priority = wanted.priority, .run = {}}, self, now, out);
   state_ = wanted;
 }
 
@@ -166,7 +167,7 @@ RobotName Reserver::next_to_plan(const Wanted& wanted, const Fleet& fleet) const
     const auto m = fleet.find(robot);
     return m && may_plan(*m) && !wanted.passed_over.contains(robot);
   };
-  const ReservationMessage own{.robot = robot_, .way = wanted.way, .turn = wanted.turn, .run = {}};
+  const ReservationMessage own{.robot = robot_, .way = wanted.way, .priority = wanted.priority, .run = {}};
   const ReservationMessage* next = &own;
   std::size_t heard = 1;  // robots, with this one
   for (const auto& [robot, r] : *others_) {
@@ -214,7 +215,7 @@ void Reserver::plan(const Path& path, double ready, const FleetMember& self, con
         .way = wanted->way,
         .trajectory = *std::move(found),
         .basis = planner.basis(),
-        .turn = is_urgent_ ? Turn::urgent : wanted->turn,
+        .priority = is_urgent_ ? Priority::urgent : wanted->priority,
         .run = run_},
        limits, now, out)
       .goes_on_along(planner.rest());
@@ -229,19 +230,19 @@ std::vector<OtherRobot> Reserver::others_to_reckon_with(const Fleet& fleet, doub
     if (may_plan(m) && r != nullptr && is_wish(*r)) queue.push_back(r);
   }
   std::ranges::sort(queue, [](const auto* a, const auto* b) { return plans_first(*a, *b); });
-  const double turn = 2 * fleet.clock_error(now);  // about the time there and back
+  const double there_and_back = 2 * fleet.clock_error(now);  // of a message, about
   std::vector<OtherRobot> others;
   for (const FleetMember& m : members) {
     if (m.failed) continue;
     const auto before = std::ranges::find(queue, others_->find(m.robot, run_)) - queue.begin();
-    const double sets_off = now + Timing::sets_off_within + turn * static_cast<double>(before);
+    const double sets_off = now + Timing::sets_off_within + there_and_back * static_cast<double>(before);
     others.push_back({.position = m.position,
                       .radius = m.radius,
                       .reservation = reservation_of(m),
                       .stands_until = m.wants_to_stay ? SpaceTime::forever : sets_off});
     if (!others.back().reservation) continue;
     const ReservationMessage& r = *others_->find(m.robot, run_);
-    others.back().may_give_way = !m.wants_to_stay && !is_of_plan(r) && r.turn != Turn::urgent;
+    others.back().may_give_way = !m.wants_to_stay && !is_of_plan(r) && r.priority != Priority::urgent;
   }
   return others;
 }
@@ -289,8 +290,10 @@ void Reserver::name_those_beside(double now, std::vector<Outgoing>& out) {
 void Reserver::adopt(const JointPlanMessage& plan, const FleetMember& self, const Fleet& fleet, double now,
                      std::vector<Outgoing>& out) {
   const auto part = std::ranges::find(plan.members, robot_, &JointPlanMessage::Member::robot);
+  // It begins in the strip of its part.
+  const double there = std::min(same_place, reserved_stray_radii * self.radius);
   const bool has_part = part != plan.members.end() && path_of(part->trajectory).size() > 1 &&
-                        (part->trajectory.front().position - self.position).norm() < same_place;
+                        (part->trajectory.front().position - self.position).norm() < there;
   is_news_ = true;
   if (!has_part) return drop(self, fleet, now, out);
   leave_strip(fleet, now);

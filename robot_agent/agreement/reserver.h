@@ -1,9 +1,9 @@
 // How one robot gets its reservation: a trajectory in space and time, planned around those of the others.
 //
-// A robot that has a path announces it. The robots plan in turns (turn.h): each plans for itself as soon as
-// nobody waits who is to plan before it. It publishes its trajectory, and with it the reservations around
-// which it was planned (its basis). If two robots plan at the same time, neither is in the other's basis;
-// where the two come too close, the second one plans again.
+// A robot that has a path announces it. The robots plan one after the other, by priority (priority.h): each
+// plans for itself as soon as nobody waits who is to plan before it. It publishes its trajectory, and with it
+// the reservations around which it was planned (its basis). If two robots plan at the same time, neither is
+// in the other's basis; where the two come too close, the second one plans again.
 //
 // A robot that finds no trajectory around all others is urgent until it is at its goal: it plans around as
 // many as possible, and the rest plan again (trajectory_planner.h). Urgent robots, and those of a joint plan,
@@ -113,7 +113,7 @@ class Reserver {
     std::uint32_t news;  ///< of the others, up to then
   };
   struct Wanted {
-    Turn turn = Turn::usual;
+    Priority priority = Priority::usual;
     double way = 0;                     ///< metres
     double since = 0;                   ///< it has waited for the next one
     std::optional<RobotName> next{};    ///< whose turn it is; an empty name: robots that were not heard

@@ -96,6 +96,7 @@ bool Run::is_too_long(double seconds) const {
 /// notice of the others.
 void Run::decide(double now, std::vector<Outgoing>& out) {
   watch_contact(now);
+  doubt_orders(now);
   heed_halt(now);
   if (!halted()) watch_joining(now);
   const bool takes_notice = !halted() && !connectivity_.joining() && !its_robot_is_behind(now);
@@ -119,12 +120,18 @@ void Run::watch_contact(double now) {
   if (fleet_.out_of_touch()) asks_for_news_until_ = now + asks_for_news * fleet_.second();
 }
 
-/// A joint plan becomes the reservation, and a robot that was out of contact counts on no order.
+/// A robot that was out of contact, or a peer that was, may have passed gates that were closed. The robot
+/// counts on no order until that is confirmed anew.
+void Run::doubt_orders(double now) {
+  const std::uint32_t recoveries = fleet_.recoveries();
+  const bool somebody_is_back = std::exchange(recoveries_doubted_, recoveries) != recoveries;
+  if (reserver_.holds() && (connectivity_.listens(now) || somebody_is_back)) reserver_.held().doubt_all();
+}
+
+/// A joint plan becomes the reservation.
 void Run::take_up_plans(double now, std::vector<Outgoing>& out) {
-  const bool listens = connectivity_.listens(now);
   reserver_.note_who_heard(fleet_, now);
-  if (reserver_.holds() && (listens || fleet_.recoveries() != recoveries_)) reserver_.held().doubt_all();
-  if (listens || stopped()) return;
+  if (connectivity_.listens(now) || stopped()) return;
   if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, reserver_, map_->roadmaps, now);
   if (const auto plan = round_.take_up()) {
     reserver_.adopt(*plan, self(), fleet_, now, out);

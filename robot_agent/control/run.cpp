@@ -184,7 +184,7 @@ void Run::hear(std::shared_ptr<const JointPlanMessage> plan) {
   // A plan of an earlier run is of robots elsewhere: its leader's writer still sends it to late readers.
   if (!is_of_run(*plan, mission_.clock.run())) return;
   if (const auto leader = fleet_.find(plan->round.leader); leader && !leader->failed)
-    fleet_.learn_from(*plan);
+    fleet_.learn_from(*plan, leader->clock_offset - leader->clock_error);
   if (takes_part()) round_.hear(std::move(plan));
 }
 

@@ -134,6 +134,7 @@ class Run {
   bool is_too_long(double seconds) const;
   void decide(double now, std::vector<Outgoing>& out);
   void watch_contact(double now);
+  void doubt_orders(double now);
   void heed_halt(double now);  // halt.cpp
   void go_on(double now);      // halt.cpp
   void watch_joining(double now);
@@ -221,7 +222,8 @@ class Run {
   std::vector<Neighbour> near_;          ///< of the last decision
   std::vector<ReservationId> left_out_;  ///< of the last decision
   Decision decision_;
-  std::uint32_t recoveries_ = 0;  ///< of peers, that the robot has reckoned with
+  std::uint32_t recoveries_ = 0;          ///< of peers, that the robot has reckoned with
+  std::uint32_t recoveries_doubted_ = 0;  ///< of peers, after which it has doubted all orders
 
   // begin() sets these anew for each mission.
   AgentStatus status_;

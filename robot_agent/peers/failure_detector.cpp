@@ -366,8 +366,14 @@ void FailureDetector::prune_zones(double now) {
   }
 }
 
-void FailureDetector::learn_from(const JointPlanMessage& plan) {
+void FailureDetector::learn_from(const JointPlanMessage& plan, double offset) {
   if (count_.failed == 0) return;
+  double departs = std::numeric_limits<double>::infinity();
+  for (const JointPlanMessage::Member& member : plan.members) {
+    if (!member.trajectory.empty()) departs = std::min(departs, member.trajectory.front().time + offset);
+  }
+  // A leader that does not yet hold the robot for failed may plan ways through where it stands.
+  const double all_know_after = Timing::all_know_of_failures_after * own_.second();
   const auto room_beside_moves = [&](const Point2& q) {
     double room = std::numeric_limits<double>::infinity();
     for (const JointPlanMessage::Member& member : plan.members) {
@@ -379,7 +385,9 @@ void FailureDetector::learn_from(const JointPlanMessage& plan) {
   for (Peer& p : peers_) {
     const bool is_member =
         std::ranges::find(plan.members, p.robot, &JointPlanMessage::Member::robot) != plan.members.end();
-    if (p.failed() && p.state && !is_member) prune(p.failure()->zone, p.state->radius, room_beside_moves);
+    if (!p.failed() || !p.state || is_member) continue;
+    Zone& zone = p.failure()->zone;
+    if (departs > zone.at_rest_from + all_know_after) prune(zone, p.state->radius, room_beside_moves);
   }
 }
 

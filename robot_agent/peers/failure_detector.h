@@ -88,9 +88,10 @@ class FailureDetector {
   /// Metres between q and the nearest edge of a robot that is alive; this one is at `position`. Robots count
   /// where they were `since` then, or later; infinite if nothing so new is known.
   double room_at(const Point2& q, const Point2& position, double since, double now) const;
-  /// A robot that is alive made this plan. Where it leads robots, no failed robot stands: that robot may have
-  /// heard more of the last decisions of a failed one.
-  void learn_from(const JointPlanMessage& plan);
+  /// A robot that is alive made this plan. Where it leads robots, none stands that failed long before: the
+  /// leader may have heard more of the last decisions of a failed robot. `offset`: seconds, to be added to
+  /// the plan's times, at least.
+  void learn_from(const JointPlanMessage& plan, double offset);
   /// When somebody was heard last that had been out of touch; and that was started anew.
   double back_at() const { return back_at_; }
   double new_at() const { return new_at_; }

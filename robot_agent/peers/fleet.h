@@ -91,7 +91,7 @@ class Fleet {
   /// until they are heard again, or others report them failed.
   void wake(double now);
 
-  void learn_from(const JointPlanMessage& plan) { detector_.learn_from(plan); }
+  void learn_from(const JointPlanMessage& plan, double offset) { detector_.learn_from(plan, offset); }
 
   /// Asks memory for what is known of a robot whose state is about to be handed over.
   void expect(const RobotName& robot) const;

@@ -11,13 +11,13 @@
 #include <spdlog/spdlog.h>
 
 #include "robot_agent/process/agent_loop.h"
+#include "robot_agent/timing.h"
 
 namespace coppice {
 
 namespace {
 
-constexpr WallTime patience = 5;      // seconds of waiting that are worth no line
-constexpr WallTime claim_period = 1;  // seconds
+constexpr WallTime patience = 5;  // seconds of waiting that are worth no line
 
 /// Returns false if the process was told to stop before it got a robot.
 bool wait_for_a_robot(DdsBus& asking, NamelessAgent& agent, Heartbeat& heart, ProcessClock& clock) {
@@ -79,7 +79,7 @@ int run_unnamed(const AgentOptions& all_options, Heartbeat& heart) {
   };
   const auto keep_the_claim = [&] {
     heart.beat(clock.now());
-    if (asking && clock.now() - last_claim >= claim_period) claim_again(*asking);
+    if (asking && clock.now() - last_claim >= Timing::claim_renewal) claim_again(*asking);
   };
   if (std::optional<RestoredProcess> restored =
           restored_process_once_it_is_free(all_options, *asking, agent, clock, keep_the_claim)) {

@@ -193,7 +193,7 @@ TEST(Validation, InvalidReservationsAreRefused) {
                                                       [](M& m) { m.number = 0; },
                                                       [](M& m) { m.radius = -1; },
                                                       [](M& m) { m.way = nan; },
-                                                      [](M& m) { m.turn = static_cast<Turn>(4); },
+                                                      [](M& m) { m.priority = static_cast<Priority>(4); },
                                                       [](M& m) { m.trajectory[0].time = 2; },
                                                       [](M& m) { m.trajectory.resize(65'537); },
                                                       [](M& m) { m.basis[0].robot.clear(); },

@@ -45,6 +45,8 @@ class Listener {
     state.passed_on = true;
     return fleet_.hear(std::make_shared<const RobotState>(state), now);
   }
+  /// By its leader's clock, which is known to go like that of "a".
+  void hear(const JointPlanMessage& plan) { fleet_.learn_from(plan, 0); }
   void wake(double now) { fleet_.wake(now); }
   /// A robot that is neither heard nor failed; empty: none.
   RobotName unknown() const { return fleet_.unknown(); }

@@ -23,7 +23,17 @@ export const state = (page) => page.evaluate(() => {
   return {ready, robots, frames, fps, time, following, selected, playing, scale, origin};
 });
 export const positionOf = (page, name) => page.evaluate((robot) => window.coppice.positionOf(robot), name);
-export const until = (page, check, argument) => page.waitForFunction(check, argument, {timeout: 10_000});
+/// Milliseconds within which all comes true that must, however busy the machine is.
+const longest = 60_000;
+export const until = (page, check, argument) => page.waitForFunction(check, argument, {timeout: longest});
+/// Asks again and again until an answer is yes.
+export async function within(ask, what) {
+  const deadline = Date.now() + longest;
+  while (!(await ask())) {
+    assert(Date.now() < deadline, what);
+    await pause(100);
+  }
+}
 export const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
 /// Chromium itself notes each answer that is no success.

@@ -162,7 +162,7 @@ ReservationMessage any(const Any& a) {
           a.trajectory(),
           a.basis(),
           {a.name(), a.u32(), a.number()},
-          static_cast<Turn>(a.u32() % 4)};
+          static_cast<Priority>(a.u32() % 4)};
 }
 template <>
 PathMessage any(const Any& a) {

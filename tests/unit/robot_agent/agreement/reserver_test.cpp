@@ -97,7 +97,7 @@ TEST_F(ReserverTest, ARobotThatFindsNoTrajectoryIsUrgentAndOthersGiveWayToIt) {
   tell_state(second, first, 5.15);
   second.plan(5.2);
   ASSERT_TRUE(second.reserver.holds());
-  EXPECT_EQ(second.last().turn, Turn::urgent);
+  EXPECT_EQ(second.last().priority, Priority::urgent);
   EXPECT_TRUE(second.last().basis.empty());
   tell(first, second);
   tell_state(first, second, 5.25);
@@ -135,7 +135,7 @@ TEST_F(ReserverTest, ARobotKeepsClearForLongerOfOneThatIsNotNextInTurnIfStatesAr
                                                                       .number = 1,
                                                                       .radius = 5,
                                                                       .way = static_cast<double>(way),
-                                                                      .turn = first.last().turn,
+                                                                      .priority = first.last().priority,
                                                                       .run = {}}));
     RobotState state = state_of(name, now - 1, Point2(x, 7));
     state.phase = Phase::driving;
@@ -303,7 +303,7 @@ TEST_F(ReserverTest, ARobotNamesOneThatPlannedWithoutItAndKeepsItsOrderWithTheOt
                          .way = 10,
                          .trajectory = {{60, {150, 20}}, {70, {150, 190}}},
                          .basis = {},
-                         .turn = a.last().turn,
+                         .priority = a.last().priority,
                          .run = {}}));
   a.look();
   a.reserver.name_those_beside(1, a.said);

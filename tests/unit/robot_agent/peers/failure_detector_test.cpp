@@ -231,6 +231,27 @@ TEST(FailureDetector, TheZoneExcludesLivingRobotsAndAPlanMayLeadOutOfIt) {
   EXPECT_NEAR((left.back().centre - (last + Point2(0, 9.99))).norm(), 10, 0.009) << "as near as it can stand";
 }
 
+// Plans are kept for late readers. An old one may lead through where a robot has failed since.
+TEST(FailureDetector, OnlyAPlanThatWasMadeLongAfterAFailureShowsWhereTheRobotDoesNotStand) {
+  const auto discs_after_a_plan_that_departs_at = [](double departure) {
+    Listener a;
+    a.hear("b", 0, {}, {0, 10});
+    for (double now = 0; now < 5; now += period) {
+      a.hear("c", now, heard_a(now), Point2::Zero(), {20, 100});
+      a.judge(now);
+    }
+    const Point2 last = a.failed_seen_from({20, 20}, 5).back().centre;
+    JointPlanMessage plan{.round = {1, "c"}, .members = {{.robot = "c", .radius = 5}}, .run = {}};
+    plan.members.front().trajectory = {{departure, last - Point2(50, 0)},
+                                       {departure + 5, last + Point2(50, 0)}};
+    a.hear(plan);
+    return a.failed_seen_from({20, 20}, 5).size();
+  };
+  const std::size_t all = discs_after_a_plan_that_departs_at(-10);
+  EXPECT_EQ(discs_after_a_plan_that_departs_at(30), all);
+  EXPECT_LT(discs_after_a_plan_that_departs_at(300), all);
+}
+
 /// The zone of "b", which failed while it drove upwards, while "c" stands at `c`.
 std::vector<Disc> places_of_b(const Point2& c) {
   Listener a;

@@ -1,4 +1,4 @@
-// The turn in which a robot plans its reservation.
+// The order in which robots plan their reservations.
 //
 // Robots that plan first drive nearly freely, and the rest go around them. The sum of the arrival times is
 // least if robots with short ways plan first, as with the shortest job first. Two kinds of robots must not be
@@ -13,15 +13,16 @@
 
 namespace coppice {
 
-/// The turn of a disc that is to drive along `way`, without regard to others. The way has two points or more.
-Turn turn_of(const Path& way, double radius, const ClearanceField& field);
+/// The priority of a disc that is to drive along `way`, without regard to others. The way has two points or
+/// more.
+Priority priority_of(const Path& way, double radius, const ClearanceField& field);
 
 /// Whether nobody of the same size gets past a disc that stands at p: free places around it are not
 /// connected.
 bool closes_a_passage(const Point2& p, double radius, const ClearanceField& field);
 
 /// Whether the first of two robots plans before the second.
-bool plans_first(Turn turn, double way, const RobotName& robot, Turn other_turn, double other_way,
-                 const RobotName& other);
+bool plans_first(Priority priority, double way, const RobotName& robot, Priority other_priority,
+                 double other_way, const RobotName& other);
 
 }  // namespace coppice

@@ -1,4 +1,4 @@
-#include "robot_agent/agreement/turn.h"
+#include "robot_agent/agreement/priority.h"
 
 #include <array>
 #include <cmath>
@@ -26,15 +26,15 @@ bool closes_a_passage(const Point2& p, double radius, const ClearanceField& fiel
   return parts > 1;
 }
 
-Turn turn_of(const Path& way, double radius, const ClearanceField& field) {
-  if (length_of(way) > winding * (way.back() - way.front()).norm()) return Turn::winding;
-  return closes_a_passage(way.back(), radius, field) ? Turn::last : Turn::usual;
+Priority priority_of(const Path& way, double radius, const ClearanceField& field) {
+  if (length_of(way) > winding * (way.back() - way.front()).norm()) return Priority::winding;
+  return closes_a_passage(way.back(), radius, field) ? Priority::last : Priority::usual;
 }
 
-bool plans_first(Turn turn, double way, const RobotName& robot, Turn other_turn, double other_way,
-                 const RobotName& other) {
-  if (turn != other_turn) return turn < other_turn;
-  if (way != other_way) return turn == Turn::usual ? way < other_way : way > other_way;
+bool plans_first(Priority priority, double way, const RobotName& robot, Priority other_priority,
+                 double other_way, const RobotName& other) {
+  if (priority != other_priority) return priority < other_priority;
+  if (way != other_way) return priority == Priority::usual ? way < other_way : way > other_way;
   return robot < other;
 }
 

@@ -1,5 +1,5 @@
-// Tests of the turn in which a robot plans its reservation.
-#include "robot_agent/agreement/turn.h"
+// Tests of the priority in which a robot plans its reservation.
+#include "robot_agent/agreement/priority.h"
 
 #include <algorithm>
 #include <vector>
@@ -21,51 +21,51 @@ ClearanceField corridor(std::size_t width) {
   return ClearanceField(map);
 }
 
-TEST(Turn, ARobotInACorridorForOneClosesIt) {
+TEST(Priority, ARobotInACorridorForOneClosesIt) {
   EXPECT_TRUE(closes_a_passage({100, 50}, radius, corridor(14)));
   EXPECT_TRUE(closes_a_passage({100, 50}, radius, corridor(30)));  // it stands in the middle
 }
 
-TEST(Turn, ARobotThatOthersGetPastClosesNothing) {
+TEST(Priority, ARobotThatOthersGetPastClosesNothing) {
   EXPECT_FALSE(closes_a_passage({100, 31}, radius, corridor(50)));
   EXPECT_FALSE(closes_a_passage({100, 50}, radius, corridor(80)));
   EXPECT_FALSE(closes_a_passage({5.1, 50}, radius, corridor(14)));  // at the dead end
 }
 
-TEST(Turn, TheTurnFollowsFromTheWay) {
+TEST(Priority, ThePriorityFollowsFromTheWay) {
   const ClearanceField field = corridor(14);
-  EXPECT_EQ(turn_of({{20, 50}, {100, 50}}, radius, field), Turn::last);
-  EXPECT_EQ(turn_of({{100, 50}, {5.1, 50}}, radius, field), Turn::usual);
-  EXPECT_EQ(turn_of({{60, 50}, {180, 50}, {100, 50}}, radius, field), Turn::winding);
+  EXPECT_EQ(priority_of({{20, 50}, {100, 50}}, radius, field), Priority::last);
+  EXPECT_EQ(priority_of({{100, 50}, {5.1, 50}}, radius, field), Priority::usual);
+  EXPECT_EQ(priority_of({{60, 50}, {180, 50}, {100, 50}}, radius, field), Priority::winding);
 }
 
-TEST(Turn, ShortWaysAreFirstAmongUsualOnesAndLongWaysAmongTheRest) {
-  EXPECT_TRUE(plans_first(Turn::usual, 10, "b", Turn::usual, 20, "a"));
-  for (const Turn turn : {Turn::urgent, Turn::winding, Turn::last})
-    EXPECT_TRUE(plans_first(turn, 20, "b", turn, 10, "a"));
-  EXPECT_TRUE(plans_first(Turn::usual, 10, "a", Turn::usual, 10, "b"));
+TEST(Priority, ShortWaysAreFirstAmongUsualOnesAndLongWaysAmongTheRest) {
+  EXPECT_TRUE(plans_first(Priority::usual, 10, "b", Priority::usual, 20, "a"));
+  for (const Priority priority : {Priority::urgent, Priority::winding, Priority::last})
+    EXPECT_TRUE(plans_first(priority, 20, "b", priority, 10, "a"));
+  EXPECT_TRUE(plans_first(Priority::usual, 10, "a", Priority::usual, 10, "b"));
 }
 
-TEST(Turn, TheOrderIsStrictAndComplete) {
+TEST(Priority, TheOrderIsStrictAndComplete) {
   struct Robot {
-    Turn turn;
+    Priority priority;
     double way;
     RobotName name;
   };
   std::vector<Robot> robots;
-  for (const Turn turn : {Turn::urgent, Turn::winding, Turn::usual, Turn::last})
+  for (const Priority priority : {Priority::urgent, Priority::winding, Priority::usual, Priority::last})
     for (const double way : {10.0, 20.0})
-      for (const char* name : {"a", "b"}) robots.push_back({turn, way, name});
+      for (const char* name : {"a", "b"}) robots.push_back({priority, way, name});
   const auto first = [](const Robot& a, const Robot& b) {
-    return plans_first(a.turn, a.way, a.name, b.turn, b.way, b.name);
+    return plans_first(a.priority, a.way, a.name, b.priority, b.way, b.name);
   };
   for (const Robot& a : robots) {
     EXPECT_FALSE(first(a, a));
     for (const Robot& b : robots) EXPECT_TRUE(&a == &b || first(a, b) != first(b, a));
   }
   std::ranges::sort(robots, first);
-  EXPECT_EQ(robots.front().turn, Turn::urgent);
-  EXPECT_EQ(robots.back().turn, Turn::last);
+  EXPECT_EQ(robots.front().priority, Priority::urgent);
+  EXPECT_EQ(robots.back().priority, Priority::last);
 }
 
 }  // namespace
