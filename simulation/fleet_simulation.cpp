@@ -107,6 +107,11 @@ void FleetSimulation::start(Agent& agent) {
 }
 
 void FleetSimulation::kill(Agent& agent) {
+  agent.knew_failed.clear();
+  for (const Agent& other : agents_) {
+    const auto known = agent.run() ? agent.run()->fleet().find(other.name) : std::nullopt;
+    if (known && known->failed) agent.knew_failed.push_back(other.name);
+  }
   agent.process->port.close();
   agent.process.reset();
 }
@@ -281,16 +286,34 @@ SufferedFaults FleetSimulation::suffered() const {
   return suffered;
 }
 
+const FleetSimulation::Agent& FleetSimulation::agent(const RobotName& robot) const {
+  return *std::ranges::find(agents_, robot, &Agent::name);
+}
+
+bool FleetSimulation::Agent::knows(const RobotName& other) const {
+  return (run() != nullptr && run()->fleet().is_placed(other)) ||
+         std::ranges::find(knew_failed, other) != knew_failed.end();
+}
+
+bool FleetSimulation::knows(const RobotName& robot, const RobotName& other) const {
+  return agent(robot).knows(other);
+}
+
+bool FleetSimulation::lost(const RobotName& robot) const {
+  const auto is_dead = [&](const Agent& a) {
+    return now_ >= a.next_kill && a.faults.restart_after == infinity;
+  };
+  return is_dead(agent(robot)) &&
+         std::ranges::none_of(agents_, [&](const Agent& a) { return !is_dead(a) && a.knows(robot); });
+}
+
 std::vector<Disc> FleetSimulation::places_of_failed(const RobotName& robot) const {
-  const auto agent = std::ranges::find(agents_, robot, &Agent::name);
-  if (agent == agents_.end() || !agent->process) return {};
-  const Run* const run = agent->process->role.run();
+  const Run* const run = agent(robot).run();
   return run == nullptr ? std::vector<Disc>() : run->places_of_failed();
 }
 
 bool FleetSimulation::killed(const RobotName& robot) const {
-  const auto agent = std::ranges::find(agents_, robot, &Agent::name);
-  return agent != agents_.end() && now_ >= agent->next_kill;
+  return now_ >= agent(robot).next_kill;
 }
 
 }  // namespace coppice

@@ -60,6 +60,11 @@ class FleetSimulation {
   SufferedFaults suffered() const;
   /// Whether the robot's agent is killed and not restarted yet.
   bool killed(const RobotName& robot) const;
+  /// Whether a robot was told where another one is, or counts it as failed. Or did before its last restart:
+  /// the journal holds that.
+  bool knows(const RobotName& robot, const RobotName& other) const;
+  /// Whether the robot's agent was killed for good, and nobody who is alive knows where the robot is.
+  bool lost(const RobotName& robot) const;
   /// Where failed robots may stand, as far as a living robot knows.
   std::vector<Disc> places_of_failed(const RobotName& robot) const;
 
@@ -88,13 +93,16 @@ class FleetSimulation {
     AgentFaults faults;
     double next_kill = 0;  ///< infinity: none
     std::size_t restarts = 0;
-    std::unique_ptr<KeptInMemory> kept;  ///< saved state for a restart
+    std::vector<RobotName> knew_failed{};  ///< when it was killed last
+    std::unique_ptr<KeptInMemory> kept;    ///< saved state for a restart
     std::optional<Keeper<StateKeeper, KeptInMemory>> keeper{};
     std::optional<Driver> body{};  ///< as it was after the agent's last step
     AgentClock clock_of_run{};     ///< its clock, in fleet time
     std::size_t peer_in_turn = 0;  ///< whose clock the sentinel looks at next
     std::optional<Follower> follower{};
     double next_event() const;
+    const Run* run() const { return process ? process->role.run() : nullptr; }
+    bool knows(const RobotName& other) const;
   };
 
   /// The next time at which an agent has something to do. Most agents have nothing to do at most events.
@@ -111,6 +119,7 @@ class FleetSimulation {
   void step(Agent& agent);
   void kill(Agent& agent);
   void start(Agent& agent);
+  const Agent& agent(const RobotName& robot) const;
   void show(Agent& agent, const Run& run);
   void record(Agent& agent, double until);
   void meet_robot(Agent& agent);

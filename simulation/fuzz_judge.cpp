@@ -59,6 +59,20 @@ bool could_be_sorted_out(std::size_t robot, const ClearanceField& field, const s
   return std::ranges::find(planner.plan().stranded, robot) == planner.plan().stranded.end();
 }
 
+/// Whether a robot whose agent began in mid-run is right to stand for good (docs/safety.md, A8): of the
+/// others, it does not know those that failed where nobody alive knows, and knows all the rest.
+bool cannot_know(const proto::Report::Robot& robot, const std::vector<NamedTrack>& tracks,
+                 const FleetSimulation& simulation) {
+  if (robot.reason().find("its agent was started or woke in mid-run, and") == std::string::npos) return false;
+  bool some_are_lost = false;
+  for (const NamedTrack& other : tracks) {
+    if (other.robot == robot.name() || simulation.knows(robot.name(), other.robot)) continue;
+    if (!simulation.lost(other.robot)) return false;
+    some_are_lost = true;
+  }
+  return some_are_lost;
+}
+
 }  // namespace
 
 FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
@@ -86,11 +100,8 @@ FuzzResult judge(const FuzzCase& fuzz_case, const FleetSimulation& simulation) {
     const std::vector<JointTask> known = as_known_to(robot.name(), ends, simulation);
     if (!could_arrive(field, ends[i], known)) continue;
     const bool shut_in = somebody_died && !could_be_sorted_out(i, field, known);
-    // What the robot knew of the failed robots was lost with its own process and with all others.
-    const bool ignorant =
-        somebody_died && simulation.suffered().restarts > 0 &&
-        robot.reason().find("its agent was started or woke in mid-run, and") != std::string::npos;
-    std::vector<std::string>& list = shut_in || ignorant ? result.shut_in : result.failures;
+    const bool excused = shut_in || cannot_know(robot, tracks, simulation);
+    std::vector<std::string>& list = excused ? result.shut_in : result.failures;
     list.push_back(fmt::format("{} is stuck: {}", robot.name(), robot.reason()));
   }
   return result;

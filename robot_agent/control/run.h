@@ -82,6 +82,8 @@ class Run {
   std::vector<Disc> places_of_failed() const {
     return fleet_.zones_of_failed(body_.position(), body_.time());
   }
+  /// What it knows of the others.
+  const Fleet& fleet() const { return fleet_; }
   /// The reservations that other robots hold, and because of which the last decision left these out.
   std::span<const ReservationId> left_out() const { return left_out_; }
   /// The offset of another robot's clock; null: nothing is known of that robot.

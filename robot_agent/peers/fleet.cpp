@@ -405,6 +405,11 @@ RobotName Fleet::unknown() const {
   return unknown == peers_.end() ? RobotName() : unknown->robot;
 }
 
+bool Fleet::is_placed(const RobotName& robot) const {
+  const auto number = peers_.find(robot);
+  return number && !peers_[*number].expected();
+}
+
 std::vector<RobotName> Fleet::missing() const {
   std::vector<RobotName> robots;
   for (const std::size_t number : detector_.missing()) robots.push_back(peers_[number].robot);

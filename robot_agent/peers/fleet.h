@@ -184,6 +184,8 @@ class Fleet {
   double longest_stop() const;
   /// A robot that must be heard before this one may set off; empty: none.
   RobotName unknown() const;
+  /// A state of the robot was heard, or it counts as failed.
+  bool is_placed(const RobotName& robot) const;
   /// Peers that are silent now, and are not failed.
   std::vector<RobotName> missing() const;
   /// As many robots are known as the run has, and each of them was heard and its clock is known, or it is

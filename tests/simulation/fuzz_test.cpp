@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "simulation/check_simulation.h"
+#include "simulation/fault_schedule.h"
 #include "simulation/fuzz_faults.h"
 #include "simulation/fuzz_judge.h"
 
@@ -115,8 +116,9 @@ TEST(Fuzz, TheFirstSeedsPass) {
 TEST(Fuzz, SeedsWithRestartsThatOnceFailedPass) {
   for (const std::uint32_t seed : {
            49800201u,  // a robot had given up, was led away by a joint plan of others, and did not try again
-           49800309u   // two robots that touched nearly: the one that goes first by name was blocked by the
+           49800309u,  // two robots that touched nearly: the one that goes first by name was blocked by the
                        // other
+           700208u     // two clocks were ahead, and the robot with the third failed before it said anything
        }) {
     const FuzzCase fuzz_case = draw_fuzz_case(seed, true);
     for (const std::string& failure : run(fuzz_case).failures)
@@ -206,6 +208,45 @@ TEST(Fuzz, ARobotWhoseWayAFailedRobotClosesIsNoFailure) {
   const FuzzResult result = run(fuzz_case);
   EXPECT_TRUE(result.failures.empty()) << result.failures.front();
   EXPECT_EQ(result.suffered.kills, 1u);
+}
+
+/// Three robots with wrong clocks on a free map: a, b and d.
+FuzzCase case_of_three() {
+  FuzzCase fuzz_case{.scenario = {.map_name = "hall",
+                                  .map = {.width = 300, .height = 100, .blocked = {}},
+                                  .robots = {{"a", {20, 20}, {280, 20}, 5, 10, 20, 1},
+                                             {"b", {20, 50}, {280, 50}, 5, 10, 20, 1},
+                                             {"d", {20, 80}, {280, 80}, 5, 10, 20, 1}}},
+                     .settings = {.timeout = 300}};
+  fuzz_case.scenario.map.blocked.assign(300 * 100, 0);
+  return fuzz_case;
+}
+
+TEST(Fuzz, RobotsThatCannotKnowWhereAFailedOneStandsMayStandForGood) {
+  FuzzCase fuzz_case = case_of_three();
+  // To a and b the run began long ago. The clock of d is behind, so it says nothing before it is killed.
+  Faults& faults = fuzz_case.settings.faults;
+  faults.clock_skew = 40;
+  faults.kills = {{"d", 4}};
+  const auto offset = [&](std::size_t robot) {
+    return draw_faults(faults, fuzz_case.scenario, 0)[robot].clock.offset;
+  };
+  while (offset(0) < 12 || offset(1) < 12 || offset(2) > -6) ++fuzz_case.scenario.seed;
+  const FuzzResult result = run(fuzz_case);
+  EXPECT_TRUE(result.failures.empty()) << result.failures.front();
+  EXPECT_EQ(result.shut_in.size(), 2u);
+}
+
+TEST(Fuzz, ARobotThatDoesNotKnowWhereALivingOneIsIsAFailure) {
+  FuzzCase fuzz_case = case_of_three();
+  // b is restarted, knows that d failed, and never hears a.
+  Faults& faults = fuzz_case.settings.faults;
+  faults.kills = {{"d", 3, true}, {"b", 10}};
+  faults.restart_after = 2;
+  faults.bus.cut_links = {{"a", "b", 10, 1000}};
+  const FuzzResult result = run(fuzz_case);
+  EXPECT_EQ(result.suffered.restarts, 1u);
+  EXPECT_EQ(result.failures.size(), 1u);
 }
 
 TEST(Fuzz, HaltsAreGivenInTheRun) {
