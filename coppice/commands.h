@@ -90,6 +90,15 @@ int record_command(const RecordOptions& options);
 /// Describes a recording, and tells whether it is complete.
 int info_command(const std::string& file);
 
+struct ExplainOptions {
+  std::string recording;
+  std::string robot;
+  std::optional<double> time{};  ///< fleet seconds; none: the whole recording
+};
+
+/// Says in sentences what a robot of a recording did, and why.
+int explain_command(const ExplainOptions& options);
+
 struct ReplayOptions {
   std::string file;
   DdsSettings network;

@@ -142,6 +142,15 @@ void add_recordings(CLI::App& app, WatchingOptions& options, ChosenCommand& chos
   replay->callback([&] { chosen = [&] { return replay_command(options.replay); }; });
 }
 
+void add_explain(CLI::App& app, ExplainOptions& options, ChosenCommand& chosen) {
+  auto* explain = app.add_subcommand("explain", "says in sentences what a robot of a recording did, and why");
+  explain->add_option("recording", options.recording, "recording (MCAP)")->required();
+  explain->add_option("robot", options.robot, "the robot's name")->required()->type_name("ROBOT");
+  explain->add_option("time", options.time, "fleet seconds: tells more of that moment")
+      ->default_str("the whole recording, a sentence for each change");
+  explain->callback([&] { chosen = [&] { return explain_command(options); }; });
+}
+
 void add_picture(CLI::App& app, PictureOptions& options, ChosenCommand& chosen) {
   auto* picture = app.add_subcommand("picture", "draws a fleet out of a recording, or makes a movie of it");
   picture->add_option("recording", options.recording, "recording (MCAP)")->required();
@@ -196,6 +205,7 @@ void add_watching_commands(CLI::App& app, WatchingOptions& options, ChosenComman
   add_top(app, options.top, chosen);
   add_record(app, options.record, chosen);
   add_recordings(app, options, chosen);
+  add_explain(app, options.explain, chosen);
   add_picture(app, options.picture, chosen);
 }
 

@@ -17,6 +17,7 @@ struct WatchingOptions {
   TopOptions top;
   RecordOptions record;
   std::string recording;  ///< for info
+  ExplainOptions explain;
   ReplayOptions replay;
   PictureOptions picture;
 };

@@ -15,6 +15,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -131,6 +132,37 @@ TEST_F(RecordedRun, TheRecordingIsDescribed) {
   const Outcome none = shell(test::program("coppice") + " info " + path("t.csv"));
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_NE(none.output.find("t.csv"), std::string::npos) << none.output;
+}
+
+TEST_F(RecordedRun, TheRecordingIsExplained) {
+  const auto explained = [](const std::string& arguments) {
+    return shell(test::program("coppice") + " explain " + arguments);
+  };
+  const Outcome all = explained(path("run.mcap") + " r1");
+  EXPECT_EQ(all.exit_code, 0) << all.output;
+  for (const char* part :
+       {": r1 got mission 1, to (", "r1 drove ", "r1 stood at its goal.", "its run had ended"})
+    EXPECT_NE(all.output.find(part), std::string::npos) << part << " in " << all.output;
+  const Outcome moment = explained(path("run.mcap") + " r1 5");
+  EXPECT_EQ(moment.exit_code, 0) << moment.output;
+  for (const char* part :
+       {"r1 at 5.00 s\n", "\nPlace: ", "\nTask: ", "\nDecision: ", "\nReservation: ", "\nContact: "})
+    EXPECT_NE(moment.output.find(part), std::string::npos) << part << " in " << moment.output;
+
+  folder->write("empty.mcap", "");
+  const std::vector<std::pair<std::string, std::string>> mistakes{
+      {path("run.mcap") + " r5",
+       "there is no robot \"r5\" (did you mean r1?): the recording holds r1, r2, r3, r4"},
+      {path("run.mcap") + " r1 1e6", "time 1e+06: expected a fleet time of the recording"},
+      {path("run.mcap") + " r1 soon", "soon"},
+      {path("none.mcap") + " r1", "none.mcap: cannot be read"},
+      {path("empty.mcap") + " r1", "empty.mcap: is empty"},
+      {path("t.csv") + " r1", "expected a recording (MCAP)"}};
+  for (const auto& [arguments, message] : mistakes) {
+    const Outcome refused = explained(arguments);
+    EXPECT_EQ(refused.exit_code, 2) << refused.output;
+    EXPECT_NE(refused.output.find(message), std::string::npos) << message << " in " << refused.output;
+  }
 }
 
 TEST_F(RecordedRun, TheRecordingIsNotReplaced) {
