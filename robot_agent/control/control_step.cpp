@@ -191,7 +191,7 @@ void Run::carry_out(const Decision& decision, double now) {
   if (decision.comes_on) last_moved_ = now;
   if (decision.cause == Cause::wall) leave_the_wall(now);
   if (decision.cause == Cause::gate || decision.cause == Cause::promise) note_progress(decision, now);
-  if (decision.cause >= Cause::reservation) call_if_it_stalls(now);
+  if (may_stall(decision.cause)) call_if_it_stalls(now);
 }
 
 /// A robot that turns on the spot turns to the point for which it heads before it tries a nearer one. The

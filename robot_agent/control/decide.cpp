@@ -67,7 +67,7 @@ void take_and_bind(Decision& d, const Action& otherwise, const Twist& next, doub
 /// The body brakes. A robot in a strip that is about to know the others may set off at any moment.
 Decision hold(Cause cause, const Situation& s) {
   Decision d{.cause = cause, .pauses_stall_clock = true};
-  if (cause <= Cause::listening || s.may_set_off)
+  if (stands_until_let_go(cause) || s.may_set_off)
     take_and_bind(d, Brake{}, s.body.braking(), Timing::waiting_lease, s);
   return d;
 }

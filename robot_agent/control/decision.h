@@ -17,7 +17,7 @@ namespace coppice {
 
 /// What the robot is about, or what keeps it from coming on.
 enum class Cause : std::uint8_t {
-  // It is held: its body brakes, and it evades nobody. In the order in which the holds count.
+  // It is held: its body brakes, and it evades nobody.
   halted,      ///< an operator has told it to stand
   joining,     ///< its process began in mid-run, and does not know where all others are
   odometry,    ///< the robot that follows its body is not where it should be
@@ -36,6 +36,16 @@ enum class Cause : std::uint8_t {
   gate,         ///< along its reservation, and a robot there goes first
   promise       ///< along its way, as far as the others may not come there
 };
+
+/// Whether the robot stands for sure until it is let go, and so may bind itself to stand.
+constexpr bool stands_until_let_go(Cause cause) {
+  return cause == Cause::halted || cause == Cause::joining || cause == Cause::odometry ||
+         cause == Cause::listening;
+}
+/// Whether the robot has a way to drive, and only others keep it from that: it may stall.
+constexpr bool may_stall(Cause cause) {
+  return cause == Cause::reservation || cause == Cause::gate || cause == Cause::promise;
+}
 
 /// The body brakes on the line of the last decision.
 struct Brake {};

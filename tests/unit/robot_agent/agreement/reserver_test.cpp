@@ -256,6 +256,39 @@ TEST_F(ReserverTest, AStateThatIsOlderThanAReservationDoesNotShowThatItIsLeft) {
   EXPECT_GT(speed_of_a_at(88.78), 5);
 }
 
+// The gate opened for good once b was sure to be there at its turn, which may come a period after that of a.
+TEST_F(ReserverTest, AGateIsClosedUntilTheOtherRobotIsThere) {
+  for (Robot* robot : {&a, &b}) robot->adopt(plan_of_both(), 0.5);
+  look_at_each_other();
+  const auto& members = plan_of_both().members;
+  const Gate gate = order_of(members[0].trajectory, 5, members[1].trajectory, 5, 0).gates.front();
+  const double before = gate.at - 0.01;
+  speed_of_a_at(20 + before);
+  const auto may_pass_when_b_said_at = [&](double stamp, double now) {
+    RobotState passes = state_of("b", stamp, {100, 6 + gate.needed - 20 * period}, {0, 20});
+    passes.reservation = b.reserver.number();
+    passes.reservation_progress = gate.needed;  // at its turn
+    passes.echoes = {{"a", stamp - 0.001, stamp}};
+    a.fleet.hear(std::make_shared<const RobotState>(passes), stamp + 0.001);
+    const Driver body({20 + before, 100}, now, 5, limits, period);
+    a.reserver.come_to(body);
+    a.reserver.held().look_at_gates(a.fleet, now + 0.045, open);
+    return a.reserver.held().allows(body, {{0.4, 0}, 0});
+  };
+  EXPECT_FALSE(may_pass_when_b_said_at(0.74, 0.70));
+  EXPECT_TRUE(may_pass_when_b_said_at(0.78, 0.80));
+}
+
+TEST_F(ReserverTest, AMemberThatStandsBesideItsStripDoesNotTakeUpItsPart) {
+  a.self.radius = 0.1;
+  a.self.position = {20, 100.008};
+  a.adopt(plan_of_both(), 0.5);
+  EXPECT_FALSE(a.reserver.holds());
+  a.self.position = {20, 100.005};
+  a.adopt(plan_of_both(), 0.6);
+  EXPECT_TRUE(a.reserver.holds());
+}
+
 TEST_F(ReserverTest, AMemberThatStandsElsewhereSaysThatItHasNoReservation) {
   a.self.position = {30, 100};
   a.adopt(plan_of_both(), 0.5);
