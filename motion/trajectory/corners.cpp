@@ -25,7 +25,9 @@ double gained_at(std::span<const Corner> corners, double from, double to) {
   if (to <= from) return 0;
   double gained = 0;
   for (const Corner& corner : corners) {
-    if (corner.at >= from - corner.jump / 2 && corner.at <= to + corner.jump / 2) gained += corner.jump;
+    // What was gained before may have led to the next corner.
+    if (corner.at >= from - corner.jump / 2 && corner.at <= to + gained + corner.jump / 2)
+      gained += corner.jump;
   }
   return gained;
 }

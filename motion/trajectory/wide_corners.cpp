@@ -88,6 +88,8 @@ Path best_bends(std::span<const Point2> before, const Path& path, std::size_t i,
   consider({});
   double radius = full_speed_radius(stray, limits);
   for (int k = 0; k < radii; ++k, radius /= 2) {
+    // On a narrower arc the jumps at its bends would add up (corners.h).
+    if (radius < stray) break;
     const Path bends = bends_around(before.back(), path[i], path[i + 1], radius, stray);
     if (bends.empty()) break;
     consider(bends);

@@ -141,7 +141,7 @@ void HeldReservation::renew(std::shared_ptr<const ReservationMessage> own) {
   own_ = std::move(own);
   // All others are taken up anew: whether they are related depends on the number and the basis.
   std::erase_if(pairs_, [](const auto& known) { return !known.second.is_awaited; });
-  doubt_all();
+  doubt_all(doubts_until_);
   news_ = ~std::uint32_t{0};
 }
 
@@ -252,15 +252,25 @@ bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
 /// Until both are sure to know each other's reservation, one may have passed a gate that is closed to it.
 /// From then on neither does.
 bool HeldReservation::may_be_confirmed(const Pair& pair, const RobotState& other) const {
-  if (!pair.is_related || other.passed_on) return false;
+  if (!pair.is_related || other.passed_on || !heeds_its_gates(pair, other, progress())) return false;
+  const double slack = gate_slack_radii * std::min(own_->radius, other.radius);
+  const double rest = comes_to_rest_at();
+  return !passed_closed(pair.gates.all(), rest + gained_at(corners_, progress(), rest),
+                        other.reservation_progress, slack);
+}
+
+/// Whether the other robot is before each gate that is closed to it if this one has come so far.
+bool HeldReservation::heeds_its_gates(const Pair& pair, const RobotState& other, double own_progress) const {
   const double slack = gate_slack_radii * std::min(own_->radius, other.radius);
   const double theirs = committed(other.reservation_progress, other.promise.next_velocity.norm(),
                                   limits_of(other), pair.their_corners);
-  // What the robot chooses next heeds its gates.
-  const double brakes_at = progress() + braking_distance(own_speed_, own_limits_, control_period);
-  const double own = brakes_at + gained_at(corners_, progress(), brakes_at);
-  return !passed_closed(pair.theirs, theirs, progress(), slack) &&
-         !passed_closed(pair.gates.all(), own, other.reservation_progress, slack);
+  return !passed_closed(pair.theirs, theirs, own_progress, slack);
+}
+
+/// Metres along its way at which the robot comes to rest if it brakes from its turn on. What it chooses
+/// instead heeds its gates. Nobody counts on more.
+double HeldReservation::comes_to_rest_at() const {
+  return progress() + braking_distance(own_speed_, own_limits_, control_period);
 }
 
 /// Whether the robot stays, until it has braked after whatever it chooses next, where the trajectories keep
@@ -277,18 +287,22 @@ bool HeldReservation::keeps_apart(const Pair& pair, double others_progress) cons
   });
 }
 
-bool HeldReservation::passes(const RobotState& other, std::uint32_t heard) {
+bool HeldReservation::passes(const RobotState& other, std::uint32_t heard, double said_at) {
   if (other.reservation == 0 || other.stage == Stage::waiting) return false;
   const auto known = pairs_.find(other.robot);
   const ReservationMessage* const latest = others_->find(other.robot, own_->run);
   const bool is_latest = latest != nullptr && latest->number == other.reservation;
   if (!is_latest || known == pairs_.end() || known->second.number != other.reservation) return false;
   Pair& pair = known->second;
-  pair.is_confirmed = pair.is_confirmed || (heard == own_->number && may_be_confirmed(pair, other));
+  // The other one may have taken this robot for failed since, although this one never lost it.
+  pair.is_confirmed =
+      pair.is_confirmed ? heeds_its_gates(pair, other, comes_to_rest_at())
+                        : said_at >= doubts_until_ && heard == own_->number && may_be_confirmed(pair, other);
   return pair.is_confirmed && keeps_apart(pair, other.reservation_progress);
 }
 
-void HeldReservation::doubt_all() {
+void HeldReservation::doubt_all(double until) {
+  doubts_until_ = until;
   for (auto& [robot, pair] : pairs_) pair.is_confirmed = false;
 }
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -83,10 +84,12 @@ class HeldReservation {
   void renew(std::shared_ptr<const ReservationMessage> own);
 
   /// Whether the order keeps this robot and another one apart, whatever that does next. `heard`: the number
-  /// of this robot of which the other one has heard.
-  bool passes(const RobotState& other, std::uint32_t heard);
-  /// Others may have taken this robot for failed, and passed gates that were closed.
-  void doubt_all();
+  /// of this robot of which the other one has heard. `said_at`: fleet time of its state,
+  /// at the earliest.
+  bool passes(const RobotState& other, std::uint32_t heard, double said_at);
+  /// Others may have taken this robot for failed, or may have been taken for that by it, and passed gates
+  /// that were closed. What they say from `until` on shows whether they did.
+  void doubt_all(double until);
 
   /// Metres along the way up to which the robot keeps `margin` metres from the robots that stand in its way;
   /// infinite without a margin. `limits`: of this robot.
@@ -159,6 +162,8 @@ class HeldReservation {
   Pair pair_with(const ReservationMessage& other, const Fleet& fleet) const;
   bool has_left(const Pair& pair, const FleetMember& m) const;
   bool may_be_confirmed(const Pair& pair, const RobotState& other) const;
+  bool heeds_its_gates(const Pair& pair, const RobotState& other, double own_progress) const;
+  double comes_to_rest_at() const;
   bool keeps_apart(const Pair& pair, double others_progress) const;
   RenewedReservation own_one() const { return {*own_, since_}; }
   RenewedReservation renewed(const ReservationMessage& other) const {
@@ -177,7 +182,8 @@ class HeldReservation {
   std::map<RobotName, Pair> pairs_;
   std::vector<First> first_;  ///< in this period
   bool is_overridden_ = false;
-  std::uint32_t news_ = ~std::uint32_t{0};  ///< up to which the pairs are taken up
+  double doubts_until_ = -std::numeric_limits<double>::infinity();  ///< fleet time
+  std::uint32_t news_ = ~std::uint32_t{0};                          ///< up to which the pairs are taken up
   std::vector<Corner> corners_;
   double open_ = 0;  ///< metres along the way up to which the robot may come in this period
   RobotName waits_for_;

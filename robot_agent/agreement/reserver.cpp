@@ -310,10 +310,10 @@ void Reserver::adopt(const JointPlanMessage& plan, const FleetMember& self, cons
   hold(std::move(message), self.limits, now, out).expect_members_of(plan);
 }
 
-bool Reserver::passes(const RobotState& other, double age) {
+bool Reserver::passes(const RobotState& other, double age, double now) {
   if (!holds() || age > recent_state) return false;
   const auto heard = knows_this_.find(other.robot);
-  return held().passes(other, heard != knows_this_.end() ? heard->second : 0);
+  return held().passes(other, heard != knows_this_.end() ? heard->second : 0, now - age);
 }
 
 }  // namespace coppice

@@ -105,7 +105,7 @@ class Reserver {
   bool may_leave_strip(const FleetMember& self, const Fleet& fleet, double now) const;
   /// Whether the order of the reservations keeps this robot and another one apart, whatever that does next.
   /// `age`: of the other's state, at most, seconds.
-  bool passes(const RobotState& other, double age);
+  bool passes(const RobotState& other, double age, double now);
 
  private:
   struct None {

@@ -125,7 +125,9 @@ void Run::watch_contact(double now) {
 void Run::doubt_orders(double now) {
   const std::uint32_t recoveries = fleet_.recoveries();
   const bool somebody_is_back = std::exchange(recoveries_doubted_, recoveries) != recoveries;
-  if (reserver_.holds() && (connectivity_.listens(now) || somebody_is_back)) reserver_.held().doubt_all();
+  if (!reserver_.holds() || (!connectivity_.listens(now) && !somebody_is_back)) return;
+  // By then the others have heard this robot, and say so (docs/safety.md, A10).
+  reserver_.held().doubt_all(now + Timing::longest_transit * fleet_.second());
 }
 
 /// A joint plan becomes the reservation.
@@ -271,7 +273,7 @@ void Run::look_for_neighbours(double now) {
   const double reach = body_.radius() + horizon * limits.max_speed;
   fleet_.collect_neighbours(body_.position(), reach, horizon, now, process_.state_ages, near_,
                             [&](const RobotState& state, double age) {
-                              if (!reserver_.passes(state, age)) return false;
+                              if (!reserver_.passes(state, age, now)) return false;
                               left_out_.push_back({state.robot, state.reservation});
                               return true;
                             });

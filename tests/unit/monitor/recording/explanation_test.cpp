@@ -217,8 +217,9 @@ TEST_F(Explanation, ARobotHasGivenUpItsReservation) {
   reserve("r2", 2, {}, 0.5);
   stands("r2", 1, 3, {3, 0});
   waits("r2", 0, 4, &WaitTimes::reservation, "others may not have heard yet that it gave up its reservation");
-  expect_in(story_of("r2"), {"r2 stood: it had given up its reservation, and needed another one. Its agent "
-                             "said: \"others may not have heard yet that it gave up its reservation\"."});
+  expect_lines(story_of("r2"),
+               {"r2 stood: it had given up its reservation, and needed another one. Its agent "
+                "said: \"others may not have heard yet that it gave up its reservation\"."});
 }
 
 TEST_F(Explanation, ARobotHasAReservationThatIsUseless) {

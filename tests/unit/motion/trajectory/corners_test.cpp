@@ -26,6 +26,12 @@ TEST(Corners, ARobotGainsAtMostWhatItsPlaceOnTheWayJumps) {
   EXPECT_EQ(gained_at(corners, 10 + 1.1 * ahead, 16), 0);
 }
 
+TEST(Corners, WhatIsGainedAtOneCornerMayLeadToTheNext) {
+  const std::vector<Corner> corners{{0.5, 0.05}, {1.04, 0.05}};
+  EXPECT_DOUBLE_EQ(gained_at(corners, 0, 1), 0.1);
+  EXPECT_DOUBLE_EQ(gained_at(corners, 0, 0.9), 0.05);
+}
+
 TEST(Corners, ARobotThatStandsGainsNothing) {
   EXPECT_EQ(gained_at(corners_of({{0, 0}, {10, 0}, {17, 7}}, stray), 10, 10), 0);
 }
