@@ -19,7 +19,7 @@ class TwoReservers : public testing::Test {
  protected:
   static constexpr Limits limits{20, 40};
   static constexpr double open = std::numeric_limits<double>::infinity();
-  static constexpr double now = 1;  ///< of a decision, where only ages count
+  static constexpr double present = 1;  ///< of a decision, where only ages count
 
   /// Robots a and b, of which each knows the other by what the test hands over. a has the longer way.
   struct Robot {

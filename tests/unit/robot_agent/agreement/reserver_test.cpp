@@ -154,11 +154,11 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderBeforeTheOtherIsKnownToHeedIt) {
   a.look();
   RobotState before = b.state(0.3);
   before.knows.clear();
-  EXPECT_FALSE(a.reserver.passes(before, 0.05, now));
+  EXPECT_FALSE(a.reserver.passes(before, 0.05, present));
   const RobotState state = tell_state(a, b, 0.4);
   ASSERT_EQ(state.knows.size(), 1u);
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now));
-  EXPECT_FALSE(a.reserver.passes(state, 2.5, now)) << "the state is old";
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present));
+  EXPECT_FALSE(a.reserver.passes(state, 2.5, present)) << "the state is old";
 }
 
 // A robot that was taken for failed, and did not notice, counted on one that had passed its gate meanwhile.
@@ -166,10 +166,10 @@ TEST_F(ReserverTest, TheOrderIsDoubtedWhenTheOtherHasPassedAClosedGate) {
   reserve_both();
   a.look();
   const RobotState state = tell_state(a, b, 0.4);
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now));
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present));
   RobotState ahead = state;
   ahead.reservation_progress = 100;  // past the gate where it lets a pass first
-  EXPECT_FALSE(a.reserver.passes(ahead, 0.05, now));
+  EXPECT_FALSE(a.reserver.passes(ahead, 0.05, present));
 }
 
 // A state that was older than the return of a robot confirmed the order anew.
@@ -177,10 +177,10 @@ TEST_F(ReserverTest, ADoubtedOrderIsConfirmedByWhatTheOtherSaysLater) {
   reserve_both();
   a.look();
   const RobotState state = tell_state(a, b, 0.4);
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now));
-  a.reserver.held().doubt_all(now + 0.7);
-  EXPECT_FALSE(a.reserver.passes(state, 0.05, now + 0.7)) << "it was said before";
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now + 0.8));
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present));
+  a.reserver.held().doubt_all(present + 0.7);
+  EXPECT_FALSE(a.reserver.passes(state, 0.05, present + 0.7)) << "it was said before";
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present + 0.8));
 }
 
 TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
@@ -193,7 +193,8 @@ TEST_F(ReserverTest, AMemberOfAJointPlanReservesItsPartAndCountsOnTheOthers) {
   b.adopt(plan_of_both(), 0.5);
   const RobotState state = look_at_each_other();
   ASSERT_EQ(state.knows.size(), 1u);
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now)) << "the parts of one plan were planned around each other";
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present))
+      << "the parts of one plan were planned around each other";
 }
 
 // Rounding had put b beyond the place where it stood, and a strayed into it (crossing, --max-speed 19.9).
@@ -207,9 +208,9 @@ TEST_F(ReserverTest, TheOrderDoesNotCountWhileTheOtherStandsWhereTheTwoComeTooCl
   for (Robot* robot : {&a, &b}) robot->adopt(plan, 0.5);
   RobotState state = look_at_each_other();
   state.reservation_progress = 94 + 1e-9;
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now)) << "a is far from there";
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present)) << "a is far from there";
   speed_of_a_at(85);
-  EXPECT_FALSE(a.reserver.passes(state, 0.05, now));
+  EXPECT_FALSE(a.reserver.passes(state, 0.05, present));
 }
 
 // a was to stand at the beginning of its way for longer. It stands in the middle of b's way.
@@ -338,7 +339,7 @@ TEST_F(ReserverTest, NobodyCountsOnTheOrderOfRobotsThatPlannedWithoutEachOther) 
   a.look();
   const RobotState state = tell_state(a, b, 5.2);
   ASSERT_EQ(state.knows.size(), 1u);
-  EXPECT_FALSE(a.reserver.passes(state, 0.05, now));
+  EXPECT_FALSE(a.reserver.passes(state, 0.05, present));
 }
 
 // c crosses a's way long after a has passed there. Robots had no order with such a one, and crept beside it.
@@ -367,8 +368,8 @@ TEST_F(ReserverTest, ARobotNamesOneThatPlannedWithoutItAndKeepsItsOrderWithTheOt
   b.look();
   tell_state(b, a, 1.1);
   const RobotState state = tell_state(a, b, 1.2);
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now)) << "both know the new number";
-  EXPECT_TRUE(b.reserver.passes(tell_state(b, a, 1.3), 0.05, now));
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present)) << "both know the new number";
+  EXPECT_TRUE(b.reserver.passes(tell_state(b, a, 1.3), 0.05, present));
 }
 
 TEST_F(ReserverTest, TheOrderCountsUntilRobotsComeTooCloseAtTheirGoals) {
@@ -380,9 +381,9 @@ TEST_F(ReserverTest, TheOrderCountsUntilRobotsComeTooCloseAtTheirGoals) {
   b.self.position = {180, 6};
   for (Robot* robot : {&a, &b}) robot->adopt(plan, 0.5);
   const RobotState state = look_at_each_other();
-  EXPECT_TRUE(a.reserver.passes(state, 0.05, now));
+  EXPECT_TRUE(a.reserver.passes(state, 0.05, present));
   speed_of_a_at(178);
-  EXPECT_FALSE(a.reserver.passes(state, 0.05, now))
+  EXPECT_FALSE(a.reserver.passes(state, 0.05, present))
       << "the two are to stand closer than trajectories keep apart";
 }
 
