@@ -329,8 +329,10 @@ bool HeldReservation::last_one_comes_on(const Fleet& fleet, double now) {
 /// compared in whole turns, seconds, and by the clock of the robot with the first name, so that both agree.
 bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   const ReservationMessage* const theirs = others_->find(m.robot, own_->run);
+  // A robot that has arrived may have a part in a joint plan that leads it out of the way.
+  const bool goes_on = !m.wants_to_stay || m.stage == Stage::executing;
   const bool drives = theirs != nullptr && !theirs->trajectory.empty() && m.reservation == theirs->number &&
-                      !m.failed && !m.wants_to_stay && m.waits_for.empty();
+                      !m.failed && goes_on && m.waits_for.empty();
   if (!drives) return false;
   const auto pair = pairs_.find(m.robot);
   if (pair != pairs_.end() && pair->second.is_confirmed && keeps_apart(pair->second, m.reservation_progress))

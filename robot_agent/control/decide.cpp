@@ -136,7 +136,8 @@ Decision wait_to_reserve(const Situation& s) {
 bool lets_others_go_first(const Situation& s) {
   const auto close = s.fleet.beside(s.body.position(), s.body.radius(), close_radii);
   return std::ranges::any_of(close, [&](const FleetMember& m) {
-    return !m.failed && !m.wants_to_stay && (m.reservation != 0 || m.robot < s.robot);
+    const bool goes_on = !m.wants_to_stay || m.stage == Stage::executing;
+    return !m.failed && goes_on && (m.reservation != 0 || m.robot < s.robot);
   });
 }
 

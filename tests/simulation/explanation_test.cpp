@@ -162,10 +162,11 @@ TEST(SimulatedExplanation, ARobotStandsBehindOneThatAnOperatorHas) {
   EXPECT_NE(ahead.find("got mission 2, to (280.0, 6.0) (order far)"), std::string::npos) << ahead;
   EXPECT_NE(ahead.find("ahead was halted (order halt of Ann): paused by the operator."), std::string::npos)
       << ahead;
-  const Episode& halted = told.stories.robots.at("ahead").back();
-  EXPECT_EQ(halted.doing.act, Act::halted) << ahead;
-  EXPECT_NEAR(halted.from, 7, 0.5);
-  const std::string behind = told.moment_of("behind", 20);
+  const Story& story = told.stories.robots.at("ahead");
+  const auto halted = std::ranges::find(story, Act::halted, [](const Episode& e) { return e.doing.act; });
+  ASSERT_NE(halted, story.end()) << ahead;
+  EXPECT_NEAR(halted->from, 7, 0.5);
+  const std::string behind = told.moment_of("behind", 11);
   EXPECT_NE(behind.find("ahead was halted"), std::string::npos) << behind << told.all_of("behind");
 }
 

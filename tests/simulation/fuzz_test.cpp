@@ -113,6 +113,12 @@ TEST(Fuzz, TheFirstSeedsPass) {
 
 // Cases with accelerations or halts that no scenario file can hold. They test nothing any more once other
 // cases are drawn from these seeds.
+// A robot that had arrived stood in the way of another one, and had a part in its joint plan that led it
+// aside. The other one did not let it go first, because it had arrived.
+TEST(Fuzz, ARobotThatHasArrivedIsLetGoOutOfTheWay) {
+  for (const std::string& failure : run(draw_fuzz_case(61000044, false)).failures) ADD_FAILURE() << failure;
+}
+
 TEST(Fuzz, SeedsWithRestartsThatOnceFailedPass) {
   for (const std::uint32_t seed : {
            49800201u,  // a robot had given up, was led away by a joint plan of others, and did not try again
