@@ -24,7 +24,7 @@ double plan_patience(const Limits& limits) {
 
 /// The missions say where robots stand that were not heard yet.
 bool Run::may_reserve(double now) const {
-  const bool is_held = connectivity_.joining() || connectivity_.listens(now) || its_robot_is_behind(now);
+  const bool is_held = connectivity_.joining() || connectivity_.listens(now);
   return driving() && !round_.stranded() && body_.stands() && round_.stage() == Stage::free && !is_held &&
          fleet_.has_missions() && fleet_.nobody_waits(body_.position(), around());
 }

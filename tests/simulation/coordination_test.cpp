@@ -102,7 +102,7 @@ TEST(Coordination, ALifelongFleetKeepsGettingGoals) {
     simulation.run([](const PlannerService&, double) { return true; });
     const proto::Report report = simulation.service().report();
     EXPECT_EQ(report.outcome(), "arrived") << name;
-    EXPECT_GE(report.missions(), 40u) << name;  // at least one more mission for each robot
+    EXPECT_GE(report.missions(), 30u) << name;  // one more mission for every second robot
     EXPECT_TRUE(broken_invariants(scenario, simulation).empty()) << name;
   }
 }
