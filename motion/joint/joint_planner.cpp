@@ -16,14 +16,14 @@ constexpr int to_its_end = std::numeric_limits<int>::max();
 constexpr double as_the_largest = std::numeric_limits<double>::infinity();
 constexpr double few_sizes = 1.2;
 
-template <class Kind>
-void begin_search(JointPlanner::Search& search, Cluster& cluster, Random random) {
-  if constexpr (std::is_constructible_v<Kind, Cluster&, Random>) {
-    search.emplace<Kind>(cluster, random);
-  } else {
-    search.emplace<Kind>(cluster);
-  }
-}
+using Search = JointPlanner::Search;
+constexpr auto lacam = [](Search& search, Cluster& cluster, Random random) {
+  search.emplace<Lacam>(cluster, random);
+};
+constexpr auto a_star = [](Search& search, Cluster& cluster, Random) { search.emplace<JointAStar>(cluster); };
+constexpr auto evacuation = [](Search& search, Cluster& cluster, Random random) {
+  search.emplace<Evacuation>(cluster, random);
+};
 
 }  // namespace
 
@@ -31,31 +31,31 @@ std::span<const JointPlanner::Strategy> JointPlanner::strategies() {
   using enum ClusterRoadmap::Vertices;
   // A step of LaCAM makes 1,000 configurations. Successful searches hardly ever need more than 5.
   static constexpr std::array<Strategy, 5> all{{
-      {"LaCAM", "most clusters", any_number, 5, {packed, as_the_largest}, begin_search<Lacam>},
+      {"LaCAM", "most clusters", any_number, 5, {packed, as_the_largest}, lacam},
       {"weighted A*",
        "four robots or fewer in narrow passages",
        4,
        to_its_end,
        {from_an_end, few_sizes},
-       begin_search<JointAStar>},
+       a_star},
       {"LaCAM on more vertices",
        "robots in a clinch, and short branches of passages",
        any_number,
        5,
        {packed_and_more, few_sizes},
-       begin_search<Lacam>},
+       lacam},
       {"evacuation",
        "dead ends that are filled in the wrong order",
        any_number,
        to_its_end,
        {packed_and_more, few_sizes},
-       begin_search<Evacuation>},
+       evacuation},
       {"LaCAM for long",
        "clusters in which robots shut each other in",
        any_number,
        90,
        {packed_and_more, few_sizes},
-       begin_search<Lacam>},
+       lacam},
   }};
   return all;
 }
@@ -65,10 +65,7 @@ JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Ra
 
 std::optional<JointPlan> JointPlanner::step() {
   if (std::ranges::none_of(tasks_, &JointTask::movable)) return JointPlan();
-  if (!roadmap_) {
-    begin();
-    return std::nullopt;
-  }
+  if (!roadmap_) begin();
   const Progress progress = std::visit([](auto& search) { return search.step(); }, search_);
   if (progress == Progress::solved) return completed(plan());
   if (progress == Progress::searching && ++steps_ < strategy().most_steps) return std::nullopt;
