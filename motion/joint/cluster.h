@@ -29,7 +29,7 @@ struct VertexMove {
 using Configuration = std::vector<Vertex>;  ///< by robot
 
 /// What a bounded amount of search has come to.
-enum class Progress { searching, solved, gave_up };
+enum class SearchState { searching, solved, gave_up };
 
 class Cluster {
  public:

@@ -74,21 +74,21 @@ Evacuation::Exchanges Evacuation::exchange(Parking first, Parking second) const 
   return {std::move(first), std::move(second), std::move(cluster), std::move(lacam), exchange_steps};
 }
 
-Progress Evacuation::Exchanges::step() {
-  if (!cluster->shut_in().empty() || steps_left-- == 0) return Progress::gave_up;
+SearchState Evacuation::Exchanges::step() {
+  if (!cluster->shut_in().empty() || steps_left-- == 0) return SearchState::gave_up;
   return lacam.search(configurations_at_once);
 }
 
-Progress Evacuation::step() {
+SearchState Evacuation::step() {
   for (int k = 0; k < ways_a_step && attempts_ < most_attempts; ++k) {
-    const Progress progress = std::visit([](auto& stage) { return stage.step(); }, stage_);
-    if (progress == Progress::solved && !go_on()) return Progress::solved;
-    if (progress == Progress::gave_up && ++attempts_ < most_attempts) {
+    const SearchState progress = std::visit([](auto& stage) { return stage.step(); }, stage_);
+    if (progress == SearchState::solved && !go_on()) return SearchState::solved;
+    if (progress == SearchState::gave_up && ++attempts_ < most_attempts) {
       Leaves next = begun_attempt();
       stage_.emplace<Leaves>(std::move(next));
     }
   }
-  return attempts_ < most_attempts ? Progress::searching : Progress::gave_up;
+  return attempts_ < most_attempts ? SearchState::searching : SearchState::gave_up;
 }
 
 /// The next stage. False: there is none.

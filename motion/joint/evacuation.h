@@ -29,19 +29,19 @@ class Evacuation {
   Evacuation(Cluster& cluster, Random random);
 
   /// Does a bounded amount of work. Gives up after some attempts, or if they take too long.
-  Progress step();
+  SearchState step();
   /// The moves of the solution. Valid only once solved.
   std::vector<VertexMove> moves() const;
 
  private:
   struct Leaves {  ///< from the starts
     Parking first;
-    Progress step() { return first.step(); }
+    SearchState step() { return first.step(); }
   };
   struct Returns {  ///< from the goals, in thought
     Parking first;
     Parking second;
-    Progress step() { return second.step(); }
+    SearchState step() { return second.step(); }
   };
   struct Exchanges {  ///< from the first parking vertices to the second ones
     Parking first;
@@ -49,7 +49,7 @@ class Evacuation {
     std::unique_ptr<Cluster> cluster;
     Lacam lacam;
     int steps_left;
-    Progress step();
+    SearchState step();
   };
 
   bool goals_touch() const;

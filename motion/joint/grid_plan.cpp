@@ -105,11 +105,11 @@ std::optional<GridPlan> plan_on_grid(const OccupancyMap& map, std::span<const Gr
   Cluster cluster(grid.graph, of_vertices);
   if (!cluster.shut_in().empty()) return std::nullopt;
   Lacam lacam(cluster, Random(seed));
-  auto progress = Progress::searching;
-  for (std::size_t made = 0; progress == Progress::searching && made < most_configurations;
+  auto progress = SearchState::searching;
+  for (std::size_t made = 0; progress == SearchState::searching && made < most_configurations;
        made += configurations_a_search)
     progress = lacam.search(configurations_a_search);
-  if (progress != Progress::solved) return std::nullopt;
+  if (progress != SearchState::solved) return std::nullopt;
   Timetable timetable(of_vertices);
   for (const VertexMove& move : lacam.moves()) {
     const Vertex to = grid.graph.edges(move.from)[move.edge].to;

@@ -73,10 +73,10 @@ std::size_t JointAStar::expand(Key at) {
   return moves;
 }
 
-Progress JointAStar::step() {
+SearchState JointAStar::step() {
   for (std::size_t moves = 0; moves < moves_a_step;) {
-    if (end_) return Progress::solved;
-    if (open_.empty() || nodes_.size() > most_remembered) return Progress::gave_up;
+    if (end_) return SearchState::solved;
+    if (open_.empty() || nodes_.size() > most_remembered) return SearchState::gave_up;
     const Entry next = open_.front();
     std::ranges::pop_heap(open_, std::greater{}, &Entry::estimate);
     open_.pop_back();
@@ -88,7 +88,7 @@ Progress JointAStar::step() {
       moves += expand(next.at);
     }
   }
-  return Progress::searching;
+  return SearchState::searching;
 }
 
 std::vector<VertexMove> JointAStar::moves() const {

@@ -24,7 +24,7 @@ class JointAStar {
 
   /// Does a bounded amount of work. Gives up if there is no solution, if the configurations do not fit into
   /// keys, or if it would store too many of them.
-  Progress step();
+  SearchState step();
 
   /// The moves of the solution. Valid only once solved.
   std::vector<VertexMove> moves() const;

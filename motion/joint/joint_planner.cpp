@@ -66,9 +66,9 @@ JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Ra
 std::optional<JointPlan> JointPlanner::step() {
   if (std::ranges::none_of(tasks_, &JointTask::movable)) return JointPlan();
   if (!roadmap_) begin();
-  const Progress progress = std::visit([](auto& search) { return search.step(); }, search_);
-  if (progress == Progress::solved) return completed(plan());
-  if (progress == Progress::searching && ++steps_ < strategy().most_steps) return std::nullopt;
+  const SearchState progress = std::visit([](auto& search) { return search.step(); }, search_);
+  if (progress == SearchState::solved) return completed(plan());
+  if (progress == SearchState::searching && ++steps_ < strategy().most_steps) return std::nullopt;
   give_up();
   if (!begin_next()) return completed(*std::move(best_));
   return std::nullopt;
@@ -113,7 +113,8 @@ bool JointPlanner::begin_next() {
   end_ = 0;
   const auto robots = static_cast<std::size_t>(std::ranges::count_if(tasks_, &JointTask::movable));
   do {
-    if (++strategy_ == strategies().size()) return false;
+    if (strategy_ + 1 == strategies().size()) return false;
+    ++strategy_;
   } while (robots > strategy().most_robots);
   return true;
 }

@@ -27,7 +27,7 @@ namespace coppice {
 class JointPlanner {
  public:
   struct Ends {  ///< no search
-    Progress step() const { return Progress::gave_up; }
+    SearchState step() const { return SearchState::gave_up; }
     std::vector<VertexMove> moves() const { return {}; }
   };
   using Search = std::variant<Ends, Lacam, JointAStar, Evacuation>;

@@ -71,10 +71,10 @@ std::optional<std::size_t> Lacam::known(const Configuration& at) const {
   return found == last ? std::nullopt : std::optional(found->second);
 }
 
-Progress Lacam::search(std::size_t configurations) {
+SearchState Lacam::search(std::size_t configurations) {
   for (std::size_t k = 0; k < configurations; ++k) {
-    if (least_under_way_ == 0) return Progress::solved;
-    if (open_.empty() || nodes_.size() * cluster_.size() > most_remembered) return Progress::gave_up;
+    if (least_under_way_ == 0) return SearchState::solved;
+    if (open_.empty() || nodes_.size() * cluster_.size() > most_remembered) return SearchState::gave_up;
     const bool stuck = nodes_.size() > before_it_is_stuck && random_.index(between_looks_back) == 0;
     if (stuck) open_.push_back(random_.index(nodes_.size()));
     const std::size_t deepest = open_.back();
@@ -88,7 +88,7 @@ Progress Lacam::search(std::size_t configurations) {
     const auto again = known(pibt_.next());
     open_.push_back(again ? *again : add(pibt_.next(), pibt_.steps(), deepest));
   }
-  return Progress::searching;
+  return SearchState::searching;
 }
 
 /// The next set of constraints. Sets that force one robot more are appended, in the order of the priorities.

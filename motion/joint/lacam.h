@@ -27,8 +27,8 @@ class Lacam {
 
   /// Makes at most `configurations` further configurations. Gives up if there are no more, or if it would
   /// store too many of them.
-  Progress search(std::size_t configurations);
-  Progress step() { return search(1000); }
+  SearchState search(std::size_t configurations);
+  SearchState step() { return search(1000); }
 
   /// Robots that are not at their goals in the configuration that the search has reached; ascending.
   std::vector<std::uint32_t> under_way() const;

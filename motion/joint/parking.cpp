@@ -27,17 +27,17 @@ Parking::Parking(const AnnotatedRoadmap& graph, std::vector<Robot> robots, std::
   for (const Robot& robot : robots_) stands_[robot.at] = robot.takes_part ? somebody : for_good;
 }
 
-Progress Parking::step() {
-  if (pending_.empty()) return Progress::solved;
+SearchState Parking::step() {
+  if (pending_.empty()) return SearchState::solved;
   robot_ = pending_.front();
   pending_.erase(pending_.begin());
   if (const auto way = way_to_park()) {
     park(*way);
     in_vain_ = 0;
-    return pending_.empty() ? Progress::solved : Progress::searching;
+    return pending_.empty() ? SearchState::solved : SearchState::searching;
   }
   pending_.push_back(robot_);
-  return ++in_vain_ == pending_.size() ? Progress::gave_up : Progress::searching;
+  return ++in_vain_ == pending_.size() ? SearchState::gave_up : SearchState::searching;
 }
 
 /// The cheapest way from a vertex to one that is wanted, past all that stand as `walls` or more firmly.

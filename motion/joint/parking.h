@@ -27,7 +27,7 @@ class Parking {
   Parking(const AnnotatedRoadmap& graph, std::vector<Robot> robots, std::vector<std::uint32_t> order);
 
   /// Parks one robot, or finds that it has no way now. Gives up if no robot has one.
-  Progress step();
+  SearchState step();
   const std::vector<VertexMove>& moves() const { return moves_; }
   Vertex at(std::uint32_t robot) const { return robots_[robot].at; }
   /// Number of edges that were examined.

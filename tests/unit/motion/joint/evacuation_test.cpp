@@ -27,9 +27,9 @@ std::optional<JointPlan> solve(const OccupancyMap& map, const std::vector<JointT
   MapRoadmaps places(field);
   ClusterRoadmap roadmap(places, tasks, {}, {});
   Evacuation evacuation(roadmap.cluster(), Random(1));
-  Progress progress = Progress::searching;
-  while (progress == Progress::searching) progress = evacuation.step();
-  return progress == Progress::solved ? std::optional(roadmap.plan_of(evacuation.moves())) : std::nullopt;
+  SearchState progress = SearchState::searching;
+  while (progress == SearchState::searching) progress = evacuation.step();
+  return progress == SearchState::solved ? std::optional(roadmap.plan_of(evacuation.moves())) : std::nullopt;
 }
 
 void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks) {

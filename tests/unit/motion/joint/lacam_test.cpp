@@ -41,7 +41,7 @@ std::vector<Vertex> made(const AnnotatedRoadmap& graph, const std::vector<Vertex
 void expect_solved(const AnnotatedRoadmap& graph, const std::vector<VertexTask>& tasks) {
   Cluster cluster(graph, tasks);
   Lacam lacam(cluster, Random(1));
-  ASSERT_EQ(lacam.search(100'000), Progress::solved);
+  ASSERT_EQ(lacam.search(100'000), SearchState::solved);
   const std::vector<Vertex> at = made(graph, tasks, lacam.moves());
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     EXPECT_EQ(at[i], tasks[i].goal.value_or(at[i]));
@@ -65,7 +65,7 @@ TEST(Lacam, AProblemWithoutASolutionIsProved) {
   const AnnotatedRoadmap graph = grid(6, 1);
   Cluster cluster(graph, {{0, 5}, {5, 0}});
   Lacam lacam(cluster, Random(1));
-  EXPECT_EQ(lacam.search(100'000), Progress::gave_up);
+  EXPECT_EQ(lacam.search(100'000), SearchState::gave_up);
 }
 
 TEST(Lacam, ARobotThatCannotReachItsGoalGivesWay) {
@@ -74,7 +74,7 @@ TEST(Lacam, ARobotThatCannotReachItsGoalGivesWay) {
   Cluster cluster(graph, {{0, 4}, {2, cell}, {7, 6}});
   EXPECT_EQ(cluster.shut_in(), std::vector<std::uint32_t>{1});
   Lacam lacam(cluster, Random(1));
-  ASSERT_EQ(lacam.search(100'000), Progress::solved);
+  ASSERT_EQ(lacam.search(100'000), SearchState::solved);
   const std::vector<Vertex> at = made(graph, {{0, 4}, {2, cell}, {7, 6}}, lacam.moves());
   EXPECT_EQ(at[0], 4u);
   EXPECT_EQ(at[2], 6u);
@@ -84,7 +84,7 @@ TEST(Lacam, TheSearchStopsAtItsLimit) {
   const AnnotatedRoadmap graph = grid(6, 1);
   Cluster cluster(graph, {{0, 5}, {5, 0}});
   Lacam lacam(cluster, Random(1));
-  EXPECT_EQ(lacam.search(3), Progress::searching);
+  EXPECT_EQ(lacam.search(3), SearchState::searching);
   EXPECT_EQ(lacam.under_way(), (std::vector<std::uint32_t>{0, 1}));
 }
 
@@ -109,8 +109,8 @@ TEST(Lacam, TheSameSeedMakesTheSameMoves) {
   Cluster cluster(graph, tasks);
   Lacam a(cluster, Random(3));
   Lacam b(cluster, Random(3));
-  ASSERT_EQ(a.search(10'000), Progress::solved);
-  ASSERT_EQ(b.search(10'000), Progress::solved);
+  ASSERT_EQ(a.search(10'000), SearchState::solved);
+  ASSERT_EQ(b.search(10'000), SearchState::solved);
   ASSERT_EQ(a.moves().size(), b.moves().size());
   for (std::size_t k = 0; k < a.moves().size(); ++k) EXPECT_EQ(a.moves()[k].edge, b.moves()[k].edge);
 }
