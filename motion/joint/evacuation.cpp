@@ -31,7 +31,7 @@ std::vector<VertexMove> reversed(const AnnotatedRoadmap& graph, const std::vecto
 }  // namespace
 
 Evacuation::Evacuation(Cluster& cluster, Random random)
-    : cluster_(cluster), random_(random), effort_left_(most_effort), stage_(begun_attempt()) {
+    : cluster_(cluster), random_(random), stage_(begun_attempt()) {
   if (goals_touch()) attempts_ = most_attempts;
 }
 
@@ -83,7 +83,10 @@ SearchState Evacuation::step() {
   for (int k = 0; k < ways_a_step && attempts_ < most_attempts; ++k) {
     const SearchState progress = std::visit([](auto& stage) { return stage.step(); }, stage_);
     if (progress == SearchState::solved && !go_on()) return SearchState::solved;
+    const std::size_t effort = std::visit([](const auto& stage) { return stage.effort(); }, stage_);
+    if (effort_ + effort > most_effort) attempts_ = most_attempts;
     if (progress == SearchState::gave_up && ++attempts_ < most_attempts) {
+      effort_ += effort;
       Leaves next = begun_attempt();
       stage_.emplace<Leaves>(std::move(next));
     }

@@ -37,11 +37,13 @@ class Evacuation {
   struct Leaves {  ///< from the starts
     Parking first;
     SearchState step() { return first.step(); }
+    std::size_t effort() const { return first.effort(); }
   };
   struct Returns {  ///< from the goals, in thought
     Parking first;
     Parking second;
     SearchState step() { return second.step(); }
+    std::size_t effort() const { return first.effort() + second.effort(); }
   };
   struct Exchanges {  ///< from the first parking vertices to the second ones
     Parking first;
@@ -50,6 +52,7 @@ class Evacuation {
     Lacam lacam;
     int steps_left;
     SearchState step();
+    std::size_t effort() const { return first.effort() + second.effort(); }
   };
 
   bool goals_touch() const;
@@ -60,9 +63,9 @@ class Evacuation {
 
   Cluster& cluster_;
   Random random_;
-  int attempts_ = 0;  ///< those that have ended
+  int attempts_ = 0;        ///< those that have ended
+  std::size_t effort_ = 0;  ///< edges that these have examined
   std::vector<std::uint32_t> order_{};
-  std::size_t effort_left_;
   std::variant<Leaves, Returns, Exchanges> stage_;
 };
 

@@ -45,6 +45,9 @@ class JointPlanner {
   /// `places` and its field must outlive it. A robot that could not reach its goal even if it were alone is
   /// stranded from the start, and gives way.
   JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
+  JointPlanner(const JointPlanner&) = delete;  // its roadmap refers to its tasks
+  JointPlanner& operator=(const JointPlanner&) = delete;
+  ~JointPlanner() = default;
 
   /// Does a bounded amount of work. Returns the plan once it is complete: then this must not be called again.
   std::optional<JointPlan> step();

@@ -77,7 +77,7 @@ SearchState Lacam::search(std::size_t configurations) {
     if (open_.empty() || nodes_.size() * cluster_.size() > most_remembered) return SearchState::gave_up;
     const bool stuck = nodes_.size() > before_it_is_stuck && random_.index(between_looks_back) == 0;
     if (stuck) open_.push_back(random_.index(nodes_.size()));
-    const std::size_t deepest = open_.back();
+    const std::size_t deepest = open_.back();  // the paper's high-level node
     Node& node = nodes_[deepest];
     if (node.tried == node.constraints.size()) {
       open_.pop_back();
@@ -91,7 +91,8 @@ SearchState Lacam::search(std::size_t configurations) {
   return SearchState::searching;
 }
 
-/// The next set of constraints. Sets that force one robot more are appended, in the order of the priorities.
+/// The next set of constraints: the paper's low-level node. Sets that force one robot more are appended, in
+/// the order of the priorities.
 std::vector<Pibt::Forced> Lacam::next_constraints(Node& node) {
   const std::uint32_t number = node.tried++;
   std::vector<Pibt::Forced> set;

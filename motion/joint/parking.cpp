@@ -157,12 +157,18 @@ bool Parking::closes_nothing(Vertex place) {
     });
     if (in_the_way) return false;
   }
-  return std::ranges::all_of(parts_, [&](const Part& part) {
-    flood(part.wanted.front(), place);
-    const auto reached = [&](Vertex v) { return seen_[v] == search_; };
-    return std::ranges::all_of(part.wanted, reached) &&
-           std::ranges::all_of(part.all, [&](Vertex v) { return reached(v) || graph_.touch(v, place); });
-  });
+  return std::ranges::all_of(parts_, [&](const Part& part) { return stays_in_one_piece(part, place); });
+}
+
+/// Whether all wanted vertices stay connected if the robot parks at a place, and it cuts off fewer other
+/// vertices than it covers.
+bool Parking::stays_in_one_piece(const Part& part, Vertex place) {
+  flood(part.wanted.front(), place);
+  const auto reached = [&](Vertex v) { return seen_[v] == search_; };
+  const auto covered = [&](Vertex v) { return graph_.touch(v, place); };
+  return std::ranges::all_of(part.wanted, reached) &&
+         std::ranges::count_if(part.all, std::not_fn(reached)) <
+             std::max(std::ptrdiff_t{1}, 2 * std::ranges::count_if(part.all, covered));
 }
 
 }  // namespace coppice

@@ -1,7 +1,7 @@
 // Evacuates a cluster: one robot after the other drives to a parking vertex, where it closes no way.
 //
-// A vertex is suitable if the roadmap around all parked robots stays in one piece: the position cuts off no
-// vertex but those that the robot covers, and all robots' vertices and aims remain connected. A roadmap with
+// A vertex is suitable if the roadmap around all parked robots stays in one piece: the position cuts off
+// fewer vertices than the robot covers, and all robots' vertices and aims remain connected. A roadmap with
 // such vertices is well-formed (Cap, Vokrinek, Kleiner, "Complete Decentralized Method for On-Line
 // Multi-Robot Trajectory Planning in Well-formed Infrastructures", 2015).
 #pragma once
@@ -36,6 +36,10 @@ class Parking {
  private:
   enum Stands : std::uint8_t { nobody, somebody, for_good };
   using Vertices = std::vector<Vertex>;
+  struct Part {
+    Vertices wanted;  ///< vertices that must stay connected
+    Vertices all;     ///< all vertices that are connected with them
+  };
 
   template <class Wanted>
   std::optional<std::vector<VertexMove>> way(Vertex from, Stands walls, Wanted&& wanted);
@@ -45,11 +49,7 @@ class Parking {
   Vertices to_be_connected() const;
   void find_parts();
   bool closes_nothing(Vertex place);
-
-  struct Part {
-    Vertices wanted;  ///< vertices that must stay connected
-    Vertices all;     ///< all vertices that are connected with them
-  };
+  bool stays_in_one_piece(const Part& part, Vertex place);
 
   const AnnotatedRoadmap& graph_;
   std::vector<Robot> robots_;
