@@ -29,33 +29,20 @@ constexpr auto evacuation = [](Search& search, Cluster& cluster, Random random) 
 
 std::span<const JointPlanner::Strategy> JointPlanner::strategies() {
   using enum ClusterRoadmap::Vertices;
+  using R = ClusterRoadmap::Choice;
   // A step of LaCAM makes 1,000 configurations. Successful searches hardly ever need more than 5.
-  static constexpr std::array<Strategy, 5> all{{
-      {"LaCAM", "most clusters", any_number, 5, {packed, as_the_largest}, lacam},
-      {"weighted A*",
-       "four robots or fewer in narrow passages",
-       4,
-       to_its_end,
-       {from_an_end, few_sizes},
+  static constexpr std::array<Strategy, 6> all{{
+      {"LaCAM", "most clusters", any_number, 5, R{packed, as_the_largest}, lacam},
+      {"weighted A*", "four robots or fewer in narrow passages", 4, to_its_end, R{from_an_end, few_sizes},
        a_star},
-      {"LaCAM on more vertices",
-       "robots in a clinch, and short branches of passages",
-       any_number,
-       5,
-       {packed_and_more, few_sizes},
-       lacam},
-      {"evacuation",
-       "dead ends that are filled in the wrong order",
-       any_number,
-       to_its_end,
-       {packed_and_more, few_sizes},
-       evacuation},
-      {"LaCAM for long",
-       "clusters in which robots shut each other in",
-       any_number,
-       90,
-       {packed_and_more, few_sizes},
-       lacam},
+      {"LaCAM on more vertices", "robots in a clinch, and short branches of passages", any_number, 5,
+       R{packed_and_more, few_sizes}, lacam},
+      {"evacuation", "dead ends that are filled in the wrong order", any_number, to_its_end,
+       R{packed_and_more, as_the_largest}, evacuation},
+      {"evacuation by size", "the same, where small robots have less room than the largest", any_number,
+       to_its_end, R{packed_and_more, few_sizes}, evacuation, true},
+      {"LaCAM for long", "clusters in which robots shut each other in", any_number, 90,
+       R{packed_and_more, few_sizes}, lacam},
   }};
   return all;
 }
@@ -111,12 +98,21 @@ bool JointPlanner::begin_next() {
   roadmap_.reset();
   if (++end_ < ends) return true;
   end_ = 0;
-  const auto robots = static_cast<std::size_t>(std::ranges::count_if(tasks_, &JointTask::movable));
   do {
     if (strategy_ + 1 == strategies().size()) return false;
     ++strategy_;
-  } while (robots > strategy().most_robots);
+  } while (!applies());
   return true;
+}
+
+/// Whether the present strategy is for these robots.
+bool JointPlanner::applies() const {
+  std::vector<double> radii;
+  for (const JointTask& task : tasks_) {
+    if (task.movable) radii.push_back(task.radius);
+  }
+  const auto [least, most] = std::ranges::minmax(radii);
+  return radii.size() <= strategy().most_robots && (!strategy().several_sizes || least < most);
 }
 
 JointPlan JointPlanner::completed(JointPlan plan) {

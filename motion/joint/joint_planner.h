@@ -38,6 +38,7 @@ class JointPlanner {
     int most_steps;  ///< of the search
     ClusterRoadmap::Choice roadmap;
     void (*begin)(Search&, Cluster&, Random);
+    bool several_sizes = false;  ///< only for robots that are not all as large
   };
   /// In the order in which they are tried.
   static std::span<const Strategy> strategies();
@@ -56,6 +57,7 @@ class JointPlanner {
 
  private:
   bool begin_next();
+  bool applies() const;
   void begin();
   void give_up();
   JointPlan plan() const;
