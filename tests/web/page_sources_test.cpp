@@ -1,6 +1,7 @@
 // Tests of the page's sources, with the packages of `npm install` (monitor/web/README.md): their own tests,
 // and that they make the committed bundle.
 //
+// CTest: TIMEOUT 900
 // CTest: RESOURCE_LOCK browser_1
 
 #include <cstdlib>

@@ -3,6 +3,7 @@
 //
 // COPPICE_PAGE_SHOTS: a folder in which the screenshots stay.
 //
+// CTest: TIMEOUT 900
 // CTest: RESOURCE_LOCK browser_2
 
 #include <algorithm>
