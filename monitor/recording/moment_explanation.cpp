@@ -151,7 +151,7 @@ std::string contact_of(const Moment& m) {
                        : fmt::format("Contact: {}.", fmt::join(lacks, "; "));
 }
 
-/// Of the robot that it waited for: what it had heard, as far as it said so.
+/// Tells what the robot had heard of the one for which it waited, as far as it said so.
 std::string heard_of(const Moment& m, const RobotName& other) {
   std::string text;
   const double now = m.robot.state->promise.stamp;
