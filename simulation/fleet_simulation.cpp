@@ -181,7 +181,7 @@ void FleetSimulation::show(Agent& agent, const Run& run) {
   const AgentClock clock{agent.faults.clock.offset - id.epoch, agent.faults.clock.drift};
   if (!sentinel_.look(agent.index, {run.body(), clock, id, run.left_out(), run.map()->field}, now_)) return;
   agent.peer_in_turn = (agent.peer_in_turn + 1) % agents_.size();
-  if (const ClockOffset* const known = run.clock_of(agents_[agent.peer_in_turn].name))
+  if (const ClockOffset* const known = run.fleet().clock_of(agents_[agent.peer_in_turn].name))
     sentinel_.check_clock(agent.index, agent.peer_in_turn, *known, now_);
 }
 

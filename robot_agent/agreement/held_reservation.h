@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "messages/messages.h"
+#include "messages/reservation_relation.h"
 #include "motion/body/driver.h"
 #include "motion/body/way_follower.h"
 #include "motion/trajectory/corners.h"
 #include "motion/trajectory/reserved_order.h"
-#include "robot_agent/agreement/reservation_pair.h"
 #include "robot_agent/agreement/reservations.h"
 #include "robot_agent/peers/fleet.h"
 #include "robot_agent/timing.h"

@@ -1,35 +1,17 @@
-// What follows from the reservations of two robots: whether they were planned around each other, which of
-// them holds if not, and how the times of one count for the other. All robots find the same.
+// Which of two reservations holds that were planned without each other. All robots find the same.
 //
-// Metres in the map frame, seconds of fleet time.
+// Metres in the map frame.
 #pragma once
 
-#include <cstdint>
-
 #include "messages/messages.h"
+#include "messages/reservation_relation.h"
 
 namespace coppice {
-
-bool is_of_plan(const ReservationMessage& r);
-bool are_of_one_plan(const ReservationMessage& a, const ReservationMessage& b);
-
-/// A reservation, and the first number of its trajectory: it may have been renewed under others since.
-struct RenewedReservation {
-  const ReservationMessage& message;
-  std::uint32_t since;
-};
-
-/// They were planned around each other, or one of them around the other.
-bool are_related(const RenewedReservation& a, const RenewedReservation& b);
 
 /// Whether another reservation holds against this one, if the two were planned without each other.
 bool overrides(const ReservationMessage& other, const ReservationMessage& own);
 
 /// Whether the two robots may come near each other, at whatever times. Both have trajectories.
 bool come_near(const ReservationMessage& a, const ReservationMessage& b);
-
-/// Seconds to be added to the times of `other`, so that all robots order the two alike. `estimate`: the
-/// difference of the clocks, where neither reservation tells it.
-double offset_between(const RenewedReservation& own, const RenewedReservation& other, double estimate);
 
 }  // namespace coppice

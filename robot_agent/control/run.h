@@ -86,8 +86,6 @@ class Run {
   const Fleet& fleet() const { return fleet_; }
   /// The reservations that other robots hold, and because of which the last decision left these out.
   std::span<const ReservationId> left_out() const { return left_out_; }
-  /// The offset of another robot's clock; null: nothing is known of that robot.
-  const ClockOffset* clock_of(const RobotName& robot) const { return fleet_.clock_of(robot); }
   const Mission& mission() const { return mission_; }
   const std::optional<Tracking>& tracking() const { return tracking_; }
   const std::shared_ptr<MapContext>& map() const { return map_; }
